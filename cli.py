@@ -1,0 +1,231 @@
+"""The command line: one function a command, which parses, calls and prints. Everything else is in the packages."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+READINGS = click.Choice(["score", "posterior"])
+MODES = click.Choice(["to_B", "drop", "reassign"])
+INTERPRETATION = click.argument("interpretation", metavar="INTERPRETATION")
+AS_JSON = click.option("--json", "as_json", is_flag=True, help="One versioned JSON document on stdout.")
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="plogic")
+def cli() -> None:
+    """Abductive visual perception with probabilistic logic: an image in, ranked possible worlds out."""
+
+
+@cli.command()
+@click.option(
+    "-o", "--out", type=click.Path(path_type=Path), default=Path("out/demo"), show_default=True, help="Folder to write."
+)
+@click.option("--seed", default=0, show_default=True)
+@click.option("--reading", type=READINGS, default="score", show_default=True)
+def demo(out: Path, seed: int, reading: str) -> None:
+    """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
+    from plogic.demo import run_demo
+
+    _out(run_demo(out, seed, reading, say=_say))
+
+
+@cli.command()
+@click.argument("input", metavar="INPUT")
+@click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base; `towers` is shipped.")
+@click.option("--camera", type=click.Path(), help="Camera file of an image: ours, ROS, OpenCV, BOP or COLMAP.")
+@click.option("--reading", type=READINGS, default="score", show_default=True)
+@click.option(
+    "--reconsider", type=MODES, default="to_B", show_default=True, help="How explained misses count (score reading)."
+)
+@click.option(
+    "--smoothing",
+    type=click.FloatRange(0.0, 0.5, max_open=True),
+    default=0.0,
+    show_default=True,
+    help="ε of the score program's choices.",
+)
+@click.option(
+    "--deadline",
+    type=click.FloatRange(0.0, min_open=True),
+    help="Seconds; the best answer so far is marked unfinished (exit 3).",
+)
+@click.option("-o", "--out", default="-", help="File to write; `-` is stdout (default).")
+@click.option("--report", type=click.Path(path_type=Path), help="Also write the page.")
+@click.option(
+    "--picture", type=click.Path(path_type=Path), help="Also write the picture with the hypotheses over it (PNG)."
+)
+@click.option("--timings", type=click.Path(path_type=Path), help="Write the seconds of each stage as JSON.")
+def perceive(input: str, kb_folder: str, out: str, **options: Any) -> None:
+    """Interpret INPUT, an image or a Γ file (`-` is a Γ on stdin), with a knowledge base."""
+    from plogic.commands.perceive import perceive_command
+
+    status = perceive_command(input, kb_folder, out, options, say=_say, write=_out)
+    sys.exit(status)
+
+
+@cli.command()
+@INTERPRETATION
+@click.option("-n", "number", type=click.IntRange(1), default=10, show_default=True)
+@AS_JSON
+def worlds(interpretation: str, number: int, as_json: bool) -> None:
+    """List the possible worlds, most probable first, with the mass that is not listed."""
+    from plogic.commands.asking import worlds_command
+
+    _out(worlds_command(interpretation, number, as_json=as_json))
+
+
+@cli.command()
+@click.argument("source", metavar="INTERPRETATION|PROGRAM.pl")
+@click.argument("goal", required=False)
+@click.option("--given", multiple=True, metavar="EVIDENCE", help="A literal that is observed; may be repeated.")
+@click.option("--rules", type=click.Path(), help="A file of your own rules.")
+@AS_JSON
+def query(source: str, goal: str | None, given: tuple[str, ...], rules: str | None, as_json: bool) -> None:
+    """Give P(goal) with every answer substitution, most probable first; without a goal, the program's own queries."""
+    from plogic.commands.asking import query_command
+
+    _out(query_command(source, goal, given, rules, as_json=as_json))
+
+
+@cli.command()
+@click.argument("source", metavar="INTERPRETATION|PROGRAM.pl")
+@click.argument("goal")
+@click.option("--given", multiple=True, metavar="EVIDENCE")
+@click.option("--rules", type=click.Path())
+@click.option("-n", "number", type=click.IntRange(1), default=5, show_default=True)
+@AS_JSON
+def explain(source: str, goal: str, given: tuple[str, ...], rules: str | None, number: int, as_json: bool) -> None:
+    """Say why, and why not: ranked explanations of the goal as trees down to the data."""
+    from plogic.commands.asking import explain_command
+
+    _out(explain_command(source, goal, given, rules, number, as_json=as_json))
+
+
+@cli.command()
+@INTERPRETATION
+@click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
+def program(interpretation: str, reading: str | None) -> None:
+    """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
+    from plogic.commands.asking import program_command
+
+    _out(program_command(interpretation, reading))
+
+
+@cli.command()
+@INTERPRETATION
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="The page to write.")
+def report(interpretation: str, out: Path) -> None:
+    """Write one self-contained HTML page that works offline."""
+    from plogic.commands.asking import report_command
+
+    report_command(interpretation, out)
+    _say(f"wrote {out}")
+
+
+@cli.group()
+def kb() -> None:
+    """Check and show knowledge bases."""
+
+
+@kb.command("check")
+@click.argument("folder")
+@AS_JSON
+def kb_check(folder: str, as_json: bool) -> None:
+    """Report every mistake of a knowledge base at its file, line and column."""
+    from plogic.commands.kb import check_command
+
+    _out(check_command(folder, as_json=as_json))
+
+
+@kb.command("show")
+@click.argument("folder")
+@AS_JSON
+def kb_show(folder: str, as_json: bool) -> None:
+    """Show the trees of parts, the counts and dv."""
+    from plogic.commands.kb import show_command
+
+    _out(show_command(folder, as_json=as_json))
+
+
+@kb.command("measures")
+@click.argument("folder")
+@click.option("--gamma", type=click.Path(), help="A Γ to rank the types by.")
+@AS_JSON
+def kb_measures(folder: str, gamma: str | None, as_json: bool) -> None:
+    """Print |S(F)|, P(dv) and dv of every feature type; with a Γ, the rank of every object type."""
+    from plogic.commands.kb import measures_command
+
+    _out(measures_command(folder, gamma, as_json=as_json))
+
+
+@kb.command("schema")
+@click.argument("which", type=click.Choice(["kb", "object"]))
+def kb_schema(which: str) -> None:
+    """Print the JSON Schema of `kb.yaml` or `object.yaml`."""
+    from plogic.commands.kb import schema_command
+
+    _out(schema_command(which))
+
+
+@cli.command()
+@click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base; `towers` is shipped.")
+@click.option("--objects", "number", type=click.IntRange(0, 50), default=2, show_default=True)
+@click.option(
+    "--decoys", type=click.IntRange(0, 50), default=0, show_default=True, help="Untyped boxes and wedges beside them."
+)
+@click.option("--seed", default=0, show_default=True)
+@click.option(
+    "-o", "--out", type=click.Path(path_type=Path), required=True, help="New folder for image, camera and ground truth."
+)
+def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path) -> None:
+    """Render a physically settled scene with its ground truth."""
+    from plogic.commands.simulate import simulate_command
+
+    simulate_command(kb_folder, number, decoys, seed, out)
+    _say(f"wrote {out}")
+
+
+@cli.command()
+@click.argument("name", type=click.Choice(["towers"]))
+@click.option("--scenes", type=click.IntRange(1), default=120, show_default=True)
+@click.option("--seed", default=0, show_default=True)
+@AS_JSON
+def bench(name: str, scenes: int, seed: int, as_json: bool) -> None:
+    """Run one of the project's own benchmarks; it ends with its claims."""
+    from importlib import import_module
+
+    text, met = import_module(f"plogic.bench.{name}").run(scenes, seed, as_json=as_json, say=_say)
+    _out(text)
+    sys.exit(0 if met else 1)
+
+
+def _out(text: str) -> None:
+    sys.stdout.write(text if text.endswith("\n") else text + "\n")
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(text + "\n")
+
+
+def main() -> None:
+    """Run a command; only here does an error turn into an exit code, and none shows a traceback."""
+    try:
+        cli(standalone_mode=True)
+    except BrokenPipeError:
+        sys.stderr.close()
+        sys.exit(0)
+    except Exception as error:
+        from geometry.errors import PlogicError
+
+        if not isinstance(error, PlogicError):
+            raise
+        _say("\n".join(f"plogic: {line}" for line in str(error).splitlines()))
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,42 @@
+"""Arrays that are checked once and can never be written again."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from geometry.errors import GeometryError
+
+Floats = NDArray[np.float64]  # any shape, double precision
+Ints = NDArray[np.int64]  # any shape
+Mask = NDArray[np.bool_]  # any shape
+
+
+def frozen(values: ArrayLike) -> Floats:
+    """A read-only copy of `values` as doubles; later writes to the original do not reach it."""
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+def frozen_ints(values: ArrayLike) -> Ints:
+    """A read-only copy of `values` as 64-bit integers."""
+    array = np.array(values, dtype=np.int64)
+    array.setflags(write=False)
+    return array
+
+
+def last_axes(values: ArrayLike, shape: Iterable[int], name: str) -> Floats:
+    """`values` as doubles whose last axes have `shape` (-1: any length).
+
+    Raises:
+        GeometryError: naming `name`, the rule and the shape that came.
+    """
+    array = np.asarray(values, dtype=np.float64)
+    wanted = tuple(shape)
+    tail = array.shape[array.ndim - len(wanted) :] if array.ndim >= len(wanted) else ()
+    fits = len(tail) == len(wanted) and all(want in (-1, got) for want, got in zip(wanted, tail, strict=True))
+    if not fits:
+        rule = ", ".join("N" if want == -1 else str(want) for want in wanted)
+        raise GeometryError(f"{name} must have the shape (..., {rule}), not {array.shape}")
+    return array

@@ -1,0 +1,103 @@
+"""Rays against one surface, with one Embree structure built once, in the surface's own frame.
+
+Embree finds the triangle in single precision; the distance is then taken to that triangle's plane in double precision.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geometry.arrays import Floats, Ints, Mask, frozen, frozen_ints, last_axes
+from geometry.errors import GeometryError
+
+_GRAZING = 1e-9  # sine of the angle to a plane below which Embree's own distance is kept
+
+
+class RayMesh:
+    """A surface ready to be shot at: `vertices` (V, 3) m and `triangles` (T, 3), both read-only.
+
+    Raises:
+        GeometryError: for an empty surface, a coordinate that is not finite, or an index out of range.
+    """
+
+    def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
+        """Check the surface, and build its acceleration structure."""
+        from embreex.mesh_construction import TriangleMesh  # noqa: PLC0415 - a compiled library, loaded when it is used
+        from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
+
+        self.vertices, self.triangles = checked_mesh(vertices, triangles)
+        low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
+        self.size = float(np.linalg.norm(high - low))  # m, diagonal of the box round it
+        self._centre, self._scale = (low + high) / 2, 2.0 / max(self.size, 1e-300)
+        corners = self.vertices[self.triangles]
+        self._corner = corners[:, 0]
+        self._normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        self._scene = EmbreeScene(robust=True)  # no cracks along shared edges
+        unit = ((self.vertices - self._centre) * self._scale).astype(np.float32)
+        self._mesh = TriangleMesh(self._scene, unit, self.triangles.astype(np.int32))
+
+    def first_hit(self, origins: ArrayLike, directions: ArrayLike) -> Floats:
+        """Distance (N,) m from `origins` (N, 3) along `directions` (N, 3), of any length, to the surface; inf for none.
+
+        A direction of zero and a ray that is not finite hit nothing. Both sides of a triangle are hit.
+        """
+        return self.first_triangle(origins, directions)[0]
+
+    def first_triangle(self, origins: ArrayLike, directions: ArrayLike) -> tuple[Floats, Ints]:
+        """As `first_hit`, and the index (N,) of the triangle that is hit, -1 for none."""
+        start, ray = np.broadcast_arrays(
+            last_axes(origins, (-1, 3), "origins"), last_axes(directions, (-1, 3), "directions")
+        )
+        length = np.linalg.norm(ray, axis=-1)
+        alive = np.isfinite(start).all(axis=-1) & np.isfinite(length) & (length > 0)
+        distance, triangle = np.full(len(ray), np.inf), np.full(len(ray), -1, dtype=np.int64)
+        if alive.any():
+            unit = ray[alive] / length[alive, None]
+            distance[alive], triangle[alive] = self._shoot(start[alive], unit)
+        return distance, triangle
+
+    def blocks(self, viewpoint: ArrayLike, points: ArrayLike, tolerance: float) -> Mask:
+        """Mask (N,): the segment from `viewpoint` (3,) to a point (N, 3) is cut `tolerance` m or more before it ends.
+
+        This is Behind (§3.4): the tolerance excludes a feature's own facets at the feature.
+        """
+        eye, targets = last_axes(viewpoint, (3,), "viewpoint"), last_axes(points, (-1, 3), "points")
+        reach = np.linalg.norm(targets - eye, axis=-1)
+        hit = self.first_hit(np.broadcast_to(eye, targets.shape), targets - eye)
+        return np.asarray(hit < reach - tolerance)
+
+    def _shoot(self, start: Floats, unit: Floats) -> tuple[Floats, Ints]:
+        """Distances and triangles of finite rays with unit directions, each begun at the sphere round the surface."""
+        lead = np.maximum(0.0, np.linalg.norm(start - self._centre, axis=-1) - self.size)  # keeps single precision fine
+        near = ((start + lead[:, None] * unit - self._centre) * self._scale).astype(np.float32)
+        answer = self._scene.run(near, unit.astype(np.float32), output=True)
+        triangle = np.asarray(answer["primID"], dtype=np.int64)
+        hit = triangle >= 0
+        rough = np.where(hit, np.asarray(answer["tfar"], dtype=np.float64) / self._scale + lead, np.inf)
+        return np.where(hit, self._exact(start, unit, np.where(hit, triangle, 0), rough), np.inf), triangle
+
+    def _exact(self, start: Floats, unit: Floats, triangle: Ints, rough: Floats) -> Floats:
+        """Distances (N,) to the planes of the triangles hit; Embree's where the ray grazes or the two do not agree."""
+        normal = self._normals[triangle]
+        sink = (normal * unit).sum(axis=-1)
+        steep = np.abs(sink) > _GRAZING * np.linalg.norm(normal, axis=-1)
+        rise = (normal * (self._corner[triangle] - start)).sum(axis=-1)
+        distance = np.divide(rise, sink, out=np.full(len(rise), np.nan), where=steep)
+        return np.where(np.abs(distance - rough) < 1e-3 * self.size, distance, rough)
+
+
+def checked_mesh(vertices: ArrayLike, triangles: ArrayLike) -> tuple[Floats, Ints]:
+    """Read-only `vertices` (V, 3) and `triangles` (T, 3) of a surface that can be used at all.
+
+    Raises:
+        GeometryError: for an empty surface, a coordinate that is not finite, or an index out of range.
+    """
+    places, facets = frozen(last_axes(vertices, (-1, 3), "vertices")), frozen_ints(triangles)
+    if facets.ndim != 2 or facets.shape[1] != 3 or not len(facets) or not len(places):
+        raise GeometryError(
+            f"triangles must have the shape (T >= 1, 3), not {facets.shape}, over {len(places)} vertices"
+        )
+    if not np.isfinite(places).all():
+        raise GeometryError(f"vertex {int(np.argmin(np.isfinite(places).all(axis=1)))} must be finite")
+    if facets.min() < 0 or facets.max() >= len(places):
+        raise GeometryError(f"triangles must index the {len(places)} vertices, not {facets.min()} to {facets.max()}")
+    return places, facets

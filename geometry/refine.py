@@ -1,0 +1,164 @@
+"""Least-squares refinement of poses on all their inliers: Levenberg-Marquardt on SE(3), a batch at once.
+
+A step (w, v) turns the object by exp(w) about its own origin, in the camera's axes, and moves that origin by v. The
+residuals are undistorted pixels, so that the Jacobian is that of a pinhole, whatever the lens.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geometry.arrays import Floats, last_axes
+from geometry.camera import NEAREST, Camera
+from geometry.errors import GeometryError
+
+_GENTLE, _STRONG = 1e-4, 1e8  # damping at the start, and at its most
+
+
+class _Task(NamedTuple):
+    points: Floats  # (B, N, 3) m, object frame
+    pixels: Floats  # (B, N, 2) undistorted px
+    weights: Floats  # (B, N), 0 for a missing point
+    K: Floats  # (2, 3)
+    huber: float  # px
+
+
+def refine_poses(  # noqa: PLR0913, PLR0917 - what a weighted fit needs
+    camera_from_object: ArrayLike,
+    points: ArrayLike,
+    uv: ArrayLike,
+    weights: ArrayLike,
+    camera: Camera,
+    iterations: int = 8,
+    *,
+    huber: float | None = None,
+) -> tuple[Floats, Floats, Floats]:
+    """Poses (B, 4, 4) that reproject `points` (B, N, 3) m nearest to the pixels `uv` (B, N, 2), from those given.
+
+    `weights` (B, N) are 1/variance in 1/px^2 (or plain 1); a point of weight 0 is missing and may be NaN. `huber` (px)
+    makes residuals beyond it count linearly. No pose gets worse than it came.
+
+    Returns:
+        The poses; the weighted rms distance (B,) in px (inf where a point of weight lies behind the camera, NaN without
+        any weight); the covariance (B, 6, 6) of (w rad, v m) as 1/variance weights imply it, inf on the diagonal where
+        the points do not fix the pose.
+
+    Raises:
+        GeometryError: where the shapes do not fit, or a weight is negative or not finite.
+    """
+    poses = np.array(last_axes(camera_from_object, (4, 4), "camera_from_object"))
+    task = _task(poses, points, uv, weights, camera, np.inf if huber is None else huber)
+    cost, damping = _cost(poses, task), np.full(len(poses), _GENTLE)
+    for _ in range(iterations):
+        hessian, slope = _normal_equations(poses, task)
+        step = _solve(hessian, slope, damping)
+        trial = _moved(poses, step)
+        trial_cost = _cost(trial, task)
+        better = trial_cost < cost
+        poses = np.where(better[:, None, None], trial, poses)
+        cost = np.where(better, trial_cost, cost)
+        damping = np.where(better, damping * 0.2, np.minimum(damping * 10, _STRONG))
+        if np.abs(step[better]).max(initial=0.0) < 1e-12:
+            break
+    return poses, _rms(poses, task), _covariance(_normal_equations(poses, task)[0])
+
+
+def _task(  # noqa: PLR0913, PLR0917 - the same
+    poses: Floats, points: ArrayLike, uv: ArrayLike, weights: ArrayLike, camera: Camera, huber: float
+) -> _Task:
+    objects, seen = last_axes(points, (-1, 3), "points"), last_axes(uv, (-1, 2), "uv")
+    weight = last_axes(weights, (-1,), "weights")
+    batch = objects.shape[:-1]
+    if poses.ndim != 3 or len(batch) != 2 or {seen.shape[:-1], weight.shape} != {batch} or len(poses) != batch[0]:
+        rule = "poses (B, 4, 4), points (B, N, 3), uv (B, N, 2) and weights (B, N) must agree in B and N"
+        raise GeometryError(f"{rule}, not {poses.shape}, {objects.shape}, {seen.shape}, {weight.shape}")
+    if not (np.isfinite(weight).all() and (weight >= 0).all()):
+        raise GeometryError("weights must be finite and not negative")
+    pixels = camera.to_pixels(camera.normalised(seen))
+    known = (weight > 0) & np.isfinite(pixels).all(axis=-1) & np.isfinite(objects).all(axis=-1)
+    there = known[..., None]
+    return _Task(
+        np.where(there, objects, 0.0), np.where(there, pixels, 0.0), np.where(known, weight, 0.0), camera.K[:2], huber
+    )
+
+
+def _placed(poses: Floats, task: _Task) -> tuple[Floats, Floats]:
+    """The points turned (B, N, 3), and turned and moved (B, N, 3)."""
+    turned = task.points @ np.swapaxes(poses[:, :3, :3], -1, -2)
+    return turned, turned + poses[:, None, :3, 3]
+
+
+def _residuals(placed: Floats, task: _Task) -> tuple[Floats, Floats]:
+    """Offsets (B, N, 2) px from the pixels, and inverse depths (B, N), 0 behind the camera."""
+    inverse_depth = np.where(placed[..., 2] > NEAREST, 1.0 / np.maximum(placed[..., 2], NEAREST), 0.0)
+    pixels = (placed[..., :2] * inverse_depth[..., None]) @ task.K[:, :2].T + task.K[:, 2]
+    return pixels - task.pixels, inverse_depth
+
+
+def _cost(poses: Floats, task: _Task) -> Floats:
+    """Weighted sum (B,) of squares, of Huber's function beyond its bound; inf where a point of weight lies behind."""
+    off, inverse_depth = _residuals(_placed(poses, task)[1], task)
+    square = (off * off).sum(axis=-1)
+    if np.isfinite(task.huber):
+        distance = np.sqrt(square)
+        square = np.where(distance <= task.huber, square, task.huber * (2 * distance - task.huber))
+    behind = ((inverse_depth == 0) & (task.weights > 0)).any(axis=-1)
+    return np.where(behind, np.inf, (task.weights * square).sum(axis=-1))
+
+
+def _rms(poses: Floats, task: _Task) -> Floats:
+    total = task.weights.sum(axis=-1)
+    plain = _cost(poses, task._replace(huber=np.inf))
+    return np.where(total > 0, np.sqrt(plain / np.where(total > 0, total, 1.0)), np.nan)
+
+
+def _normal_equations(poses: Floats, task: _Task) -> tuple[Floats, Floats]:
+    """J^T W J (B, 6, 6) and J^T W r (B, 6), Huber's weights included."""
+    turned, placed = _placed(poses, task)
+    off, s = _residuals(placed, task)
+    weight = task.weights
+    if np.isfinite(task.huber):
+        weight = weight * np.minimum(1.0, task.huber / np.maximum(np.linalg.norm(off, axis=-1), 1e-12))
+    by_point = np.zeros((*s.shape, 2, 3))  # d pixel / d point
+    by_point[..., :2] = task.K[:, :2] * s[..., None, None]
+    ideal = placed[..., :2] * s[..., None]
+    by_point[..., 2] = -(ideal @ task.K[:, :2].T) * s[..., None]
+    by_turn = np.cross(turned[..., None, :], by_point)  # row . (w x p) = w . (p x row)
+    jacobian = np.concatenate([by_turn, by_point], axis=-1).reshape(len(poses), -1, 6)
+    weighted = np.swapaxes(jacobian * np.repeat(weight, 2, axis=1)[..., None], 1, 2)
+    return weighted @ jacobian, (weighted @ off.reshape(len(poses), -1, 1))[..., 0]
+
+
+def _solve(hessian: Floats, slope: Floats, damping: Floats) -> Floats:
+    """The damped step (B, 6), scaled by the diagonal: units of angle and length do not mix."""
+    diagonal = np.maximum(np.diagonal(hessian, axis1=1, axis2=2), 1e-12)
+    damped = hessian + np.eye(6) * (diagonal * damping[:, None] + 1e-12)[:, None, :]
+    return np.asarray(-np.linalg.solve(damped, slope[..., None])[..., 0])
+
+
+def _moved(poses: Floats, step: Floats) -> Floats:
+    """The poses (B, 4, 4) after the steps (B, 6)."""
+    moved = poses.copy()
+    moved[:, :3, :3] = _exponential(step[:, :3]) @ poses[:, :3, :3]
+    moved[:, :3, 3] += step[:, 3:]
+    return moved
+
+
+def _exponential(w: Floats) -> Floats:
+    """Rotations (B, 3, 3) by the vectors `w` (B, 3) rad (Rodrigues)."""
+    angle = np.linalg.norm(w, axis=-1)[:, None, None]
+    cross = np.cross(np.eye(3), w[:, None, :])
+    return np.asarray(
+        np.eye(3) + np.sinc(angle / np.pi) * cross + 0.5 * np.sinc(angle / 2 / np.pi) ** 2 * cross @ cross
+    )
+
+
+def _covariance(hessian: Floats) -> Floats:
+    """The inverse (B, 6, 6), scaled to unit diagonal first; inf on the diagonal and 0 beside it where there is none."""
+    scale = 1.0 / np.sqrt(np.maximum(np.diagonal(hessian, axis1=1, axis2=2), 1e-300))
+    unit = hessian * scale[:, :, None] * scale[:, None, :]
+    fixed = np.linalg.eigvalsh(unit)[:, 0] > 1e-10
+    inverse = np.linalg.inv(np.where(fixed[:, None, None], unit, np.eye(6)))
+    inverse = inverse * scale[:, :, None] * scale[:, None, :]
+    return np.where(fixed[:, None, None], inverse, np.diag(np.full(6, np.inf)) if not fixed.all() else 0.0)

@@ -1,0 +1,1 @@
+"""Σ: what can exist. Feature clouds, mereology, surfaces, reading and writing, authoring."""

@@ -1,0 +1,137 @@
+"""Σo: object types as feature clouds (§2).
+
+Vocabulary, each with an example value:
+
+* ``Lobe``, from where an appearance is seen: ``Lobe(axis=(0, 0, 1), half_angle=1.7, r_min=0.2, r_max=30.0)``
+* ``FeatureAppearance``, one way that a feature looks: ``FeatureAppearance("arrow_junction", lobe)``
+* ``Feature``: ``Feature("roof/apex", "apex", at=(0, 0, 3), ...)``
+* ``ObjectType``: ``ObjectType("t2", tree, features, ...)``, the tree being a ``networkx.DiGraph`` with frames on its edges
+* ``KnowledgeBase``: ``KnowledgeBase("towers", types=(t1, t2), ...)``
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kb.lobes import LobeTable, lobe_table
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import networkx as nx
+    from numpy.typing import NDArray
+
+    from kb.surface import Surface
+
+
+def _freeze(holder: object, **shapes: tuple[int, ...]) -> None:
+    """Turn the named fields into read-only float arrays of the given shapes."""
+    for name, shape in shapes.items():
+        array = np.array(getattr(holder, name), dtype=float).reshape(shape)
+        array.setflags(write=False)
+        object.__setattr__(holder, name, array)
+
+
+@dataclass(frozen=True, eq=False)
+class Lobe:
+    """What the detector can see of an appearance (§2.7): unit ``axis`` (3,) in the feature's frame, ``half_angle`` rad, range in m."""
+
+    axis: NDArray[np.float64]
+    half_angle: float
+    r_min: float
+    r_max: float
+
+    def __post_init__(self) -> None:
+        _freeze(self, axis=(3,))
+
+
+@dataclass(frozen=True, eq=False)
+class FeatureAppearance:
+    """One appearance of a feature: what detectors report, and its viewpoints (the second slot of Φ, §2.1)."""
+
+    type: str
+    lobe: Lobe
+
+
+@dataclass(frozen=True, eq=False)
+class Feature:
+    """One feature. ``at`` (3,) m and ``rotation`` (3, 3) = object_from_feature, object frame; ``name`` is its path in the tree.
+
+    ``arms`` (K, 3): unit directions, object frame, of the surface's edges that meet here. ``parts`` names the features of a compound.
+    """
+
+    name: str
+    type: str
+    at: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    appearances: tuple[FeatureAppearance, ...]
+    arms: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    parts: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        _freeze(self, at=(3,), rotation=(3, 3), arms=(-1, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectType:
+    """One type of maximal object (D3).
+
+    ``features`` are the maximal features: valuation and ev score a compound once and not its parts again (A1). ``all_features`` is every
+    Feature node, which S of §5.1 counts. ``symmetries`` (S, 4, 4): rigid motions of the object's frame that change nothing, the identity
+    among them. A type without a mesh has no ``surface`` and hides nothing. ``mesh_scale`` is metres per unit of ``mesh_file``.
+    """
+
+    name: str
+    tree: nx.DiGraph
+    features: tuple[Feature, ...]
+    all_features: tuple[Feature, ...]
+    surface: Surface | None
+    opaque: bool
+    symmetries: NDArray[np.float64]
+    mesh_file: Path | None = None
+    mesh_scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        _freeze(self, symmetries=(-1, 4, 4))
+
+    @cached_property
+    def lobes(self) -> LobeTable:
+        """The lobes of ``features`` as arrays."""
+        return lobe_table(self.features)
+
+
+@dataclass(frozen=True)
+class Rates:
+    """Detector statistics and priors of a KB.
+
+    ``hit``: h_F per feature type. ``clutter``: expected clutter appearances an image per appearance type. ``prior`` per object type.
+    ``sigma``: location noise, pixels. ``match_tolerance``: pixels (D8).
+    """
+
+    hit: dict[str, float]
+    clutter: dict[str, float]
+    prior: dict[str, float]
+    sigma: float = 1.0
+    match_tolerance: float = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class KnowledgeBase:
+    """Σ. ``f_ref`` pixels: the focal length that lobes' ranges hold for. ``digest``: SHA-256 over the folder's contents."""
+
+    name: str
+    types: tuple[ObjectType, ...]
+    appearance_types: tuple[str, ...]
+    rates: Rates
+    f_ref: float
+    rules: str
+    digest: str
+    folder: Path | None = None
+
+    def type(self, name: str) -> ObjectType:
+        """The type of a name; raises KeyError."""
+        return {t.name: t for t in self.types}[name]

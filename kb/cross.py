@@ -1,0 +1,73 @@
+"""Mistakes that one document alone does not show: names used in one place and declared, or not, in another."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from kb.branches import nodes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kb.errors import Mistake
+    from kb.schema import KBModel
+    from kb.yaml_text import Document
+
+
+def cross_mistakes(kb: Document, model: KBModel | None, objects: Sequence[Document]) -> Iterator[Mistake]:
+    """Types of appearances, features and objects that are nowhere declared, and types of objects that are declared twice."""
+    yield from _repeated_objects(objects)
+    vocabulary = _vocabulary(kb)
+    if vocabulary is not None:
+        for document in objects:
+            yield from _unknown_appearances(document, vocabulary)
+    if model is not None:
+        features = {name for document in objects for name in _types(document, "feature")}
+        yield from _unknown(kb, ("detector", "hit"), model.detector.hit, features, "feature")
+        yield from _unknown(kb, ("detector", "clutter"), model.detector.clutter, set(model.appearance_types), "appearance")
+        yield from _unknown(kb, ("priors",), model.priors, {_name(document) for document in objects}, "object")
+        yield from _repeated_types(kb, model)
+
+
+def _name(document: Document) -> object:
+    return document.data.get("object")
+
+
+def _vocabulary(kb: Document) -> list[Any] | None:
+    """The appearance types, if they can be made out, whatever else is wrong."""
+    types = kb.data.get("appearance_types") if isinstance(kb.data, dict) else None
+    return types if isinstance(types, list) else None
+
+
+def _types(document: Document, kind: str) -> Iterator[str]:
+    for _, sort, entry in nodes(document.data):
+        if sort == kind and isinstance(entry, dict) and isinstance(entry.get("type"), str):
+            yield entry["type"]
+
+
+def _unknown_appearances(document: Document, vocabulary: list[Any]) -> Iterator[Mistake]:
+    for path, kind, entry in nodes(document.data):
+        name = entry.get("type") if kind == "appearance" and isinstance(entry, dict) else None
+        if isinstance(name, str) and name not in vocabulary:
+            listed = ", ".join(map(str, vocabulary[:12])) or "none"
+            yield document.mistake((*path, "type"), f"unknown appearance type {name!r}; appearance_types in kb.yaml: {listed}")
+
+
+def _unknown(kb: Document, path: tuple[str, ...], given: dict[str, float], known: set[Any], what: str) -> Iterator[Mistake]:
+    for name in given:
+        if name not in known:
+            listed = ", ".join(sorted(map(str, known))[:12]) or "none"
+            yield kb.mistake((*path, name), f"unknown {what} type {name!r}; known: {listed}", key=True)
+
+
+def _repeated_types(kb: Document, model: KBModel) -> Iterator[Mistake]:
+    for index, name in enumerate(model.appearance_types):
+        if name in model.appearance_types[:index]:
+            yield kb.mistake(("appearance_types", index), f"{name!r} was listed before")
+
+
+def _repeated_objects(objects: Sequence[Document]) -> Iterator[Mistake]:
+    for index, document in enumerate(objects):
+        for other in objects[:index]:
+            if isinstance(_name(document), str) and _name(document) == _name(other):
+                yield document.mistake(("object",), f"{_name(document)!r} is also the object of {other.file}")

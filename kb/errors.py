@@ -1,0 +1,55 @@
+"""What can go wrong with what can exist.
+
+::
+
+    geometry.errors.PlogicError
+    └── KBError                 anything of this package
+        ├── TreeError           a tree that breaks A1-A3 or D1-D3; names the node
+        ├── SurfaceError        a mesh that is no closed surface, or no mesh at all
+        └── KBErrors            a folder's mistakes, all of them; str() gives a line each
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from geometry.errors import PlogicError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+class KBError(PlogicError):
+    """Anything of this package."""
+
+
+class TreeError(KBError):
+    """A tree of parts that breaks A1-A3 or D1-D3; the message names the node and the rule."""
+
+
+class SurfaceError(KBError):
+    """A mesh that is no closed surface of non-degenerate facets."""
+
+
+@dataclass(frozen=True, order=True)
+class Mistake:
+    """One mistake of a KB: ``objects/tower/object.yaml:12:7: parts.1.features.0.type: ...``; lines and columns count from 1."""
+
+    file: str
+    line: int
+    column: int
+    path: str
+    message: str
+
+    def __str__(self) -> str:
+        where = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        return f"{where}: {self.path}: {self.message}" if self.path else f"{where}: {self.message}"
+
+
+class KBErrors(KBError):  # noqa: N818 - the folder's mistakes, in the plural
+    """Every mistake of a folder, in the order of files and lines."""
+
+    def __init__(self, mistakes: Sequence[Mistake]) -> None:
+        self.mistakes = tuple(sorted(mistakes))
+        super().__init__("\n".join(str(mistake) for mistake in self.mistakes))

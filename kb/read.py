@@ -1,0 +1,169 @@
+"""Read a KB's folder, or say everything that is wrong with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kb.branches import branch_of, outline, path_to
+from kb.cloud import KnowledgeBase, ObjectType, Rates
+from kb.cross import cross_mistakes
+from kb.errors import KBErrors, Mistake, SurfaceError
+from kb.folder import MAX_MESH_BYTES, Folder
+from kb.model_mistakes import checked
+from kb.quantities import LENGTHS
+from kb.schema import KBModel, ObjectModel
+from kb.surface import Surface, surface_from_mesh
+from kb.symmetries import motions
+from kb.tree import build_tree, features_of, tree_mistakes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kb.yaml_text import Document
+
+MAX_RULES_BYTES = 1_000_000
+"""Largest ``rules.pl``."""
+HIT, CLUTTER, PRIOR = 0.8, 1.0, 0.5
+"""What holds for types that ``kb.yaml`` says nothing about."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Object:
+    """One ``object.yaml``: its document, and what could be made of it."""
+
+    document: Document
+    model: ObjectModel | None
+    surface: Surface | None
+    mesh_file: Path | None
+
+
+def read_kb(folder: Path | str) -> KnowledgeBase:
+    """The knowledge base of a folder: ``kb.yaml``, ``objects/NAME/object.yaml`` with its mesh, ``rules.pl``.
+
+    Raises:
+        KBErrors: with every mistake of every file.
+    """
+    place = Folder(Path(folder))
+    _check_folder(place.root)
+    document = place.document(place.root / "kb.yaml")
+    if document is None:
+        raise KBErrors(place.mistakes)
+    model, wrong = checked(KBModel, document)
+    objects = [item for path in _object_files(place.root) if (item := _object(place, path)) is not None]
+    rules = _rules(place)
+    wrong += cross_mistakes(document, model, [item.document for item in objects])
+    mistakes = list(dict.fromkeys(place.mistakes + wrong))
+    if mistakes or model is None:
+        raise KBErrors(mistakes)
+    types = tuple(_type(item.model, item) for item in objects if item.model is not None)
+    return _knowledge_base(place, model, types, rules)
+
+
+def _check_folder(root: Path) -> None:
+    if not (root / "kb.yaml").exists():
+        what = "the folder holds no kb.yaml" if root.is_dir() else "there is no such folder"
+        raise KBErrors([Mistake(str(root), 0, 0, "", f"{what}; a knowledge base is a folder with a kb.yaml in it")])
+
+
+def _object_files(root: Path) -> list[Path]:
+    """One file per folder of ``objects``, hidden ones excepted."""
+    folder = root / "objects"
+    inside = sorted(folder.iterdir()) if folder.is_dir() else []
+    return [path / "object.yaml" for path in inside if path.is_dir() and not path.name.startswith(".")]
+
+
+def _object(place: Folder, path: Path) -> _Object | None:
+    document = place.document(path)
+    if document is None:
+        return None
+    model, wrong = checked(ObjectModel, document)
+    place.mistakes.extend(wrong)
+    if not isinstance(document.data, dict):
+        return None
+    place.mistakes.extend(_tree_mistakes(document))
+    place.mistakes.extend(_symmetry_mistakes(document, model) if model is not None else ())
+    mesh_file, surface = _surface(place, document, path.parent)
+    return _Object(document, model, surface, mesh_file)
+
+
+def _tree_mistakes(document: Document) -> Iterator[Mistake]:
+    for where, message in tree_mistakes(outline(document.data)):
+        yield document.mistake(path_to(document.data, where), message)
+
+
+def _symmetry_mistakes(document: Document, model: ObjectModel) -> Iterator[Mistake]:
+    try:
+        motions(model.symmetries)
+    except ValueError as error:
+        yield document.mistake(("symmetries",), str(error))
+
+
+def _surface(place: Folder, document: Document, folder: Path) -> tuple[Path | None, Surface | None]:
+    """The mesh of a document, sought even where the document has other mistakes."""
+    mesh = document.data.get("mesh")
+    file = mesh.get("file") if isinstance(mesh, dict) else None
+    if not isinstance(file, str) or not file or "\0" in file:
+        return None, None
+    path, units = folder / file, mesh.get("units")
+    fault = place.fault(path, MAX_MESH_BYTES)
+    if fault is not None:
+        place.mistakes.append(document.mistake(("mesh", "file"), f"the mesh {file!r:.100} {fault}"))
+    elif place.content(path, MAX_MESH_BYTES) is not None:
+        try:
+            return path, surface_from_mesh(path, LENGTHS.get(units, 1.0) if isinstance(units, str) else 1.0)
+        except SurfaceError as error:
+            place.mistakes.append(document.mistake(("mesh", "file"), str(error)))
+    return None, None
+
+
+def _rules(place: Folder) -> str:
+    path = place.root / "rules.pl"
+    content = place.content(path, MAX_RULES_BYTES) if path.exists() else b""
+    try:
+        return (content or b"").decode()
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        place.mistakes.append(Mistake("rules.pl", line, 1, "", f"must be UTF-8: {error.reason}"))
+        return ""
+
+
+def _type(model: ObjectModel, item: _Object) -> ObjectType:
+    tree = build_tree(branch_of(model))
+    features, all_features = features_of(tree)
+    return ObjectType(
+        name=model.object,
+        tree=tree,
+        features=features,
+        all_features=all_features,
+        surface=item.surface,
+        opaque=model.opaque,
+        symmetries=motions(model.symmetries),
+        mesh_file=item.mesh_file,
+    )
+
+
+def _knowledge_base(place: Folder, model: KBModel, types: tuple[ObjectType, ...], rules: str) -> KnowledgeBase:
+    return KnowledgeBase(
+        name=model.name,
+        types=types,
+        appearance_types=tuple(model.appearance_types),
+        rates=_rates(model, types),
+        f_ref=model.f_ref,
+        rules=rules,
+        digest=place.digest(),
+        folder=place.root,
+    )
+
+
+def _rates(model: KBModel, types: tuple[ObjectType, ...]) -> Rates:
+    detector = model.detector
+    kinds = sorted({feature.type for kind in types for feature in kind.all_features})
+    return Rates(
+        hit={name: detector.hit.get(name, HIT) for name in kinds},
+        clutter={name: detector.clutter.get(name, CLUTTER) for name in model.appearance_types},
+        prior={kind.name: model.priors.get(kind.name, PRIOR) for kind in types},
+        sigma=detector.sigma,
+        match_tolerance=detector.match_tolerance,
+    )

@@ -1,0 +1,262 @@
+"""What an author writes: the models of ``kb.yaml`` and ``object.yaml``, and their JSON Schemas.
+
+Vocabulary: ``KBModel(name="towers", ...)``, ``ObjectModel(object="t1", ...)``. Unknown keys are mistakes. Quantities are ``'100 deg'``,
+``'0.2 m'``, or plain numbers in SI units.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
+
+from kb import quantities
+
+MAX_NAME = 200
+"""Most characters of a name."""
+UNIT = 1e-9
+"""A direction whose length is this near to 1 is left as it is, so that what was written comes back the same."""
+
+
+def _shape(kind: str, example: str) -> WithJsonSchema:
+    either = [{"type": "number"}, {"type": "string", "examples": [example]}]
+    return WithJsonSchema({"anyOf": either, "description": f"{kind}, a plain number being SI"})
+
+
+def _name(value: object) -> str:
+    if not isinstance(value, str) or not value.strip() or len(value) > MAX_NAME or set(value) & set("/#\n\t"):
+        raise ValueError(f"must be a name without '/' and '#', not {value!r:.60}")
+    return value
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str) or not value:
+        raise ValueError(f"must be a text, not {value!r:.60}")
+    return value
+
+
+def _items(value: object, size: int) -> list[Any]:
+    if not isinstance(value, list) or len(value) != size:
+        raise ValueError(f"must be a list of {size}, not {value!r:.60}")
+    return value
+
+
+def _direction(value: object) -> tuple[float, ...]:
+    numbers = [quantities.number(item) for item in _items(value, 3)]
+    largest = max(abs(item) for item in numbers)
+    if not largest:
+        raise ValueError("must be a direction, not the zero vector")
+    scale = math.hypot(*(item / largest for item in numbers))
+    if abs(largest * scale - 1) < UNIT:
+        return tuple(numbers)
+    return tuple(item / largest / scale for item in numbers)
+
+
+def _place(value: object) -> tuple[float, ...]:
+    return tuple(quantities.length(item) for item in _items(value, 3))
+
+
+def _quaternion(value: object) -> tuple[float, ...]:
+    numbers = tuple(quantities.number(item) for item in _items(value, 4))
+    if not math.isclose(math.hypot(*numbers), 1.0, abs_tol=1e-3):
+        raise ValueError(f"must be of length 1, not {math.hypot(*numbers):.4g}")
+    return numbers
+
+
+def _half_angle(value: object) -> float:
+    size = quantities.angle(value)
+    if not 0 < size <= math.pi + 1e-9:
+        raise ValueError(f"must be above 0 and at most 180 deg, not {math.degrees(size):.6g} deg")
+    return min(size, math.pi)
+
+
+def _range(value: object) -> tuple[float, ...]:
+    low, high = (quantities.length(item) for item in _items(value, 2))
+    if not 0 <= low < high:
+        raise ValueError(f"must be [nearest, farthest] with 0 <= nearest < farthest, not [{low:g} m, {high:g} m]")
+    return low, high
+
+
+def _share(value: object) -> float:
+    share = quantities.number(value)
+    if not 0 < share < 1:
+        raise ValueError(f"must be above 0 and below 1, not {share:g}")
+    return share
+
+
+def _positive(value: object) -> float:
+    size = quantities.number(value)
+    if size <= 0:
+        raise ValueError(f"must be above 0, not {size:g}")
+    return size
+
+
+def _flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"must be true or false, not {value!r:.60}")  # noqa: TRY004 - pydantic wants a ValueError
+    return value
+
+
+def _fold(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not 2 <= value <= 360:
+        raise ValueError(f"must be a whole number from 2 to 360, not {value!r:.60}")
+    return value
+
+
+_TRIPLE = {"type": "array", "minItems": 3, "maxItems": 3}
+_MEASURE = {"type": ["number", "string"]}
+_OPEN = {"type": "number", "exclusiveMinimum": 0}
+
+Name = Annotated[str, BeforeValidator(_name), WithJsonSchema({"type": "string", "pattern": "^[^/#\n\t]+$"})]
+Text = Annotated[str, BeforeValidator(_text)]
+Place = Annotated[tuple[float, ...], BeforeValidator(_place), WithJsonSchema({**_TRIPLE, "items": _MEASURE})]
+Direction = Annotated[tuple[float, ...], BeforeValidator(_direction), WithJsonSchema({**_TRIPLE, "items": {"type": "number"}})]
+Quaternion = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_quaternion),
+    WithJsonSchema({"type": "array", "minItems": 4, "maxItems": 4, "items": {"type": "number"}}),
+]
+Angle = Annotated[float, BeforeValidator(quantities.angle), _shape("an angle", "90 deg")]
+HalfAngle = Annotated[float, BeforeValidator(_half_angle), _shape("an angle, at most 180 deg", "60 deg")]
+Range = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_range),
+    WithJsonSchema({"type": "array", "minItems": 2, "maxItems": 2, "items": _MEASURE}),
+]
+Share = Annotated[float, BeforeValidator(_share), WithJsonSchema({**_OPEN, "exclusiveMaximum": 1})]
+Positive = Annotated[float, BeforeValidator(_positive), WithJsonSchema(_OPEN)]
+Flag = Annotated[bool, BeforeValidator(_flag)]
+Fold = Annotated[int, BeforeValidator(_fold), WithJsonSchema({"type": "integer", "minimum": 2, "maximum": 360})]
+Units = Annotated[str, BeforeValidator(quantities.unit_of_length), WithJsonSchema({"enum": list(quantities.LENGTHS)})]
+
+
+class Model(BaseModel):
+    """What all models have in common: no key that is not known."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class LobeModel(Model):
+    """From where a detector can see the appearance (§2.7)."""
+
+    axis: Direction = Field(description="The cone's axis, in the feature's frame, towards the viewer; its length is free.")
+    half_angle: HalfAngle = Field(description="The cone's half-angle, such as '60 deg'.")
+    range: Range = Field(description="Nearest and farthest distance at the KB's f_ref, such as [0.2 m, 30 m].")
+
+
+class AppearanceModel(Model):
+    """One way that a feature looks."""
+
+    type: Name = Field(description="The appearance's type, one of the KB's appearance_types: what a detector reports.")
+    lobe: LobeModel | None = Field(None, description="From where it is seen. May be absent only above other appearances.")
+    appearances: list[AppearanceModel] = Field([], description="Appearances that this one is made of.")
+
+    @model_validator(mode="after")
+    def _seen_from_somewhere(self) -> AppearanceModel:
+        if self.lobe is None and not self.appearances:
+            raise ValueError("missing key 'lobe': from where the appearance is seen")
+        return self
+
+
+class RotationModel(Model):
+    """parent_from_child, in one of two forms."""
+
+    quat_xyzw: Quaternion | None = Field(None, description="A unit quaternion, in the order x, y, z, w.")
+    euler_xyz: Annotated[list[Angle], Field(min_length=3, max_length=3)] | None = Field(
+        None, description="Turns about the parent's x, then y, then z axis, such as [0 deg, 0 deg, 90 deg]."
+    )
+
+    @model_validator(mode="after")
+    def _one_form(self) -> RotationModel:
+        if (self.quat_xyzw is None) == (self.euler_xyz is None):
+            raise ValueError("must be either quat_xyzw or euler_xyz")
+        return self
+
+
+class FeatureModel(Model):
+    """One feature, of appearances, or of features (a compound, A1)."""
+
+    feature: Name = Field(description="Its name, of its own among its siblings.")
+    type: Name = Field(description="Its type: apex, corner, patch, ...: what distinctiveness counts.")
+    at: Place = Field(description="Its place in its parent's frame, m.")
+    rotation: RotationModel | None = Field(None, description="Its frame, turned against its parent's.")
+    arms: list[Direction] = Field([], description="Directions, in its frame, of the surface's edges that meet here.")
+    features: list[FeatureModel] = Field([], description="A compound's features; then it has no appearances of its own.")
+    appearances: list[AppearanceModel] = Field([], description="The ways it looks, each with its viewpoints.")
+
+
+class PartModel(Model):
+    """One part, of parts, or of features (A1)."""
+
+    part: Name = Field(description="Its name, of its own among its siblings.")
+    type: Name | None = Field(None, description="Its type; its name, if not given.")
+    at: Place = Field((0.0, 0.0, 0.0), description="Its place in its parent's frame, m.")
+    rotation: RotationModel | None = Field(None, description="Its frame, turned against its parent's.")
+    parts: list[PartModel] = Field([], description="Its parts.")
+    features: list[FeatureModel] = Field([], description="Its features.")
+
+
+class MeshModel(Model):
+    """The type's closed surface."""
+
+    file: Text = Field(description="The mesh's file, beside object.yaml; anything that trimesh reads.")
+    units: Units = Field(description="The unit of the mesh's coordinates. No mesh format carries it, so it must be stated.")
+
+
+class SymmetryModel(Model):
+    """Rigid motions that change nothing: turns about an axis, or one motion. All the products of what is listed are meant."""
+
+    axis: Direction | None = Field(None, description="The axis of the turns, object frame.")
+    fold: Fold | None = Field(None, description="How many turns make a full one: 4 for a square tower.")
+    continuous: Flag = Field(default=False, description="Any turn about the axis changes nothing; sampled every 5 deg.")
+    quat_xyzw: Quaternion | None = Field(None, description="Instead of an axis: one rotation.")
+    at: Place = Field((0.0, 0.0, 0.0), description="A point that the axis runs through; for a single motion, the shift.")
+
+    @model_validator(mode="after")
+    def _one_form(self) -> SymmetryModel:
+        if (self.axis is None) == (self.quat_xyzw is None):
+            raise ValueError("must have either axis or quat_xyzw")
+        if (self.fold is not None) + self.continuous != (self.axis is not None):
+            raise ValueError("an axis must have either fold or continuous: true; quat_xyzw has neither")
+        return self
+
+
+class ObjectModel(Model):
+    """``object.yaml``: one type of maximal object (D3)."""
+
+    object: Name = Field(description="The type's name.")
+    mesh: MeshModel | None = Field(None, description="Its surface. A type without one hides nothing.")
+    opaque: Flag = Field(default=True, description="Whether it hides what is behind it.")
+    symmetries: list[SymmetryModel] = Field([], description="Motions of its frame that change nothing.")
+    parts: list[PartModel] = Field([], description="Its parts; or else features (A1).")
+    features: list[FeatureModel] = Field([], description="Its features, if it has no parts.")
+
+
+class DetectorModel(Model):
+    """Detector statistics."""
+
+    hit: dict[Name, Share] = Field({}, description="Chance that an expected feature is detected, per feature type; 0.8.")
+    clutter: dict[Name, Positive] = Field({}, description="Appearances of noise per image and appearance type; 1.")
+    sigma: Positive = Field(1.0, description="Location noise, pixels.")
+    match_tolerance: Positive = Field(4.0, description="How far from its predicted place a feature may be found, px (D8).")
+
+
+def _no_statistics() -> DetectorModel:
+    return DetectorModel.model_validate({})
+
+
+class KBModel(Model):
+    """``kb.yaml``: what holds for all types."""
+
+    name: Name = Field(description="The knowledge base's name.")
+    appearance_types: list[Name] = Field(description="The vocabulary of appearance types, which detectors report.")
+    f_ref: Positive = Field(600.0, description="The focal length, pixels, that the lobes' ranges hold for.")
+    detector: DetectorModel = Field(default_factory=_no_statistics, description="Detector statistics.")
+    priors: dict[Name, Share] = Field({}, description="Chance of an instance, per object type; 0.5.")
+
+
+def json_schema(which: Literal["kb", "object"]) -> dict[str, Any]:
+    """The JSON Schema of ``kb.yaml`` or ``object.yaml``; every key has a description."""
+    model = KBModel if which == "kb" else ObjectModel
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | model.model_json_schema()

@@ -1,0 +1,153 @@
+"""What a knowledge base holds, for people and for programs, and what in it may be meant otherwise."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.frames import transform_points
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    import networkx as nx
+
+    from kb.cloud import KnowledgeBase, Lobe, ObjectType
+
+CLOSE = 0.01
+"""A symmetry may move the surface's vertices by this share of its diameter."""
+
+
+def check_report(kb: KnowledgeBase) -> list[str]:
+    """A line about the KB, one about each type, and one, beginning with ``note:``, for each thing that may be meant otherwise."""
+    head = f"{kb.name}: {_count(len(kb.types), 'type')}, {_count(len(kb.appearance_types), 'appearance type')}, no mistakes"
+    return [head, *(_summary(kind) for kind in kb.types), *(f"note: {note}" for note in _notes(kb))]
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
+def _summary(kind: ObjectType) -> str:
+    counts = ", ".join(f"{name} {number}" for name, number in sorted(feature_counts(kind).items()))
+    body = f"{len(kind.surface.triangles)} facets, {kind.surface.volume:.4g} m3" if kind.surface else "no surface"
+    return (
+        f"{kind.name}: {_count(len(kind.features), 'feature')}{f' ({counts})' if counts else ''}, "
+        f"{_count(len(kind.lobes.types), 'lobe')}, {body}, {'opaque' if kind.opaque else 'not opaque'}, "
+        f"{_count(len(kind.symmetries), 'symmetry').replace('symmetrys', 'symmetries')}"
+    )
+
+
+def feature_counts(kind: ObjectType) -> dict[str, int]:
+    """How many features of each feature type: S of §5.1 counts every Feature node."""
+    return dict(Counter(feature.type for feature in kind.all_features))
+
+
+def _notes(kb: KnowledgeBase) -> Iterator[str]:
+    if not kb.types:
+        yield "there is no type: nothing can be perceived"
+    seen = {name for kind in kb.types for name in kind.lobes.types}
+    for name in kb.appearance_types:
+        if name not in seen:
+            yield f"no feature looks like {name!r}"
+    for kind in kb.types:
+        yield from (f"{kind.name}: {note}" for note in _type_notes(kind))
+
+
+def _type_notes(kind: ObjectType) -> Iterator[str]:
+    if kind.surface is None:
+        yield "has no mesh, so it hides nothing"
+    if not kind.features:
+        yield "has no features, so it is never found"
+    for feature in kind.features:
+        if not feature.appearances:
+            yield f"{feature.name} has no appearance, so it is never expected"
+    for index, moved in enumerate(_moved(kind)):
+        if moved > CLOSE:
+            yield f"symmetry {index} moves the mesh's vertices by up to {moved:.0%} of its size"
+
+
+def _moved(kind: ObjectType) -> list[float]:
+    """How far each symmetry takes a vertex from the nearest one, as a share of the diameter."""
+    if kind.surface is None or len(kind.symmetries) == 1:
+        return []
+    from scipy.spatial import cKDTree
+
+    places = cKDTree(kind.surface.vertices)
+    moved = [places.query(transform_points(motion, kind.surface.vertices))[0].max() for motion in kind.symmetries]
+    return [float(distance) / kind.surface.diameter for distance in moved]
+
+
+def tree_text(kb: KnowledgeBase) -> str:
+    """The trees of all types: a line for each object and feature, one for all the appearances of a feature."""
+    return "\n".join(line for kind in kb.types for line in _tree_lines(kind.tree, "", kind.name, "")) + "\n"
+
+
+def _tree_lines(tree: nx.DiGraph, node: str, label: str, indent: str) -> Iterator[str]:
+    row = tree.nodes[node]
+    place = f" at {_row(row['at'])}" if node else ""
+    sort = "" if row["type"] == label else f": {row['type']}"
+    yield f"{indent}{row['kind']} {label}{sort}{place}{_looks(tree, node)}"
+    for part in tree.successors(node):
+        if tree.nodes[part]["kind"] != "appearance":
+            yield from _tree_lines(tree, part, part.rsplit("/", 1)[-1], f"{indent}  ")
+
+
+def _looks(tree: nx.DiGraph, node: str) -> str:
+    types = Counter(tree.nodes[part]["type"] for part in tree.successors(node) if tree.nodes[part]["kind"] == "appearance")
+    looks = ", ".join(name if number == 1 else f"{name} x{number}" for name, number in types.items())
+    return f", looks like {looks}" if looks else ""
+
+
+def _row(values: Iterable[float]) -> str:
+    return "[" + ", ".join(f"{value + 0.0:.4g}" for value in values) + "]"
+
+
+def tree_document(kb: KnowledgeBase) -> dict[str, Any]:
+    """The whole KB but its surfaces, as plain data for JSON: ``{"format": "kb/1", "name": ..., "types": [...]}``; m and rad."""
+    rates = kb.rates
+    return {
+        "format": "kb/1",
+        "name": kb.name,
+        "digest": kb.digest,
+        "f_ref": kb.f_ref,
+        "appearance_types": list(kb.appearance_types),
+        "detector": {
+            "hit": rates.hit,
+            "clutter": rates.clutter,
+            "sigma": rates.sigma,
+            "match_tolerance": rates.match_tolerance,
+        },
+        "priors": rates.prior,
+        "types": [_type_document(kind) for kind in kb.types],
+    }
+
+
+def _type_document(kind: ObjectType) -> dict[str, Any]:
+    surface = kind.surface
+    return {
+        "name": kind.name,
+        "opaque": kind.opaque,
+        "symmetries": np.asarray(kind.symmetries).tolist(),
+        "surface": {"facets": len(surface.triangles), "volume": surface.volume} if surface else None,
+        "features": feature_counts(kind),
+        "nodes": [_node_document(kind.tree, node) for node in kind.tree],
+    }
+
+
+def _node_document(tree: nx.DiGraph, node: str) -> dict[str, Any]:
+    row, above = tree.nodes[node], list(tree.predecessors(node))
+    head = {"id": node, "parent": above[0] if above else None, "kind": row["kind"], "type": row["type"]}
+    if row["kind"] == "appearance":
+        return head | {"lobe": _lobe_document(row["viewpoint"])}
+    frame = tree.edges[above[0], node]["parent_from_child"] if above else np.eye(4)
+    arms = {"arms": row["arms"].tolist()} if row["kind"] == "feature" else {}
+    return head | {"parent_from_node": np.asarray(frame).tolist()} | arms
+
+
+def _lobe_document(lobe: Lobe | None) -> dict[str, Any] | None:
+    if lobe is None:
+        return None
+    return {"axis": lobe.axis.tolist(), "half_angle": lobe.half_angle, "range": [lobe.r_min, lobe.r_max]}

@@ -1,0 +1,157 @@
+"""A knowledge base back to its folder; the same objects give the same bytes. Making the text and writing it are two functions."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.frames import quat_xyzw_from_rotation
+from kb.errors import KBError
+from kb.symmetries import symmetry_entries
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    import networkx as nx
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase, Lobe, ObjectType
+    from kb.surface import Surface
+
+_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
+_RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
+_SAFE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_. -]*")
+_KEYS = {"object": "parts", "feature": "features", "appearance": "appearances"}
+
+
+def kb_text(kb: KnowledgeBase) -> str:
+    """``kb.yaml``."""
+    rates = kb.rates
+    rows = {
+        "name": kb.name,
+        "appearance_types": list(kb.appearance_types),
+        "f_ref": kb.f_ref,
+    }
+    lines = [f"{key}: {_flow(value)}" for key, value in rows.items()]
+    lines += ["detector:", f"  hit: {_flow(rates.hit)}", f"  clutter: {_flow(rates.clutter)}"]
+    lines += [f"  sigma: {_flow(rates.sigma)}", f"  match_tolerance: {_flow(rates.match_tolerance)}"]
+    return "\n".join([*lines, f"priors: {_flow(rates.prior)}"]) + "\n"
+
+
+def object_text(kind: ObjectType, mesh: str | None = None, units: str = "m") -> str:
+    """``object.yaml`` of a type whose mesh is the file ``mesh`` in ``units``."""
+    lines = [f"object: {_flow(kind.name)}"]
+    lines += [f"mesh: {{file: {_flow(mesh)}, units: {units}}}"] if mesh else []
+    lines += [f"opaque: {_flow(kind.opaque)}", f"symmetries: {_flow(symmetry_entries(kind.symmetries))}"]
+    return "\n".join([*lines, *_list_lines(kind.tree, "", "")]) + "\n"
+
+
+def obj_text(surface: Surface) -> str:
+    """A surface as Wavefront OBJ, in metres, every digit kept."""
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in surface.vertices.tolist()]
+    return "\n".join(lines + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in surface.triangles.tolist()]) + "\n"
+
+
+def kb_files(kb: KnowledgeBase) -> dict[str, str]:
+    """Every file of the folder, by relative path. Surfaces are written as ``mesh.obj`` in metres; textures do not travel.
+
+    Raises:
+        KBError: for a type whose name cannot be a folder's.
+    """
+    files = {"kb.yaml": kb_text(kb)} | ({"rules.pl": kb.rules} if kb.rules else {})
+    for kind in kb.types:
+        if not _SAFE_NAME.fullmatch(kind.name):
+            raise KBError(f"the type {kind.name!r} cannot be written: its name cannot be a folder's")
+        folder = f"objects/{kind.name}"
+        files[f"{folder}/object.yaml"] = object_text(kind, "mesh.obj" if kind.surface else None)
+        if kind.surface:
+            files[f"{folder}/mesh.obj"] = obj_text(kind.surface)
+    return files
+
+
+def write_kb(kb: KnowledgeBase, folder: Path) -> None:
+    """Write every file of ``kb_files``, each whole or not at all, over those that are there.
+
+    Raises:
+        KBError: for a type whose name cannot be a folder's.
+    """
+    for name, text in kb_files(kb).items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        rough = path.with_name(f".{path.name}.part")
+        rough.write_text(text, encoding="utf-8")
+        os.replace(rough, path)  # noqa: PTH105 - the rename is what makes it whole
+
+
+def _list_lines(tree: nx.DiGraph, node: str, indent: str) -> Iterator[str]:
+    """The list of what ``node`` holds; A1 makes it one list."""
+    children = list(tree.successors(node))
+    if children:
+        yield f"{indent}{_KEYS[tree.nodes[children[0]]['kind']]}:"
+    for child in children:
+        first, *rest = _node_lines(tree, node, child)
+        yield f"{indent}  - {first}"
+        yield from (f"{indent}    {line}" for line in rest)
+
+
+def _node_lines(tree: nx.DiGraph, parent: str, node: str) -> Iterator[str]:
+    row = tree.nodes[node]
+    if row["kind"] == "appearance":
+        yield from _appearance_lines(tree, node)
+        return
+    name = node.rsplit("/", 1)[-1]
+    yield f"{'part' if row['kind'] == 'object' else 'feature'}: {_flow(name)}"
+    if row["kind"] == "feature" or row["type"] != name:
+        yield f"type: {_flow(row['type'])}"
+    yield f"at: {_flow(row['at'])}"
+    yield from _rotation_lines(tree.edges[parent, node]["parent_from_child"])
+    if len(row["arms"]):
+        yield f"arms: {_flow(row['arms'])}"
+    yield from _list_lines(tree, node, "")
+
+
+def _rotation_lines(frame: NDArray[np.float64]) -> Iterator[str]:
+    if not np.array_equal(frame[:3, :3], np.eye(3)):
+        yield f"rotation: {{quat_xyzw: {_flow(quat_xyzw_from_rotation(frame[:3, :3]))}}}"
+
+
+def _appearance_lines(tree: nx.DiGraph, node: str) -> Iterator[str]:
+    row = tree.nodes[node]
+    lobe = f", lobe: {_lobe(row['viewpoint'])}" if row["viewpoint"] is not None else ""
+    if not tree.out_degree(node):
+        yield f"{{type: {_flow(row['type'])}{lobe}}}"
+        return
+    yield f"type: {_flow(row['type'])}"
+    if lobe:
+        yield lobe[2:]
+    yield from _list_lines(tree, node, "")
+
+
+def _lobe(lobe: Lobe) -> str:
+    reach = f"[{_number(lobe.r_min)} m, {_number(lobe.r_max)} m]"
+    return f"{{axis: {_flow(lobe.axis)}, half_angle: {_number(math.degrees(lobe.half_angle))} deg, range: {reach}}}"
+
+
+def _flow(value: object) -> str:
+    """A value in YAML's flow style."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        plain = _PLAIN.fullmatch(value) and value.lower() not in _RESERVED
+        return value if plain else json.dumps(value)
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_flow(key)}: {_flow(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, list | tuple | np.ndarray):
+        return "[" + ", ".join(_flow(item) for item in value) + "]"
+    return _number(float(value))  # type: ignore[arg-type]  # a number is what is left
+
+
+def _number(value: float) -> str:
+    """15 significant digits: what was written by hand comes back as it was."""
+    return f"{float(value) + 0.0:.15g}"

@@ -1,0 +1,1 @@
+"""Δ: what is believed. Measures, hypotheses, the perceptual cycle, program text, possible worlds, queries, explanations."""

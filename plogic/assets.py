@@ -1,0 +1,60 @@
+"""What an interpretation carries along to be looked at: the image and the meshes, up to a stated size."""
+
+from __future__ import annotations
+
+import base64
+from typing import TYPE_CHECKING, Any
+
+import cv2
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from kb.cloud import ObjectType
+
+LARGEST_PNG = 2 * 2**20
+"""Bytes; a larger image is carried as JPEG."""
+LONGEST_SIDE = 1280
+"""Pixels; a larger image is carried smaller."""
+MOST_TRIANGLES = 4000
+"""Of a carried mesh; a larger one is carried as its convex hull."""
+
+
+def image_asset(image: NDArray[np.uint8] | None) -> dict[str, Any]:
+    """``{"image": {...}}`` of a BGR picture (H, W, 3), or nothing. The size given is the original's, so that pixels keep their meaning."""
+    if image is None:
+        return {}
+    height, width = image.shape[:2]
+    shrink = LONGEST_SIDE / max(height, width)
+    small = image if shrink >= 1.0 else cv2.resize(image, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
+    kind, data = "image/png", cv2.imencode(".png", small)[1]
+    if data.size > LARGEST_PNG:
+        kind, data = "image/jpeg", cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, 88])[1]
+    text = base64.b64encode(data.tobytes()).decode()
+    return {"image": {"media_type": kind, "width": width, "height": height, "base64": text}}
+
+
+def mesh_assets(types: Mapping[str, ObjectType]) -> dict[str, Any]:
+    """``{"meshes": {type: {"vertices", "triangles"}}}`` in metres, object frame, to 0.1 mm."""
+    meshes = {}
+    for name, object_type in sorted(types.items()):
+        surface = object_type.surface
+        if surface is not None:
+            vertices, triangles = _carried(surface.vertices, surface.triangles)
+            meshes[name] = {"vertices": np.round(vertices, 4).tolist(), "triangles": triangles.tolist()}
+    return {"meshes": meshes}
+
+
+def _carried(
+    vertices: NDArray[np.float64], triangles: NDArray[np.intp]
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    if len(triangles) <= MOST_TRIANGLES:
+        return vertices, triangles
+    from scipy.spatial import ConvexHull
+
+    hull = ConvexHull(vertices)
+    used, renamed = np.unique(hull.simplices, return_inverse=True)
+    return vertices[used], renamed.reshape(-1, 3)

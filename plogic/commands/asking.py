@@ -1,0 +1,89 @@
+"""``worlds``, ``query``, ``explain``, ``program``, ``report``: what is asked of an interpretation or of any program."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from plogic.commands.sources import is_program, program_text_of, situation_from
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from plogic.engine import Text
+    from plogic.query import Subject
+
+
+def worlds_command(interpretation: str, number: int, *, as_json: bool) -> str:
+    """The ranked worlds, taken anew from the situation, so that any number of them can be had."""
+    from plogic import tables
+    from plogic.commands.printing import text_of_table
+    from plogic.interpretation import read_interpretation, situation_of
+    from plogic.worlds import ranked_worlds
+
+    document = read_interpretation(interpretation)
+    ranking = ranked_worlds(situation_of(document), number)
+    rows = [{"probability": w.probability, "present": list(w.present), "causes": w.causes} for w in ranking.worlds]
+    answer = {
+        "format": "worlds/1",
+        "reading": document["reading"],
+        "worlds": rows,
+        "unlisted_mass": list(ranking.unlisted),
+    }
+    if as_json:
+        return json.dumps(answer)
+    return text_of_table(tables.worlds({**document, "worlds": rows, "unlisted_mass": list(ranking.unlisted)}, number))
+
+
+def query_command(source: str, goal: str | None, given: Sequence[str], rules: str | None, *, as_json: bool) -> str:
+    """P(goal) of an interpretation or a program."""
+    from plogic import tables
+    from plogic.commands.printing import text_of_table
+    from plogic.query import answers
+
+    found = answers(_source(source), goal, given=list(given), rules=_rules(rules))
+    rows = [{"goal": a.goal, "probability": a.probability, "interval": list(a.interval)} for a in found]
+    document: dict[str, Any] = {"format": "answers/1", "answers": rows}
+    return json.dumps(document) if as_json else text_of_table(tables.answers(document))
+
+
+def explain_command(
+    source: str, goal: str, given: Sequence[str], rules: str | None, number: int, *, as_json: bool
+) -> str:
+    """Why the goal holds, and why not, as trees down to the data."""
+    from plogic.explain import explain, explanation_document, explanation_text
+
+    found = explain(_source(source), goal, given=list(given), rules=_rules(rules), number=number)
+    return json.dumps(explanation_document(found)) if as_json else explanation_text(found)
+
+
+def program_command(interpretation: str, reading: str | None) -> str:
+    """The ProbLog text with its queries."""
+    from plogic.program.text import program_text
+
+    situation = situation_from(interpretation)
+    return program_text(situation if reading is None else replace(situation, reading=reading))  # type: ignore[arg-type]
+
+
+def report_command(interpretation: str, out: Path) -> None:
+    """Write the page."""
+    from plogic.interpretation import read_interpretation
+    from plogic.report.page import page
+    from sensing.whole_files import write_whole
+
+    write_whole(out, page(read_interpretation(interpretation)).encode())
+
+
+def _source(source: str) -> Subject:
+    """A situation, or program text, as ``answers`` and ``explain`` take them."""
+    from plogic.engine import Text
+
+    return Text(program_text_of(source), source) if is_program(source) else situation_from(source)
+
+
+def _rules(path: str | None) -> Text | None:
+    from plogic.engine import Text
+
+    return None if path is None else Text(program_text_of(path), path)

@@ -1,0 +1,71 @@
+"""``plogic kb ...``."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Literal
+
+from plogic.commands.sources import kb_of
+
+if TYPE_CHECKING:
+    from kb.cloud import KnowledgeBase
+
+
+def check_command(folder: str, *, as_json: bool) -> str:
+    """Read the KB; every mistake is raised at once. The text says what was read, and warns of what matters."""
+    from kb.show import check_report
+
+    kb = kb_of(folder)
+    lines = check_report(kb)
+    if as_json:
+        return json.dumps({"format": "kb_check/1", "kb": kb.name, "digest": kb.digest, "report": lines})
+    return "\n".join(lines)
+
+
+def show_command(folder: str, *, as_json: bool) -> str:
+    """The trees, the counts and dv."""
+    from kb.show import tree_document, tree_text
+
+    kb = kb_of(folder)
+    if as_json:
+        return json.dumps({"format": "kb_show/1", **tree_document(kb)})
+    return tree_text(kb) + "\n\n" + measures_command(folder, None, as_json=False)
+
+
+def measures_command(folder: str, gamma: str | None, *, as_json: bool) -> str:
+    """|S(F)|, P(dv), dv; with a Γ, every type's rank and what decides ties."""
+    from plogic.commands.printing import plain_table
+    from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
+
+    kb = kb_of(folder)
+    counts = instance_counts(kb.types)
+    dv, share = distinctiveness(counts), probability_of_distinctiveness(counts)
+    rows = [{"type": name, "instances": counts[name], "p_dv": share[name], "dv": dv[name]} for name in counts]
+    document: dict[str, Any] = {"format": "kb_measures/1", "kb": kb.name, "features": rows}
+    if gamma is not None:
+        document["ranks"] = _ranks(kb, gamma, dv)
+    if as_json:
+        return json.dumps(document)
+    texts = [plain_table("features of Σo: instances |S(F)|, P(dv), distinctiveness", rows)]
+    if "ranks" in document:
+        texts.append(
+            plain_table("object types: rank, its excess over chance, rank within one view cell", document["ranks"])
+        )
+    return "\n".join(texts)
+
+
+def _ranks(kb: KnowledgeBase, gamma: str, dv: dict[str, float]) -> list[dict[str, Any]]:
+    from plogic.attention import attend
+    from plogic.search.generate import type_index
+    from sensing.gamma_files import read_gamma
+
+    types = [a.type for a in read_gamma(gamma, kb.appearance_types).appearances]
+    rows = attend([type_index(t, dv) for t in kb.types if t.features], types, kb)
+    return [{"type": r.type, "rank": r.rank, "excess": r.excess, "within_cell": r.within_cell} for r in rows]
+
+
+def schema_command(which: Literal["kb", "object"]) -> str:
+    """JSON Schema of a KB's file."""
+    from kb.schema import json_schema
+
+    return json.dumps(json_schema(which), indent=1)

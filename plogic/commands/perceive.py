@@ -1,0 +1,139 @@
+"""``plogic perceive``: an image or Γ to an interpretation."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from plogic.commands.sources import kb_of
+from plogic.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase
+    from plogic.stopwatch import Stopwatch
+    from sensing.appearance import Gamma
+
+UNFINISHED = 3
+"""Exit status: the deadline was reached, with the best answer so far printed and marked."""
+
+
+def perceive_command(
+    source: str,
+    kb_folder: str,
+    out: str,
+    options: Mapping[str, Any],
+    *,
+    say: Callable[[str], None],
+    write: Callable[[str], None],
+) -> int:
+    """Read, interpret, write; returns the exit status. Nothing is written where something is wrong with the input."""
+    from plogic.delta import Options
+    from plogic.interpretation import text_of
+    from plogic.perceive import Perceiver
+    from plogic.stopwatch import Stopwatch
+
+    clock = Stopwatch()
+    with clock.stage("read"):
+        kb = kb_of(kb_folder)
+        picture = None if is_gamma(source) else image_of(source, options.get("camera"))
+    gamma, image = gamma_of(source, picture, options.get("camera"), kb, clock)
+    end = monotonic() + options["deadline"] if options.get("deadline") else None
+    with clock.stage("index"):
+        perceiver = Perceiver(kb)
+    chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
+    document = perceiver(gamma, chosen, image, clock)
+    _write_all(document, text_of(document), out, options, image, write)
+    if options.get("timings"):
+        _write(
+            Path(options["timings"]), json.dumps({"seconds": clock.seconds, "total": clock.total}, indent=1).encode()
+        )
+    say(_summary(document, clock))
+    return UNFINISHED if document.get("unfinished") else 0
+
+
+def is_gamma(source: str) -> bool:
+    """Whether an INPUT names a Γ and no image: JSON, or stdin."""
+    return source == "-" or source.lower().endswith(".json")
+
+
+def image_of(source: str, camera: str | None) -> NDArray[Any]:
+    """The picture (H, W, 3), BGR; without a camera file it has no geometry. Raises InputError or ImageError."""
+    from sensing.images import read_image
+
+    if camera is None:
+        raise InputError(f"{source}: an image needs its camera: give --camera FILE (ours, ROS, OpenCV, BOP or COLMAP)")
+    return read_image(source)
+
+
+def gamma_of(
+    source: str, picture: NDArray[Any] | None, camera_file: str | None, kb: KnowledgeBase, clock: Stopwatch
+) -> tuple[Gamma, NDArray[Any] | None]:
+    """Γ from its file, or detected in the picture; types that the KB does not know are mistakes of a file."""
+    from sensing.detector import detect
+    from sensing.gamma_files import read_gamma
+
+    if picture is None:
+        return read_gamma(source, kb.appearance_types), None
+    from geometry.camera_files import read_camera
+
+    camera = read_camera(str(camera_file))
+    height, width = picture.shape[:2]
+    if (camera.width, camera.height) != (width, height):
+        raise InputError(
+            f"{camera_file}: the camera is {camera.width}x{camera.height}, but {source} is {width}x{height}"
+        )
+    with clock.stage("detect"):
+        return detect(picture, camera, kb.appearance_types), picture
+
+
+def _write_all(
+    document: dict[str, Any],
+    text: str,
+    out: str,
+    options: Mapping[str, Any],
+    image: NDArray[Any] | None,
+    write: Callable[[str], None],
+) -> None:
+    """Make everything first, then write: a failure leaves nothing half done."""
+    files: dict[Path, bytes] = {}
+    if options.get("report"):
+        from plogic.report.page import page
+
+        files[Path(options["report"])] = page(document).encode()
+    if options.get("picture"):
+        files[Path(options["picture"])] = picture_of(document, image)
+    if out != "-":
+        files[Path(out)] = text.encode()
+    for path, data in files.items():
+        _write(path, data)
+    if out == "-":
+        write(text)
+
+
+def picture_of(document: dict[str, Any], image: NDArray[Any] | None) -> bytes:
+    """The overlay of figure 5 as PNG."""
+    import cv2
+
+    from plogic.overlay import overlay
+
+    return bytes(cv2.imencode(".png", overlay(document, image))[1].tobytes())
+
+
+def _write(path: Path, data: bytes) -> None:
+    from sensing.whole_files import write_whole
+
+    write_whole(path, data)
+
+
+def _summary(document: dict[str, Any], clock: Stopwatch) -> str:
+    """One line: what was found, and how long it took."""
+    accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
+    names = ", ".join(f"{h['id']} {h['type']} ({h['probability']:.3f})" for h in accepted) or "no known object"
+    stages = ", ".join(f"{name} {seconds * 1000:.0f} ms" for name, seconds in clock.seconds.items())
+    return f"{len(document['appearances'])} appearances; {names}; {stages}"

@@ -1,0 +1,49 @@
+"""Where commands take their input from: knowledge bases, interpretations, programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from plogic.errors import InputError
+
+if TYPE_CHECKING:
+    from kb.cloud import KnowledgeBase
+    from plogic.situation import Situation
+
+LARGEST_PROGRAM = 8 * 2**20
+"""Bytes of a program or rules file that is read."""
+
+
+def kb_of(folder: str) -> KnowledgeBase:
+    """Read a knowledge base; the name of a shipped one (`towers`) stands for its folder where no such folder exists."""
+    from kb.read import read_kb
+    from kb.shipped import shipped
+
+    path = Path(folder)
+    return read_kb(path if path.exists() or "/" in folder else shipped(folder))
+
+
+def is_program(source: str) -> bool:
+    """Whether a source names ProbLog text."""
+    return source.lower().endswith((".pl", ".problog", ".pro"))
+
+
+def program_text_of(path: str) -> str:
+    """The text of a program or rules file. Raises InputError."""
+    try:
+        data = Path(path).read_bytes()
+        if len(data) > LARGEST_PROGRAM:
+            raise InputError(f"{path}: is larger than the {LARGEST_PROGRAM} bytes that a program may have")
+        return data.decode("utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is not UTF-8 text (byte {error.start})") from None
+
+
+def situation_from(source: str) -> Situation:
+    """The situation of an interpretation's file."""
+    from plogic.interpretation import read_interpretation, situation_of
+
+    return situation_of(read_interpretation(source))

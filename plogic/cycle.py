@@ -1,0 +1,294 @@
+"""The perceptual cycle (§7): rank, match, pose, expect, judge; accept, or reject and release; until Γ has a coherent explanation.
+
+Vocabulary: ``Belief``, one hypothesis under consideration with its verdict; ``Cycle``, what a run came to: Δh, Δi and the trace.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import log
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.evidence import evidence
+from plogic.expectation import hidden_by
+from plogic.measures.explanatory import explanatory_value
+from plogic.rivals import SHARED_CLAIMS, claims, overlap, shared_claims
+from plogic.search.generate import generate, same_place, settle
+from plogic.search.pairs import MOST_PAIRS
+from plogic.trace import Trace
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase
+    from plogic.attention import Attention
+    from plogic.expectation import Posed
+    from plogic.search.data import Data
+    from plogic.search.generate import TypeIndex
+
+SIGNIFICANT = log(MOST_PAIRS)
+"""A hypothesis must beat clutter by more than the number of poses that were tried: the best of many is good by luck."""
+FEWEST = 4
+"""Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8, trap b)."""
+POOL = 16
+"""Poses that are carried from one round to the next, the best."""
+POLISHED = 6
+"""Poses of a round that are refined beside Δi before they are accepted or not, the best first."""
+MOST_RIVALS = 2
+"""Rivals of an accepted hypothesis that enter Δh with it."""
+
+
+@dataclass(frozen=True)
+class Belief:
+    """One hypothesis: its geometry and matching, its evidence, ev before and after reconsideration, and a verdict.
+
+    ``worth`` is its log-likelihood ratio against clutter, ``surplus`` the same without the three best matches (which any pose has).
+    """
+
+    posed: Posed
+    index: TypeIndex
+    worth: float
+    surplus: float
+    ev: float | None
+    ev_reconsidered: float | None
+    status: str = "open"
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """``accepted`` is Δi in the order of acceptance; ``considered`` the rest of Δh; ``rejected`` what was tried and dropped."""
+
+    accepted: tuple[Belief, ...]
+    considered: tuple[Belief, ...]
+    rejected: tuple[Belief, ...]
+    attention: tuple[Attention, ...]
+    trace: Trace
+
+
+class Perception:
+    """One run of the cycle over one Γ: the state that its steps share."""
+
+    def __init__(
+        self,
+        data: Data,
+        kb: KnowledgeBase,
+        indices: Mapping[str, TypeIndex],
+        dv: Mapping[str, float],
+        end: float | None = None,
+    ) -> None:
+        self.data, self.kb, self.indices, self.dv = data, kb, indices, dv
+        self.end, self.unfinished = end, False
+        self.trace = Trace()
+        self.accepted: list[Belief] = []
+        self.rivals: list[Belief] = []
+        self.rejected: list[Belief] = []
+
+    def run(self, attention: Sequence[Attention]) -> Cycle:
+        """Search the free data, judge all poses beside Δi, accept the best, and again, until nothing is acceptable.
+
+        Then Δi is made stable. Every round but the last claims data, so that the cycle ends on every finite Γ.
+        """
+        for row in attention:
+            self.trace.add("rank", f"rank {row.rank:.2f}, {row.excess:+.2f} against chance", of_type=row.type)
+        pool: list[Posed] = []
+        while not self.late() and self._round(attention, pool):
+            pass
+        for belief in self._judged(pool):
+            self._set_aside(belief, self._refusal(belief) or "the deadline came first")
+        self._stabilise()
+        self.trace.add("stable", f"{len(self.accepted)} accepted; {int(self.free().sum())} appearances left as noise")
+        return Cycle(
+            tuple(self.accepted), tuple(self._considered()), tuple(self.rejected), tuple(attention), self.trace
+        )
+
+    def late(self) -> bool:
+        """Whether the deadline is past."""
+        self.unfinished = self.unfinished or (self.end is not None and monotonic() >= self.end)
+        return self.unfinished
+
+    def free(self, without: Belief | None = None) -> NDArray[np.bool_]:
+        """(A,) the data that no accepted hypothesis claims, ``without`` aside."""
+        mask = np.ones(len(self.data.ids), dtype=bool)
+        for belief in self.accepted:
+            if belief is not without:
+                mask[list(claims(belief.posed))] = False
+        return mask
+
+    def _round(self, attention: Sequence[Attention], pool: list[Posed]) -> bool:
+        """Add to the pool what the free data give, then accept its best acceptable pose. True where something was accepted."""
+        left = self.data.only(self.free())
+        for row in attention:
+            if self.late():
+                break
+            pool += [posed for _, posed in generate(self.indices[row.type], left, self.kb)]
+        judged = sorted(self._judged(pool), key=lambda b: -b.worth)
+        pool[:] = [b.posed for b in judged[:POOL]]
+        for belief in judged[:POLISHED]:
+            better = self._judge(belief.posed, self.free(), rounds=2)
+            if self._refusal(better) is None:
+                self._accept(better)
+                pool[:] = [posed for posed in pool if not self._is_accepted(posed)]
+                return True
+        return False
+
+    def _judged(self, pool: Sequence[Posed]) -> list[Belief]:
+        """Each pose beside what is accepted: matched on free data, hidden features not expected."""
+        free = self.free()
+        return [self._judge(posed, free, rounds=0) for posed in pool]
+
+    def _is_accepted(self, posed: Posed) -> bool:
+        return any(_same(posed, belief.posed) for belief in self.accepted)
+
+    def _judge(self, posed: Posed, free: NDArray[np.bool_], rounds: int = 2, skip: Belief | None = None) -> Belief:
+        index = self.indices[posed.object_type.name]
+        allowed = index.allowed(self.data)
+        hidden = self._hidden(posed, skip)
+        posed = settle(index, posed.camera_from_object, allowed, self.data, self.kb, free, hidden, rounds)
+        hidden = self._hidden(posed, skip)
+        ev = explanatory_value(posed.support(), self.dv)
+        again = explanatory_value(posed.support(hidden), self.dv)
+        found = evidence(posed, self.data, self.kb, hidden)
+        return Belief(posed, index, found.ratio, found.surplus, ev, again)
+
+    def _hidden(self, posed: Posed, skip: Belief | None = None) -> NDArray[np.bool_]:
+        """(F,) what accepted opaque objects hide; those that A4 excludes beside it are rivals and hide nothing (D7)."""
+        mask = np.zeros(len(posed.uv), dtype=bool)
+        for belief in self.accepted:
+            if belief is not skip and belief.posed.object_type.opaque and not overlap(posed, belief.posed):
+                mask |= hidden_by(posed, belief.posed)
+        return mask
+
+    def _refusal(self, belief: Belief) -> str | None:
+        """Why a hypothesis is not accepted beside Δi, or None."""
+        posed = belief.posed
+        found = int((posed.candidate & posed.detected).sum())
+        if found < FEWEST:
+            return f"only {found} expected features were detected; {FEWEST} are demanded"
+        if belief.ev_reconsidered is None or belief.ev_reconsidered <= 0.0:
+            return f"ev {_round(belief.ev_reconsidered)} is not above 0"
+        surplus = belief.surplus + self._harm(posed)
+        if surplus <= SIGNIFICANT:
+            return f"log-likelihood ratio {surplus:.1f} beyond what fixes a pose: no better than the luck of {MOST_PAIRS} tries"
+        for other in self.accepted:
+            if overlap(posed, other.posed):
+                return "shares volume with an accepted object (A4)"
+            if shared_claims(posed, other.posed)[1] > SHARED_CLAIMS:
+                return "explains the same appearances as an accepted object"
+        return None
+
+    def _harm(self, posed: Posed) -> float:
+        """What the accepted ones would lose if this stood before them: at most 0, for to hide a detected feature is counter-evidence."""
+        if not posed.object_type.opaque:
+            return 0.0
+        change = 0.0
+        for other in self.accepted:
+            before = self._hidden(other.posed, other)
+            after = before | hidden_by(other.posed, posed)
+            if (after != before).any() and not overlap(posed, other.posed):
+                change += (
+                    evidence(other.posed, self.data, self.kb, after).ratio
+                    - evidence(other.posed, self.data, self.kb, before).ratio
+                )
+        return min(0.0, change)
+
+    def _accept(self, belief: Belief) -> None:
+        self.accepted.append(replace(belief, status="accepted", why="explains its data better than chance, ev above 0"))
+        self.trace.add(
+            "accept", f"log-likelihood ratio {belief.worth:.1f}", of_type=_name(belief), ev=belief.ev_reconsidered
+        )
+
+    def _set_aside(self, belief: Belief, reason: str) -> None:
+        """Keep as a rival what would be acceptable alone; reject the rest, which releases its data."""
+        alone = self._alone(belief)
+        if alone is not None:
+            self.rivals.append(replace(alone, status="rival", why=reason))
+        else:
+            self.rejected.append(replace(belief, status="rejected", why=reason))
+            self.trace.add("reject", reason, of_type=_name(belief), ev=belief.ev_reconsidered)
+
+    def _alone(self, belief: Belief) -> Belief | None:
+        """The hypothesis with the data of those that it would replace; None where it explains them worse by far."""
+        replaced = [
+            b
+            for b in self.accepted
+            if overlap(belief.posed, b.posed) or shared_claims(belief.posed, b.posed)[1] > SHARED_CLAIMS
+        ]
+        if not replaced:
+            return None
+        free = np.ones(len(self.data.ids), dtype=bool)
+        for other in self.accepted:
+            if not any(other is b for b in replaced):
+                free[list(claims(other.posed))] = False
+        posed = settle(
+            belief.index,
+            belief.posed.camera_from_object,
+            belief.index.allowed(self.data),
+            self.data,
+            self.kb,
+            free,
+            None,
+            1,
+        )
+        if self._is_accepted(posed):
+            return None
+        ev, found = explanatory_value(posed.support(), self.dv), evidence(posed, self.data, self.kb)
+        enough = int((posed.candidate & posed.detected).sum()) >= FEWEST
+        near = found.ratio > sum(b.worth for b in replaced) - SIGNIFICANT
+        return (
+            Belief(posed, belief.index, found.ratio, found.surplus, ev, ev)
+            if enough and ev is not None and near
+            else None
+        )
+
+    def _stabilise(self) -> None:
+        """Take every ev anew beside the others (reconsideration); drop what no longer holds, until Δi is stable. It only shrinks."""
+        while True:
+            self.accepted = [self._again(b) for b in self.accepted]
+            bad = [b for b in self.accepted if b.ev_reconsidered is None or b.ev_reconsidered <= 0.0]
+            if not bad:
+                return
+            worst = min(bad, key=lambda b: (b.ev_reconsidered is not None, b.ev_reconsidered or -1.0))
+            self.accepted = [b for b in self.accepted if b is not worst]
+            self.rejected.append(replace(worst, status="rejected", why="ev is not above 0 beside the others"))
+            self.trace.add("release", "ev is not above 0 beside the others; its data are released", of_type=_name(worst))
+
+    def _again(self, belief: Belief) -> Belief:
+        """Ev of an accepted hypothesis with everything else that is accepted."""
+        new = self._judge(belief.posed, self.free(belief), rounds=0, skip=belief)
+        self.trace.add(
+            "reconsider",
+            f"ev {_round(new.ev)} alone, {_round(new.ev_reconsidered)} beside the others",
+            of_type=_name(belief),
+            ev=new.ev_reconsidered,
+        )
+        return replace(new, status="accepted", why=belief.why)
+
+    def _considered(self) -> list[Belief]:
+        """At most ``MOST_RIVALS`` rivals an accepted hypothesis, near-duplicates merged, best first."""
+        kept: list[Belief] = []
+        for rival in sorted(self.rivals, key=lambda b: -b.worth):
+            twin = any(_same(rival.posed, b.posed) for b in kept + self.accepted)
+            if not twin and len(kept) < MOST_RIVALS * len(self.accepted):
+                kept.append(rival)
+        return kept
+
+
+def _name(belief: Belief) -> str:
+    return str(belief.posed.object_type.name)
+
+
+def _same(one: Posed, other: Posed) -> bool:
+    """Whether two hypotheses are near-duplicates: one type, one place up to symmetry (§8)."""
+    return one.object_type.name == other.object_type.name and same_place(
+        one.object_type, one.camera_from_object, other.camera_from_object
+    )
+
+
+def _round(value: float | None) -> float | None:
+    return None if value is None else round(value, 3)

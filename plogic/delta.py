@@ -1,0 +1,164 @@
+"""From the cycle's beliefs to the typed ``Situation``: ids, facts between hypotheses, groups of rivals (§8)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import networkx as nx
+
+from geometry.occlusion import CoarseRelation, PosedSurface, coarse_relation, converse
+from plogic.evidence import clutter_density, density, hit_rates
+from plogic.expectation import hidden_by
+from plogic.parts import part_facts
+from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
+from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Reading, Reconsider, Situation
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from geometry.camera import Camera
+    from kb.cloud import KnowledgeBase
+    from plogic.cycle import Belief, Cycle
+    from plogic.expectation import Posed
+    from plogic.search.data import Data
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a user can choose of one interpretation; ``end`` is the moment of ``time.monotonic`` at which the search stops."""
+
+    reading: Reading = "score"
+    reconsider: Reconsider = "to_B"
+    smoothing: float = 0.0
+    end: float | None = None
+
+
+@dataclass(frozen=True)
+class Delta:
+    """Δh with its ids: ``beliefs`` by id in the order h1, h2, ..., accepted ones first."""
+
+    beliefs: dict[str, Belief]
+    situation: Situation
+
+
+def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], options: Options) -> Delta:
+    """Name the hypotheses that were not rejected and collect the facts that decide their probabilities."""
+    beliefs = {f"h{i}": belief for i, belief in enumerate((*cycle.accepted, *cycle.considered), 1)}
+    names = list(beliefs)
+    posed = {name: belief.posed for name, belief in beliefs.items()}
+    pairs = list(combinations(names, 2))
+    overlaps = frozenset(pair for pair in pairs if overlap(posed[pair[0]], posed[pair[1]]))
+    shared = {pair: shared_claims(posed[pair[0]], posed[pair[1]])[1] for pair in pairs if pair not in overlaps}
+    exclusive = overlaps | {pair for pair, share in shared.items() if share > SHARED_CLAIMS}
+    rivals = exclusive | {pair for pair, share in shared.items() if share > 0.0}
+    hiding = {(x, y): hidden_by(posed[x], posed[y]) for x in names for y in names if x != y}
+    group = _groups(posed, exclusive)
+    hypotheses = tuple(_hypothesis(name, posed[name], group[name], hiding, data, kb, dv) for name in names)
+    return Delta(
+        beliefs,
+        Situation(
+            reading=options.reading,
+            reconsider=options.reconsider,
+            smoothing=options.smoothing,
+            hypotheses=hypotheses,
+            appearances=_appearances(data, kb),
+            overlaps=overlaps,
+            rivals=rivals,
+            exclusive=exclusive,
+            relations=_relations(posed, [pair for pair in pairs if pair not in exclusive], data.camera),
+            priors={t.name: kb.rates.prior.get(t.name, 0.5) for t in kb.types},
+            dv=dict(dv),
+            rank={row.type: row.rank for row in cycle.attention},
+            rules=kb.rules or "",
+        ),
+    )
+
+
+def _appearances(data: Data, kb: KnowledgeBase) -> tuple[AppearanceFact, ...]:
+    rows = zip(data.ids, data.types, data.uv.tolist(), clutter_density(kb, data).tolist(), strict=True)
+    return tuple(AppearanceFact(name, kind, (uv[0], uv[1]), f) for name, kind, uv, f in rows)
+
+
+def _groups(posed: Mapping[str, Posed], exclusive: frozenset[tuple[str, str]]) -> dict[str, str]:
+    """The instance that each hypothesis competes for: same type, connected by exclusion."""
+    graph = nx.Graph()
+    graph.add_nodes_from(posed)
+    graph.add_edges_from((x, y) for x, y in exclusive if posed[x].object_type.name == posed[y].object_type.name)
+    components = sorted(nx.connected_components(graph), key=lambda members: min(list(posed).index(m) for m in members))
+    return {name: f"i{i}" for i, members in enumerate(components, 1) for name in members}
+
+
+def _hypothesis(
+    name: str,
+    posed: Posed,
+    group: str,
+    hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
+    data: Data,
+    kb: KnowledgeBase,
+    dv: Mapping[str, float],
+) -> HypothesisFact:
+    others = [y for x, y in hiding if x == name]
+    near = density(posed.residual, kb.rates.sigma)
+    hits = hit_rates(posed, kb)
+    features = tuple(
+        FeatureFact(
+            id=feature.name,
+            type=feature.type,
+            at=_triple(posed.at[f]),
+            uv=(float(posed.uv[f, 0]), float(posed.uv[f, 1])),
+            dv=float(dv[feature.type]),
+            in_image=bool(posed.in_image[f]),
+            in_lobe=bool(posed.in_lobe[f]),
+            self_hidden=bool(posed.self_hidden[f]),
+            hidden_by=tuple(y for y in others if hiding[name, y][f]),
+            match=data.ids[posed.matches[f]] if posed.matches[f] >= 0 else None,
+            residual=float(posed.residual[f]) if posed.matches[f] >= 0 else None,
+            density=float(near[f]),
+            hit_rate=float(hits[f]),
+        )
+        for f, feature in enumerate(posed.object_type.features)
+    )
+    return HypothesisFact(
+        id=name,
+        type=posed.object_type.name,
+        camera_from_object=tuple(tuple(float(v) for v in row) for row in posed.camera_from_object),
+        opaque=posed.object_type.opaque,
+        group=group,
+        features=features,
+        parts=part_facts(posed.object_type),
+    )
+
+
+def _triple(row: NDArray[np.float64]) -> tuple[float, float, float]:
+    return float(row[0]), float(row[1]), float(row[2])
+
+
+def _relations(posed: Mapping[str, Posed], pairs: Sequence[tuple[str, str]], camera: Camera) -> tuple[PairFact, ...]:
+    """The occlusion relation of each pair that can be present together, of the ordered pair that it holds of (§3.6)."""
+    facts: list[PairFact] = []
+    for x, y in pairs:
+        a, b = _surface(posed[x]), _surface(posed[y])
+        if a is not None and b is not None:
+            facts += pair_facts(coarse_relation(a, b, camera), x, y)
+    return tuple(facts)
+
+
+def pair_facts(relation: CoarseRelation, x: str, y: str) -> list[PairFact]:
+    """A relation in the vocabulary of queries: ``x`` occluded by ``y`` is said of (y, x); what is its own converse, of both."""
+    if relation == converse(relation):
+        return [PairFact(relation, x, y), PairFact(relation, y, x)]
+    if relation.endswith("_occluded_by"):
+        return [PairFact(converse(relation), y, x)]
+    return [PairFact(relation, x, y)]
+
+
+def _surface(posed: Posed) -> PosedSurface | None:
+    surface = posed.object_type.surface
+    if surface is None:
+        return None
+    return PosedSurface(surface.vertices, surface.triangles, surface.rays, posed.camera_from_object)

@@ -1,0 +1,102 @@
+"""``plogic demo``: the two towers, whole, from a simulated camera's pixels to ranked worlds, a picture and a page.
+
+Γ comes from the pixels alone: the ground truth is written beside the result, and nothing reads it.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from plogic import tables
+from plogic.commands.perceive import picture_of
+from plogic.commands.printing import text_of_table
+from plogic.commands.scenes import shapes_of
+from plogic.commands.sources import kb_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from plogic.situation import Reading
+
+READINGS: tuple[Reading, ...] = ("score", "posterior")
+SCENE = 3
+"""The demo's scene at seed 0: one tower partly hides the other."""
+GOALS = ("present(H)", "partially_occludes(X, Y)")
+
+
+def run_demo(out: Path, seed: int, reading: str, *, say: Callable[[str], None]) -> str:
+    """Render, detect, interpret in both readings, write the folder ``out`` and return the text to print (in ``reading``)."""
+    from geometry.camera import camera_to_dict
+    from plogic.delta import Options
+    from plogic.perceive import Perceiver
+    from plogic.stopwatch import Stopwatch
+    from sensing.detector import detect
+    from sensing.gamma_files import gamma_to_dict
+    from sensing.simulated.scene import random_scene
+    from sensing.simulated.scene_files import png, truth_to_dict
+
+    kb = kb_of("towers")
+    say("rendering two towers with the simulated camera ...")
+    scene = random_scene(shapes_of(kb), SCENE + seed, placement="hiding")
+    image = scene.photograph().image
+    clock = Stopwatch()
+    say("detecting junctions and patches in the pixels ...")
+    with clock.stage("detect"):
+        gamma = detect(image, scene.camera, kb.appearance_types)
+    perceiver = Perceiver(kb)
+    say(f"{len(gamma.appearances)} appearances; searching for worlds that explain them ...")
+    documents = {name: perceiver(gamma, Options(reading=name), image, clock) for name in READINGS}
+    files = {
+        "image.png": png(image),
+        "camera.json": _json(camera_to_dict(scene.camera)),
+        "truth.json": _json(truth_to_dict(scene)),
+        "gamma.json": _json(gamma_to_dict(gamma)),
+        **_results(documents["score"], image, ""),
+        **_results(documents["posterior"], image, "posterior-"),
+    }
+    _write(out, files)
+    return _told(documents[reading], out)
+
+
+def _results(document: dict[str, Any], image: NDArray[Any], prefix: str) -> dict[str, bytes]:
+    """The files of one reading."""
+    from plogic.interpretation import situation_of, text_of
+    from plogic.program.text import program_text
+    from plogic.report.page import page
+
+    return {
+        f"{prefix}interpretation.json": text_of(document).encode(),
+        f"{prefix}picture.png": picture_of(document, image),
+        f"{prefix}page.html": page(document).encode(),
+        f"{prefix}program.pl": program_text(situation_of(document)).encode(),
+    }
+
+
+def _json(document: dict[str, Any]) -> bytes:
+    return (json.dumps(document, indent=1) + "\n").encode()
+
+
+def _write(out: Path, files: dict[str, bytes]) -> None:
+    """Each file whole; the folder may be there from an earlier run."""
+    from sensing.whole_files import write_whole
+
+    out.mkdir(parents=True, exist_ok=True)
+    for name, data in files.items():
+        write_whole(out / name, data)
+
+
+def _told(document: dict[str, Any], out: Path) -> str:
+    """Worlds, measures and two queries as text, and where to look."""
+    from plogic.interpretation import situation_of
+    from plogic.query import answers_to_all
+
+    situation = situation_of(document)
+    asked = [a for found in answers_to_all(situation, GOALS) for a in found]
+    rows = [{"goal": a.goal, "probability": a.probability, "interval": list(a.interval)} for a in asked]
+    shown = [tables.measures(document), tables.worlds(document), tables.answers({"answers": rows})]
+    texts = [text_of_table(table) for table in shown]
+    return "\n".join([*texts, "", f"look at {out}/page.html and {out}/picture.png; ask {out}/interpretation.json"])

@@ -1,0 +1,78 @@
+"""What can go wrong with what is believed.
+
+::
+
+    geometry.errors.PlogicError
+    └── BeliefError                       anything of this package
+        ├── SituationError                a situation that contradicts itself (unknown id, duplicate id, not a number)
+        │   └── TooManyHypothesesError    more hypotheses hang together than the exact worlds can enumerate
+        ├── InputError                    a command's input that cannot be used; names the file
+        ├── InterpretationError           a file that is no complete interpretation/1
+        ├── InconsistentError             no world satisfies the constraints or the evidence
+        ├── ProgramError                  program text, rules or a goal that cannot be used; knows file, line and column
+        │   ├── UnsafeProgramError        uses a predicate that is not on the allow-list
+        │   ├── UnknownPredicateError     calls a predicate that has no clauses
+        │   ├── NegativeCycleError        a negation that depends on itself
+        │   └── NonGroundError            a probabilistic clause or a goal that keeps a variable
+        └── LimitError                    the inference ran out of its time or memory
+"""
+
+from __future__ import annotations
+
+from geometry.errors import PlogicError
+
+
+class BeliefError(PlogicError):
+    """Anything of this package."""
+
+
+class SituationError(BeliefError):
+    """A situation contradicts itself: the message names the hypothesis or appearance, the rule and the value."""
+
+
+class TooManyHypothesesError(SituationError):
+    """More hypotheses hang together than can be enumerated exactly."""
+
+
+class InputError(BeliefError):
+    """A command's input cannot be used: the message names the file, what is wrong and what would be right."""
+
+
+class InterpretationError(BeliefError):
+    """A file is no complete ``interpretation/1``: the message names the file, the key and the value."""
+
+
+class InconsistentError(BeliefError):
+    """No world satisfies the constraints or the evidence: its probability is 0."""
+
+
+class ProgramError(BeliefError):
+    """Program text, rules or a goal that cannot be used.
+
+    ``line`` and ``column`` count from 1; None where ProbLog does not tell.
+    """
+
+    def __init__(self, reason: str, *, file: str = "program", line: int | None = None, column: int | None = None) -> None:
+        self.reason, self.file, self.line, self.column = reason, file, line, column
+        place = file if line is None else f"{file}:{line}" if column is None else f"{file}:{line}:{column}"
+        super().__init__(f"{place}: {reason}")
+
+
+class UnsafeProgramError(ProgramError):
+    """A predicate that is not on the allow-list: it could read files or run code."""
+
+
+class UnknownPredicateError(ProgramError):
+    """A call to a predicate without clauses."""
+
+
+class NegativeCycleError(ProgramError):
+    """A negation that depends on itself: such a program has no single meaning."""
+
+
+class NonGroundError(ProgramError):
+    """A probabilistic clause, or a goal, that keeps a variable after grounding."""
+
+
+class LimitError(BeliefError):
+    """The inference ran out of its wall time or memory; the message states the limit."""

@@ -1,0 +1,120 @@
+"""``interpretation.json``: one image's Δ, self-contained, so that no KB or image has to be at hand to ask it anything.
+
+``document_of`` writes what the cycle and the worlds came to; ``situation_of`` reads the typed situation back; the two are inverse on
+everything that decides a probability (tested).
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from plogic.errors import InterpretationError
+from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, PartFact, Situation
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+FORMAT = "interpretation/1"
+LARGEST = 256 * 2**20
+"""Bytes of an interpretation that is read."""
+
+Document = dict[str, Any]
+
+
+def facts_of(situation: Situation) -> list[Document]:
+    """The facts between hypotheses, in a fixed order."""
+    pairs = [("overlap", situation.overlaps), ("rival", situation.rivals), ("exclusive", situation.exclusive)]
+    facts: list[Document] = [{"fact": name, "args": list(pair)} for name, found in pairs for pair in sorted(found)]
+    facts += [{"fact": "relation", "relation": r.relation, "args": [r.x, r.y]} for r in situation.relations]
+    for h in situation.hypotheses:
+        facts += [{"fact": "behind", "args": [f"{h.id}/{f.id}", other]} for f in h.features for other in f.hidden_by]
+    return facts
+
+
+def situation_of(document: Mapping[str, Any]) -> Situation:
+    """The typed situation of an interpretation. Raises InterpretationError, one line, where it is none."""
+    if document.get("format") != FORMAT:
+        raise InterpretationError(f"format: {document.get('format')!r} should be {FORMAT!r}")
+    try:
+        return _situation(document)
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        raise InterpretationError(f"not a complete {FORMAT}: {type(error).__name__}: {error}") from error
+
+
+def _situation(document: Mapping[str, Any]) -> Situation:
+    facts = document["facts"]
+    return Situation(
+        reading=document["reading"],
+        reconsider=document["reconsider"],
+        smoothing=float(document["smoothing"]),
+        hypotheses=tuple(_hypothesis(h) for h in document["hypotheses"] if h["status"] != "rejected"),
+        appearances=tuple(
+            AppearanceFact(a["id"], a["type"], (float(a["uv"][0]), float(a["uv"][1])), float(a["clutter"]))
+            for a in document["appearances"]
+        ),
+        overlaps=_pairs(facts, "overlap"),
+        rivals=_pairs(facts, "rival"),
+        exclusive=_pairs(facts, "exclusive"),
+        relations=tuple(PairFact(f["relation"], *f["args"]) for f in facts if f["fact"] == "relation"),
+        priors=dict(document["priors"]),
+        dv=dict(document["measures"]["dv"]),
+        rank=dict(document["measures"]["rank"]),
+        rules=document["rules"],
+    )
+
+
+def _pairs(facts: list[Document], name: str) -> frozenset[tuple[str, str]]:
+    return frozenset((f["args"][0], f["args"][1]) for f in facts if f["fact"] == name)
+
+
+def _hypothesis(h: Mapping[str, Any]) -> HypothesisFact:
+    return HypothesisFact(
+        id=h["id"],
+        type=h["type"],
+        camera_from_object=tuple(tuple(float(v) for v in row) for row in h["T_camera_object"]),
+        opaque=bool(h["opaque"]),
+        group=h["group"],
+        features=tuple(_feature(f) for f in h["features"]),
+        parts=tuple(PartFact(p["id"], p["parent"], p["kind"], p["type"]) for p in h["parts"]),
+    )
+
+
+def _feature(f: Mapping[str, Any]) -> FeatureFact:
+    known = {name: f[name] for name in FeatureFact.__dataclass_fields__}
+    known |= {"at": tuple(f["at"]), "uv": tuple(f["uv"]), "hidden_by": tuple(f["hidden_by"])}
+    return FeatureFact(**known)
+
+
+def hypothesis_document(h: HypothesisFact, cases: Mapping[str, tuple[bool, bool, str | None]]) -> Document:
+    """One hypothesis as in the file; ``cases`` gives (expected, detected, case) of each feature in Δi."""
+    row = asdict(h)
+    row["T_camera_object"] = [list(r) for r in row.pop("camera_from_object")]
+    for feature in row["features"]:
+        expected, detected, case = cases[feature["id"]]
+        feature |= {"expected": expected, "detected": detected, "case": case}
+        feature |= {key: list(feature[key]) for key in ("at", "uv", "hidden_by")}
+    return row
+
+
+def text_of(document: Mapping[str, Any]) -> str:
+    """The file's text: the same document gives the same bytes."""
+    return json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
+
+
+def read_interpretation(path: Path | str) -> Document:
+    """Read ``interpretation.json``; '-' is stdin. Raises InterpretationError, one line."""
+    try:
+        data = sys.stdin.buffer.read(LARGEST + 1) if str(path) == "-" else Path(path).read_bytes()
+        document = json.loads(data.decode("utf-8"))
+    except OSError as error:
+        raise InterpretationError(f"{path}: cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError) as error:
+        raise InterpretationError(f"{path}: not JSON: {error}") from None
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise InterpretationError(f"{path}: format: should be {FORMAT!r}")
+    situation_of(document)
+    return document

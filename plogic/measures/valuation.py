@@ -1,0 +1,52 @@
+"""Legal substitutions, valuation and rank (§5.2, §5.3): what could be here, before any pose is known.
+
+Vocabulary: a substitution θ, a partial injective map from features to appearances, ``{0: 3, 4: 1}`` by their indices.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+
+def compatible(feature_types: Sequence[frozenset[str]], appearance_types: Sequence[str]) -> NDArray[np.bool_]:
+    """(F, A) mask: appearance a is of one of the types in which feature f can appear."""
+    return np.array([[name in types for name in appearance_types] for types in feature_types], dtype=bool).reshape(
+        len(feature_types), len(appearance_types)
+    )
+
+
+def is_legal(substitution: Mapping[int, int], allowed: NDArray[np.bool_]) -> bool:
+    """Whether θ is legal: compatible, and injective, so that an appearance serves one feature and a feature is matched once (§5.2)."""
+    values = list(substitution.values())
+    return len(set(values)) == len(values) and all(bool(allowed[f, a]) for f, a in substitution.items())
+
+
+def best_substitution(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> dict[int, int]:
+    """The legal θ of greatest Σ weight over matched features: a maximum-weight bipartite matching (§5.3).
+
+    ``weights`` (F,) ≥ 0 per feature, ``allowed`` (F, A). Features of weight 0 are matched where that costs nothing. Oracle: brute force.
+    """
+    if allowed.size == 0:
+        return {}
+    gain = np.where(allowed, weights[:, None] + 1e-12, 0.0)
+    rows, columns = linear_sum_assignment(gain, maximize=True)
+    return {int(f): int(a) for f, a in zip(rows, columns, strict=True) if allowed[f, a]}
+
+
+def valuation(weights: NDArray[np.float64], substitution: Mapping[int, int]) -> float:
+    """Take v(Type, θ) = Σ dv(matched features) / Σ dv(all features of Type); 0 where every dv is 0 (§5.3, §5.1)."""
+    total = float(weights.sum())
+    return float(sum(weights[f] for f in substitution)) / total if total > 0.0 else 0.0
+
+
+def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
+    """Take rank(Type) = max over legal θ of v(Type, θ) (§5.3)."""
+    return valuation(weights, best_substitution(weights, allowed))

@@ -1,0 +1,160 @@
+"""Marks on a raster picture, drawn with OpenCV: circles and squares, small signs, text that finds a free place.
+
+``Pencil(picture, scale)`` takes places in the coordinates of the original image, whose pixel centres are integers, and
+draws on ``picture``, which is ``scale`` times larger. Every mark has a dark casing, so that it is seen on light and on
+dark ground.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Colour = tuple[int, int, int]
+Box = tuple[float, float, float, float]
+"""Left, top, right, bottom in pixels of the drawn picture."""
+Place = Sequence[float]
+DARK, WHITE = (26, 23, 20), (255, 255, 255)
+SHIFT = 4
+"""OpenCV's fixed point: coordinates in sixteenths of a pixel."""
+RING = 56
+"""Points of a ring; divisible by its four sides and by its dashes."""
+FONT = cv2.FONT_HERSHEY_DUPLEX
+SIGNS: dict[str, tuple[tuple[tuple[int, int], ...], ...]] = {
+    "patch": (((-4, -4), (4, -4), (4, 4), (-4, 4), (-4, -4)),),
+    "l_junction": (((-3, -4), (-3, 4), (4, 4)),),
+    "y_junction": (((0, 5), (0, 0), (-4, -4)), ((0, 0), (4, -4))),
+    "arrow_junction": (((0, 5), (0, -5)), ((-4, -1), (0, -5), (4, -1))),
+    "t_junction": (((-4, -4), (4, -4)), ((0, -4), (0, 5))),
+    "multi_junction": (((-5, 0), (5, 0)), ((0, -5), (0, 5)), ((-3, -3), (3, 3))),
+}
+OTHER = (
+    (((0, -5), (5, 0), (0, 5), (-5, 0), (0, -5)),),
+    (((0, -5), (5, 4), (-5, 4), (0, -5)),),
+    (((-4, -4), (4, 4)), ((4, -4), (-4, 4))),
+)
+
+
+@dataclass(frozen=True)
+class Pencil:
+    """Draws on ``picture`` (H, W, 3) BGR in place; ``scale`` is the picture's size over the original image's."""
+
+    picture: NDArray[np.uint8]
+    scale: float
+
+    def at(self, uv: Place) -> tuple[float, float]:
+        """Return the place in the drawn picture of an image point (integer = pixel centre in both)."""
+        return (float(uv[0]) + 0.5) * self.scale - 0.5, (float(uv[1]) + 0.5) * self.scale - 0.5
+
+    def polygon(self, ring: Sequence[Place], colour: Colour) -> None:
+        """Draw a closed ring of image points."""
+        points = np.array([self.at(p) for p in ring])
+        for paint, width in ((DARK, 6), (colour, 3)):
+            self._line(points, paint, width, closed=True)
+
+    def feature(self, uv: Place, colour: Colour, *, circle: bool, filled: bool) -> None:
+        """Draw the mark of one feature: circle or square, filled or dashed. What is neither stays small."""
+        centre, faint = np.array(self.at(uv)), not circle and not filled
+        ring = _circle(10) if circle else _square(7 if faint else 9)
+        if filled:
+            self._tint(centre, ring, colour)
+        for paint, width in ((DARK, 4 if faint else 6), (colour, 2 if faint else 3)):
+            for piece in [ring] if filled else _dashes(ring, 7 if circle else 4):
+                self._line(centre + piece, paint, width)
+
+    def sign(self, uv: Place, kind: str, kinds: list[str]) -> None:
+        """Draw the small white sign of an appearance; unknown types share a few signs, by their place in ``kinds``."""
+        centre = np.array(self.at(uv))
+        strokes = SIGNS.get(kind) or OTHER[kinds.index(kind) % len(OTHER)]
+        for paint, width in ((DARK, 4), (WHITE, 2)):
+            for stroke in strokes:
+                self._line(centre + np.array(stroke, float), paint, width)
+
+    def mark_box(self, uv: Place) -> Box:
+        """Return the box of a mark there."""
+        x, y = self.at(uv)
+        return x - 12, y - 12, x + 12, y + 12
+
+    def size(self, text: str, size: float) -> tuple[float, float]:
+        """Return width and height of a text in drawn pixels."""
+        (width, height), _ = cv2.getTextSize(_plain(text), FONT, size, 1)
+        return float(width), float(height)
+
+    def text(self, text: str, box: Box, size: float, colour: Colour) -> None:
+        """Write a text into its box, light on a dark casing (its own shape, grown: thicker letters are wider)."""
+        mask = np.zeros(self.picture.shape[:2], np.uint8)
+        origin = round(box[0]), round(box[3])
+        cv2.putText(mask, _plain(text), origin, FONT, size, 255, 1, cv2.LINE_AA)
+        casing = cv2.dilate(mask, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (5, 5)))
+        for cover, paint in ((casing, DARK), (mask, colour)):
+            share = cover[..., None] / np.float32(255)
+            self.picture[:] = np.round(self.picture * (1 - share) + np.array(paint, np.float32) * share)
+
+    def _line(self, points: NDArray[np.float64], colour: Colour, width: int, *, closed: bool = False) -> None:
+        fixed = np.round(points * (1 << SHIFT)).astype(np.int32).reshape(-1, 1, 2)
+        cv2.polylines(self.picture, [fixed], closed, colour, width, cv2.LINE_AA, SHIFT)
+
+    def _tint(self, centre: NDArray[np.float64], ring: NDArray[np.float64], colour: Colour) -> None:
+        """Fill half transparently, so that the image and the sign stay visible."""
+        x, y = (max(0, int(c) - 14) for c in centre)
+        window = self.picture[y : y + 30, x : x + 30]
+        if window.size:
+            layer = window.copy()
+            fixed = np.round((centre - [x, y] + ring) * (1 << SHIFT)).astype(np.int32).reshape(-1, 1, 2)
+            cv2.fillPoly(layer, [fixed], colour, cv2.LINE_AA, SHIFT)
+            window[:] = cv2.addWeighted(layer, 0.55, window, 0.45, 0)
+
+
+def free_place(
+    size: tuple[float, float], near: tuple[float, float], taken: list[Box], pencil: Pencil, *, needed: bool
+) -> Box | None:
+    """Return a box of that size close to an image point, inside the picture, that meets none of the taken boxes.
+
+    Places above, beside and below are tried, then further away; None if there is no room. ``needed`` looks further.
+    """
+    (width, height), (x, y) = size, pencil.at(near)
+    rows, columns = pencil.picture.shape[:2]
+    for away in range(0, 400 if needed else 30, 10):
+        for dx, dy in ((0, -1), (1, 0), (-1, 0), (0, 1), (1, -1), (-1, -1)):
+            left = min(max(4.0, x - width / 2 + dx * (width / 2 + 18 + away)), columns - width - 4)
+            top = min(max(4.0, y - height / 2 + dy * (height / 2 + 20 + away)), rows - height - 8)
+            box = (left, top, left + width, top + height)
+            if not any(meet(box, other) for other in taken):
+                return box
+    return None
+
+
+def meet(a: Box, b: Box, margin: float = 3.0) -> bool:
+    """Tell whether two boxes are closer than the margin."""
+    return a[0] < b[2] + margin and b[0] < a[2] + margin and a[1] < b[3] + margin and b[1] < a[3] + margin
+
+
+def _circle(radius: float) -> NDArray[np.float64]:
+    angle = np.linspace(0, 2 * np.pi, RING + 1)
+    return np.stack([np.cos(angle), np.sin(angle)], -1) * radius
+
+
+def _square(half: float) -> NDArray[np.float64]:
+    t = np.linspace(-1, 1, RING // 4 + 1)
+    side = np.stack([t, np.full_like(t, -1.0)], -1)[:-1]
+    turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    sides = [side @ np.linalg.matrix_power(turn, k) for k in range(4)]
+    return np.concatenate([*sides, side[:1]]) * half
+
+
+def _dashes(ring: NDArray[np.float64], count: int) -> list[NDArray[np.float64]]:
+    """Return so many short pieces of a closed ring, each centred on a point of it; a square's four are its corners."""
+    half = 3 if count == 4 else 2
+    return [ring[np.arange(k - half, k + half + 1) % RING] for k in range(0, RING, RING // count)]
+
+
+def _plain(text: str) -> str:
+    """Return the text in what OpenCV's fonts hold: other characters become question marks."""
+    return text.encode("ascii", "replace").decode()

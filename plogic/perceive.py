@@ -1,0 +1,83 @@
+"""From Γ to an interpretation: the cycle, the situation, its worlds, and the document that holds them all."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from plogic.attention import attend
+from plogic.cycle import Belief, Perception
+from plogic.delta import Delta, Options, delta_of
+from plogic.document import document_of
+from plogic.errors import InconsistentError
+from plogic.measures.distinctiveness import distinctiveness, instance_counts
+from plogic.search.data import data_of
+from plogic.search.generate import TypeIndex, type_index
+from plogic.stopwatch import Stopwatch
+from plogic.worlds import Ranking, ranked_worlds
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase
+    from sensing.appearance import Gamma
+
+SMOOTHED = 0.001
+"""ε that the score program falls back to where no world is left at 0."""
+LISTED_WORLDS = 100
+"""Worlds that an interpretation lists; the mass of the others is stated."""
+
+
+class Perceiver:
+    """A knowledge base made ready: dv and the view cells of its types, computed once and used for any number of images."""
+
+    def __init__(self, kb: KnowledgeBase) -> None:
+        self.kb = kb
+        self.dv = distinctiveness(instance_counts(kb.types))
+        self.indices: dict[str, TypeIndex] = {t.name: type_index(t, self.dv) for t in kb.types if t.features}
+
+    def __call__(
+        self,
+        gamma: Gamma,
+        options: Options | None = None,
+        image: NDArray[np.uint8] | None = None,
+        clock: Stopwatch | None = None,
+    ) -> dict[str, Any]:
+        """The interpretation document of one Γ; ``image`` (H, W, 3) is only carried along. An empty Γ gives the empty world."""
+        options, clock = options or Options(), clock or Stopwatch()
+        delta, rejected, trace = self.delta(gamma, options, clock)
+        with clock.stage("worlds"):
+            delta, ranking = ranked(delta, trace)
+        with clock.stage("document"):
+            document = document_of(self.kb, gamma, delta, rejected, trace, ranking, image)
+        return document | {"unfinished": True} if any(step["event"] == "deadline" for step in trace) else document
+
+    def delta(
+        self, gamma: Gamma, options: Options, clock: Stopwatch
+    ) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
+        """Δh with its facts, what was rejected, and the trace."""
+        data = data_of(gamma.appearances, gamma.camera)
+        with clock.stage("rank"):
+            attention = attend(list(self.indices.values()), data.types, self.kb)
+        with clock.stage("search"):
+            perception = Perception(data, self.kb, self.indices, self.dv, options.end)
+            cycle = perception.run(attention)
+            if perception.unfinished:
+                cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")
+        with clock.stage("facts"):
+            delta = delta_of(cycle, data, self.kb, self.dv, options)
+        return delta, cycle.rejected, cycle.trace.document()
+
+
+def ranked(delta: Delta, trace: list[dict[str, object]]) -> tuple[Delta, Ranking]:
+    """The worlds of Δh. Where dogmatic P(ev) of 0 and 1 leave none (§8, trap c), the program is smoothed, and the trace says so."""
+    try:
+        return delta, ranked_worlds(delta.situation, LISTED_WORLDS)
+    except InconsistentError as error:
+        why = f"{error}: the score program is smoothed by {SMOOTHED}"
+        trace.append(
+            {"step": len(trace) + 1, "event": "smooth", "hypothesis": None, "type": None, "ev": None, "why": why}
+        )
+        softer = replace(delta, situation=replace(delta.situation, smoothing=SMOOTHED))
+        return softer, ranked_worlds(softer.situation, LISTED_WORLDS)

@@ -1,0 +1,88 @@
+"""Small terms for proofs: made from ProbLog's, unified, and given back.
+
+A term is a number, a ``Ref`` (a variable), or a tuple ``(functor, *arguments)``: ``("present", ("h1",))`` is present(h1).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from problog.logic import And, Constant, Not, Or, Term, Var
+
+Small = Any
+"""float | int | Ref | tuple[str | Small, ...]"""
+Bindings = dict["Ref", Small]
+
+
+class Ref:
+    """A variable; two are the same only if they are one object."""
+
+    __slots__ = ()
+
+
+def small(term: Any, variables: dict[str, Ref]) -> Small:  # noqa: ANN401 - a term of ProbLog's
+    """From ProbLog's term; ``variables`` holds the variables by name, an underscore is always a new one."""
+    if isinstance(term, Var):
+        return Ref() if term.name == "_" else variables.setdefault(term.name, Ref())
+    if isinstance(term, Constant):
+        return (term.functor,) if term.is_string() else term.functor
+    if isinstance(term, (And, Or, Not)):
+        return (term.functor, *(small(argument, variables) for argument in term.args))
+    return (str(term.functor), *(small(argument, variables) for argument in term.args))
+
+
+def problog_term(term: Small) -> Any:  # noqa: ANN401 - a term of ProbLog's
+    """Back to ProbLog's term."""
+    if isinstance(term, Ref):
+        return Var("_")
+    if not isinstance(term, tuple):
+        return Constant(term)
+    arguments = [problog_term(argument) for argument in term[1:]]
+    if term[0] in (",", ";") and len(arguments) == 2:
+        return (And if term[0] == "," else Or)(*arguments)
+    if term[0] == "\\+":
+        return Not("\\+", arguments[0])
+    return Term(term[0], *arguments)
+
+
+def walk(term: Small, bindings: Bindings) -> Small:
+    """What a variable is bound to, itself if it is free."""
+    while isinstance(term, Ref) and term in bindings:
+        term = bindings[term]
+    return term
+
+
+def resolved(term: Small, bindings: Bindings) -> Small:
+    """The term with every bound variable replaced."""
+    term = walk(term, bindings)
+    return (term[0], *(resolved(argument, bindings) for argument in term[1:])) if isinstance(term, tuple) else term
+
+
+def unify(x: Small, y: Small, bindings: Bindings) -> bool:
+    """Whether the two become the same; extends ``bindings`` (which are garbage if they do not)."""
+    x, y = walk(x, bindings), walk(y, bindings)
+    if x is y:
+        return True
+    if isinstance(x, Ref) or isinstance(y, Ref):
+        bindings[x if isinstance(x, Ref) else y] = y if isinstance(x, Ref) else x
+        return True
+    if isinstance(x, tuple) and isinstance(y, tuple):
+        return x[0] == y[0] and len(x) == len(y) and all(unify(a, b, bindings) for a, b in zip(x[1:], y[1:], strict=True))
+    return bool(x == y)
+
+
+def is_ground(term: Small) -> bool:
+    """Whether no variable is left."""
+    return not isinstance(term, Ref) and (not isinstance(term, tuple) or all(is_ground(argument) for argument in term[1:]))
+
+
+def renamed(term: Small, new: dict[Ref, Ref]) -> Small:
+    """The term with new variables."""
+    if isinstance(term, Ref):
+        return new.setdefault(term, Ref())
+    return (term[0], *(renamed(argument, new) for argument in term[1:])) if isinstance(term, tuple) else term
+
+
+def signature(term: Small) -> tuple[str, int]:
+    """Functor without its quotes, and arity."""
+    return (str(term[0]).strip("'"), len(term) - 1) if isinstance(term, tuple) else ("", 0)

@@ -1,0 +1,72 @@
+// Making elements. Data becomes text nodes and plain attributes, never markup.
+function make(space, tag, attributes, children) {
+  const node = space ? document.createElementNS(space, tag) : document.createElement(tag);
+  for (const [k, v] of Object.entries(attributes || {})) if (v != null) node.setAttribute(k, v);
+  node.append(...children.flat(Infinity).filter((c) => c != null));
+  return node;
+}
+const el = (tag, attributes, ...children) => make(null, tag, attributes, children);
+const svg = (tag, attributes, ...children) => make('http://www.w3.org/2000/svg', tag, attributes, children);
+const at = (id) => document.getElementById(id);
+const put = (id, ...children) => at(id).replaceChildren(...children.flat(Infinity));
+
+function swatch(c) {
+  const s = el('span', {class: 'swatch', 'aria-hidden': 'true'});
+  s.style.background = c;
+  return s;
+}
+const who = (id) => el('span', {class: 'who'}, swatch(colour(id)), byId.has(id) ? label(id) + ' ' : null, el('span', {class: 'id'}, String(id)));
+
+function bar(p) {
+  const fill = el('i');
+  fill.style.width = 100 * Math.max(0, Math.min(1, p || 0)) + '%';
+  return el('span', {class: 'bars', 'aria-hidden': 'true'}, fill);
+}
+
+function toggle(name, on, text, change) {
+  const box = el('input', {type: 'checkbox', 'data-layer': name});
+  box.checked = on;
+  box.addEventListener('change', () => change(box.checked));
+  return el('label', null, box, text);
+}
+
+function button(text, click, attributes) {
+  const b = el('button', {type: 'button', ...attributes}, text);
+  b.addEventListener('click', click);
+  return b;
+}
+
+// Long lists show their first n; a button shows the rest, and what was unfolded stays so.
+const unfolded = new Set();
+function fold(nodes, n, what, wrap) {
+  if (nodes.length <= n + 1 || unfolded.has(what)) return nodes;
+  const rest = nodes.slice(n);
+  rest.forEach((r) => { r.hidden = true; });
+  const more = wrap(button(`Show all ${nodes.length} ${what}`, () => {
+    unfolded.add(what);
+    rest.forEach((r) => { r.hidden = false; });
+    more.remove();
+    (rest[0].querySelector('button') || at('worlds')).focus();
+  }, {class: 'more'}));
+  return [...nodes.slice(0, n), more, ...rest];
+}
+
+// The mark of a feature, centred on 0,0: a circle where it is expected, else a square; filled if detected, else dashed.
+function glyph(expected, detected, c) {
+  const faint = !expected && !detected, half = faint ? 4.2 : 5.8;
+  const form = (extra) => (expected ? svg('circle', {r: 7, ...extra}) : svg('rect', {x: -half, y: -half, width: 2 * half, height: 2 * half, ...extra}));
+  return [form({fill: detected ? c : 'none', 'fill-opacity': 0.4, stroke: '#14171a', 'stroke-opacity': faint ? 0.35 : 0.75, 'stroke-width': faint ? 2.8 : 3.8}),
+    form({fill: 'none', stroke: c, 'stroke-width': faint ? 1.4 : 2.2, 'stroke-dasharray': detected ? null : faint ? '2.6 2' : '4.2 3'})];
+}
+
+// The mark of an appearance: a small sign that looks like its type where we know the type.
+const SIGNS = {
+  patch: 'M-3,-3H3V3H-3Z', corner: 'M-3,3V-3H3', apex: 'M-3.4,3L0,-3L3.4,3', l_junction: 'M-2.5,-3V3H3', y_junction: 'M0,3.6V0L-3,-3M0,0L3,-3',
+  arrow_junction: 'M0,3.6V-3.4M-3,0L0,-3.4L3,0', t_junction: 'M-3.4,-3H3.4M0,-3V3.4', x_junction: 'M-3,-3L3,3M3,-3L-3,3', multi_junction: 'M-3.4,0H3.4M0,-3.4V3.4M-2.4,-2.4L2.4,2.4',
+};
+const OTHER = ['M0,-3.6L3.6,0L0,3.6L-3.6,0Z', 'M0,-3.4L3.2,2.6H-3.2Z', 'M-3.4,0H3.4M0,-3.4V3.4', 'M-3,-3L3,3M3,-3L-3,3'];
+const kinds = [...new Set(appearances.map((a) => String(a.type)))].sort();
+function sign(type) {
+  const d = Object.hasOwn(SIGNS, type) ? SIGNS[type] : OTHER[Math.max(0, kinds.indexOf(String(type))) % OTHER.length];
+  return [svg('path', {d, fill: 'none', stroke: '#14171a', 'stroke-width': 3.2, 'stroke-opacity': 0.7}), svg('path', {d, fill: 'none', stroke: '#fff', 'stroke-width': 1.5})];
+}

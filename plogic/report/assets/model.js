@@ -1,0 +1,65 @@
+// What the page knows: the document, the world that is shown, and what the four cases are in it (D7, D8). No drawing here.
+const read = JSON.parse(document.getElementById('interpretation').textContent);
+const list = (x) => (Array.isArray(x) ? x : []);
+const doc = Object.assign({camera: {}, measures: {}, assets: {}, kb: {}}, read);
+const appearances = list(doc.appearances), hypotheses = list(doc.hypotheses), facts = list(doc.facts);
+const worlds = list(doc.worlds).length ? doc.worlds
+  : [{probability: null, present: hypotheses.filter((h) => h.status === 'accepted').map((h) => h.id), causes: {}}];
+const PALETTE = ['#E69F00', '#56B4E9', '#009E73', '#CC79A7', '#F0E442', '#D55E00', '#0072B2'];
+const byId = new Map(hypotheses.map((h) => [h.id, h]));
+const appearanceById = new Map(appearances.map((a) => [a.id, a]));
+const colours = new Map([...hypotheses.filter((h) => h.status === 'accepted'), ...hypotheses.filter((h) => h.status !== 'accepted')]
+  .map((h, i) => [h.id, PALETTE[i % PALETTE.length]]));
+const colour = (id) => colours.get(id) || '#9aa0a6';
+const label = (id) => { const h = byId.get(id); return h ? String(h.label || h.type) : String(id); };
+const rivals = new Set(facts.filter((f) => f.fact === 'rival').flatMap((f) => [f.args.join('\n'), f.args.slice().reverse().join('\n')]));
+
+const state = {shown: worlds[0], layers: new Set(['appearances', 'expected', 'hidden', 'outlines', 'labels']), chosen: null};
+const watchers = [];
+const changed = (what) => watchers.forEach((w) => w(what));
+
+// The objects of this world that hide the feature: opaque, and no rivals of its host.
+function hiders(h, f, world) {
+  return list(f.hidden_by).filter((g) => world.present.includes(g) && (byId.get(g) || {}).opaque !== false && !rivals.has(h.id + '\n' + g));
+}
+
+// The feature in the world: {expected, detected, letter, hiders}; letter is null outside the image.
+function caseOf(h, f, world) {
+  const by = hiders(h, f, world);
+  const expected = Boolean(f.in_image && f.in_lobe && !(f.self_hidden && h.opaque !== false) && !by.length);
+  const taken = doc.reconsider === 'reassign' && !expected && f.match && claimant(f.match, world) && claimant(f.match, world).h !== h;
+  const detected = f.match != null && !taken;
+  return {expected, detected, hiders: by, letter: !f.in_image ? null : expected ? (detected ? 'A' : 'C') : (detected ? 'D' : 'B')};
+}
+
+// What causes the appearance in the world: {h, f}, or null for noise and for what nobody knows.
+function claimant(id, world) {
+  const cause = String((world.causes || {})[id] || ''), cut = cause.indexOf('/'), h = byId.get(cause.slice(0, cut));
+  return h && cut > 0 ? {h, f: list(h.features).find((f) => f.id === cause.slice(cut + 1))} : null;
+}
+
+const MINUS = '\u2212';
+const fixed = (x, n) => (x == null || !isFinite(x) ? '\u2013' : (x < 0 && Number(x.toFixed(n)) !== 0 ? MINUS : '') + Math.abs(x).toFixed(n));
+const chance = (p) => (p == null ? '\u2013' : p > 0 && p < 0.0005 ? '<0.001' : p < 1 && p > 0.9995 ? '>0.999' : p.toFixed(3));
+const words = (s) => String(s).replace(/_/g, ' ');
+const and = (xs) => (xs.length < 2 ? xs.join('') : xs.slice(0, -1).join(', ') + ' and ' + xs[xs.length - 1]);
+const plural = (n, one, many) => n + ' ' + (n === 1 ? one : many || one + 's');
+
+// Why the feature is in its case, in one sentence.
+function reason(h, f, world) {
+  const c = caseOf(h, f, world), a = appearanceById.get(f.match), cause = f.match != null ? claimant(f.match, world) : null;
+  const found = a ? `${a.id} (${words(a.type)})` + (f.residual != null ? `, ${fixed(f.residual, 1)} px from its place` : '') : '';
+  const because = c.hiders.length ? `it is hidden behind ${and(c.hiders.map((g) => `${label(g)} (${g})`))}`
+    : f.self_hidden ? 'its own object hides it' : !f.in_lobe ? 'it does not show itself from this viewpoint' : 'it lies outside the image';
+  if (c.letter === 'A') return `Expected and detected as ${found}.`;
+  if (c.letter === 'C') {
+    const would = list(f.hidden_by).filter((g) => !world.present.includes(g) && byId.has(g));
+    return 'Expected, but nothing was detected: missed by the detectors, or hidden by something unknown.'
+      + (would.length ? ` ${and(would.map((g) => `${label(g)} (${g})`))} would hide it, but is not in this world.` : '');
+  }
+  if (c.letter === 'D') {
+    return `Not expected, since ${because}; yet ${found} is there. `
+      + (cause && cause.h !== h ? `Here that is explained by ${label(cause.h.id)} (${cause.h.id}).` : 'Noise, or something that is not known.');
+  }
+  return c.letter === 'B' ? `Not expected, since ${because}; and not detected.` : 'It lies outside the image, so it counts neither way.';
+}

@@ -1,0 +1,121 @@
+// The image with its overlay: outlines, appearances, circles and squares. Marks keep their size on the screen.
+const W = doc.camera.width || 640, H = doc.camera.height || 480;
+const IMAGE = (() => {
+  const i = doc.assets.image;
+  return i && /^image\/(png|jpeg)$/.test(i.media_type) && /^[A-Za-z0-9+/=]+$/.test(i.base64) ? `data:${i.media_type};base64,${i.base64}` : null;
+})();
+const canvasSvg = svg('svg', {viewBox: `-0.5 -0.5 ${W} ${H}`, role: 'group', 'aria-label': 'The image with what was detected and what was expected. Arrow keys go from mark to mark.'});
+let marks = [], focusable = 0;
+
+function mark(uv, parts, tell, key) {
+  const g = svg('g', {class: 'mark', tabindex: -1, role: 'img', 'aria-label': tell.join(' '), 'data-key': key.join(' ')}, parts, svg('circle', {class: 'halo', r: 11}));
+  const choose = () => { state.chosen = {key, tell}; changed('chosen'); };
+  g.addEventListener('pointerenter', choose);
+  g.addEventListener('focus', choose);
+  g.addEventListener('click', choose);
+  marks.push({g, uv});
+  return g;
+}
+
+function featureMark(h, f) {
+  const c = caseOf(h, f, state.shown);
+  const layer = c.expected ? 'expected' : 'hidden';
+  if (!c.letter || !state.layers.has(layer)) return null;
+  const tell = [`${f.id}`, `of ${label(h.id)} (${h.id}), ${words(f.type)}, case ${c.letter}.`, reason(h, f, state.shown)];
+  const g = mark(f.uv, glyph(c.expected, c.detected, colour(h.id)), tell, [h.id, f.id]);
+  g.setAttribute('data-case', c.letter);
+  return g;
+}
+
+function appearanceMark(a) {
+  const cause = claimant(a.id, state.shown), raw = (state.shown.causes || {})[a.id];
+  const because = cause ? `Explained by ${cause.f ? cause.f.id : 'a feature'} of ${label(cause.h.id)} (${cause.h.id}).`
+    : raw === 'noise' ? 'Noise in this world: no object explains it.' : raw ? `Explained by ${raw}.` : 'Nothing here explains it.';
+  const score = a.score != null ? `, score ${fixed(a.score, 2)}` : '';
+  return mark(a.uv, [svg('circle', {r: 5, fill: 'transparent'}), ...sign(a.type)], [`${a.id}`, `${words(a.type)}, found by ${a.detector || 'a detector'}${score}.`, because], [a.id]);
+}
+
+function outline(h) {
+  const d = list(h.outline).map((ring) => 'M' + ring.map((p) => p.map(Number).join(',')).join('L') + 'Z').join('');
+  const line = (extra) => svg('path', {d, fill: 'none', 'stroke-linejoin': 'round', 'vector-effect': 'non-scaling-stroke', ...extra});
+  return svg('g', {class: 'outline'}, line({stroke: '#14171a', 'stroke-opacity': 0.45, 'stroke-width': 4.5}), line({stroke: colour(h.id), 'stroke-width': 2.2}));
+}
+
+// Names go above the outlines, moved down until they are clear of each other.
+function names(shown, k) {
+  const placed = [];
+  return shown.map((h) => {
+    const points = list(h.outline).flat(), text = `${label(h.id)} ${h.id}`, half = text.length * 3.6 * k;
+    if (!points.length) return null;
+    const us = points.map((p) => p[0]), u = Math.max(half + 4, Math.min(W - half - 4, (Math.min(...us) + Math.max(...us)) / 2));
+    let v = Math.max(16 * k, Math.min(...points.map((p) => p[1])) - 16 * k);
+    while (placed.some((q) => Math.abs(q.u - u) < q.half + half && Math.abs(q.v - v) < 17 * k)) v += (v > 34 * k ? -17 : 40) * k;
+    placed.push({u, v, half});
+    return svg('text', {class: 'name', 'text-anchor': 'middle', transform: `translate(${u} ${v}) scale(${k})`}, text);
+  });
+}
+
+const pixel = () => W / (canvasSvg.getBoundingClientRect().width || W);
+
+function drawPicture() {
+  const shown = state.shown.present.map((id) => byId.get(id)).filter(Boolean), on = (l) => state.layers.has(l);
+  marks = [];
+  const features = shown.flatMap((h) => list(h.features).map((f) => [h, f]));
+  const order = (wanted) => features.filter(([h, f]) => caseOf(h, f, state.shown).expected === wanted).map(([h, f]) => featureMark(h, f));
+  canvasSvg.replaceChildren(...[
+    IMAGE ? svg('image', {href: IMAGE, x: -0.5, y: -0.5, width: W, height: H, preserveAspectRatio: 'none'}) : svg('rect', {x: -0.5, y: -0.5, width: W, height: H, fill: '#c9c7c0'}),
+    ...(on('outlines') ? shown.map(outline) : []), svg('g', {id: 'squares'}, order(false)), svg('g', {id: 'circles'}, order(true)),
+    svg('g', {id: 'signs'}, on('appearances') ? appearances.map(appearanceMark) : []),
+    svg('g', {id: 'names'}, on('labels') ? names(shown, pixel()) : []),
+  ].filter(Boolean));
+  focusable = Math.min(focusable, Math.max(0, marks.length - 1));
+  if (marks.length) marks[focusable].g.setAttribute('tabindex', 0);
+  resizeMarks();
+  showChosen();
+  countCases(features);
+}
+
+function resizeMarks() {
+  const k = pixel(), small = k * (innerWidth < 560 ? 0.72 : 1);
+  for (const m of marks) m.g.setAttribute('transform', `translate(${Number(m.uv[0])} ${Number(m.uv[1])}) scale(${small})`);
+  const shown = state.shown.present.map((id) => byId.get(id)).filter(Boolean), layer = canvasSvg.querySelector('#names');
+  if (layer && state.layers.has('labels')) layer.replaceChildren(...names(shown, k).filter(Boolean));
+}
+
+function showChosen() {
+  const c = state.chosen, key = c && c.key.join(' ');
+  marks.forEach((m) => m.g.classList.toggle('on', m.g.dataset.key === key));
+  if (c) put('about', el('b', null, c.tell[0]), ' ', c.tell.slice(1).join(' '));
+  else put('about', el('span', {class: 'id'}, 'Point at a mark, or walk through them with the arrow keys, to read what it is and why.'));
+}
+
+const CASES = [['A', 1, 1, 'Found', 'expected, detected'], ['B', 0, 0, 'Rightly unseen', 'neither'],
+  ['C', 1, 0, 'Missed', 'expected, not detected'], ['D', 0, 1, 'Unexpected', 'detected, not expected']];
+function countCases(features) {
+  const letters = features.map(([h, f]) => caseOf(h, f, state.shown).letter);
+  put('cases', CASES.map(([letter, e, d, name, means]) => el('div', {'data-case': letter},
+    icon(glyph(e, d, '#9aa0a6')),
+    el('dt', null, el('span', {class: 'id'}, letter), ' ' + name), el('dd', null, String(letters.filter((l) => l === letter).length)), el('small', null, means))));
+}
+
+function walk(event) {
+  const step = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1}[event.key];
+  const here = marks.findIndex((m) => m.g === event.target);
+  if (!step || here < 0) return;
+  event.preventDefault();
+  marks[here].g.setAttribute('tabindex', -1);
+  focusable = (here + step + marks.length) % marks.length;
+  marks[focusable].g.setAttribute('tabindex', 0);
+  marks[focusable].g.focus();
+}
+
+const icon = (...parts) => svg('svg', {viewBox: '-10 -10 20 20', width: 20, height: 20, 'aria-hidden': 'true'}, parts);
+const LAYERS = [['appearances', 'Appearances'], ['expected', 'Expected', true], ['hidden', 'Not expected', false], ['outlines', 'Outlines'], ['labels', 'Names']];
+function startPicture() {
+  put('picture', canvasSvg);
+  put('layers', LAYERS.map(([name, text, form]) => toggle(name, true, [form == null ? null : icon(glyph(form, true, '#9aa0a6')), text], (on) => { state.layers[on ? 'add' : 'delete'](name); changed('layers'); })));
+  put('signs-key', kinds.map((k) => el('li', null, icon(sign(k)), words(k))));
+  canvasSvg.addEventListener('keydown', walk);
+  new ResizeObserver(resizeMarks).observe(canvasSvg);
+  watchers.push((what) => (what === 'chosen' ? showChosen() : drawPicture()));
+}

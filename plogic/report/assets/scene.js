@@ -1,0 +1,98 @@
+// What stands in space, in the camera's frame: triangles, lines and points for whoever draws them. And the eye that orbits it.
+const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]], add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]], times = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2], cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const norm = (a) => Math.sqrt(dot(a, a)), unit = (a) => times(a, 1 / (norm(a) || 1)), mix = (a, b, t) => add(times(a, 1 - t), times(b, t));
+const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
+const place = (T, p) => [0, 1, 2].map((i) => T[i][0] * p[0] + T[i][1] * p[1] + T[i][2] * p[2] + T[i][3]);
+const UP = doc.camera.T_world_camera ? unit(doc.camera.T_world_camera[2].slice(0, 3)) : [0, -1, 0];
+const shape = {lines: true, features: true, picture: true};
+
+// The edges where two facets meet at an angle, from a mesh whose vertices may be doubled along texture seams.
+function creases(points, facets) {
+  const edges = new Map(), key = (p) => p.map((c) => c.toFixed(6)).join();
+  for (const f of facets) {
+    const [a, b, c] = f.map((i) => points[i]), n = unit(cross(sub(b, a), sub(c, a)));
+    for (const [p, q] of [[a, b], [b, c], [c, a]]) {
+      const k = [key(p), key(q)].sort().join('|');
+      if (edges.has(k)) edges.get(k).normals.push(n); else edges.set(k, {p, q, normals: [n]});
+    }
+  }
+  return [...edges.values()].filter((e) => e.normals.length === 1 || e.normals.some((n) => dot(n, e.normals[0]) < 0.94)).map((e) => [e.p, e.q]);
+}
+
+const posed = new Map();
+function solid(h) {
+  const mesh = (doc.assets.meshes || {})[h.type];
+  if (!posed.has(h.id) && mesh) {
+    const points = mesh.vertices.map((p) => place(h.T_camera_object, p));
+    posed.set(h.id, {points, facets: mesh.triangles, creases: creases(points, mesh.triangles)});
+  }
+  return posed.get(h.id) || {points: list(h.features).map((f) => f.at), facets: [], creases: []};
+}
+
+function frustum(depth) {
+  const K = doc.camera.K || [[W, 0, W / 2], [0, W, H / 2]];
+  return [[-0.5, -0.5], [W - 0.5, -0.5], [W - 0.5, H - 0.5], [-0.5, H - 0.5]].map(([u, v]) => [(u - K[0][2]) / K[0][0] * depth, (v - K[1][2]) / K[1][1] * depth, depth]);
+}
+
+// The floor under everything: a grid of round steps that fades out, drawn only where the world's up is known.
+function floor(points, ink, lines) {
+  const low = Math.min(...points.map((p) => dot(p, UP))), middle = points.reduce(add, [0, 0, 0]).map((c) => c / points.length);
+  const centre = add(middle, times(UP, low - dot(middle, UP))), x = unit(cross(UP, [0, 0, 1])), y = cross(UP, x);
+  const size = 1.6 * Math.max(...points.map((p) => norm(sub(p, middle)))), raw = size / 5, ten = 10 ** Math.floor(Math.log10(raw)), step = ten * (raw / ten > 5 ? 10 : raw / ten > 2 ? 5 : 2);
+  const n = Math.ceil(size / step);
+  for (let i = -n; i <= n; i++) for (const [a, b] of [[x, y], [y, x]]) for (let j = -n; j < n; j++) {
+    const p = (k) => add(centre, add(times(a, i * step), times(b, k * step))), fade = 0.42 * Math.max(0, 1 - Math.hypot(i, j + 0.5) / n);
+    if (fade > 0.02) lines.push({p: p(j), q: p(j + 1), c: [...ink, fade]});
+  }
+}
+
+// All that is to be drawn of the shown world: {triangles, lines, points, picture}.
+function build(theme) {
+  const shown = state.shown.present.map((id) => byId.get(id)).filter(Boolean), scene = {triangles: [], lines: [], points: [], picture: null};
+  const all = shown.flatMap((h) => solid(h).points), deep = all.length ? Math.min(...all.map((p) => p[2])) : 1;
+  if (doc.camera.T_world_camera && all.length) floor(all, theme.ink, scene.lines);
+  for (const h of shown) {
+    const s = solid(h), c = rgb(colour(h.id)), wall = mix(c, [1, 1, 1], 0.5);
+    for (const f of s.facets) scene.triangles.push({p: f.map((i) => s.points[i]), c: [...wall, h.opaque === false ? 0.35 : 1]});
+    for (const [p, q] of s.creases) scene.lines.push({p, q, c: [...mix(c, [0, 0, 0], 0.55), 1]});
+    for (const f of list(h.features)) sight(h, f, c, scene, theme);
+  }
+  const corners = frustum(deep > 0 ? deep * 0.42 : 1);
+  corners.forEach((p, i) => scene.lines.push({p: [0, 0, 0], q: p, c: [...theme.ink, 0.75]}, {p, q: corners[(i + 1) % 4], c: [...theme.ink, 0.75]}));
+  if (IMAGE && shape.picture) scene.picture = corners;
+  return scene;
+}
+
+function sight(h, f, c, scene, theme) {
+  const k = caseOf(h, f, state.shown), chosen = state.chosen && state.chosen.key.join(' ') === h.id + ' ' + f.id;
+  if (!k.letter || !f.at) return;
+  const paint = chosen ? theme.ink : mix(c, [0, 0, 0], 0.25);
+  if (shape.lines && (k.expected || chosen)) scene.lines.push({p: [0, 0, 0], q: f.at, c: [...paint, chosen ? 1 : k.detected ? 0.42 : 0.16]});
+  if (shape.features) scene.points.push({p: f.at, c: [...paint, 1], kind: (k.expected ? 0 : 2) + (k.detected ? 0 : 1), size: chosen ? 15 : k.expected || k.detected ? 9 : 6});
+}
+
+// The eye that orbits: angles in radians, distance in the document's metres.
+const eye = {yaw: 0, pitch: 0, distance: 1, centre: [0, 0, 1], far: 10};
+function resetEye(yaw = 0.95, pitch = 0.42, grow = 1) {
+  const all = [[0, 0, 0], ...worlds[0].present.map((id) => byId.get(id)).filter(Boolean).flatMap((h) => solid(h).points)];
+  const side = [0, 1, 2].map((i) => [Math.min(...all.map((p) => p[i])), Math.max(...all.map((p) => p[i]))]);
+  eye.centre = side.map(([a, b]) => (a + b) / 2);
+  eye.far = Math.max(...all.map((p) => norm(sub(p, eye.centre)))) || 1;
+  Object.assign(eye, {yaw, pitch, distance: eye.far * 2.1 * grow});
+}
+function eyeAxes() {
+  const ahead = unit(sub([0, 0, 1], times(UP, UP[2]))), right = cross(ahead, UP), {yaw, pitch, distance} = eye;
+  const flat = add(times(ahead, -Math.cos(yaw)), times(right, Math.sin(yaw)));
+  const back = unit(add(times(flat, Math.cos(pitch)), times(UP, Math.sin(pitch)))), x = unit(cross(UP, back));
+  return {x, y: cross(back, x), z: back, at: add(eye.centre, times(back, distance))};
+}
+// Column-major clip_from_camera for a canvas of this aspect.
+function clipMatrix(aspect) {
+  const {x, y, z, at: o} = eyeAxes(), f = 1 / Math.tan(0.36) * Math.min(1, aspect / 1.5), near = Math.max(eye.far * 0.04, eye.distance - eye.far * 1.9), far = eye.distance + eye.far * 6;
+  const rows = [[...times(x, f / aspect), -f / aspect * dot(x, o)], [...times(y, f), -f * dot(y, o)]];
+  const depth = [...z, -dot(z, o)], a = (far + near) / (near - far), b = 2 * far * near / (near - far);
+  const m = [rows[0], rows[1], [a * depth[0], a * depth[1], a * depth[2], a * depth[3] + b], depth.map((v) => -v)];
+  return [0, 1, 2, 3].flatMap((j) => m.map((r) => r[j]));
+}
+const shade = (p, z) => 0.72 + 0.28 * Math.abs(dot(unit(cross(sub(p[1], p[0]), sub(p[2], p[0]))), unit(add(z, times(UP, 0.7)))));

@@ -1,0 +1,64 @@
+"""Which hypotheses exclude each other: A4, and claims on the same appearances (§3.1, §4.1).
+
+Rivalry by claims is decided in the world that holds just the two: what one hides of the other is not expected there and claims nothing.
+Otherwise a window of the tower in front, taken for a hidden window of the tower behind, would make rivals of two towers that both stand.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.overlap import Solid, solid_overlap
+from plogic.expectation import hidden_by
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kb.surface import Surface
+    from plogic.expectation import Posed
+
+SHARED_VOLUME = 0.02
+"""Share of the smaller volume that two estimated poses may have in common before A4 counts as violated: what 2 % of pose error makes."""
+SHARED_CLAIMS = 0.5
+"""Share of the smaller claim, by dv, above which two hypotheses explain the same data, so that only one can be present."""
+
+
+@lru_cache(maxsize=256)
+def _solid(surface: Surface) -> Solid:
+    """The volume of a type's surface, built once a type."""
+    return Solid(surface.vertices, surface.triangles)
+
+
+def overlap(one: Posed, other: Posed) -> bool:
+    """A4: whether the two bodies share volume beyond what pose errors make of touching ones."""
+    a, b = one.object_type.surface, other.object_type.surface
+    if a is None or b is None:
+        return False
+    apart = np.linalg.norm(_middle(one, a) - _middle(other, b))
+    if apart >= 0.5 * (a.diameter + b.diameter):
+        return False
+    volume = solid_overlap(_solid(a), one.camera_from_object, _solid(b), other.camera_from_object)
+    return bool(volume > SHARED_VOLUME * min(a.volume, b.volume))
+
+
+def _middle(posed: Posed, surface: Surface) -> NDArray[np.float64]:
+    """The middle (3,) of the posed bounding box, camera frame."""
+    return np.asarray(posed.camera_from_object[:3, :3] @ surface.centre + posed.camera_from_object[:3, 3])
+
+
+def claims(posed: Posed, beside: Posed | None = None) -> dict[int, float]:
+    """The data that its expected features take, with the residual in pixels; ``beside`` stands in the same world."""
+    mine = posed.candidate & posed.detected
+    if beside is not None and beside.object_type.opaque:
+        mine = mine & ~hidden_by(posed, beside)
+    return {int(posed.matches[f]): float(posed.residual[f]) for f in np.flatnonzero(mine)}
+
+
+def shared_claims(one: Posed, other: Posed) -> tuple[set[int], float]:
+    """The data that both claim in their common world, and their share of the smaller claim."""
+    mine, theirs = claims(one, other), claims(other, one)
+    both = set(mine) & set(theirs)
+    return both, len(both) / max(1, min(len(mine), len(theirs)))

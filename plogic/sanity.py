@@ -1,0 +1,67 @@
+"""A situation is checked before anything is made of it: it may come from a file that a stranger wrote."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from plogic.errors import SituationError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from plogic.situation import FeatureFact, HypothesisFact, Situation
+
+
+def check(situation: Situation) -> None:
+    """Raise SituationError at the first duplicate or unknown id, and at the first number that is out of its range."""
+    ids = _unique("hypothesis", [h.id for h in situation.hypotheses])
+    data = _unique("appearance", [a.id for a in situation.appearances])
+    for pairs, name in ((situation.overlaps, "overlaps"), (situation.rivals, "rivals"), (situation.exclusive, "exclusive")):
+        for pair in sorted(pairs):
+            _known(name, pair, ids)
+    for relation in situation.relations:
+        _known(f"relation {relation.relation}", (relation.x, relation.y), ids)
+    for a in situation.appearances:
+        _number(f"appearance {a.id}: clutter", a.clutter, 0.0, math.inf)
+    for h in situation.hypotheses:
+        _check_hypothesis(h, ids, data)
+    for name, prior in situation.priors.items():
+        _number(f"prior of {name}", prior, 0.0, 1.0)
+    _number("smoothing", situation.smoothing, 0.0, 0.5)
+
+
+def _check_hypothesis(h: HypothesisFact, ids: frozenset[str], data: frozenset[str]) -> None:
+    _unique(f"hypothesis {h.id}: feature", [f.id for f in h.features])
+    _unique(f"hypothesis {h.id}: appearance that is matched", [f.match for f in h.features if f.match is not None])
+    for f in h.features:
+        _check_feature(f"hypothesis {h.id}: feature {f.id}", f, ids, data)
+
+
+def _check_feature(place: str, f: FeatureFact, ids: frozenset[str], data: frozenset[str]) -> None:
+    _known(f"{place}: hidden_by", f.hidden_by, ids)
+    if f.match is not None:
+        _known(f"{place}: match", (f.match,), data)
+    _number(f"{place}: dv", f.dv, 0.0, math.inf)
+    _number(f"{place}: density", f.density, 0.0, math.inf)
+    _number(f"{place}: hit_rate", f.hit_rate, 0.0, 1.0)
+
+
+def _unique(what: str, ids: list[str]) -> frozenset[str]:
+    seen: set[str] = set()
+    for name in ids:
+        if name in seen:
+            raise SituationError(f"{what} {name!r} occurs twice")
+        seen.add(name)
+    return frozenset(seen)
+
+
+def _known(place: str, names: Iterable[str], ids: frozenset[str]) -> None:
+    for name in names:
+        if name not in ids:
+            raise SituationError(f"{place}: {name!r} is unknown")
+
+
+def _number(place: str, value: float, low: float, high: float) -> None:
+    if not (low <= value <= high and math.isfinite(value)):
+        raise SituationError(f"{place}: {value!r} is not a number from {low} to {high}")

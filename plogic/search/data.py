@@ -1,0 +1,54 @@
+"""Γ as arrays: what the search works on, in an ideal image without distortion.
+
+Vocabulary: ``Data``, A appearances; *ideal pixels*, the pinhole image of focal length f with the principal point at the image's centre.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from geometry.camera import Camera
+    from sensing.appearance import Appearance
+
+
+@dataclass(frozen=True)
+class Data:
+    """``ideal`` (A, 2) ideal pixels; ``types`` (A,) names; ``arms`` (A, K) screen angles, NaN where a junction has fewer."""
+
+    ids: tuple[str, ...]
+    types: tuple[str, ...]
+    uv: NDArray[np.float64]
+    ideal: NDArray[np.float64]
+    arms: NDArray[np.float64]
+    camera: Camera
+
+    def only(self, keep: NDArray[np.bool_]) -> Data:
+        """The appearances where ``keep`` (A,) holds."""
+        index = np.flatnonzero(keep)
+        names = tuple(self.ids[i] for i in index), tuple(self.types[i] for i in index)
+        return Data(*names, self.uv[index], self.ideal[index], self.arms[index], self.camera)
+
+
+def centre_of(camera: Camera) -> NDArray[np.float64]:
+    """Centre (2,) of the ideal image, pixels."""
+    return np.array([(camera.width - 1) / 2.0, (camera.height - 1) / 2.0])
+
+
+def data_of(appearances: Sequence[Appearance], camera: Camera) -> Data:
+    """Pack appearances into arrays, undistorting their places."""
+    uv = np.array([a.uv for a in appearances], dtype=float).reshape(-1, 2)
+    most = max((len(a.arms) for a in appearances), default=0)
+    arms = np.full((len(appearances), most), np.nan)
+    for row, appearance in zip(arms, appearances, strict=True):
+        row[: len(appearance.arms)] = appearance.arms
+    ideal = camera.normalised(uv) * camera.f + centre_of(camera)
+    ids = tuple(a.id for a in appearances)
+    return Data(ids, tuple(a.type for a in appearances), uv, ideal, arms, camera)

@@ -1,0 +1,203 @@
+"""From coarse pairs to refined poses: sets of four, POSIT, then least squares on all inliers (§6.1, §6.3), batched over all candidates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.posit import posit
+from geometry.refine import refine_poses
+from plogic.search.data import centre_of
+from plogic.search.votes import LOOSE, places_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from plogic.search.data import Data
+    from plogic.search.pairs import Pairs
+    from plogic.search.view_cells import ViewCells
+    from plogic.search.votes import DistanceMaps
+
+ROUNDS = ((0.06, 48), (0.035, 32), (0.02, 24), (0.0, 24))
+"""Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of the best go on."""
+
+
+@dataclass(frozen=True)
+class Posed:
+    """N candidate poses (N, 4, 4); ``matches`` (N, F) datum indices, −1 for none; ``rms`` (N,) pixels over the matched features."""
+
+    camera_from_object: NDArray[np.float64]
+    matches: NDArray[np.intp]
+    rms: NDArray[np.float64]
+
+    def take(self, index: NDArray[np.intp]) -> Posed:
+        """The poses at ``index``."""
+        return Posed(self.camera_from_object[index], self.matches[index], self.rms[index])
+
+
+def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> NDArray[np.float64]:
+    """(N, 4, 4) camera_from_object of coarse pairs: the cell's rotation and roll, about the ray through the object's centre."""
+    camera = data.camera
+    local = -cells.xy[pairs.cell, pairs.feature]
+    cos, sin = np.cos(pairs.roll), np.sin(pairs.roll)
+    turned = np.stack([cos * local[:, 0] - sin * local[:, 1], sin * local[:, 0] + cos * local[:, 1]], axis=1)
+    centre = data.ideal[pairs.datum] + pairs.scale[:, None] * turned
+    ray = np.concatenate([(centre - centre_of(camera)) / camera.f, np.ones((len(centre), 1))], axis=1)
+    ray /= np.linalg.norm(ray, axis=1, keepdims=True)
+    roll = np.zeros((len(centre), 3, 3))
+    roll[:, 0, 0], roll[:, 0, 1], roll[:, 1, 0], roll[:, 1, 1], roll[:, 2, 2] = cos, -sin, sin, cos, 1.0
+    poses = np.tile(np.eye(4), (len(centre), 1, 1))
+    poses[:, :3, :3] = _turn_z_to(ray) @ roll @ cells.cell_from_object[pairs.cell]
+    at = ray * (camera.f / pairs.scale)[:, None]
+    poses[:, :3, 3] = at - np.einsum("nij,j->ni", poses[:, :3, :3], cells.centre)
+    return poses
+
+
+def _turn_z_to(ray: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N, 3, 3) smallest rotations that take the optical axis to unit rays (N, 3) in front of the camera."""
+    x, y, z = ray.T
+    k = 1.0 / (1.0 + z)
+    rows = [[1.0 - k * x * x, -k * x * y, x], [-k * x * y, 1.0 - k * y * y, y], [-x, -y, z]]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def project_ideal(poses: NDArray[np.float64], points: NDArray[np.float64], data: Data) -> NDArray[np.float64]:
+    """(N, F, 2) ideal pixels of object points (F, 3) under poses (N, 4, 4); far outside the image where behind the camera."""
+    local = np.einsum("nij,fj->nfi", poses[:, :3, :3], points) + poses[:, None, :3, 3]
+    depth = np.where(local[..., 2:] > 1e-6, local[..., 2:], np.nan)
+    places = local[..., :2] / depth * data.camera.f + centre_of(data.camera)
+    return np.nan_to_num(places, nan=-1e6)
+
+
+def viewpoints_of(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N, 3) the camera's place in the object's frame under each pose."""
+    return -np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3])
+
+
+def extend(
+    pairs: Pairs,
+    cells: ViewCells,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    maps: DistanceMaps,
+    data: Data,
+    tolerance: float,
+) -> Posed:
+    """Match, solve and refine all candidates together; the tolerance shrinks from the cell's width to the detector's (pixels)."""
+    visible = cells.visible[pairs.cell]
+    size = pairs.scale * cells.diameter
+    matches = _nearest(places_of(pairs, cells, data), visible, maps, LOOSE * size)
+    poses = _from_quadruples(coarse_poses(pairs, cells, data), points, weights, matches, data)
+    rms = np.full(len(poses), np.inf)
+    for fraction, most in ROUNDS:
+        matches = rematch(poses, cells, points, maps, data, np.maximum(fraction * size, tolerance))
+        poses, rms = _refined(poses, points, matches, data)
+        best = np.argsort(-((matches >= 0) * (0.2 + weights)).sum(axis=1), kind="stable")[:most]
+        poses, rms, matches, size = poses[best], rms[best], matches[best], size[best]
+    return Posed(poses, matches, rms)
+
+
+def rematch(
+    poses: NDArray[np.float64],
+    cells: ViewCells,
+    points: NDArray[np.float64],
+    maps: DistanceMaps,
+    data: Data,
+    tolerance: NDArray[np.float64],
+) -> NDArray[np.intp]:
+    """(N, F) the datum of each feature that the nearest cell shows, within ``tolerance`` (N,) pixels, −1 for none."""
+    viewpoints = viewpoints_of(poses) - cells.centre
+    viewpoints /= np.maximum(np.linalg.norm(viewpoints, axis=1, keepdims=True), 1e-9)
+    return _nearest(project_ideal(poses, points, data), cells.visible[cells.nearest(viewpoints)], maps, tolerance)
+
+
+def _nearest(
+    places: NDArray[np.float64], visible: NDArray[np.bool_], maps: DistanceMaps, tolerance: NDArray[np.float64]
+) -> NDArray[np.intp]:
+    """Nearest data within tolerance, each datum given to the nearest of the features that want it."""
+    distance, datum = maps.look_up(places)
+    wanted = visible & (distance <= tolerance[:, None])
+    matches = np.where(wanted, datum, -1)
+    order = np.argsort(np.where(wanted, distance, np.inf), axis=1, kind="stable")
+    ranked = np.take_along_axis(matches, order, axis=1)
+    first = _first_of_each(ranked)
+    np.put_along_axis(matches, order, np.where(first, ranked, -1), axis=1)
+    return matches
+
+
+def _first_of_each(rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """(N, F) whether an entry is the first of its value in its row."""
+    by_value = np.argsort(rows, axis=1, kind="stable")
+    ordered = np.take_along_axis(rows, by_value, axis=1)
+    fresh = np.ones_like(ordered, dtype=bool)
+    fresh[:, 1:] = ordered[:, 1:] != ordered[:, :-1]
+    first = np.empty_like(fresh)
+    np.put_along_axis(first, by_value, fresh, axis=1)
+    return first
+
+
+def _from_quadruples(
+    coarse: NDArray[np.float64],
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    matches: NDArray[np.intp],
+    data: Data,
+) -> NDArray[np.float64]:
+    """POSIT on the four matched features of highest dv, spread apart; where it refuses or reprojects worse, the coarse pose stays."""
+    four = _sets_of_four(points, weights, matches)
+    chosen = np.take_along_axis(matches, four, axis=1)
+    complete = np.flatnonzero((chosen >= 0).all(axis=1))
+    if not len(complete):
+        return coarse
+    xy = (data.ideal[chosen[complete]] - centre_of(data.camera)) / data.camera.f
+    solved = posit(points[four[complete]], xy)
+    good = solved.ok & (solved.camera_from_object[:, 2, 3] > 0)
+    old, new = coarse[complete], solved.camera_from_object
+    better = good & (_error(new, points, matches[complete], data) < _error(old, points, matches[complete], data))
+    poses = coarse.copy()
+    poses[complete[better]] = new[better]
+    return poses
+
+
+def _sets_of_four(
+    points: NDArray[np.float64], weights: NDArray[np.float64], matches: NDArray[np.intp]
+) -> NDArray[np.intp]:
+    """(N, 4) feature indices, highest dv first, each next one the farthest from those before among the most distinctive matched ones."""
+    value = np.where(matches >= 0, weights[None], -1.0)
+    rows = np.arange(len(matches))
+    four = np.empty((len(matches), 4), dtype=np.intp)
+    four[:, 0] = value.argmax(axis=1)
+    gap = np.full(matches.shape, np.inf)
+    for k in range(1, 4):
+        step = np.linalg.norm(points[None] - points[four[:, k - 1]][:, None], axis=2)
+        gap = np.minimum(gap, step)
+        four[:, k] = np.where(value >= 0.0, gap * value, -1.0).argmax(axis=1)
+    same = (np.sort(four, axis=1)[:, 1:] == np.sort(four, axis=1)[:, :-1]).any(axis=1)
+    four[same] = matches[rows[same]].argmin(axis=1)[:, None]
+    return four
+
+
+def _error(
+    poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data
+) -> NDArray[np.float64]:
+    """(N,) median distance in pixels between matched features and their data."""
+    off = np.linalg.norm(project_ideal(poses, points, data) - data.ideal[matches], axis=2)
+    return np.asarray(np.nanmedian(np.where(matches >= 0, off, np.nan), axis=1))
+
+
+def _refined(
+    poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Least squares on all inliers; poses with fewer than four stay as they are, with rms infinite."""
+    enough = np.flatnonzero((matches >= 0).sum(axis=1) >= 4)
+    rms = np.full(len(poses), np.inf)
+    if not len(enough):
+        return poses, rms
+    batch = np.broadcast_to(points, (len(enough), *points.shape))
+    weight = (matches[enough] >= 0).astype(float)
+    result = refine_poses(poses[enough], batch, data.uv[matches[enough]], weight, data.camera, iterations=4)
+    poses = poses.copy()
+    poses[enough], rms[enough] = result[0], result[1]
+    return poses, rms

@@ -1,0 +1,190 @@
+"""Hypotheses of one type from Γ (§6.3, §7): pairs in view cells, votes, sets of four, POSIT, refinement, and only then rays.
+
+Vocabulary: ``TypeIndex``, what is computed once a type: its view cells, its features' places and dv.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.frames import pose_error
+from geometry.refine import refine_poses
+from plogic.evidence import evidence
+from plogic.expectation import matched, pose_of
+from plogic.measures.valuation import compatible
+from plogic.search.extend import Posed as Candidates
+from plogic.search.extend import extend, rematch
+from plogic.search.links import feature_links, linked_pairs
+from plogic.search.open_pairs import open_pairs
+from plogic.search.pairs import Pairs
+from plogic.search.view_cells import ViewCells, view_cells
+from plogic.search.votes import best_apart, distance_maps, votes
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase, ObjectType
+    from plogic.expectation import Posed
+    from plogic.search.data import Data
+
+ANCHORS = 16
+"""Features that seeds and pairs are made of: the most distinctive ones."""
+REFINED = 110
+"""Coarse poses that are refined, the best by votes and no two alike."""
+ROBUST = 1.0
+"""Pixels beyond which a match weighs less in the last refinement: a wrong match within the tolerance must not pull the pose."""
+VERIFIED = 12
+"""Refined poses that rays are cast for."""
+SAME_ROTATION, SAME_PLACE = np.radians(6.0), 0.06
+"""Two poses of a type nearer than this (radians; share of the distance) are one hypothesis (§8)."""
+
+
+@dataclass(frozen=True)
+class TypeIndex:
+    """One type made ready for search. ``points`` (F, 3) metres; ``weights`` (F,) dv; ``anchors`` feature indices; ``links`` (N, 2) joined by edges."""
+
+    object_type: ObjectType
+    cells: ViewCells
+    points: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    anchors: NDArray[np.intp]
+    links: NDArray[np.intp]
+
+    def allowed(self, data: Data) -> NDArray[np.bool_]:
+        """(F, A) the data of a type that the feature has in any of its lobes."""
+        types = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.features]
+        return compatible(types, data.types)
+
+
+def type_index(object_type: ObjectType, dv: Mapping[str, float]) -> TypeIndex:
+    """Build the index of one type; dv 0 throughout (one feature type in all of Σo) counts every feature alike."""
+    features = object_type.features
+    weights = np.array([dv[feature.type] for feature in features])
+    if not weights.any():
+        weights = np.ones(len(features))
+    order = np.argsort(-weights, kind="stable")
+    anchors = np.sort(order[: max(ANCHORS, int((weights >= 0.5).sum()) if weights.max() >= 0.5 else ANCHORS)][:ANCHORS])
+    top = anchors[weights[anchors] >= 0.5 * weights.max()]
+    points = np.array([feature.at for feature in features]).reshape(-1, 3)
+    links = feature_links(points, [feature.arms for feature in features])
+    return TypeIndex(object_type, view_cells(object_type), points, weights, top if len(top) >= 4 else anchors, links)
+
+
+def generate(index: TypeIndex, data: Data, kb: KnowledgeBase) -> list[tuple[float, Posed]]:
+    """The best distinct poses of one type as (log-likelihood ratio against clutter, hypothesis), best first."""
+    allowed = index.allowed(data)
+    if len(data.ids) < 4 or len(index.points) < 4 or not allowed.any():
+        return []
+    coarse = _pairs(index, allowed, data)
+    if not len(coarse.cell):
+        return []
+    maps = distance_maps(allowed, data)
+    worth = votes(coarse, index.cells, maps, index.weights, data)
+    kept = coarse.take(best_apart(worth, coarse, index.cells, data, REFINED))
+    tolerance = kb.rates.match_tolerance
+    found = extend(kept, index.cells, index.points, index.weights, maps, data, tolerance)
+    return _verified(found, index, allowed, data, kb)
+
+
+def _pairs(index: TypeIndex, allowed: NDArray[np.bool_], data: Data) -> Pairs:
+    """Pairs by the junctions' arms where the detector gave arms, by places alone where it gave none."""
+    scales = _scales(index, data)
+    anchored = np.asarray(allowed[index.anchors].any(axis=0))
+    some, columns = data.only(anchored), np.flatnonzero(anchored)
+    edged = index.cells.arms.shape[2] > 0 and bool(np.isfinite(some.arms).any())
+    if edged and len(index.links):
+        found = linked_pairs(index.cells, index.links, allowed[:, columns], some, scales)
+    else:
+        found = open_pairs(index.cells, index.anchors, allowed[:, columns], some, scales)
+    return replace(found, datum=columns[found.datum], other_datum=columns[found.other_datum])
+
+
+def _scales(index: TypeIndex, data: Data) -> tuple[float, float]:
+    """Plausible pixels a metre: the object from 12 pixels to twice the image's height."""
+    return 12.0 / index.cells.diameter, 2.0 * data.camera.height / index.cells.diameter
+
+
+def _verified(
+    found: Candidates, index: TypeIndex, allowed: NDArray[np.bool_], data: Data, kb: KnowledgeBase
+) -> list[tuple[float, Posed]]:
+    """Cast rays for the best refined poses, match, polish once, and keep one of each heap of near-duplicates."""
+    worth = ((found.matches >= 0) * (0.2 + index.weights)).sum(axis=1)
+    order = np.argsort(-np.where(np.isfinite(found.rms), worth, -1.0), kind="stable")
+    kept: list[Posed] = []
+    for i in order:
+        if len(kept) >= VERIFIED or not np.isfinite(found.rms[i]):
+            break
+        pose = found.camera_from_object[i]
+        if _plausible(pose, index) and not any(
+            same_place(index.object_type, pose, old.camera_from_object) for old in kept
+        ):
+            kept.append(settle(index, pose, allowed, data, kb))
+    scored = [(evidence(posed, data, kb).ratio, posed) for posed in kept]
+    return _distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
+
+
+def _plausible(pose: NDArray[np.float64], index: TypeIndex) -> bool:
+    """Finite and wholly in front of the camera."""
+    centre = pose[:3, :3] @ index.cells.centre + pose[:3, 3]
+    return bool(np.isfinite(pose).all() and centre[2] > 0.5 * index.cells.diameter)
+
+
+def settle(
+    index: TypeIndex,
+    pose: NDArray[np.float64],
+    allowed: NDArray[np.bool_],
+    data: Data,
+    kb: KnowledgeBase,
+    free: NDArray[np.bool_] | None = None,
+    hidden: NDArray[np.bool_] | None = None,
+    rounds: int = 2,
+) -> Posed:
+    """Match exactly (D7, D8), refine on the expected features that were detected, and match again, until nothing changes or ``rounds``."""
+    tolerance = kb.rates.match_tolerance
+    posed = matched(pose_of(index.object_type, pose, data, kb), data, allowed, tolerance, free, hidden)
+    for _ in range(rounds):
+        better = polish(index, posed, data)
+        if better is None:
+            break
+        new = matched(pose_of(index.object_type, better, data, kb), data, allowed, tolerance, free, hidden)
+        stable = np.array_equal(new.matches, posed.matches)
+        posed = new
+        if stable:
+            break
+    return posed
+
+
+def polish(index: TypeIndex, posed: Posed, data: Data) -> NDArray[np.float64] | None:
+    """Least squares (4, 4) on the expected features that were detected, or None where they are fewer than four."""
+    used = posed.candidate & posed.detected
+    if used.sum() < 4:
+        return None
+    uv = data.uv[np.maximum(posed.matches, 0)][None]
+    result = refine_poses(posed.camera_from_object[None], index.points[None], uv, used[None].astype(float), data.camera, huber=ROBUST)
+    return np.asarray(result[0][0])
+
+
+def same_place(object_type: ObjectType, one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    """Whether two poses of a type are within tolerance of each other, up to its symmetries (§8, near-duplicates)."""
+    distance = float(np.linalg.norm(one[:3, 3]))
+    middle = np.append(object_type.surface.centre if object_type.surface is not None else np.zeros(3), 1.0)
+    if object_type.surface is not None and np.linalg.norm((one - other) @ middle) > 2.0 * SAME_PLACE * distance:
+        return False  # symmetries keep the middle where it is
+    rotation, translation = pose_error(one, other, object_type.symmetries)
+    return bool(rotation < SAME_ROTATION and translation < SAME_PLACE * distance)
+
+
+def _distinct(scored: list[tuple[float, Posed]], object_type: ObjectType) -> list[tuple[float, Posed]]:
+    kept: list[tuple[float, Posed]] = []
+    for worth, posed in scored:
+        if not any(same_place(object_type, posed.camera_from_object, old.camera_from_object) for _, old in kept):
+            kept.append((worth, posed))
+    return kept
+
+
+__all__ = ["TypeIndex", "generate", "rematch", "same_place", "settle", "type_index"]

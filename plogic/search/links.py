@@ -1,0 +1,133 @@
+"""Links: pairs of junctions that an edge joins, in the cloud and in the image (§6.3).
+
+A *link* of the cloud is a pair of features of which one's edge ends at the other; a link of Γ is a pair of junctions of which one's arm points
+at the other. Laid onto each other in a view cell, the two fix roll and scale; the junctions' other arms must then lie on the features' other
+edges. All arms are kept as bits of a 64-bit word, relative to the link, so that millions of combinations are tested in milliseconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.search.pairs import ARM_TOLERANCE, MOST_PAIRS, Pairs, turn
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from plogic.search.data import Data
+    from plogic.search.view_cells import ViewCells
+
+BINS = 64
+"""Directions that an arm's angle is told apart to, 5.6° each."""
+POINTING = np.radians(6.0)
+"""How far a junction's arm may point past the other junction."""
+ALONG_ONE_ARM = 4
+"""Junctions that one arm is linked to, the nearest: an edge ends soon, but another object's outline may cross it first."""
+STRAIGHT = np.cos(np.radians(1.0))
+"""An edge of the cloud ends at a feature that lies within 1° of its direction."""
+
+
+@dataclass(frozen=True)
+class DataLinks:
+    """N links of Γ: ``first``, ``second`` (N,) data; ``angle`` (N,) of the line from first to second; ``length`` (N,) pixels."""
+
+    first: NDArray[np.intp]
+    second: NDArray[np.intp]
+    angle: NDArray[np.float64]
+    length: NDArray[np.float64]
+
+
+def feature_links(points: NDArray[np.float64], arms: list[NDArray[np.float64]]) -> NDArray[np.intp]:
+    """(N, 2) ordered pairs of features (F, 3) that an edge joins, both ways round; ``arms`` are each feature's edge directions."""
+    found = set()
+    for f, directions in enumerate(arms):
+        for direction in directions:
+            step = points - points[f]
+            along, length = step @ direction, np.linalg.norm(step, axis=1)
+            on = np.flatnonzero((length > 0) & (along >= STRAIGHT * length))
+            ends = [g for g in on if len(arms[g])]
+            if ends:
+                g = min(ends, key=lambda g: length[g])
+                found |= {(f, int(g)), (int(g), f)}
+    return np.array(sorted(found), dtype=np.intp).reshape(-1, 2)
+
+
+def data_links(data: Data) -> DataLinks:
+    """Every arm to the nearest junctions that it points at."""
+    step = data.ideal[None] - data.ideal[:, None]
+    length, angle = np.hypot(step[..., 0], step[..., 1]), np.arctan2(step[..., 1], step[..., 0])
+    pairs = set()
+    for k in range(data.arms.shape[1]):
+        off = np.abs(turn(angle - data.arms[:, k : k + 1]))
+        reach = np.where((off < POINTING) & (length > 1.0), length, np.inf)
+        near = np.argsort(reach, axis=1, kind="stable")[:, :ALONG_ONE_ARM]
+        rows, columns = np.nonzero(np.isfinite(np.take_along_axis(reach, near, axis=1)))
+        pairs |= set(zip(rows.tolist(), near[rows, columns].tolist(), strict=True))
+    index = np.array(sorted(pairs), dtype=np.intp).reshape(-1, 2)
+    first, second = index[:, 0], index[:, 1]
+    return DataLinks(first, second, angle[first, second], length[first, second])
+
+
+def linked_pairs(
+    cells: ViewCells,
+    links: NDArray[np.intp],
+    allowed: NDArray[np.bool_],
+    data: Data,
+    scales: tuple[float, float],
+) -> Pairs:
+    """Every link of the cloud on every link of Γ, in every cell that shows both features; those whose arms fit best, at most ``MOST_PAIRS``.
+
+    ``links`` (N, 2) as from ``feature_links``; ``allowed`` (F, A) the compatible types; ``scales`` the range of pixels a metre.
+    """
+    found = data_links(data)
+    cell, link = np.nonzero(cells.visible[:, links[:, 0]] & cells.visible[:, links[:, 1]])
+    f, g = links[link, 0], links[link, 1]
+    step = cells.xy[cell, g] - cells.xy[cell, f]
+    length, angle = np.hypot(step[:, 0], step[:, 1]), np.arctan2(step[:, 1], step[:, 0])
+    scale = (found.length[None] / np.maximum(length, 1e-9)[:, None]).astype(np.float32)
+    good = (scale > scales[0]) & (scale < scales[1]) & allowed[f][:, found.first] & allowed[g][:, found.second]
+    score = _agreement(cells.arms[cell, f] - angle[:, None], data.arms[found.first] - found.angle[:, None], good)
+    score += _agreement(cells.arms[cell, g] - angle[:, None], data.arms[found.second] - found.angle[:, None], good)
+    row, column = np.nonzero(good)
+    if len(row) > MOST_PAIRS:
+        best = np.sort(np.argsort(-score[row, column], kind="stable")[:MOST_PAIRS])
+        row, column = row[best], column[best]
+    roll = turn(found.angle[column] - angle[row])
+    return Pairs(cell[row], f[row], found.first[column], g[row], found.second[column], roll, scale[row, column].astype(float))
+
+
+def _agreement(
+    predicted: NDArray[np.float64], detected: NDArray[np.float64], good: NDArray[np.bool_]
+) -> NDArray[np.int8]:
+    """How many detected arms (N, K) lie on predicted edges (M, P): (M, N) counts; where they are too few, ``good`` (M, N) is cleared.
+
+    All arms of an L must fit, all but one of three or four, three of five: detectors lose arms, and texture adds some.
+    """
+    masks, bins = _words(predicted), _bins(detected)
+    hits = np.zeros(good.shape, dtype=np.int8)
+    for k in range(bins.shape[1]):
+        here = bins[:, k] >= 0
+        hits[:, here] += ((masks[:, None] >> bins[None, here, k].astype(np.uint64)) & np.uint64(1)).astype(np.int8)
+    number = (bins >= 0).sum(axis=1)
+    good &= hits >= np.maximum(np.minimum(number, 2), np.ceil(0.6 * number)).astype(np.int8)[None]
+    return hits
+
+
+def _bins(angles: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The bin of each angle, −1 for none."""
+    index = np.floor(np.nan_to_num(angles, nan=0.0) / (2.0 * np.pi) * BINS + 0.5).astype(np.int64) % BINS
+    return np.where(np.isnan(angles), -1, index)
+
+
+def _words(angles: NDArray[np.float64]) -> NDArray[np.uint64]:
+    """(M,) words with the bits set that lie within ``ARM_TOLERANCE`` of one of the angles (M, P)."""
+    spread = int(ARM_TOLERANCE / (2.0 * np.pi) * BINS + 0.5)
+    words = np.zeros(len(angles), dtype=np.uint64)
+    middle = _bins(angles)
+    for offset in range(-spread, spread + 1):
+        bits = np.where(middle >= 0, np.uint64(1) << ((middle + offset) % BINS).astype(np.uint64), np.uint64(0))
+        words |= np.bitwise_or.reduce(bits, axis=1) if bits.shape[1] else np.uint64(0)
+    return words

@@ -1,0 +1,118 @@
+"""What one view leaves to decide: the typed description that the program text and the exact worlds are both made from.
+
+Vocabulary, each with an example value:
+
+* ``FeatureFact``: one feature of one hypothesis as the geometry sees it, ``FeatureFact(id="roof/apex", type="apex", ...)``
+* ``HypothesisFact``: one element of Δh, ``HypothesisFact(id="h1", type="t2", features=(...), ...)``
+* ``AppearanceFact``: one datum of Γ, ``AppearanceFact(id="a1", type="l_junction", uv=(312.4, 201.9), clutter=2e-5)``
+* ``PairFact``: a relation that geometry computed of two posed objects, ``PairFact("partially_occludes", "h1", "h2")``
+* ``Situation``: all of it, with the reading, the mode of reconsideration and the side tables.
+
+Nothing here is computed from probabilities; everything here is plain data that goes into ``interpretation.json`` and comes back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+Reading = Literal["score", "posterior"]
+Reconsider = Literal["to_B", "drop", "reassign"]
+
+
+@dataclass(frozen=True)
+class AppearanceFact:
+    """One datum of Γ: ``uv`` in pixels; ``clutter`` is the density f of clutter of its type, per pixel² (§8, posterior)."""
+
+    id: str
+    type: str
+    uv: tuple[float, float]
+    clutter: float
+
+
+@dataclass(frozen=True)
+class FeatureFact:
+    """One feature of a posed hypothesis, seen from the camera (D7, D8).
+
+    ``id`` is the path of the feature in its type's tree, unique within a hypothesis. ``at`` is in metres in the camera frame, ``uv`` its
+    projection in pixels. ``in_image``, ``in_lobe`` and ``self_hidden`` (Behind its own host) are what geometry says of the hypothesis
+    alone; ``hidden_by`` names the *other* hypotheses whose surface the line of sight meets first, transparent ones and rivals included (the
+    rules sort these out). ``match`` is the appearance that the hypothesis' one fixed assignment gives it, with its ``residual`` in pixels and
+    ``density``, N(u; û, Σ) per pixel². ``hit_rate`` is h_F.
+    """
+
+    id: str
+    type: str
+    at: tuple[float, float, float]
+    uv: tuple[float, float]
+    dv: float
+    in_image: bool
+    in_lobe: bool
+    self_hidden: bool
+    hidden_by: tuple[str, ...] = ()
+    match: str | None = None
+    residual: float | None = None
+    density: float = 0.0
+    hit_rate: float = 0.8
+
+
+@dataclass(frozen=True)
+class PartFact:
+    """One node of the part-whole tree: ``PartFact("roof", parent="", kind="object")``; the parent of the maximal object's parts is ''."""
+
+    id: str
+    parent: str
+    kind: Literal["object", "feature"]
+    type: str
+
+
+@dataclass(frozen=True)
+class HypothesisFact:
+    """One hypothesis of Δh. ``group`` names the instance that it and its rivals of the same type compete for (one alternative, §8)."""
+
+    id: str
+    type: str
+    camera_from_object: tuple[tuple[float, ...], ...]
+    opaque: bool
+    group: str
+    features: tuple[FeatureFact, ...]
+    parts: tuple[PartFact, ...] = ()
+
+    def candidate(self, feature: FeatureFact) -> bool:
+        """Whether the feature is Expected where no other object of the world hides it (D7 within the hypothesis alone)."""
+        return feature.in_image and feature.in_lobe and not (feature.self_hidden and self.opaque)
+
+
+@dataclass(frozen=True)
+class PairFact:
+    """``relation`` holds of the ordered pair ``(x, y)`` of hypotheses, decided by outlines and depth (§3.5-3.7)."""
+
+    relation: str
+    x: str
+    y: str
+
+
+@dataclass(frozen=True)
+class Situation:
+    """Everything that decides the probabilities of one image's worlds.
+
+    ``overlaps``: unordered pairs that share volume (A4). ``rivals``: unordered pairs that never hide each other (§4.1): those that A4
+    excludes from one world and those that claim the same appearances; ``exclusive`` is the part of ``rivals`` that the constraints of the
+    score reading forbid to be present together (an appearance serves one feature, D8). ``priors`` per type (posterior). ``smoothing`` ε
+    replaces p by ε + (1 − 2ε) p in the *score* program's choices (trap c), never in the measures; 0 by default. ``dv`` per feature type
+    and ``rank`` per object type are side tables for queries. ``rules`` is the author's ``rules.pl``.
+    """
+
+    reading: Reading
+    hypotheses: tuple[HypothesisFact, ...]
+    appearances: tuple[AppearanceFact, ...]
+    reconsider: Reconsider = "to_B"
+    overlaps: frozenset[tuple[str, str]] = frozenset()
+    rivals: frozenset[tuple[str, str]] = frozenset()
+    exclusive: frozenset[tuple[str, str]] = frozenset()
+    relations: tuple[PairFact, ...] = ()
+    priors: dict[str, float] = field(default_factory=dict)
+    dv: dict[str, float] = field(default_factory=dict)
+    rank: dict[str, float] = field(default_factory=dict)
+    smoothing: float = 0.0
+    rules: str = ""

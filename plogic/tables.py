@@ -1,0 +1,104 @@
+"""The terminal's tables: worlds, answers and measures of an interpretation, as ``rich`` tables that the CLI prints.
+
+``worlds`` and ``measures`` take an ``interpretation/1`` document, ``answers`` an ``answers/1`` document.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+CELLS = ("expected_detected", "expected_missed", "hidden_missed", "hidden_detected")
+"""The four cases in the paper's column order: A, C, B, D."""
+NONE = "–"
+
+
+def chance(p: float | None) -> str:
+    """Return a probability to three places; what rounds to 0 or 1 without being it says so."""
+    if p is None:
+        return NONE
+    if 0 < p < 0.0005:
+        return "<0.001"
+    return ">0.999" if 0.9995 < p < 1 else f"{p:.3f}"
+
+
+def signed(value: float | None) -> str:
+    """Return an explanatory value to two places, or a dash where it is undefined."""
+    return NONE if value is None else f"{value:+.2f}"
+
+
+def worlds(document: dict[str, Any], limit: int = 10) -> Table:
+    """Return the ranked possible worlds, most probable first, with the mass of those that are not in the table."""
+    names = {h["id"]: f"{h.get('label') or h['type']} {h['id']}" for h in document.get("hypotheses", [])}
+    table = _table(
+        "possible worlds",
+        ("rank", "right"),
+        ("probability", "right"),
+        ("present", "left"),
+        ("explained", "right"),
+        ("noise", "right"),
+    )
+    listed = document.get("worlds", [])
+    for i, world in enumerate(listed[:limit], 1):
+        causes = list(world.get("causes", {}).values())
+        noise = causes.count("noise")
+        who = ", ".join(names.get(h, h) for h in world["present"]) or "nothing known"
+        table.add_row(str(i), chance(world["probability"]), Text(who), str(len(causes) - noise), str(noise))
+    more = sum(w["probability"] for w in listed[limit:])
+    low, high = (bound + more for bound in document.get("unlisted_mass") or (0.0, 0.0))
+    if high > 0:
+        table.add_row("", interval(low, high), Text("not listed", style="dim"), "", "")
+    return table
+
+
+def interval(low: float, high: float) -> str:
+    """Return one probability, or both bounds where they print differently."""
+    return chance(low) if chance(low) == chance(high) else f"{chance(low)}..{chance(high)}"
+
+
+def answers(document: dict[str, Any]) -> Table:
+    """Return the answers, in the order given; an answer known only within bounds prints both."""
+    table = _table("answers", ("probability", "right"), ("goal", "left"))
+    for answer in document.get("answers", []):
+        low, high = answer.get("interval") or (answer["probability"],) * 2
+        table.add_row(chance(answer["probability"]) if low == high else interval(low, high), Text(str(answer["goal"])))
+    return table
+
+
+def measures(document: dict[str, Any]) -> Table:
+    """Return the support of every hypothesis per feature type and its explanatory values (§7.2.4, Table 1)."""
+    right = [(n, "right") for n in ("dv", "A", "C", "B", "D", "ev", "P(ev)", "reconsidered", "probability")]
+    table = _table("measures", ("hypothesis", "left"), ("status", "left"), ("feature type", "left"), *right)
+    dv = document.get("measures", {}).get("dv", {})
+    for h in document.get("hypotheses", []):
+        head: tuple[Any, ...] = (Text(f"{h.get('label') or h['type']} {h['id']}"), h["status"])
+        tail = (
+            signed(h.get("ev")),
+            chance(h.get("p_ev")),
+            signed(h.get("ev_reconsidered")),
+            chance(h.get("probability")),
+        )
+        types = sorted(h.get("support", {}), key=lambda t: (-dv.get(t, 0.0), t)) or [None]
+        for i, kind in enumerate(types):
+            cells = h["support"][kind] if kind is not None else {}
+            row: tuple[Any, ...] = (
+                Text(kind or NONE),
+                f"{dv[kind]:.3f}" if kind in dv else NONE,
+                *(str(cells.get(c, 0)) for c in CELLS),
+            )
+            table.add_row(
+                *(head if i == 0 else ("", "")), *row, *(tail if i == 0 else ("",) * 4), end_section=i == len(types) - 1
+            )
+    return table
+
+
+def _table(title: str, *columns: tuple[str, str]) -> Table:
+    table = Table(
+        title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, header_style="dim", pad_edge=False
+    )
+    for name, justify in columns:
+        table.add_column(name, justify="right" if justify == "right" else "left", overflow="fold")
+    return table

@@ -1,0 +1,121 @@
+"""The protocol of a detector, the registry, and ``detect``: one image to Γ.
+
+A detector looks at pixels and at nothing else. Others register theirs in code (``register``) or from another distribution by an entry
+point of the group ``plogic.detectors`` whose object is a factory without arguments.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING, Protocol
+
+from sensing.appearance import Appearance, Gamma
+from sensing.errors import DetectorError, ImageError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    import numpy as np
+    from geometry.camera import Camera
+    from numpy.typing import NDArray
+
+GROUP = "plogic.detectors"
+"""The entry points' group."""
+
+
+class Detector(Protocol):
+    """What finds appearances of its ``types`` in pixels."""
+
+    @property
+    def name(self) -> str:
+        """Unique among the detectors in use."""
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """The appearance types that it can report."""
+
+    def detect(self, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
+        """Appearances in an (H, W, 3) uint8 image, blue first; their ids are of no account. A constant image gives none."""
+
+
+def _junctions() -> Detector:
+    from sensing.junctions import JunctionDetector  # noqa: PLC0415 - heavy
+
+    return JunctionDetector()
+
+
+def _patches() -> Detector:
+    from sensing.patches import PatchDetector  # noqa: PLC0415 - heavy
+
+    return PatchDetector()
+
+
+_FACTORIES: dict[str, Callable[[], Detector]] = {"junction": _junctions, "patch": _patches}
+
+
+def register(name: str, factory: Callable[[], Detector]) -> None:
+    """Make a detector known under ``name`` for the rest of the process.
+
+    Raises:
+        DetectorError: The name is taken.
+    """
+    if name in _FACTORIES:
+        raise DetectorError(f"detector {name!r}: the name is taken")
+    _FACTORIES[name] = factory
+
+
+def unregister(name: str) -> None:
+    """Forget the detector ``name``; raises DetectorError where there is none."""
+    if _FACTORIES.pop(name, None) is None:
+        raise DetectorError(f"detector {name!r}: there is none of this name")
+
+
+def detectors() -> dict[str, Callable[[], Detector]]:
+    """Every known detector's factory by name, in the order of names: the built-in, the registered, the installed.
+
+    Raises:
+        DetectorError: An entry point does not load, or takes a name that is taken.
+    """
+    known = dict(_FACTORIES)
+    for point in entry_points(group=GROUP):
+        if point.name in known:
+            raise DetectorError(f"detector {point.name!r} of {point.value}: the name is taken")
+        try:
+            known[point.name] = point.load()
+        except (ImportError, AttributeError) as error:
+            raise DetectorError(f"detector {point.name!r} of {point.value} does not load: {error}") from error
+    return dict(sorted(known.items()))
+
+
+def detect(image_bgr: NDArray[np.uint8], camera: Camera, vocabulary: Collection[str]) -> Gamma:
+    """Γ of one image by every known detector that can report a type of ``vocabulary``; other types are left out.
+
+    Ids are ``a1``, ``a2``, ... by detector, then v, then u: the same pixels give the same Γ. Places are rounded to 1e-4 px, angles to 1e-5.
+
+    Raises:
+        ImageError: The image is not (H, W, 3) uint8 or has another size than the camera's.
+        DetectorError: A detector does not load.
+    """
+    _check(image_bgr, camera)
+    wanted = frozenset(vocabulary)
+    chosen = [d for d in (factory() for factory in detectors().values()) if wanted & set(d.types)]
+    found = [_rounded(a) for d in chosen for a in d.detect(image_bgr) if a.type in wanted]
+    found.sort(key=lambda a: (a.detector, a.uv[1], a.uv[0], a.type))
+    return Gamma(camera, tuple(replace(a, id=f"a{i}") for i, a in enumerate(found, start=1)))
+
+
+def _check(image_bgr: NDArray[np.uint8], camera: Camera) -> None:
+    if image_bgr.ndim != 3 or image_bgr.shape[2] != 3 or image_bgr.dtype.name != "uint8":
+        raise ImageError(f"image: shape {image_bgr.shape} of {image_bgr.dtype} is not (H, W, 3) uint8")
+    height, width = image_bgr.shape[:2]
+    if (width, height) != (camera.width, camera.height):
+        raise ImageError(f"image: {width}x{height} is not the camera's size, {camera.width}x{camera.height}")
+
+
+def _rounded(a: Appearance) -> Appearance:
+    def cut(x: float | None, digits: int) -> float | None:
+        return None if x is None else round(x, digits)
+
+    uv = (round(a.uv[0], 4), round(a.uv[1], 4))
+    return replace(a, uv=uv, angle=cut(a.angle, 5), scale=cut(a.scale, 3), score=cut(a.score, 4), arms=tuple(round(x, 5) for x in a.arms))

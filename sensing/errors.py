@@ -1,0 +1,46 @@
+"""What can go wrong with the data.
+
+::
+
+    PlogicError (geometry.errors)
+    └── SensingError
+        ├── GammaError      a gamma.json with mistakes: all of them, one line each
+        ├── ImageError      a file that is no 8-bit image, or an image of another size than its camera's
+        ├── DetectorError   no such detector, a name taken twice, a plug-in that does not load
+        └── SceneError      a simulated scene that cannot be: no camera pose, a body without triangles, no room
+
+Messages state the place, the rule and the value. Only the command line turns one into an exit code.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from geometry.errors import PlogicError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+class SensingError(PlogicError):
+    """Anything that is wrong with the data or with the simulated camera."""
+
+
+class GammaError(SensingError):
+    """A Γ with mistakes; ``mistakes`` holds every one as a line ``gamma.json: appearances.3.uv: ...``, and ``str()`` joins them."""
+
+    def __init__(self, mistakes: Sequence[str]) -> None:
+        super().__init__("\n".join(mistakes))
+        self.mistakes = tuple(mistakes)
+
+
+class ImageError(SensingError):
+    """An image that cannot be read, has a depth other than 8 bits, or does not fit its camera."""
+
+
+class DetectorError(SensingError):
+    """A detector that is unknown, registered twice, or cannot be loaded."""
+
+
+class SceneError(SensingError):
+    """A simulated scene that cannot be made as asked."""

@@ -1,0 +1,130 @@
+"""Floor and background of the simulated picture: procedural, seeded, of moderate contrast; and the shadows on the floor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from geometry.camera import Camera
+    from numpy.typing import NDArray
+
+    from sensing.simulated.body import Body
+    from sensing.simulated.lighting import Light
+
+TEXELS = 1024
+FLOOR_METRES = 8.0
+"""Side of the square of floor that the texture covers; beyond it the texture is mirrored."""
+HAZE_METRES = 25.0
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What the floor (z = 0 of the world) and the background look like; ``contrast`` is the texture's standard deviation in grey levels."""
+
+    seed: int = 0
+    floor: tuple[float, float, float] = (118.0, 122.0, 126.0)
+    background: tuple[float, float, float] = (150.0, 145.0, 140.0)
+    contrast: float = 9.0
+    shadow: float = 0.35
+
+
+def draw_surroundings(camera: Camera, bodies: Sequence[Body], light: Light, look: Surroundings) -> NDArray[np.float32]:
+    """(H, W, 3) float32 picture of floor and background without the bodies; colours blue first, 0 to 255."""
+    rng = np.random.default_rng([look.seed, 1])
+    picture = _background(camera, look, rng)
+    far = floor_depth(camera)
+    if not np.isfinite(far).any():
+        return picture
+    ground = _floor(camera, look, rng) * (1 - look.shadow * _shadow(camera, bodies, light)[:, :, None])
+    clear = np.exp(-far / HAZE_METRES)[:, :, None]
+    return np.where(clear > 0, clear * np.nan_to_num(ground) + (1 - clear) * picture, picture).astype(np.float32)
+
+
+def floor_depth(camera: Camera) -> NDArray[np.float32]:
+    """(H, W) depth along the optical axis at which each pixel's ray meets the floor, metres; inf where it does not."""
+    world_from_camera = _pose(camera)
+    rays = _pixel_rays(camera)
+    falling = rays @ world_from_camera[2, :3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth = -world_from_camera[2, 3] / falling
+    return np.where((falling < -1e-9) & (depth > 1e-6), depth, np.inf).astype(np.float32)
+
+
+def noise_texture(rng: np.random.Generator, shape: tuple[int, int], cells: Sequence[int]) -> NDArray[np.float32]:
+    """(H, W, 3) float32 noise of several grains (cells across the width), mean 0 and standard deviation 1, mostly grey."""
+    import cv2  # noqa: PLC0415 - heavy
+
+    total = np.zeros((*shape, 3), np.float32)
+    for n in cells:
+        rows = max(2, round(n * shape[0] / shape[1]))
+        grain = rng.normal(0, 1, (rows, n, 1)) + 0.35 * rng.normal(0, 1, (rows, n, 3))
+        total += cv2.resize(grain.astype(np.float32), (shape[1], shape[0]), interpolation=cv2.INTER_CUBIC)
+    return (total - total.mean()) / max(float(total.std()), 1e-6)
+
+
+def _pose(camera: Camera) -> NDArray[np.float64]:
+    from sensing.errors import SceneError  # noqa: PLC0415 - the one use
+
+    if camera.world_from_camera is None:
+        raise SceneError("camera: has no pose in the world (T_world_camera)")
+    return np.asarray(camera.world_from_camera, dtype=np.float64)
+
+
+def _pixel_rays(camera: Camera) -> NDArray[np.float64]:
+    """(H, W, 3) directions with z = 1, camera frame."""
+    v, u = np.mgrid[: camera.height, : camera.width].astype(np.float64)
+    return np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(camera.K).T
+
+
+def _floor_from_pixel(camera: Camera) -> NDArray[np.float64]:
+    """(3, 3) homography from pixels (u, v, 1) to floor points (x, y, 1) in metres."""
+    camera_from_world = np.linalg.inv(_pose(camera))
+    return np.linalg.inv(np.asarray(camera.K) @ camera_from_world[:3, [0, 1, 3]])
+
+
+def _floor(camera: Camera, look: Surroundings, rng: np.random.Generator) -> NDArray[np.float32]:
+    """(H, W, 3) floor without shadows; above the horizon of no account."""
+    import cv2  # noqa: PLC0415 - heavy
+
+    texture = look.floor + look.contrast * noise_texture(rng, (TEXELS, TEXELS), (12, 40, 130, 400))
+    depth = np.minimum(floor_depth(camera), 10 * HAZE_METRES)[:, :, None]
+    at = (_pixel_rays(camera) * depth) @ _pose(camera)[:3, :3].T + _pose(camera)[:3, 3]
+    texel = _mirrored(at[:, :, :2] * (TEXELS / FLOOR_METRES)).astype(np.float32)
+    seen: NDArray[np.float32] = cv2.remap(texture.astype(np.float32), texel[:, :, 0], texel[:, :, 1], cv2.INTER_LINEAR)
+    return seen
+
+
+def _mirrored(texels: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Any coordinates folded into the texture, mirrored at its rims."""
+    return (TEXELS - 1) - np.abs(np.mod(texels, 2 * (TEXELS - 1)) - (TEXELS - 1))
+
+
+def _background(camera: Camera, look: Surroundings, rng: np.random.Generator) -> NDArray[np.float32]:
+    shape = (camera.height, camera.width)
+    slope = np.linspace(12, -12, camera.height, dtype=np.float32)[:, None, None]
+    return np.asarray(look.background + slope + look.contrast * noise_texture(rng, shape, (6, 20, 60)), np.float32)
+
+
+def _shadow(camera: Camera, bodies: Sequence[Body], light: Light) -> NDArray[np.float32]:
+    """(H, W) share of the lamp that the bodies take from the floor, soft at the rim."""
+    import cv2  # noqa: PLC0415 - heavy
+
+    mask = np.zeros((camera.height, camera.width), np.uint8)
+    lamp = light.unit
+    if lamp[2] > 0.1:
+        pixel_from_floor = np.linalg.inv(_floor_from_pixel(camera))
+        for body in bodies:
+            points = body.vertices_world
+            ground = points[:, :2] - points[:, 2:] * lamp[:2] / lamp[2]
+            homogeneous = np.c_[ground, np.ones(len(ground))] @ pixel_from_floor.T
+            inside = homogeneous[body.mesh.triangles][:, :, 2].min(axis=1) > 0.05
+            uv = homogeneous[:, :2] / np.where(np.abs(homogeneous[:, 2:]) < 1e-9, np.nan, homogeneous[:, 2:])
+            triangles = np.clip(uv[body.mesh.triangles[inside]] * 16, -(2**20), 2**20).round().astype(np.int32)
+            for triangle in triangles:
+                cv2.fillConvexPoly(mask, triangle, 255, shift=4)
+    return cv2.GaussianBlur(mask, (0, 0), 1.5).astype(np.float32) / 255

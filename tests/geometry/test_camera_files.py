@@ -1,0 +1,158 @@
+import json
+
+import numpy as np
+import pytest
+from geometry_bodies import LENS
+
+from geometry.camera import camera_to_dict
+from geometry.camera_files import read_camera
+from geometry.errors import CameraError
+
+PLAIN = camera_to_dict(LENS)
+ROS = """
+image_width: 640
+image_height: 480
+camera_name: front
+camera_matrix: {rows: 3, cols: 3, data: [600, 0, 320, 0, 590, 240, 0, 0, 1]}
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [-0.25, 0.08, 0.001, -0.002, 0.01]}
+rectification_matrix: {rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}
+"""
+ROS_TOPIC = """
+header: {seq: 1, frame_id: front}
+height: 480
+width: 640
+distortion_model: plumb_bob
+D: [-0.25, 0.08, 0.001, -0.002, 0.01]
+K: [600.0, 0.0, 320.0, 0.0, 590.0, 240.0, 0.0, 0.0, 1.0]
+"""
+OPENCV4 = """%YAML:1.0
+---
+image_width: 640
+image_height: 480
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 600., 0., 320., 0., 590., 240., 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ -2.5e-01, 8.0e-02, 1.0e-03, -2.0e-03, 1.0e-02 ]
+"""
+COLMAP = """# Camera list with one line of data per camera:
+1 SIMPLE_PINHOLE 640 480 600 320.5 240.5
+2 FULL_OPENCV 640 480 600 590 320.5 240.5 -0.25 0.08 0.001 -0.002 0.01 0 0 0
+"""
+
+
+def written(folder, name, content):
+    path = folder / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(content if isinstance(content, str) else json.dumps(content))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("content", "frame"),
+    [
+        (PLAIN, None),
+        ({"format": "gamma/1", "camera": PLAIN, "appearances": []}, None),
+        (ROS, None),
+        (ROS_TOPIC, None),
+        (OPENCV4, None),
+        (COLMAP, 2),
+        (COLMAP, "2"),
+    ],
+)
+def test_every_kind_of_file_gives_the_same_camera(tmp_path, content, frame):
+    camera = read_camera(written(tmp_path, "camera", content), frame)
+    points = np.array([[0.3, 0.2, 2], [-0.5, 0.1, 3]])
+    assert (camera.width, camera.height) == (640, 480)
+    assert np.allclose(camera.project(points), LENS.project(points), atol=1e-9)
+
+
+def test_opencvs_own_writer_is_read(tmp_path):
+    cv2 = pytest.importorskip("cv2")
+    path = tmp_path / "camera.yml"
+    store = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    for name, value in (("image_width", 640), ("image_height", 480), ("camera_matrix", np.array(LENS.K))):
+        store.write(name, value)
+    store.write("distortion_coefficients", np.array(LENS.dist)[None])
+    store.release()
+    assert camera_to_dict(read_camera(path)) == PLAIN
+
+
+def test_colmaps_principal_point_is_half_a_pixel_off_ours(tmp_path):
+    assert read_camera(written(tmp_path, "cameras.txt", COLMAP), 1).K.tolist() == [
+        [600, 0, 320],
+        [0, 600, 240],
+        [0, 0, 1],
+    ]
+
+
+def test_bop_scenes_are_in_millimetres_and_take_their_size_from_the_dataset(tmp_path):
+    frame = {
+        "cam_K": [600, 0, 320, 0, 600, 240, 0, 0, 1],
+        "cam_R_w2c": np.eye(3).ravel().tolist(),
+        "cam_t_w2c": [0, 0, 2000],
+    }
+    scene = written(tmp_path, "test/000001/scene_camera.json", {"0": frame, "17": frame})
+    with pytest.raises(CameraError, match="states no width and height"):
+        read_camera(scene, 17)
+    assert read_camera(scene, 17, size=(320, 200)).width == 320
+    intrinsics = written(tmp_path, "camera.json", {"fx": 1, "fy": 2, "cx": 3, "cy": 4, "width": 640, "height": 480})
+    camera = read_camera(scene, "000017")
+    assert (camera.width, camera.height) == (640, 480)
+    assert camera.world_from_camera[:3, 3].tolist() == [0, 0, -2]
+    assert read_camera(intrinsics).K.tolist() == [[1, 0, 3], [0, 2, 4], [0, 0, 1]]
+    with pytest.raises(CameraError, match="has 2 cameras; say which frame: 0, 17"):
+        read_camera(scene)
+    with pytest.raises(CameraError, match="has no frame 3"):
+        read_camera(scene, 3)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("", "must be a camera in JSON, YAML or COLMAP's text"),
+        ("{", ":1: is not JSON"),
+        ('{"width": 3,\n "K" 4}', ":2: is not JSON"),
+        ('{"width": 1, "width": 2}', "width: is given twice"),
+        ('{"width": ' + "9" * 5000 + "}", "is not JSON"),
+        ({**PLAIN, "width": 0}, "camera.width"),
+        ('{"width": 64, "height": 48, "K": [[NaN, 0, 0], [0, 1, 0], [0, 0, 1]]}', "camera.K"),
+        ("[1, 2]", "must be a JSON object"),
+        ({"appearances": []}, "has none of the keys of a camera"),
+        ('{"a":' * 100_000, "nested too deeply"),
+        ("[" * 100_000, "nested too deeply"),
+        ("a: " + "[" * 2_000, "nested too deeply|plain YAML"),
+        ("a: !!python/object/apply:os.system [ls]", ":1: is not plain YAML: could not determine a constructor"),
+        ("width: 1\nwidth: 2", ":2: is not plain YAML: found duplicate key"),
+        ("width: 640\nheight: 480", "camera_matrix: is missing"),
+        (ROS.replace("plumb_bob", "equidistant"), "distortion_model: must be"),
+        (ROS.replace("image_width: 640", ""), "states no width and height"),
+        (ROS.replace("600, 0, 320", "600, 0"), "must hold 9 numbers, not 8"),
+        (ROS.replace("600, 0, 320", "six, 0, 320"), "camera.K"),
+        ("1 FISHEYE 640 480 1 2 3 4", ":1: COLMAP's model must be one of"),
+        ("# c\n1 PINHOLE 640 480 600 600 320", ":2: PINHOLE must be followed by"),
+    ],
+)
+def test_what_is_no_camera_is_one_clear_line(tmp_path, content, message):
+    path = written(tmp_path, "camera.txt", content)
+    with pytest.raises(CameraError, match=message) as caught:
+        read_camera(path)
+    assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 400
+
+
+def test_files_that_cannot_be_read_are_named(tmp_path):
+    with pytest.raises(CameraError, match="cannot be read: No such file"):
+        read_camera(tmp_path / "none.json")
+    with pytest.raises(CameraError, match="cannot be read"):
+        read_camera(tmp_path)
+    (tmp_path / "image.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    with pytest.raises(CameraError, match="must be UTF-8 text: byte 0"):
+        read_camera(tmp_path / "image.png")

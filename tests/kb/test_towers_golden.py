@@ -1,0 +1,62 @@
+"""The shipped towers are what `python -m kb.author_towers` writes, and have Table 1's composition (§5.6)."""
+
+import re
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+import kb
+from kb.author_texture import frame
+from kb.author_towers import author, t1, t2
+
+SHIPPED = Path(kb.__file__).parent / "towers"
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("towers")
+    author(folder)
+    return folder
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file())
+
+
+def test_the_same_files(written):
+    assert names(written) == names(SHIPPED)
+    assert len(names(SHIPPED)) == 9
+
+
+@pytest.mark.parametrize("name", [n for n in names(SHIPPED) if not n.endswith(".png")])
+def test_the_same_bytes(written, name):
+    assert (written / name).read_bytes() == (SHIPPED / name).read_bytes()
+
+
+@pytest.mark.parametrize("tower", ["t1", "t2"])
+def test_the_same_texture(written, tower):
+    """Compared as pixels: another zlib packs them otherwise."""
+    a, b = (cv2.imread(str(folder / "objects" / tower / "texture.png")) for folder in (written, SHIPPED))
+    assert np.array_equal(a, b)
+
+
+def test_counts_are_table_ones():
+    text = "".join((SHIPPED / "objects" / tower / "object.yaml").read_text() for tower in ("t1", "t2"))
+    counts = {kind: len(re.findall(rf"^ +type: {kind}$", text, re.MULTILINE)) for kind in ("apex", "corner", "patch")}
+    assert counts == {"apex": 1, "corner": 16, "patch": 95}
+
+
+@pytest.mark.parametrize("tower", [t1(), t2()])
+def test_windows_lie_inside_their_faces_with_room_round_them(tower):
+    for panel in tower.panels:
+        corners = tower.vertices[list(panel.loop)]
+        _, _, outward = frame(corners)
+        inward = np.cross(outward, np.roll(corners, -1, axis=0) - corners)
+        inward /= np.linalg.norm(inward, axis=1, keepdims=True)
+        for window in panel.windows:
+            for signs in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+                corner = window.centre + signs[0] * window.across + signs[1] * window.up
+                assert abs((corner - corners[0]) @ outward) < 1e-12
+                assert ((corner - corners) * inward).sum(axis=1).min() > 0.04

@@ -1,0 +1,130 @@
+"""Situations to test with: built by hand, and drawn by hypothesis."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hypothesis import strategies as st
+
+from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Situation
+
+POSE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 5.0), (0.0, 0.0, 0.0, 1.0))
+INSTANCES = {"apex": 1, "corner": 16, "other": 95}
+DV = {name: 1 - n / sum(INSTANCES.values()) for name, n in INSTANCES.items()}
+"""dv over the towers' own composition (§5.6), not from constants."""
+
+T2_DISTORTED = {"apex": (1, 0, 0, 0), "corner": (0, 6, 1, 2), "other": (1, 16, 12, 16)}
+T2_CORRECT = {"apex": (1, 0, 0, 0), "corner": (4, 2, 2, 0), "other": (9, 4, 16, 2)}
+T1_CORRECT = {"apex": (0, 0, 0, 0), "corner": (7, 0, 0, 0), "other": (27, 0, 23, 0)}
+
+
+def feature(name, case="A", **changes):
+    """One feature in case A, C, B or D of the hypothesis alone; matched to the appearance of its own name."""
+    matched = case in "AD"
+    plain = FeatureFact(
+        id=name,
+        type="corner",
+        at=(0.0, 0.0, 5.0),
+        uv=(1.0, 1.0),
+        dv=0.5,
+        in_image=True,
+        in_lobe=case in "AC",
+        self_hidden=False,
+        match=f"a_{name}" if matched else None,
+        residual=0.5 if matched else None,
+        density=0.05 if matched else 0.0,
+    )
+    return replace(plain, **changes)
+
+
+def from_table(name, cells):
+    """The features of one row of Table 1, each matched to an appearance of its own."""
+    return tuple(
+        feature(f"{kind}/{case.lower()}{i}", case, type=kind, dv=DV[kind], match=f"{name}_{kind}_{case}{i}" if case in "AD" else None)
+        for kind, row in cells.items()
+        for case, n in zip("ACBD", row, strict=True)
+        for i in range(n)
+    )
+
+
+def hypothesis(name, features, **changes):
+    return replace(HypothesisFact(name, "box", POSE, opaque=True, group=f"g_{name}", features=tuple(features)), **changes)
+
+
+def situation(hypotheses, reading="score", mode="to_B", **changes):
+    """A situation whose Γ is what its hypotheses are matched to."""
+    names = sorted({f.match for h in hypotheses for f in h.features if f.match})
+    data = tuple(AppearanceFact(name, "l_junction", (1.0, 1.0), 2e-5) for name in names)
+    plain = Situation(reading, tuple(hypotheses), data, mode, dv=DV, rank={"box": 0.9}, priors={"box": 0.3, "t1": 0.5, "t2": 0.5})
+    return replace(plain, **changes)
+
+
+def towers(reading="score", mode="drop", **changes):
+    """The worked example of §8: T1 hides what is missed of the right T2; the distorted T2 shares volume with it."""
+    behind_t1 = tuple(replace(f, hidden_by=("t1",)) if "/c" in f.id else f for f in from_table("y", T2_CORRECT))
+    hypotheses = (
+        hypothesis("t1", from_table("x", T1_CORRECT), type="t1"),
+        hypothesis("t2", behind_t1, type="t2", group="g"),
+        hypothesis("t2_distorted", from_table("z", T2_DISTORTED), type="t2", group="g"),
+    )
+    pair = frozenset({("t2", "t2_distorted")})
+    relations = (PairFact("partially_occludes", "t1", "t2"),)
+    return situation(hypotheses, reading, mode, overlaps=pair, rivals=pair, relations=relations, **changes)
+
+
+@st.composite
+def features(draw, names, me):
+    """Up to four features; appearances are shared between hypotheses, never within one."""
+    count = draw(st.integers(1, 4))
+    matches = draw(st.lists(st.sampled_from([f"a{i}" for i in range(6)]), unique=True, min_size=count, max_size=count))
+    others = [name for name in names if name != me]
+    return tuple(
+        FeatureFact(
+            id=f"part/f{i}",
+            type="corner",
+            at=(0.0, 0.0, 5.0),
+            uv=(1.0, 1.0),
+            dv=draw(st.sampled_from([0.0, 0.15, 0.5, 0.86, 0.99])),
+            in_image=draw(st.sampled_from([True, True, True, False])),
+            in_lobe=draw(st.sampled_from([True, True, True, False])),
+            self_hidden=draw(st.sampled_from([False, False, False, True])),
+            hidden_by=tuple(sorted(draw(st.sets(st.sampled_from(others), max_size=2)))) if others else (),
+            match=match if draw(st.booleans()) else None,
+            residual=draw(st.sampled_from([0.2, 0.5, 1.5])),
+            density=draw(st.sampled_from([1e-7, 1e-3, 0.05, 0.2])),
+            hit_rate=draw(st.sampled_from([0.3, 0.8, 0.95])),
+        )
+        for i, match in enumerate(matches)
+    )
+
+
+@st.composite
+def random_situations(draw, most=5, readings=("score", "posterior"), modes=("to_B", "drop", "reassign")):
+    """1 to 5 hypotheses: cyclic occlusion, rivals, overlaps, exclusive pairs, groups, smoothing."""
+    names = [f"h{i}" for i in range(1, draw(st.integers(1, most)) + 1)]
+    pairs = [(x, y) for i, x in enumerate(names) for y in names[i + 1 :]]
+    some = st.frozensets(st.sampled_from(pairs), max_size=2) if pairs else st.just(frozenset())
+    exclusive = draw(some)
+    hypotheses = tuple(
+        HypothesisFact(
+            name,
+            draw(st.sampled_from(["t1", "t2", "A Box"])),
+            POSE,
+            opaque=draw(st.sampled_from([True, True, True, False])),
+            group=draw(st.sampled_from(["g1", "g2", "g3"])),
+            features=draw(features(names, name)),
+        )
+        for name in names
+    )
+    return Situation(
+        reading=draw(st.sampled_from(readings)),
+        hypotheses=hypotheses,
+        appearances=tuple(AppearanceFact(f"a{i}", "l_junction", (1.0, 1.0), draw(st.sampled_from([1e-5, 1e-3]))) for i in range(6)),
+        reconsider=draw(st.sampled_from(modes)),
+        overlaps=draw(some),
+        rivals=draw(some) | exclusive,
+        exclusive=exclusive,
+        relations=tuple(PairFact("partially_occludes", x, y) for x, y in draw(some)),
+        priors={"t1": 0.4, "t2": 0.2},
+        smoothing=draw(st.sampled_from([0.0, 0.01])),
+    )

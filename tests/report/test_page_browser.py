@@ -1,0 +1,264 @@
+"""The page in a real browser: its policy refuses nothing, and everything that can be clicked does what it says."""
+
+from __future__ import annotations
+
+import copy
+import re
+
+import pytest
+from browser import Browser, missing
+from towers_document import document
+
+from plogic.report.page import page
+
+HOSTILE = "</script><img src=x onerror=document.title='pwned'>"
+COUNT = "return document.querySelectorAll(arguments[0]).length"
+COLOURS = """const c = document.querySelector('#stage canvas'), d = document.createElement('canvas');
+d.width = c.width; d.height = c.height;
+const x = d.getContext('2d'); x.drawImage(c, 0, 0);
+const p = x.getImageData(0, 0, d.width, d.height).data, seen = new Set(); let drawn = 0;
+for (let i = 0; i < p.length; i += 4) if (p[i + 3] > 250) {
+  drawn += 1; seen.add(p[i] + ',' + p[i + 1] + ',' + p[i + 2]); }
+return [drawn, seen.size, c.dataset.painter]"""
+CENTRE = """const c = document.querySelector('#stage canvas'); c.scrollIntoView({block: 'center'});
+const r = c.getBoundingClientRect(); return [r.left + r.width / 2, r.top + r.height / 2]"""
+
+
+def complaints(browser):
+    """The browser's messages but for the software renderer's remark that reading pixels is slow."""
+    return [m for m in browser.log() if "GPU stall due to ReadPixels" not in m]
+
+
+@pytest.fixture
+def shown(chromium, towers, tmp_path):
+    file = tmp_path / "page.html"
+    file.write_text(page(towers), encoding="utf-8")
+    chromium.open(file)
+    return chromium
+
+
+def yaw(browser):
+    return float(browser.run("return document.querySelector('#stage canvas').dataset.yaw"))
+
+
+def cases(browser):
+    return browser.run("return [...document.querySelectorAll('#cases dd')].map((d) => Number(d.textContent))")
+
+
+def test_no_error_and_no_violation(shown):
+    assert complaints(shown) == []
+    assert shown.run("return document.querySelector('h1').textContent") == "Wedge tower and pyramid tower"
+    assert shown.run("return [...document.querySelectorAll('h2')].map((h) => h.textContent)") == [
+        "The picture", "Possible worlds", "Hypotheses", "In space", "Measures", "How it came to this",
+    ]  # fmt: skip
+
+
+def test_a_violation_would_be_seen(chromium, towers, tmp_path):
+    file = tmp_path / "page.html"
+    file.write_text(page(towers).replace("</main>", "<script>window.ran = 1</script></main>"), encoding="utf-8")
+    chromium.open(file)
+    assert any("Content Security Policy" in m for m in complaints(chromium))
+    assert chromium.run("return window.ran === undefined")
+
+
+def test_every_feature_in_a_world_has_the_mark_of_its_case(shown, towers):
+    wanted = [sum(f["case"] == c for h in towers["hypotheses"][:2] for f in h["features"]) for c in "ABCD"]
+    assert cases(shown) == wanted
+    assert [shown.run(COUNT, f"#picture .mark[data-case={c}]") for c in "ABCD"] == wanted
+    assert shown.run(COUNT, "#circles circle:not(.halo)") == 2 * (wanted[0] + wanted[2])
+    assert shown.run(COUNT, "#squares rect") == 2 * (wanted[1] + wanted[3])
+    assert shown.run(COUNT, "#signs .mark") == len(towers["appearances"])
+
+
+def test_choosing_a_world_changes_picture_causes_and_space(shown, towers):
+    before, drawn = cases(shown), shown.run(COLOURS)
+    shown.click("[data-world='1']")
+    assert shown.run("return document.querySelector('[data-world=\"1\"]').getAttribute('aria-pressed')") == "true"
+    assert shown.run("return document.activeElement.dataset.world") == "1"
+    assert sum(cases(shown)) == len(towers["hypotheses"][0]["features"]) < sum(before)
+    assert shown.run(COUNT, "#picture .outline") == 1
+    noise = list(towers["worlds"][1]["causes"].values()).count("noise")
+    assert f"{len(towers['appearances']) - noise} of" in shown.run(
+        "return document.querySelector('#world').textContent"
+    )
+    assert shown.run(COLOURS)[0] < drawn[0]
+    assert complaints(shown) == []
+
+
+def test_without_its_occluder_a_hidden_feature_is_expected(shown, towers):
+    hidden = [
+        f
+        for f in towers["hypotheses"][2]["features"]
+        if f["in_lobe"] and not f["self_hidden"] and "h1" in f["hidden_by"]
+    ]
+    assert hidden
+    shown.click("[data-alone=h3]")
+    texts = shown.run(
+        "return [...document.querySelectorAll('#circles .mark')].map((m) => m.getAttribute('aria-label'))"
+    )
+    told = [t for t in texts if any(t.startswith(f["id"] + " ") for f in hidden)]
+    assert len(told) == len(hidden)
+    assert any("would hide it, but is not in this world" in t for t in told)
+
+
+LAYERS = {
+    "appearances": "#signs .mark",
+    "expected": "#circles .mark",
+    "hidden": "#squares .mark",
+    "outlines": ".outline",
+    "labels": ".name",
+}
+
+
+@pytest.mark.parametrize(("layer", "selector"), LAYERS.items())
+def test_a_layer_goes_and_comes_back(shown, layer, selector):
+    before = shown.run(COUNT, selector)
+    assert before > 0
+    shown.click(f"[data-layer={layer}]")
+    assert shown.run(COUNT, selector) == 0
+    shown.click(f"[data-layer={layer}]")
+    assert shown.run(COUNT, selector) == before
+
+
+def test_marks_tell_feature_case_and_reason_by_keyboard(shown):
+    shown.run("document.querySelector('.mark[tabindex=\"0\"]').focus()")
+    first = shown.run("return document.querySelector('#about').textContent")
+    shown.keys("\ue014")
+    second = shown.run("return document.querySelector('#about').textContent")
+    assert first != second
+    assert re.search(r"case [ABCD]\.", second)
+    assert shown.run(COUNT, ".mark[tabindex='0']") == 1
+
+
+def test_a_hidden_feature_says_what_hides_it(shown, towers):
+    f = next(
+        f
+        for f in towers["hypotheses"][1]["features"]
+        if f["case"] == "B" and f["hidden_by"] == ["h1"] and f["in_lobe"] and not f["self_hidden"]
+    )
+    label = shown.run(
+        "return document.querySelector(`[data-key=\"${arguments[0]}\"]`).getAttribute('aria-label')", f"h2 {f['id']}"
+    )
+    assert "hidden behind wedge tower (h1)" in label
+
+
+def test_webgl_has_drawn_and_turns_by_drag_keys_and_wheel(shown):
+    drawn, colours, painter = shown.run(COLOURS)
+    assert painter == "webgl"
+    assert drawn > 5000
+    assert colours > 30
+    x, y = shown.run(CENTRE)
+    start = yaw(shown)
+    shown.drag((x, y), (x + 80, y + 10))
+    dragged = yaw(shown)
+    assert dragged == pytest.approx(start - 0.64, abs=0.05)
+    shown.keys("\ue012")
+    assert yaw(shown) == pytest.approx(dragged + 0.12, abs=0.01)
+    far = "return Number(document.querySelector('#stage canvas').dataset.distance)"
+    before = shown.run(far)
+    shown.wheel(x, y, -200)
+    assert shown.run(far) < before
+    shown.keys("\ue011")
+    assert yaw(shown) == pytest.approx(start, abs=0.01)
+    assert complaints(shown) == []
+
+
+def test_hostile_names_are_words(chromium, towers, tmp_path):
+    evil = copy.deepcopy(towers)
+    evil["kb"]["name"] = HOSTILE
+    for h in evil["hypotheses"]:
+        h["label"], h["why"], h["type"], h["status"] = HOSTILE, HOSTILE, HOSTILE, h["status"]
+    for a in evil["appearances"]:
+        a["type"], a["detector"] = "__proto__", HOSTILE
+    evil["trace"][0] |= {"event": "constructor", "why": HOSTILE}
+    evil["assets"]["image"]["media_type"] = "text/html"
+    file = tmp_path / "evil.html"
+    file.write_text(page(evil), encoding="utf-8")
+    chromium.open(file)
+    assert complaints(chromium) == []
+    assert chromium.run("return document.title").startswith(HOSTILE)
+    assert chromium.run(COUNT, "img, iframe, object, embed, image") == 0
+    assert HOSTILE in chromium.run("return document.body.innerText")
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_nothing_sticks_out_sideways(chromium, towers, tmp_path, width):
+    file = tmp_path / "page.html"
+    file.write_text(page(towers), encoding="utf-8")
+    chromium.open(file, width, 844)
+    assert chromium.run("return document.documentElement.scrollWidth") <= width
+
+
+CONTRAST = """const light = (c) => { const v = c.match(/[\\d.]+/g).slice(0, 3)
+  .map((x) => { x /= 255; return x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4; });
+  return 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2]; };
+const ground = light(getComputedStyle(document.body).backgroundColor), out = [];
+const written = (e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()) && e.offsetParent;
+for (const e of [...document.querySelectorAll('body *:not(svg *)')].filter(written)) {
+  const l = light(getComputedStyle(e).color); out.push((Math.max(l, ground) + 0.05) / (Math.min(l, ground) + 0.05)); }
+return [out.length, Math.min(...out)]"""
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_words_stand_out_from_their_ground(shown, dark):
+    shown.dark(on=dark)
+    texts, least = shown.run(CONTRAST)
+    shown.dark(on=False)
+    assert texts > 80
+    assert least >= 4.5
+
+
+@pytest.mark.parametrize("keys", [(), ("format", "camera", "worlds", "appearances", "hypotheses")])
+def test_an_empty_interpretation_is_a_page(chromium, tmp_path, keys):
+    whole = document() | {
+        "appearances": [],
+        "hypotheses": [],
+        "worlds": [{"probability": 1.0, "present": [], "causes": {}}],
+        "relations": [],
+        "trace": [],
+    }
+    file = tmp_path / "empty.html"
+    file.write_text(page({k: whole[k] for k in keys}), encoding="utf-8")
+    chromium.open(file)
+    assert complaints(chromium) == []
+    assert chromium.run("return document.querySelector('h1').textContent") == "Nothing known is in view"
+
+
+def test_without_webgl_a_plain_canvas_draws_and_turns(towers, tmp_path):
+    if missing():
+        pytest.skip(f"not installed: {missing()}")
+    file = tmp_path / "page.html"
+    file.write_text(page(towers), encoding="utf-8")
+    browser = Browser(tmp_path / "profile", "--disable-3d-apis")
+    try:
+        browser.open(file)
+        drawn, colours, painter = browser.run(COLOURS)
+        x, y = browser.run(CENTRE)
+        before = yaw(browser)
+        browser.drag((x, y), (x + 60, y))
+        assert yaw(browser) != before
+        browser.picture(tmp_path / "flat.png")
+    finally:
+        browser.close()
+    assert painter == "canvas"
+    assert drawn > 5000
+    assert colours > 20
+
+
+def test_a_hundred_worlds_and_steps_are_folded_until_asked_for(chromium, towers, tmp_path):
+    many = copy.deepcopy(towers)
+    many["worlds"] = [towers["worlds"][1] | {"probability": 0.01} for _ in range(100)]
+    many["trace"] = [towers["trace"][0] | {"step": i} for i in range(300)]
+    many["hypotheses"] += [
+        h | {"id": f"r{i}", "status": "rejected", "features": []} for i, h in enumerate(towers["hypotheses"] * 3)
+    ]
+    file = tmp_path / "many.html"
+    file.write_text(page(many), encoding="utf-8")
+    chromium.open(file)
+    visible = "return [...document.querySelectorAll(arguments[0])].filter((n) => n.offsetParent).length"
+    assert [chromium.run(visible, s) for s in ("[data-world]", ".steps li:not(.fold)", "[data-alone]")] == [8, 40, 4]
+    chromium.click("#world-list .more")
+    assert chromium.run(visible, "[data-world]") == 100
+    chromium.click("[data-world='40']")
+    assert chromium.run(visible, "[data-world]") == 100
+    assert complaints(chromium) == []
