@@ -26,7 +26,7 @@ def cli() -> None:
 )
 @click.option("--seed", default=0, show_default=True)
 @click.option("--reading", type=READINGS, default="score", show_default=True)
-def demo(out: Path, seed: int, reading: str) -> None:
+def demo(out: Path, seed: int, reading: Any) -> None:
     """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
     from plogic.demo import run_demo
 
@@ -70,12 +70,13 @@ def perceive(input: str, kb_folder: str, out: str, **options: Any) -> None:
 @cli.command()
 @INTERPRETATION
 @click.option("-n", "number", type=click.IntRange(1), default=10, show_default=True)
+@click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
 @AS_JSON
-def worlds(interpretation: str, number: int, as_json: bool) -> None:
+def worlds(interpretation: str, number: int, reading: Any, as_json: bool) -> None:
     """List the possible worlds, most probable first, with the mass that is not listed."""
     from plogic.commands.asking import worlds_command
 
-    _out(worlds_command(interpretation, number, as_json=as_json))
+    _out(worlds_command(interpretation, number, reading=reading, as_json=as_json))
 
 
 @cli.command()
@@ -83,32 +84,33 @@ def worlds(interpretation: str, number: int, as_json: bool) -> None:
 @click.argument("goal", required=False)
 @click.option("--given", multiple=True, metavar="EVIDENCE", help="A literal that is observed; may be repeated.")
 @click.option("--rules", type=click.Path(), help="A file of your own rules.")
+@click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
 @AS_JSON
-def query(source: str, goal: str | None, given: tuple[str, ...], rules: str | None, as_json: bool) -> None:
+def query(source: str, goal: str | None, given: tuple[str, ...], rules: str | None, reading: Any, as_json: bool) -> None:
     """Give P(goal) with every answer substitution, most probable first; without a goal, the program's own queries."""
     from plogic.commands.asking import query_command
 
-    _out(query_command(source, goal, given, rules, as_json=as_json))
+    _out(query_command(source, goal, given, rules, reading=reading, as_json=as_json))
 
 
 @cli.command()
 @click.argument("source", metavar="INTERPRETATION|PROGRAM.pl")
 @click.argument("goal")
 @click.option("--given", multiple=True, metavar="EVIDENCE")
-@click.option("--rules", type=click.Path())
 @click.option("-n", "number", type=click.IntRange(1), default=5, show_default=True)
+@click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
 @AS_JSON
-def explain(source: str, goal: str, given: tuple[str, ...], rules: str | None, number: int, as_json: bool) -> None:
+def explain(source: str, goal: str, given: tuple[str, ...], number: int, reading: Any, as_json: bool) -> None:
     """Say why, and why not: ranked explanations of the goal as trees down to the data."""
     from plogic.commands.asking import explain_command
 
-    _out(explain_command(source, goal, given, rules, number, as_json=as_json))
+    _out(explain_command(source, goal, given, number, reading=reading, as_json=as_json))
 
 
 @cli.command()
 @INTERPRETATION
 @click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
-def program(interpretation: str, reading: str | None) -> None:
+def program(interpretation: str, reading: Any) -> None:
     """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
     from plogic.commands.asking import program_command
 
@@ -164,7 +166,7 @@ def kb_measures(folder: str, gamma: str | None, as_json: bool) -> None:
 
 @kb.command("schema")
 @click.argument("which", type=click.Choice(["kb", "object"]))
-def kb_schema(which: str) -> None:
+def kb_schema(which: Any) -> None:
     """Print the JSON Schema of `kb.yaml` or `object.yaml`."""
     from plogic.commands.kb import schema_command
 

@@ -53,7 +53,7 @@ class Solid:
         return bool((gap >= 0).any())
 
 
-def overlap_volume(  # noqa: PLR0913, PLR0917 - two posed surfaces
+def overlap_volume(
     vertices_a: ArrayLike,
     triangles_a: ArrayLike,
     T_a: ArrayLike,
@@ -85,7 +85,7 @@ def overlaps(a: Solid, T_a: ArrayLike, b: Solid, T_b: ArrayLike, tolerance: floa
 
 
 def _manifold(vertices: Floats, triangles: ArrayLike) -> Any:  # noqa: ANN401 - manifold3d ships no types
-    from manifold3d import Error, Manifold, Mesh64  # noqa: PLC0415 - a compiled library, loaded when it is used
+    from manifold3d import Error, Manifold, Mesh64
 
     body = Manifold(Mesh64(np.array(vertices), np.array(triangles, dtype=np.uint64)))
     if body.status() != Error.NoError:

@@ -36,7 +36,7 @@ def posit_planar(points: ArrayLike, xy: ArrayLike, *, iterations: int = 40) -> t
     return np.take_along_axis(poses, order[..., None, None], axis=1), (finite & flat)[:, None] & np.isfinite(residual)
 
 
-def _branch(  # noqa: PLR0913, PLR0917 - the parts of one batch
+def _branch(
     objects: Floats, arms: Floats, seen: Floats, solver: Floats, normal: Floats, sign: float, iterations: int
 ) -> Floats:
     """One pose (B, 4, 4) a set: the branch `sign` at the start, from then on the one nearer to the last rotation."""

@@ -21,8 +21,8 @@ class RayMesh:
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
         """Check the surface, and build its acceleration structure."""
-        from embreex.mesh_construction import TriangleMesh  # noqa: PLC0415 - a compiled library, loaded when it is used
-        from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
+        from embreex.mesh_construction import TriangleMesh
+        from embreex.rtcore_scene import EmbreeScene
 
         self.vertices, self.triangles = checked_mesh(vertices, triangles)
         low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)

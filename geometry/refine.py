@@ -24,7 +24,7 @@ class _Task(NamedTuple):
     huber: float  # px
 
 
-def refine_poses(  # noqa: PLR0913, PLR0917 - what a weighted fit needs
+def refine_poses(
     camera_from_object: ArrayLike,
     points: ArrayLike,
     uv: ArrayLike,
@@ -64,7 +64,7 @@ def refine_poses(  # noqa: PLR0913, PLR0917 - what a weighted fit needs
     return poses, _rms(poses, task), _covariance(_normal_equations(poses, task)[0])
 
 
-def _task(  # noqa: PLR0913, PLR0917 - the same
+def _task(
     poses: Floats, points: ArrayLike, uv: ArrayLike, weights: ArrayLike, camera: Camera, huber: float
 ) -> _Task:
     objects, seen = last_axes(points, (-1, 3), "points"), last_axes(uv, (-1, 2), "uv")

@@ -85,13 +85,14 @@ def _cell(corners: Floats, windows: Sequence[Window]) -> tuple[Image, Floats]:
     flat = (corners - corners[0]) @ plane
     low = flat.min(axis=0)
     width, height = np.ceil(np.ptp(flat, axis=0) * DENSITY).astype(int) + 2 * MARGIN
-    y, x = (np.mgrid[0 : height * FINE, 0 : width * FINE] + 0.5) / FINE
-    points = (np.stack([x, y], axis=-1) - MARGIN) / DENSITY + low
-    covered = np.zeros(x.shape, dtype=bool)
+    x = ((np.arange(width * FINE) + 0.5) / FINE - MARGIN) / DENSITY + low[0]
+    y = ((np.arange(height * FINE) + 0.5) / FINE - MARGIN) / DENSITY + low[1]
+    covered = np.zeros((len(y), len(x)), dtype=bool)
     for window in windows:
-        sides = np.stack([window.across @ plane, window.up @ plane], axis=1)
-        shares = (points - (window.centre - corners[0]) @ plane) @ np.linalg.inv(sides).T
-        covered |= (np.abs(shares) <= 1).all(axis=-1)
+        place = (window.centre - corners[0]) @ plane
+        shares = np.linalg.inv(np.stack([window.across @ plane, window.up @ plane], axis=1))
+        inside = [np.abs(a * (x - place[0]) + b * (y - place[1])[:, None]) <= 1 for a, b in shares]
+        covered |= inside[0] & inside[1]
     share = covered.reshape(height, FINE, width, FINE).mean(axis=(1, 3))
     return np.round(share * (LEVELS - 1)).astype(np.uint8), (flat - low) * DENSITY + MARGIN
 

@@ -28,7 +28,7 @@ APPEARANCES = ("l_junction", "y_junction", "arrow_junction", "t_junction", "mult
 SHARE = 0.47
 """A window's share of the pitch, each way."""
 WALL, ROOF, BASE = (226, 218, 200), (206, 168, 140), (198, 198, 192)
-JUNCTION_RANGE, PATCH_RANGE = "[0.3 m, 16 m]", "[0.3 m, 14 m]"
+JUNCTION_RANGE, PATCH_RANGE = "[0.3 m, 14 m]", "[0.3 m, 14 m]"
 WIDE, PATCH_HALF_ANGLE = 150.0, 78.0
 
 KB_YAML = """\
@@ -36,10 +36,10 @@ name: towers
 appearance_types: [l_junction, y_junction, arrow_junction, t_junction, multi_junction, patch]
 f_ref: 600
 detector:
-  hit: {apex: 0.8, corner: 0.75, patch: 0.9}
-  clutter: {l_junction: 8, y_junction: 3, arrow_junction: 3, t_junction: 5, multi_junction: 2, patch: 6}
-  sigma: 1.0
-  match_tolerance: 5.0
+  hit: {apex: 0.95, corner: 0.83, patch: 0.94}
+  clutter: {l_junction: 6, y_junction: 0.5, arrow_junction: 1, t_junction: 5, multi_junction: 1, patch: 2}
+  sigma: 0.5
+  match_tolerance: 3.0
 priors: {t1: 0.5, t2: 0.5}
 """
 
@@ -153,7 +153,7 @@ def _object_lines(tower: Tower) -> Iterator[str]:
 
 
 def _vertex_lines(tower: Tower, vertex: int, origin: Floats) -> Iterator[str]:
-    """A corner or apex: its regions' cones, and wide lobes for what it becomes where a detector loses arms."""
+    """A corner or apex: its regions' cones, and wide lobes, for a detector loses arms and texture adds some: any kind turns up anywhere."""
     name, surface, at = tower.names[vertex], tower.surface, tower.vertices[vertex]
     edges = arms(surface, vertex)
     yield f"      - feature: {name}"
@@ -164,8 +164,7 @@ def _vertex_lines(tower: Tower, vertex: int, origin: Floats) -> Iterator[str]:
     for region in junctions(surface, vertex):
         yield _appearance(region.kind, region.axis, float(np.degrees(region.half_angle)), JUNCTION_RANGE)
     outward = -edges.sum(axis=0) / np.linalg.norm(edges.sum(axis=0))
-    wide = ("l_junction", "t_junction", "arrow_junction", "y_junction")
-    for kind in wide[: 2 if len(edges) < 4 else 4]:
+    for kind in APPEARANCES[:-1]:
         yield _appearance(kind, outward, WIDE, JUNCTION_RANGE)
 
 
@@ -184,7 +183,7 @@ def _appearance(kind: str, axis: Floats, half_angle: float, reach: str) -> str:
 
 
 def _row(values: Sequence[float] | Floats, digits: int = 6) -> str:
-    return "[" + ", ".join(f"{round(float(x), digits) + 0.0:g}" for x in values) + "]"
+    return "[" + ", ".join(f"{round(float(x), digits) + 0.0:.9g}" for x in values) + "]"
 
 
 def author(folder: Path) -> None:

@@ -14,19 +14,24 @@ if TYPE_CHECKING:
     from kb.yaml_text import Document
 
 
-def cross_mistakes(kb: Document, model: KBModel | None, objects: Sequence[Document]) -> Iterator[Mistake]:
-    """Types of appearances, features and objects that are nowhere declared, and types of objects that are declared twice."""
+def cross_mistakes(kb: Document, model: KBModel | None, objects: Sequence[Document], *, complete: bool) -> Iterator[Mistake]:
+    """Types of appearances, features and objects that are nowhere declared, and types of objects that are declared twice.
+
+    Where the objects are not ``complete``, some being unreadable, nobody can say which feature and object types are unknown.
+    """
     yield from _repeated_objects(objects)
     vocabulary = _vocabulary(kb)
     if vocabulary is not None:
         for document in objects:
             yield from _unknown_appearances(document, vocabulary)
     if model is not None:
+        yield from _unknown(kb, ("detector", "clutter"), model.detector.clutter, set(model.appearance_types), "appearance")
+        yield from _repeated_types(kb, model)
+    if model is not None and complete:
         features = {name for document in objects for name in _types(document, "feature")}
         yield from _unknown(kb, ("detector", "hit"), model.detector.hit, features, "feature")
-        yield from _unknown(kb, ("detector", "clutter"), model.detector.clutter, set(model.appearance_types), "appearance")
-        yield from _unknown(kb, ("priors",), model.priors, {_name(document) for document in objects}, "object")
-        yield from _repeated_types(kb, model)
+        names = {name for document in objects if isinstance(name := _name(document), str)}
+        yield from _unknown(kb, ("priors",), model.priors, names, "object")
 
 
 def _name(document: Document) -> object:

@@ -51,9 +51,10 @@ def read_kb(folder: Path | str) -> KnowledgeBase:
     if document is None:
         raise KBErrors(place.mistakes)
     model, wrong = checked(KBModel, document)
-    objects = [item for path in _object_files(place.root) if (item := _object(place, path)) is not None]
+    files = _object_files(place.root)
+    objects = [item for path in files if (item := _object(place, path)) is not None]
     rules = _rules(place)
-    wrong += cross_mistakes(document, model, [item.document for item in objects])
+    wrong += cross_mistakes(document, model, [item.document for item in objects], complete=len(objects) == len(files))
     mistakes = list(dict.fromkeys(place.mistakes + wrong))
     if mistakes or model is None:
         raise KBErrors(mistakes)

@@ -1,4 +1,4 @@
-"""YAML into plain data, safely: within limits, without tags, and with the place of everything (one pass, by libyaml where it is there).
+"""YAML into plain data, safely: within limits, without tags, and with the place of everything.
 
 Vocabulary: ``Document("kb.yaml", {"name": "towers"}, root, mistakes)``; ``document.place(("rates", "hit")) == (3, 8)``.
 """
@@ -8,12 +8,14 @@ from __future__ import annotations
 import math
 import re
 import warnings
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from ruamel.yaml.resolver import VersionedResolver
 
 from kb.errors import Mistake
 
@@ -102,12 +104,33 @@ def _unread(file: str, message: str, line: int = 1, column: int = 1) -> Document
     return Document(file, None, None, (Mistake(file, line, column, "", message),))
 
 
+class _Kinds(VersionedResolver):
+    """Tags by the kind of node alone: what a plain scalar means is decided below, the same for both parsers."""
+
+    def resolve(self, kind: object, value: object, implicit: object) -> object:  # noqa: ARG002 - ruamel's signature
+        if kind is ScalarNode:
+            return self.DEFAULT_SCALAR_TAG
+        return self.DEFAULT_SEQUENCE_TAG if kind is SequenceNode else self.DEFAULT_MAPPING_TAG
+
+
 def _compose(text: str) -> Node | None:
-    """The node graph; by libyaml, whose composer recurses in C, only where the text cannot be nested deeply."""
+    """The node graph; by libyaml where it is there and the text cannot be nested deeply, as its composer recurses in C.
+
+    What libyaml refuses is put to ruamel's own parser, so that the same texts are YAML with and without it.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of anchors that are defined twice, which YAML permits
-        root: Node | None = YAML(typ="safe", pure=_may_be_deep(text)).compose(text)
-        return root
+        if not _may_be_deep(text):
+            with suppress(YAMLError, ValueError):
+                return _composed(text, pure=False)
+        return _composed(text, pure=True)
+
+
+def _composed(text: str, *, pure: bool) -> Node | None:
+    yaml = YAML(typ="safe", pure=pure)
+    yaml.Resolver = _Kinds
+    root: Node | None = yaml.compose(text)
+    return root
 
 
 def _may_be_deep(text: str) -> bool:

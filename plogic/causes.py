@@ -27,11 +27,7 @@ def causes(scene: Scene, present: Iterable[str]) -> dict[str, str]:
 
 
 def _cause(scene: Scene, appearance: str, columns: dict[str, np.ndarray[tuple[int], np.dtype[np.bool_]]]) -> str:
-    live = [
-        (h, f)
-        for h, f in scene.claimants.get(appearance, ())
-        if columns[h.id][0] and expected(scene, h, f, columns)[0]
-    ]
+    live = [(h, f) for h, f in scene.claimants.get(appearance, ()) if columns[h.id][0] and expected(scene, h, f, columns)[0]]
     if not live:
         return NOISE
     return _nearest(live) if scene.situation.reading == "score" else _likeliest(scene, appearance, live)

@@ -10,6 +10,7 @@ from math import log
 from time import monotonic
 from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
 
 from plogic.evidence import evidence
@@ -18,6 +19,7 @@ from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import SHARED_CLAIMS, claims, overlap, shared_claims
 from plogic.search.generate import generate, same_place, settle
 from plogic.search.pairs import MOST_PAIRS
+from plogic.search.projection import project_ideal
 from plogic.trace import Trace
 
 if TYPE_CHECKING:
@@ -35,7 +37,7 @@ SIGNIFICANT = log(MOST_PAIRS)
 """A hypothesis must beat clutter by more than the number of poses that were tried: the best of many is good by luck."""
 FEWEST = 4
 """Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8, trap b)."""
-POOL = 16
+POOL = 10
 """Poses that are carried from one round to the next, the best."""
 POLISHED = 6
 """Poses of a round that are refined beside Δi before they are accepted or not, the best first."""
@@ -122,11 +124,11 @@ class Perception:
 
     def _round(self, attention: Sequence[Attention], pool: list[Posed]) -> bool:
         """Add to the pool what the free data give, then accept its best acceptable pose. True where something was accepted."""
-        left = self.data.only(self.free())
+        left, covered = self.data.only(self.free()), self._covered()
         for row in attention:
             if self.late():
                 break
-            pool += [posed for _, posed in generate(self.indices[row.type], left, self.kb)]
+            pool += [posed for _, posed in generate(self.indices[row.type], left, self.kb, covered)]
         judged = sorted(self._judged(pool), key=lambda b: -b.worth)
         pool[:] = [b.posed for b in judged[:POOL]]
         for belief in judged[:POLISHED]:
@@ -136,6 +138,18 @@ class Perception:
                 pool[:] = [posed for posed in pool if not self._is_accepted(posed)]
                 return True
         return False
+
+    def _covered(self) -> NDArray[np.bool_]:
+        """(H, W) where accepted opaque objects stand in the ideal image."""
+        camera = self.data.camera
+        mask = np.zeros((camera.height, camera.width), dtype=np.uint8)
+        for belief in self.accepted:
+            surface = belief.posed.object_type.surface
+            if surface is not None and belief.posed.object_type.opaque:
+                corners = project_ideal(belief.posed.camera_from_object[None], surface.vertices, self.data)[0]
+                for triangle in np.rint(corners[surface.triangles]).astype(np.int32):
+                    cv2.fillConvexPoly(mask, triangle, 1)
+        return mask.astype(bool)
 
     def _judged(self, pool: Sequence[Posed]) -> list[Belief]:
         """Each pose beside what is accepted: matched on free data, hidden features not expected."""
@@ -150,7 +164,7 @@ class Perception:
         allowed = index.allowed(self.data)
         hidden = self._hidden(posed, skip)
         posed = settle(index, posed.camera_from_object, allowed, self.data, self.kb, free, hidden, rounds)
-        hidden = self._hidden(posed, skip)
+        hidden = self._hidden(posed, skip) if rounds else hidden
         ev = explanatory_value(posed.support(), self.dv)
         again = explanatory_value(posed.support(hidden), self.dv)
         found = evidence(posed, self.data, self.kb, hidden)

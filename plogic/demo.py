@@ -28,7 +28,7 @@ SCENE = 3
 GOALS = ("present(H)", "partially_occludes(X, Y)")
 
 
-def run_demo(out: Path, seed: int, reading: str, *, say: Callable[[str], None]) -> str:
+def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], None]) -> str:
     """Render, detect, interpret in both readings, write the folder ``out`` and return the text to print (in ``reading``)."""
     from geometry.camera import camera_to_dict
     from plogic.delta import Options
@@ -49,7 +49,7 @@ def run_demo(out: Path, seed: int, reading: str, *, say: Callable[[str], None]) 
         gamma = detect(image, scene.camera, kb.appearance_types)
     perceiver = Perceiver(kb)
     say(f"{len(gamma.appearances)} appearances; searching for worlds that explain them ...")
-    documents = {name: perceiver(gamma, Options(reading=name), image, clock) for name in READINGS}
+    documents: dict[Reading, dict[str, Any]] = {name: perceiver(gamma, Options(reading=name), image, clock) for name in READINGS}
     files = {
         "image.png": png(image),
         "camera.json": _json(camera_to_dict(scene.camera)),

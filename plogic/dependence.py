@@ -120,7 +120,9 @@ def _blocks(of: dict[str, tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
     blocks = tuple(sorted(tuple(sorted(block)) for block in nx.strongly_connected_components(graph)))
     for block in blocks:
         if len(block) > LARGEST_BLOCK:
-            raise TooManyHypothesesError(f"{len(block)} hypotheses occlude each other in a cycle; at most {LARGEST_BLOCK} can be decided jointly")
+            raise TooManyHypothesesError(
+                f"{len(block)} hypotheses occlude each other in a cycle; at most {LARGEST_BLOCK} can be decided jointly"
+            )
     return blocks
 
 

@@ -9,8 +9,10 @@ Making the text and running it are two functions; this one runs it. Vocabulary:
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -62,8 +64,8 @@ def run(
     """P(goal | evidence) for each goal: a list of answers per goal, most probable first, ties by text.
 
     The first text is the program, further ones are rules that may not add to its predicates. Without goals the program's own query/1 are
-    asked, in one list. With ``names``, goals, evidence and rules are mapped from labels to atoms, and answers back. Raises ProgramError (with
-    file, line, column as far as ProbLog knows them), InconsistentError, LimitError.
+    asked, in one list. With ``names``, goals, evidence and rules are mapped from labels to atoms, and answers back.
+    Raises ProgramError (with file, line, column as far as ProbLog knows them), InconsistentError, LimitError.
     """
     reply = ask(request_of(texts, goals, given, names), limits or Limits())
     return [sorted((_answer(goal, p) for goal, p in answers), key=_order) for answers in reply["answers"]]
@@ -99,17 +101,27 @@ def ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
 def _ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
     command = [sys.executable, "-P", "-W", "ignore", "-m", "plogic.safety.child", str(limits.megabytes * 2**20)]
     with tempfile.TemporaryDirectory(prefix="plogic-") as scratch:
-        try:
-            done = subprocess.run(  # noqa: S603 - our own module, no shell
-                command, input=json.dumps(request), capture_output=True, text=True, timeout=limits.seconds, check=False, env=_environment(scratch), cwd=scratch,
-            )  # fmt: skip
-        except subprocess.TimeoutExpired:
-            raise errors.LimitError(f"the inference took longer than {limits.seconds:g} s") from None
+        stdout = _communicate(command, json.dumps(request), scratch, limits.seconds)
     try:
-        reply: dict[str, Any] = json.loads(done.stdout)
+        reply: dict[str, Any] = json.loads(stdout)
     except json.JSONDecodeError:
         raise errors.LimitError(f"the inference stopped without an answer (memory limit {limits.megabytes} MB)") from None
     return reply
+
+
+def _communicate(command: list[str], request: str, scratch: str, seconds: float) -> str:
+    """What the child wrote; on a timeout the child goes, and the compiler that it may have started with it."""
+    pipe = subprocess.PIPE
+    options: dict[str, Any] = {"env": _environment(scratch), "cwd": scratch, "start_new_session": True, "text": True, "encoding": "utf-8"}
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, **options) as child:  # noqa: S603 - our own module, no shell
+        try:
+            return str(child.communicate(request, timeout=seconds)[0])
+        except BaseException as error:  # an interruption, too, must leave no process behind
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(child.pid, signal.SIGKILL)
+            if isinstance(error, subprocess.TimeoutExpired):
+                raise errors.LimitError(f"the inference took longer than {seconds:g} s") from None
+            raise
 
 
 def _environment(scratch: str) -> dict[str, str]:

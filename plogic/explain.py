@@ -36,8 +36,8 @@ class Reason:
 class Explanation:
     """A minimal set of ``choices`` that entails ``goal``.
 
-    ``probability`` is the product of its choices (ICL). ``given_evidence`` is P(choices | evidence), None where a choice cannot be asked for
-    by itself (it belongs to a rule with conditions).
+    ``probability`` is the product of its choices (ICL). ``given_evidence`` is P(choices | evidence), None where a
+    choice cannot be asked for by itself (it belongs to a rule with conditions).
     """
 
     goal: str
@@ -49,8 +49,11 @@ class Explanation:
 
 @dataclass(frozen=True)
 class Account:
-    """P(goal | evidence), what speaks ``why`` and ``why_not`` (explanations of the negated goal), and, of a goal that no choices entail, which
-    condition fails."""
+    """P(goal | evidence) and what there is to say of it.
+
+    ``why``: explanations; ``why_not``: explanations of the negated goal; ``failure``: of a goal that no choices entail, the condition that
+    fails.
+    """
 
     goal: str
     probability: float

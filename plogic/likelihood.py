@@ -37,9 +37,7 @@ def group_shares(scene: Scene) -> dict[str, list[tuple[str, float]]]:
     for h in scene.situation.hypotheses:
         groups.setdefault(h.group, []).append(h)
     priors = scene.situation.priors
-    return {
-        name: [(h.id, bounded(priors.get(h.type, DEFAULT_PRIOR) / len(members))) for h in members] for name, members in groups.items()
-    }
+    return {name: [(h.id, bounded(priors.get(h.type, DEFAULT_PRIOR) / len(members))) for h in members] for name, members in groups.items()}
 
 
 def causes_of(scene: Scene, appearance: str) -> Causes:
@@ -65,7 +63,7 @@ def appearance_weight(scene: Scene, appearance: str, present: Present) -> NDArra
 
 
 def miss_weight(scene: Scene, h: HypothesisFact, f: FeatureFact, present: Present) -> NDArray[np.float64]:
-    """1 − h_F where the feature is expected; it has no appearance. (M,)"""
+    """1 − h_F where the feature is expected, (M,); it has no appearance."""
     return 1.0 - _hit(scene, h, f, present)
 
 

@@ -1,7 +1,7 @@
 """Names of users and atoms of programs, and the table between them (contract, "Names").
 
-A name that matches ``[a-z][a-z0-9_]*`` and is no operator is its own atom; any other gets a generated one (``f1`` for a feature's path, ``n1``
-for the rest). Atoms stand only in argument places, so no name can be read as program text.
+A name that matches ``[a-z][a-z0-9_]*`` and is no operator is its own atom; any other gets a generated one (``f1`` for
+a feature's path, ``n1`` for the rest). Atoms stand only in argument places, so no name can be read as program text.
 
 Vocabulary: a *label* is what the user wrote, ``"roof/apex"``; an *atom* is what programs say, ``"f1"``.
 """

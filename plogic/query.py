@@ -26,11 +26,12 @@ def answers(
     rules: Text | None = None,
     limits: Limits | None = None,
 ) -> list[Answer]:
-    """Each answer to ``goal`` given the evidence, sorted by probability, then text.
+    r"""Each answer to ``goal`` given the evidence, sorted by probability, then text.
 
-    ``goal`` may be a conjunction or a negation, with labels quoted: ``cause(A, h1, 'roof/apex'), \\+ noise(a3)``. Without a goal a program's
-    own query/1 are answered; of a situation, present/1. A ground goal has one answer, maybe with probability 0; a goal with variables has one
-    per substitution of positive probability, and none is an answer too. Raises ProgramError, InconsistentError, LimitError.
+    ``goal`` may be a conjunction or a negation, with labels quoted: ``cause(A, h1, 'roof/apex'), \+ noise(a3)``.
+    Without a goal a program's own query/1 are answered; of a situation, present/1. A ground goal has one answer,
+    maybe with probability 0; a goal with variables has one per substitution of positive probability, and none is an answer too. Raises
+    ProgramError, InconsistentError, LimitError.
     """
     if goal is None and isinstance(subject, Situation):
         goal = "present(H)"

@@ -34,7 +34,7 @@ def subsets(members: tuple[str, ...]) -> dict[str, Flags]:
 
 
 def log_weights(scene: Scene, graph: Dependence, members: tuple[str, ...]) -> Weights:
-    """ln of the weight of every subset, (2^k,), −inf where a constraint is violated; it sums to the component's evidence."""
+    """Natural logarithm of the weight of every subset, (2^k,), −inf where a constraint is violated; it sums to the component's evidence."""
     present = subsets(members)
     score = scene.situation.reading == "score"
     with np.errstate(divide="ignore"):

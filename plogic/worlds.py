@@ -75,7 +75,8 @@ def _log_sum(logs: np.ndarray[tuple[int], np.dtype[np.float64]], members: tuple[
     top = logs.max()
     if top == -np.inf:
         raise InconsistentError(
-            f"no world satisfies the constraints on {', '.join(members)}: each excludes what another holds for certain (smoothing would help)",
+            f"no world satisfies the constraints on {', '.join(members)}: "
+            "each excludes what another holds for certain (smoothing would help)",
         )
     return float(top + np.log(np.exp(logs - top).sum()))
 

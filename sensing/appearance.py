@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from geometry.camera import Camera
     from numpy.typing import NDArray
+
+    from geometry.camera import Camera
 
 
 @dataclass(frozen=True)

@@ -20,16 +20,19 @@ SIDE = 1.8
 """Pixels to either side of the ray at which brightness is compared."""
 FAR_SIDE, SHARPNESS = 4.0, 0.75
 """At an edge most of the difference at 4 px is there at 1.8 px already; on a slope it is not."""
-MIN_STEP = 6.0
+MIN_STEP = 10.0
 """Grey levels by which the sides differ in the mean."""
-LEAST = 0.6
+LEAST = 0.7
 """Share of the step that each third of the ray shows at least."""
 APART = np.radians(22.0)
 """An arm is not sought nearer than this to another."""
 
 
 def steps(grey: NDArray[np.float32], places: Floats) -> tuple[Floats, Floats]:
-    """Along each ray from (N, 2) places: the mean difference (N, D) of its two sides, and the least such mean of its three thirds, (N, D)."""
+    """Along each ray from (N, 2) places: how much its sides differ in the mean (N, D), and in the third where they differ least (N, D).
+
+    The latter is 0 where the brightness slopes instead of stepping.
+    """
     angle = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
     ray = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     across = np.stack([-ray[:, 1], ray[:, 0]], axis=1)

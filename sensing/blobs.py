@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-STEP = 10
+STEP = 12
 """Grey levels between two thresholds."""
 MIN_AREA, MAX_SHARE = 9, 0.03
 """Smallest area in pixels, largest as a share of the image."""
@@ -20,7 +20,7 @@ MIN_FILL = 0.35
 
 @dataclass(frozen=True)
 class Blob:
-    """A region darker than ``level`` all round: its (N, 2) outline pixels (u, v), area in pixels, and how many thresholds it lived through."""
+    """A region darker than ``level``: its (N, 2) outline pixels (u, v), its area in pixels, how many thresholds it lived through."""
 
     outline: NDArray[np.int32]
     area: int
@@ -38,7 +38,7 @@ def dark_blobs(grey: NDArray[np.uint8]) -> list[Blob]:
 
 def _regions(grey: NDArray[np.uint8], level: int) -> NDArray[np.float64]:
     """(N, 8) rows of regions darker than ``level``: centroid u, v, area, box left, top, width, height, level."""
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     mask = (grey < level).view(np.uint8)
     _, _, stats, centre = cv2.connectedComponentsWithStats(mask, connectivity=4, ltype=cv2.CV_32S)
@@ -52,7 +52,7 @@ def _regions(grey: NDArray[np.uint8], level: int) -> NDArray[np.float64]:
 
 
 def _lives(found: NDArray[np.float64]) -> list[list[int]]:
-    """Groups of rows that are one region at successive thresholds: centroids within a fraction of the size, areas within a factor of 2.5."""
+    """Groups of rows that are one region at successive thresholds: like centroids, areas within a factor of 2.5."""
     order = np.argsort(found[:, 7], kind="stable")
     grid: dict[tuple[int, int], list[list[int]]] = {}
     groups: list[list[int]] = []
@@ -76,9 +76,9 @@ def _same(row: NDArray[np.float64], u: float, v: float, area: float) -> bool:
 
 def _blob(grey: NDArray[np.uint8], rows: NDArray[np.float64]) -> Blob | None:
     """The blob at the middle of its life, with the outline of its largest part in its box."""
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
-    u, v, area, left, top, width, height, level = rows[len(rows) // 2]
+    _, _, area, left, top, width, height, level = rows[len(rows) // 2]
     x, y = int(left), int(top)
     box = np.ascontiguousarray(grey[y : y + int(height), x : x + int(width)] < level).view(np.uint8)
     outlines = cv2.findContours(box, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[-2]

@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     import numpy as np
-    from geometry.camera import Camera
     from numpy.typing import NDArray
+
+    from geometry.camera import Camera
 
 GROUP = "plogic.detectors"
 """The entry points' group."""
@@ -40,13 +41,13 @@ class Detector(Protocol):
 
 
 def _junctions() -> Detector:
-    from sensing.junctions import JunctionDetector  # noqa: PLC0415 - heavy
+    from sensing.junctions import JunctionDetector
 
     return JunctionDetector()
 
 
 def _patches() -> Detector:
-    from sensing.patches import PatchDetector  # noqa: PLC0415 - heavy
+    from sensing.patches import PatchDetector
 
     return PatchDetector()
 

@@ -23,14 +23,14 @@ _MAX_ROWS = 30_000
 
 def sample(grey: NDArray[np.float32], at: Floats) -> NDArray[np.float32]:
     """(...,) bilinear brightness at (..., 2) places (u, v); places outside take the border's value."""
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     if at.size == 0:
         return np.zeros(at.shape[:-1], np.float32)
     flat = at.reshape(-1, at.shape[-2], 2).astype(np.float32)
     pieces = [flat[i : i + _MAX_ROWS] for i in range(0, len(flat), _MAX_ROWS)]
     values = [cv2.remap(grey, p[:, :, 0].copy(), p[:, :, 1].copy(), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE) for p in pieces]
-    return np.concatenate(values).reshape(at.shape[:-1])
+    return np.asarray(np.concatenate(values).reshape(at.shape[:-1]), np.float32)
 
 
 def directions(segments: Floats) -> tuple[Floats, Floats, Floats]:
@@ -41,7 +41,9 @@ def directions(segments: Floats) -> tuple[Floats, Floats, Floats]:
     return along, np.stack([-along[:, 1], along[:, 0]], axis=1), length
 
 
-def profiles(grey: NDArray[np.float32], segments: Floats, share: tuple[float, float], samples: int, reach: Floats) -> tuple[Floats, Floats, Floats]:
+def profiles(
+    grey: NDArray[np.float32], segments: Floats, share: tuple[float, float], samples: int, reach: Floats
+) -> tuple[Floats, Floats, Floats]:
     """Brightness across segments.
 
     Args:
@@ -64,7 +66,7 @@ def profiles(grey: NDArray[np.float32], segments: Floats, share: tuple[float, fl
 
 
 def edge_offsets(values: Floats, offsets: Floats, polarity: Floats) -> tuple[Floats, Floats]:
-    """Where each profile changes most, in the sense that ``polarity`` (N,) = ±1 gives (+1: brighter along the normal).
+    """Where each profile changes most, in the sense that ``polarity`` (N,) = ±1 gives (+1: brighter along it).
 
     The centroid of the rising part of the slope, squared so that noise counts little. Returns offsets (N, S) in pixels, and the rise (N, S)
     in grey levels that it stands for (0 where there is none; its offset is then NaN).
@@ -81,7 +83,7 @@ def edge_offsets(values: Floats, offsets: Floats, polarity: Floats) -> tuple[Flo
 def fit_lines(places: Floats, weights: Floats) -> tuple[Floats, Floats, Floats]:
     """Weighted least squares lines, one robust reweighting: (N, S, 2) places, (N, S) weights.
 
-    Returns a point (N, 2), a unit direction (N, 2) and the root mean square distance (N,) in pixels; NaN where fewer than two weights count.
+    Returns a point (N, 2), a unit direction (N, 2) and the rms distance (N,) in pixels; NaN where fewer than two weights count.
     """
     weights = np.where(np.isfinite(places).all(axis=2), weights, 0)
     places = np.nan_to_num(places)

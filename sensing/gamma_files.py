@@ -11,10 +11,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from geometry.camera import Camera, camera_from_dict, camera_to_dict
-from geometry.errors import CameraError
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from geometry.camera import Camera, camera_from_dict, camera_to_dict
+from geometry.errors import CameraError
 from sensing.appearance import Appearance, Gamma
 from sensing.errors import GammaError
 from sensing.whole_files import write_whole

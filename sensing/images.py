@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,7 +28,7 @@ def read_image(path: str | Path) -> NDArray[np.uint8]:
     Raises:
         ImageError: No such file, not an image, cut off, or not 8 bits a channel.
     """
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     data = _bytes(Path(path))
     try:
@@ -37,7 +37,7 @@ def read_image(path: str | Path) -> NDArray[np.uint8]:
         pixels = None
     if pixels is None:
         raise ImageError(f"{path}: is not an image that OpenCV can read ({len(data)} bytes)")
-    return _as_bgr(pixels, path)
+    return _as_bgr(np.asarray(pixels), path)
 
 
 def _bytes(path: Path) -> bytes:
@@ -56,7 +56,7 @@ def _bytes(path: Path) -> bytes:
     return data
 
 
-def _as_bgr(pixels: NDArray[np.uint8], path: str | Path) -> NDArray[np.uint8]:
+def _as_bgr(pixels: NDArray[Any], path: str | Path) -> NDArray[np.uint8]:
     if pixels.dtype != np.uint8:
         raise ImageError(f"{path}: has {pixels.dtype.itemsize * 8} bits a channel ({pixels.dtype}); only 8-bit images are read")
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]

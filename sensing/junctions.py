@@ -47,16 +47,17 @@ class JunctionDetector:
 
     def detect(self, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
         """Junctions of an (H, W, 3) uint8 image."""
-        import cv2  # noqa: PLC0415 - heavy
+        import cv2
 
-        grey = cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY)
+        grey = np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
         patches = find_patches(grey).corners
         bare = [without_patches(channel, patches) for channel in _channels(image_bgr, grey)]
         meetings = find_meetings(find_segments(bare))
         if not meetings:
             return []
         places = np.array([m.place for m in meetings])
-        step, least = (np.max(x, axis=0) for x in zip(*(steps(cv2.GaussianBlur(b, (0, 0), 0.8), places) for b in bare), strict=True))
+        soft = [np.asarray(cv2.GaussianBlur(channel, (0, 0), 0.8), np.float32) for channel in bare]
+        step, least = (np.max(x, axis=0) for x in zip(*(steps(channel, places) for channel in soft), strict=True))
         height, width = grey.shape
         found = [self._appearance(m, *completed(s, low, m.arms, m.lengths)) for m, s, low in zip(meetings, step, least, strict=True)]
         return [a for a in found if a is not None and 0 <= a.uv[0] <= width - 1 and 0 <= a.uv[1] <= height - 1]
@@ -74,7 +75,7 @@ class JunctionDetector:
 def _channels(image_bgr: NDArray[np.uint8], grey: NDArray[np.uint8]) -> list[NDArray[np.float32]]:
     """Brightness, and warm against cold (red minus blue, halved): an edge between equally bright colours shows in the second alone."""
     warm = (image_bgr[:, :, 2].astype(np.float32) - image_bgr[:, :, 0].astype(np.float32)) / 2 + 128
-    return [grey.astype(np.float32), warm]
+    return [grey.astype(np.float32), warm.astype(np.float32)]
 
 
 def kind(arms: Floats) -> tuple[str, float] | None:

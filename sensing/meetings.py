@@ -53,7 +53,7 @@ def find_meetings(segments: Floats) -> list[Meeting]:
 
 
 def _pairs(segments: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
-    """Pairs (P,), (P,) that meet, their places (P, 2) and costs (P,): what is missing or too much at the ends, dear where lines are short."""
+    """Pairs (P,), (P,) that meet, their places (P, 2) and costs (P,): what is missing at the ends, dearer for short lines."""
     along, _, length = directions(segments)
     i, j = np.triu_indices(len(segments), 1)
     place = meet(segments[i, :2], along[i], segments[j, :2], along[j])

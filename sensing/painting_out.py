@@ -20,7 +20,7 @@ RIM = (1.2, 2.2)
 
 def without_patches(grey: NDArray[np.float32], corners: Floats) -> NDArray[np.float32]:
     """A copy of the (H, W) picture where each of the (N, 4, 2) patches has the median brightness found just around it."""
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     out = grey.copy()
     if not len(corners):

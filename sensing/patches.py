@@ -7,6 +7,7 @@ round, or is not even inside, is no patch. The place is where the diagonals meet
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,14 +33,18 @@ SMALL = 7.0
 MAX_ASPECT = 12.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Patches:
-    """N patches: ``corners`` (N, 4, 2) in pixels, clockwise on the screen; ``centre`` (N, 2); ``contrast`` (N,) grey levels; ``score`` (N,)."""
+    """N patches: ``corners`` (N, 4, 2) px, clockwise on the screen; ``centre`` (N, 2) px; ``contrast`` (N,) grey levels; ``score`` (N,)."""
 
     corners: Floats
     centre: Floats
     contrast: Floats
     score: Floats
+
+    def __post_init__(self) -> None:
+        for array in (self.corners, self.centre, self.contrast, self.score):
+            array.setflags(write=False)
 
 
 class PatchDetector:
@@ -50,9 +55,9 @@ class PatchDetector:
 
     def detect(self, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
         """Patches of an (H, W, 3) uint8 image."""
-        import cv2  # noqa: PLC0415 - heavy
+        import cv2
 
-        found = find_patches(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY))
+        found = find_patches(np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), np.uint8))
         sides = found.corners[:, 1] - found.corners[:, 0]
         angle = np.mod(np.arctan2(sides[:, 1], sides[:, 0]), np.pi / 2)
         scale = np.sqrt(areas(found.corners)) * 2 / np.sqrt(np.pi)
@@ -61,22 +66,31 @@ class PatchDetector:
 
 
 def find_patches(grey: NDArray[np.uint8]) -> Patches:
-    """Patches of an (H, W) uint8 image, in the order of their centres' v, then u."""
-    import cv2  # noqa: PLC0415 - heavy
+    """Patches of an (H, W) uint8 image, in the order of their centres' v, then u.
 
+    The last image's patches are kept: the junctions' detector asks for the same ones.
+    """
+    return _found(np.ascontiguousarray(grey).tobytes(), grey.shape)
+
+
+@lru_cache(maxsize=1)
+def _found(pixels: bytes, shape: tuple[int, int]) -> Patches:
+    import cv2
+
+    grey = np.frombuffer(pixels, np.uint8).reshape(shape)
     if grey.size == 0 or int(grey.max()) - int(grey.min()) < MIN_CONTRAST:
         return _none()
-    soft = cv2.GaussianBlur(grey, (0, 0), 0.7)
-    blobs = [blob for blob in dark_blobs(soft) if len(blob.outline) >= 4]
+    blobs = dark_blobs(np.asarray(cv2.GaussianBlur(grey, (0, 0), 0.7), np.uint8))
     quads = np.array([_quad(blob) for blob in blobs], dtype=np.float64).reshape(-1, 4, 2)
     areas_seen = np.array([blob.area for blob in blobs], dtype=np.float64)
-    fine = grey.astype(np.float32)
     keep = _plausible(quads)
     quads, areas_seen = quads[keep], areas_seen[keep]
     if not len(quads):
         return _none()
+    fine = grey.astype(np.float32)
+    soft, rise = np.asarray(cv2.GaussianBlur(fine, (0, 0), 0.5), np.float32), np.zeros((0, 4))
     for share in (0.7, 0.75):
-        quads, rise = _fitted(cv2.GaussianBlur(fine, (0, 0), 0.5), quads, share)
+        quads, rise = _fitted(soft, quads, share)
     return _chosen(fine, quads, rise, areas_seen)
 
 
@@ -93,7 +107,7 @@ def _none() -> Patches:
 
 def _quad(blob: Blob) -> Floats:
     """(4, 2) first guess, clockwise: the outline's longest chord, and on either side of it the point that is farthest off."""
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     hull = cv2.convexHull(blob.outline).reshape(-1, 2).astype(np.float64)
     apart = ((hull[:, None] - hull[None]) ** 2).sum(axis=2)
@@ -171,7 +185,7 @@ def _centres(grey: NDArray[np.float32], quads: Floats, contrast: Floats, inside:
 
 
 def _darkness_centroid(grey: NDArray[np.float32], quad: Floats, dark: float, contrast: float, otherwise: Floats) -> Floats:
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     middle = quad.mean(axis=0)
     wider = quad + 1.2 * (quad - middle) / np.maximum(np.linalg.norm(quad - middle, axis=1, keepdims=True), 1e-9) * 1.3
@@ -193,8 +207,8 @@ def _once(found: Patches) -> Patches:
     order = np.argsort(-found.score, kind="stable")
     kept: list[int] = []
     for i in order:
-        near = np.linalg.norm(found.centre[kept] - found.centre[i], axis=1) < np.maximum(1.5, 0.25 * np.minimum(size[kept], size[i])) if kept else np.zeros(0)
-        if not near.any():
+        away = np.linalg.norm(found.centre[kept] - found.centre[i], axis=1)
+        if (away >= np.maximum(1.5, 0.25 * np.minimum(size[kept], size[i]))).all():
             kept.append(int(i))
     kept.sort(key=lambda i: (found.centre[i, 1], found.centre[i, 0]))
     return Patches(found.corners[kept], found.centre[kept], found.contrast[kept], found.score[kept])

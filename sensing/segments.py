@@ -23,6 +23,7 @@ MIN_LENGTH = 7.0
 MIN_RISE = 4.0
 """Grey levels that an edge must rise within 3 px across it, in the mean along it."""
 SHARPNESS = 0.65
+"""Share of the rise within 7 px across an edge that lies within 3 px."""
 MERGE_ANGLE = np.radians(4.0)
 MERGE_OFFSET = 1.2
 """Pixels that two collinear pieces may lie apart across their direction."""
@@ -31,9 +32,11 @@ MERGE_OFFSET = 1.2
 def find_segments(channels: Sequence[NDArray[np.float32]]) -> Floats:
     """(N, 4) refined, merged segments of an (H, W) image given as one or more channels in grey levels; longest first.
 
-    What one channel shows and another shows longer is reported once, the longer.
+    The first channel is searched for sharp and for weak edges, the others for weak ones alone. What one channel shows and another shows
+    longer is reported once, the longer.
     """
-    found = np.concatenate([with_true_ends(c, merged(refined(c, _detected(c)))) for c in channels])
+    raw = [np.concatenate([_sharp_edges(channels[0]), _weak_edges(channels[0])]), *(_weak_edges(c) for c in channels[1:])]
+    found = np.concatenate([with_true_ends(c, merged(refined(c, lines))) for c, lines in zip(channels, raw, strict=True)])
     found = _longest_first(found)
     free = np.ones(len(found), dtype=bool)
     for i in range(len(found)):
@@ -51,19 +54,23 @@ def _covered(longer: Floats, others: Floats) -> NDArray[np.bool_]:
     return np.asarray((across < 2.0) & (shared > 0.5 * (t[:, 1] - t[:, 0])))
 
 
-def _detected(grey: NDArray[np.float32]) -> Floats:
-    """Segments at two sensitivities: sharp, and softer for weak edges."""
-    return np.concatenate([_lsd(grey, 0.8, 1.6), _lsd(grey, 1.6, 0.7)])
+def _sharp_edges(grey: NDArray[np.float32]) -> Floats:
+    return _lsd(grey, 0.8, 1.6, MIN_LENGTH)
 
 
-def _lsd(grey: NDArray[np.float32], blur: float, quantum: float) -> Floats:
-    import cv2  # noqa: PLC0415 - heavy
+def _weak_edges(grey: NDArray[np.float32]) -> Floats:
+    """Edges of a few grey levels, found in a softer picture, where only longer ones are worth a look."""
+    return _lsd(grey, 1.6, 0.35, 2 * MIN_LENGTH)
+
+
+def _lsd(grey: NDArray[np.float32], blur: float, quantum: float, shortest: float) -> Floats:
+    import cv2
 
     soft = np.clip(cv2.GaussianBlur(grey, (0, 0), blur), 0, 255).astype(np.uint8)
     finder = cv2.createLineSegmentDetector(cv2.LSD_REFINE_STD, 0.8, 0.6, quantum, 22.5, 0, 0.6)
     lines = finder.detect(soft)[0]
     found = np.zeros((0, 4)) if lines is None else np.asarray(lines, np.float64).reshape(-1, 4)
-    return found[np.linalg.norm(found[:, 2:] - found[:, :2], axis=1) >= MIN_LENGTH]
+    return found[np.linalg.norm(found[:, 2:] - found[:, :2], axis=1) >= shortest]
 
 
 def refined(grey: NDArray[np.float32], segments: Floats) -> Floats:
@@ -71,6 +78,8 @@ def refined(grey: NDArray[np.float32], segments: Floats) -> Floats:
 
     The result runs so that the brighter side is on the right of its direction.
     """
+    if not len(segments):
+        return segments
     along, normal, _ = directions(segments)
     values, offsets, base = profiles(grey, segments, (0.06, 0.94), 24, np.full(len(segments), 2.5))
     middle = values.shape[2] // 2
@@ -88,6 +97,8 @@ def refined(grey: NDArray[np.float32], segments: Floats) -> Floats:
 
 def _sharp(grey: NDArray[np.float32], segments: Floats) -> NDArray[np.bool_]:
     """Whether brightness rises by enough within 1.5 px of the line, and most of its rise within 3.5 px lies there: a step, not a slope."""
+    if not len(segments):
+        return np.zeros(0, dtype=np.bool_)
     values, _, _ = profiles(grey, segments, (0.03, 0.97), 24, np.full(len(segments), 3.5))
     mean = (values[:, :, 1:-1] + values[:, :, :-2] + values[:, :, 2:]).mean(axis=1) / 3
     middle = mean.shape[1] // 2
@@ -96,7 +107,7 @@ def _sharp(grey: NDArray[np.float32], segments: Floats) -> NDArray[np.bool_]:
 
 
 def merged(segments: Floats) -> Floats:
-    """Collinear pieces of one polarity joined over gaps shorter than a third of their joint length plus 4 px; longest first."""
+    """Collinear pieces of one polarity joined over gaps shorter than a sixth of their joint length plus 4 px; longest first."""
     rest = _longest_first(segments)
     done: list[Floats] = []
     while len(rest):
@@ -123,7 +134,8 @@ def _mates(one: Floats, others: Floats) -> NDArray[np.bool_]:
     gap = np.maximum(t.min(axis=1) - length, -t.max(axis=1))
     straight = other_along @ along > np.cos(MERGE_ANGLE)
     limit = MERGE_OFFSET + 0.02 * np.maximum(gap, 0)
-    return np.asarray(straight & (across.max(axis=1) < limit + 0.02 * other_length) & (across.min(axis=1) < limit) & (gap < 4 + (length + other_length) / 6))
+    close = (across.max(axis=1) < limit + 0.02 * other_length) & (across.min(axis=1) < limit)
+    return np.asarray(straight & close & (gap < 4 + (length + other_length) / 6))
 
 
 def _joined(a: Floats, b: Floats) -> Floats:

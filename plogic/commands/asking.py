@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from plogic.commands.sources import is_program, program_text_of, situation_from
@@ -14,9 +13,10 @@ if TYPE_CHECKING:
 
     from plogic.engine import Text
     from plogic.query import Subject
+    from plogic.situation import Reading
 
 
-def worlds_command(interpretation: str, number: int, *, as_json: bool) -> str:
+def worlds_command(interpretation: str, number: int, *, reading: Reading | None = None, as_json: bool) -> str:
     """The ranked worlds, taken anew from the situation, so that any number of them can be had."""
     from plogic import tables
     from plogic.commands.printing import text_of_table
@@ -24,6 +24,7 @@ def worlds_command(interpretation: str, number: int, *, as_json: bool) -> str:
     from plogic.worlds import ranked_worlds
 
     document = read_interpretation(interpretation)
+    document = document if reading is None else {**document, "reading": reading}
     ranking = ranked_worlds(situation_of(document), number)
     rows = [{"probability": w.probability, "present": list(w.present), "causes": w.causes} for w in ranking.worlds]
     answer = {
@@ -37,34 +38,39 @@ def worlds_command(interpretation: str, number: int, *, as_json: bool) -> str:
     return text_of_table(tables.worlds({**document, "worlds": rows, "unlisted_mass": list(ranking.unlisted)}, number))
 
 
-def query_command(source: str, goal: str | None, given: Sequence[str], rules: str | None, *, as_json: bool) -> str:
+def query_command(
+    source: str, goal: str | None, given: Sequence[str], rules: str | None, *, reading: Reading | None = None, as_json: bool
+) -> str:
     """P(goal) of an interpretation or a program."""
     from plogic import tables
     from plogic.commands.printing import text_of_table
     from plogic.query import answers
 
-    found = answers(_source(source), goal, given=list(given), rules=_rules(rules))
+    found = answers(_source(source, reading), goal, given=list(given), rules=_rules(rules))
     rows = [{"goal": a.goal, "probability": a.probability, "interval": list(a.interval)} for a in found]
     document: dict[str, Any] = {"format": "answers/1", "answers": rows}
     return json.dumps(document) if as_json else text_of_table(tables.answers(document))
 
 
 def explain_command(
-    source: str, goal: str, given: Sequence[str], rules: str | None, number: int, *, as_json: bool
+    source: str, goal: str, given: Sequence[str], number: int, *, reading: Reading | None = None, as_json: bool
 ) -> str:
     """Why the goal holds, and why not, as trees down to the data."""
-    from plogic.explain import explain, explanation_document, explanation_text
+    from dataclasses import asdict
 
-    found = explain(_source(source), goal, given=list(given), rules=_rules(rules), number=number)
-    return json.dumps(explanation_document(found)) if as_json else explanation_text(found)
+    from plogic.commands.account import account_text
+    from plogic.explain import explain
+
+    account = explain(_source(source, reading), goal, given=list(given), most=number)
+    return json.dumps({"format": "explanation/1", **asdict(account)}) if as_json else account_text(account)
 
 
-def program_command(interpretation: str, reading: str | None) -> str:
+def program_command(interpretation: str, reading: Reading | None) -> str:
     """The ProbLog text with its queries."""
-    from plogic.program.text import program_text
+    from plogic.program.text import program_text, query_lines
 
-    situation = situation_from(interpretation)
-    return program_text(situation if reading is None else replace(situation, reading=reading))  # type: ignore[arg-type]
+    situation = situation_from(interpretation, reading)
+    return program_text(situation) + "\n" + query_lines(situation)
 
 
 def report_command(interpretation: str, out: Path) -> None:
@@ -76,11 +82,11 @@ def report_command(interpretation: str, out: Path) -> None:
     write_whole(out, page(read_interpretation(interpretation)).encode())
 
 
-def _source(source: str) -> Subject:
+def _source(source: str, reading: Reading | None) -> Subject:
     """A situation, or program text, as ``answers`` and ``explain`` take them."""
     from plogic.engine import Text
 
-    return Text(program_text_of(source), source) if is_program(source) else situation_from(source)
+    return Text(program_text_of(source), source) if is_program(source) else situation_from(source, reading)
 
 
 def _rules(path: str | None) -> Text | None:

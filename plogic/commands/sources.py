@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ from plogic.errors import InputError
 
 if TYPE_CHECKING:
     from kb.cloud import KnowledgeBase
-    from plogic.situation import Situation
+    from plogic.situation import Reading, Situation
 
 LARGEST_PROGRAM = 8 * 2**20
 """Bytes of a program or rules file that is read."""
@@ -42,8 +43,9 @@ def program_text_of(path: str) -> str:
         raise InputError(f"{path}: is not UTF-8 text (byte {error.start})") from None
 
 
-def situation_from(source: str) -> Situation:
-    """The situation of an interpretation's file."""
+def situation_from(source: str, reading: Reading | None = None) -> Situation:
+    """The situation of an interpretation's file, in the other reading where one is named: Δh and its facts are the same."""
     from plogic.interpretation import read_interpretation, situation_of
 
-    return situation_of(read_interpretation(source))
+    situation = situation_of(read_interpretation(source))
+    return situation if reading is None else replace(situation, reading=reading)

@@ -48,5 +48,5 @@ def valuation(weights: NDArray[np.float64], substitution: Mapping[int, int]) -> 
 
 
 def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
-    """Take rank(Type) = max over legal θ of v(Type, θ) (§5.3)."""
+    """Best valuation over all legal θ: rank(Type) = max v(Type, θ) (§5.3)."""
     return valuation(weights, best_substitution(weights, allowed))

@@ -24,8 +24,8 @@ def author_rules(text: str, names: Names, file: str = FILE) -> list[str]:
     if not text.strip():
         return []
     load_problog()
-    from plogic.program.mapping import mapped  # noqa: PLC0415 - ProbLog is loaded only where there are rules
-    from plogic.safety.check import check_source, is_directive, parse  # noqa: PLC0415
+    from plogic.program.mapping import mapped
+    from plogic.safety.check import check_source, is_directive, parse
 
     source = parse(text, file)
     spelled = parse("\n".join(f"{mapped(s, names)}." for s in source.statements if not is_directive(s)), file)
@@ -42,14 +42,16 @@ def load_problog() -> None:
     """Import ProbLog; the copy of pyparsing that it ships warns of its age, which is no user's business."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
-        import problog.program  # noqa: F401, PLC0415
+        import problog.program  # noqa: F401
 
 
 def _refuse_evidence(source: Source) -> None:
-    from plogic.safety.allowlist import SPECIAL_HEADS  # noqa: PLC0415
-    from plogic.safety.check import heads  # noqa: PLC0415
+    from plogic.safety.allowlist import SPECIAL_HEADS
+    from plogic.safety.check import heads
 
     for statement in source.statements:
         special: list[Any] = [head for head in heads(statement) if head.signature in SPECIAL_HEADS]
         if special:
-            raise ProgramError(f"{special[0].signature}: rules neither ask nor observe (use a goal, or --given)", **source.place(special[0]))
+            raise ProgramError(
+                f"{special[0].signature}: rules neither ask nor observe (use a goal, or --given)", **source.place(special[0])
+            )

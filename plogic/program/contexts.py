@@ -33,7 +33,7 @@ def listed(w: Writer, h: HypothesisFact) -> tuple[str, ...]:
 
 
 def context_clauses(w: Writer, key: str, names: tuple[str, ...]) -> Iterator[str]:
-    """``context(h1, [h2]) :- present(h2), \\+ present(h3).``"""
+    """One clause per context, which says when it holds: ``context(h1, [h2]) :- present(h2), not present(h3)``."""
     for context in contexts(names):
         literals = [("" if n in context else "\\+ ") + f"present({w.names.atom(n)})" for n in names]
         body = f" :- {', '.join(literals)}" if literals else ""

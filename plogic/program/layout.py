@@ -6,11 +6,10 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plogic.dependence import Dependence, Scene
-
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from plogic.dependence import Dependence, Scene
     from plogic.names import Names
     from plogic.situation import FeatureFact, HypothesisFact
 
@@ -28,7 +27,7 @@ class Writer:
         return ", ".join(self.names.atom(label) for label in labels)
 
     def fact(self, predicate: str, *labels: str) -> str:
-        """``in_image(h1, f3).``"""
+        """A fact about labels: ``in_image(h1, f3).``."""
         return f"{predicate}({self.atoms(*labels)})."
 
     def node(self, h: HypothesisFact, inner: str) -> str:

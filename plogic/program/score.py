@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from plogic.program.layout import Writer
     from plogic.situation import HypothesisFact
 
-FALLBACKS = "alone(_) :- fail. ok(_, _) :- fail. pick(_, _) :- fail. luck(_, _) :- fail.\nmember_of(_, _) :- fail. joint(_, _, _) :- fail. includes(_, _) :- fail."
+FALLBACKS = """alone(_) :- fail. ok(_, _) :- fail. pick(_, _) :- fail. luck(_, _) :- fail.
+member_of(_, _) :- fail. joint(_, _, _) :- fail. includes(_, _) :- fail."""
 
 
 def choices(w: Writer) -> Iterator[str]:

@@ -22,7 +22,9 @@ UNARY: dict[str, Callable[[float], float]] = {
 COMPARE: dict[str, Callable[[float, float], bool]] = {
     "<": operator.lt, ">": operator.gt, "=<": operator.le, ">=": operator.ge, "=:=": operator.eq, "=\\=": operator.ne,
 }  # fmt: skip
-ARITHMETIC_TESTS = frozenset({*((name, 2) for name in COMPARE), ("=", 2), ("\\=", 2), ("==", 2), ("\\==", 2), ("is", 2), ("fail", 0), ("false", 0)})
+ARITHMETIC_TESTS = frozenset(
+    {*((name, 2) for name in COMPARE), ("=", 2), ("\\=", 2), ("==", 2), ("\\==", 2), ("is", 2), ("fail", 0), ("false", 0)}
+)
 
 
 def evaluate(term: Small) -> float:

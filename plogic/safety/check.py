@@ -44,7 +44,10 @@ class Source:
 
 
 def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
-    """Parse program text; raises ProgramError with the place of a syntax error. ``identifier`` marks the places for a ClauseDB of many files."""
+    """Parse program text; raises ProgramError with the place of a syntax error.
+
+    ``identifier`` marks the places for a ClauseDB of many files.
+    """
     if len(text) > LONGEST_TEXT:
         raise ProgramError(f"longer than {LONGEST_TEXT} characters", file=file)
     try:
@@ -54,7 +57,7 @@ def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
         raise ProgramError(error.base_message, file=file, **_line_column(text, error.location)) from None
     except RecursionError:
         raise ProgramError("nested too deeply", file=file) from None
-    except Exception as error:  # the parser raises what its actions raise (a cut, a bad number)
+    except Exception as error:  # noqa: BLE001 - the parser raises what its actions raise (a cut, a bad number)
         raise ProgramError(f"cannot be read as ProbLog ({error})", file=file) from None
 
 
@@ -99,7 +102,7 @@ def check_goal(source: Source, known: frozenset[str]) -> Any:  # noqa: ANN401 - 
 
 
 def is_directive(statement: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
-    """``:- goal.``"""
+    """Whether the statement is ``:- goal``."""
     return isinstance(statement, Clause) and statement.head.signature == "_directive/0" and statement.head.location[1] is None
 
 
@@ -126,16 +129,20 @@ class _Checker:
             self.goal(statement.body, 0)
 
     def directive(self, goal: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
-        library = goal.args[0] if isinstance(goal, Term) and goal.signature in ("use_module/1", "use_module/2") else None
-        is_library = isinstance(library, Term) and library.functor == "library" and library.arity == 1
-        if not is_library or str(library.args[0]) not in LIBRARIES:
+        library: Any = goal.args[0] if isinstance(goal, Term) and goal.signature in ("use_module/1", "use_module/2") else None
+        if not _is_pure_library(library):
             self.refuse(goal, f"directive {_shown(goal)}: only use_module(library(L)) is allowed, L one of {', '.join(sorted(LIBRARIES))}")
 
     def head(self, head: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
         name = str(head.functor).strip("'")
         if head.signature in self.protected:
             raise ProgramError(f"{head.signature} is defined by the program and cannot be added to", **self.source.place(head))
-        if head.signature in self.builtins or head.signature in META or name.startswith(("_", "plogic ")) or name in ("choice", "body", ":"):
+        if (
+            head.signature in self.builtins
+            or head.signature in META
+            or name.startswith(("_", "plogic "))
+            or name in ("choice", "body", ":")
+        ):
             self.refuse(head, f"{head.signature} belongs to ProbLog and cannot be defined")
         if head.probability is not None:
             self.label(head.probability)
@@ -145,13 +152,16 @@ class _Checker:
     def label(self, label: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
         if isinstance(label, (Constant, Var)):
             return
-        if not isinstance(label, Term) or str(label.functor).strip("'") not in ARITHMETIC:
+        if label is None or str(label.functor).strip("'") not in ARITHMETIC:
             self.refuse(label, f"probability {_shown(label)}: only numbers, variables and arithmetic are allowed")
         for argument in label.args:
             self.label(argument)
 
     def goal(self, goal: Any, added: int) -> None:  # noqa: ANN401 - a term of ProbLog's
-        """A goal with ``added`` more arguments than are written. Its other arguments are data: they may hold anything, and nothing calls them."""
+        """A goal with ``added`` more arguments than are written.
+
+        Its other arguments are data: they may hold anything, and nothing calls them.
+        """
         if isinstance(goal, (Var, Constant)) or not isinstance(goal, Term):
             self.refuse(goal, f"goal {_shown(goal)}: a goal must be written out, not be a variable or a value")
         signature = f"{goal.signature.rsplit('/', 1)[0]}/{goal.arity + added}"
@@ -179,9 +189,15 @@ class _Checker:
 
 
 _DANGEROUS = frozenset({
-    "use_module", "consult", "load_external", "csv_load", "sqlite_load", "subquery", "assertz", "asserta", "assert", "retract", "retractall",
-    "open", "see", "tell", "shell", "halt", "initialization", "module", "db", "call_external", "include", "ensure_loaded", "read", "get_char",
+    "use_module", "consult", "load_external", "csv_load", "sqlite_load", "subquery", "assertz", "asserta", "assert", "retract",
+    "retractall",
+    "open", "see", "tell", "shell", "halt", "initialization", "module", "db", "call_external", "include", "ensure_loaded",
+    "read", "get_char",
 })  # fmt: skip
+
+
+def _is_pure_library(term: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
+    return isinstance(term, Term) and term.functor == "library" and term.arity == 1 and str(term.args[0]) in LIBRARIES
 
 
 def _builtins() -> frozenset[str]:

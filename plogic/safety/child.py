@@ -27,8 +27,8 @@ def main() -> None:
 
 
 def _reply(request: dict[str, Any]) -> dict[str, Any]:
-    from plogic.errors import BeliefError, ProgramError  # noqa: PLC0415 - after the limits are set
-    from plogic.safety.serve import serve  # noqa: PLC0415
+    from plogic.errors import BeliefError, ProgramError
+    from plogic.safety.serve import serve
 
     sys.setrecursionlimit(5000)
     try:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from problog.logic import Not
 
+from plogic.program.mapping import mapped, shown
 from plogic.proof.clauses import rules_of
 from plogic.proof.failure import failure
 from plogic.proof.search import Proof, Prover, Tree, literals
 from plogic.proof.selection import probability
-from plogic.proof.terms import problog_term, small
-from plogic.program.mapping import mapped, shown
+from plogic.proof.terms import problog_term, small, unify
 from plogic.safety.check import check_goal, check_source, parse
 
 if TYPE_CHECKING:
@@ -55,9 +55,8 @@ def _explanation(prover: Prover, proof: Proof, names: Names | None) -> dict[str,
 
 def _only_way(prover: Prover, head: Small) -> bool:
     """Whether the choice's head can come from this choice alone, so that asking for it asks for the choice."""
-    return sum(1 for rule, _ in prover.rules.matching(head) if rule.body != ("fail",)) <= sum(
-        1 for rule, i in prover.rules.matching(head) if rule.heads[i] == head
-    )
+    ways = [rule for rule, i in prover.rules.matching(head) if rule.body != ("fail",) and unify(rule.heads[i], head, {})]
+    return len(ways) == 1
 
 
 def _tree(tree: Tree, names: Names | None) -> dict[str, Any]:

@@ -1,4 +1,7 @@
-"""One request: texts, goals and evidence in; answers out. Parsed, held to the allow-list, grounded by the safe engine, counted by ProbLog."""
+"""One request: texts, goals and evidence in; answers out.
+
+Parsed, held to the allow-list, grounded by the safe engine, counted by ProbLog.
+"""
 
 from __future__ import annotations
 
@@ -40,14 +43,17 @@ def serve(request: dict[str, Any]) -> dict[str, Any]:
     """
     names = _names(request["names"])
     if request.get("task") == "prove":
-        from plogic.safety.prove import prove  # noqa: PLC0415 - explanations only
+        from plogic.safety.prove import prove
 
         return prove(request, names)
     engine = SafeEngine()
     db = SafeDB(builtins=engine.get_builtins())
     try:
         known = _load(db, request["texts"], names)
-        goals = [_goal(db, text, f"goal {i}" if len(request["goals"]) > 1 else "goal", names, known, i) for i, text in enumerate(request["goals"])]
+        goals = [
+            _goal(db, text, f"goal {i}" if len(request["goals"]) > 1 else "goal", names, known, i)
+            for i, text in enumerate(request["goals"])
+        ]
         for i, text in enumerate(request["given"]):
             _observe(db, text, names, known, i)
         results = _evaluate(engine, db, [head for head, _ in goals] or None)
@@ -63,7 +69,10 @@ def _names(atoms: dict[str, str] | None) -> Names | None:
 
 
 def _load(db: SafeDB, texts: list[dict[str, str]], names: Names | None) -> frozenset[str]:
-    """Put every text into the database; the signatures that may be called. Texts after the first may not add to the first one's predicates."""
+    """Put every text into the database; the signatures that may be called.
+
+    Texts after the first may not add to the first one's predicates.
+    """
     known: frozenset[str] = frozenset()
     for i, item in enumerate(texts):
         identifier = i and len(db.source_files)
@@ -85,7 +94,7 @@ def _remember(db: SafeDB, identifier: int, lines: list[int], file: str) -> None:
         db.source_files[0], db.line_info[0] = file, lines
 
 
-def _goal(db: SafeDB, text: str, file: str, names: Names | None, known: frozenset[str], number: int) -> tuple[Term, Any]:  # noqa: PLR0913, PLR0917
+def _goal(db: SafeDB, text: str, file: str, names: Names | None, known: frozenset[str], number: int) -> tuple[Term, Any]:
     """Add ``head(Variables) :- goal``; the head to ask for, and the goal."""
     source = parse(text.rstrip().removesuffix(".") + "\n.", file, identifier=0)
     goal = check_goal(source, known)

@@ -10,7 +10,10 @@ import numpy as np
 from geometry.posit import posit
 from geometry.refine import refine_poses
 from plogic.search.data import centre_of
-from plogic.search.votes import LOOSE, places_of
+from plogic.search.pose_votes import seen_cells, sizes
+from plogic.search.projection import project_ideal
+from plogic.search.triples import turn_z_to
+from plogic.search.votes import LOOSE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,6 +25,10 @@ if TYPE_CHECKING:
 
 ROUNDS = ((0.06, 48), (0.035, 32), (0.02, 24), (0.0, 24))
 """Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of the best go on."""
+
+
+MISSED = 0.4
+"""Weight of a missed feature against a matched one where candidates are thinned."""
 
 
 @dataclass(frozen=True)
@@ -49,35 +56,14 @@ def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> NDArray[np.float
     roll = np.zeros((len(centre), 3, 3))
     roll[:, 0, 0], roll[:, 0, 1], roll[:, 1, 0], roll[:, 1, 1], roll[:, 2, 2] = cos, -sin, sin, cos, 1.0
     poses = np.tile(np.eye(4), (len(centre), 1, 1))
-    poses[:, :3, :3] = _turn_z_to(ray) @ roll @ cells.cell_from_object[pairs.cell]
+    poses[:, :3, :3] = turn_z_to(ray) @ roll @ cells.cell_from_object[pairs.cell]
     at = ray * (camera.f / pairs.scale)[:, None]
     poses[:, :3, 3] = at - np.einsum("nij,j->ni", poses[:, :3, :3], cells.centre)
     return poses
 
 
-def _turn_z_to(ray: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(N, 3, 3) smallest rotations that take the optical axis to unit rays (N, 3) in front of the camera."""
-    x, y, z = ray.T
-    k = 1.0 / (1.0 + z)
-    rows = [[1.0 - k * x * x, -k * x * y, x], [-k * x * y, 1.0 - k * y * y, y], [-x, -y, z]]
-    return np.moveaxis(np.array(rows), 2, 0)
-
-
-def project_ideal(poses: NDArray[np.float64], points: NDArray[np.float64], data: Data) -> NDArray[np.float64]:
-    """(N, F, 2) ideal pixels of object points (F, 3) under poses (N, 4, 4); far outside the image where behind the camera."""
-    local = np.einsum("nij,fj->nfi", poses[:, :3, :3], points) + poses[:, None, :3, 3]
-    depth = np.where(local[..., 2:] > 1e-6, local[..., 2:], np.nan)
-    places = local[..., :2] / depth * data.camera.f + centre_of(data.camera)
-    return np.nan_to_num(places, nan=-1e6)
-
-
-def viewpoints_of(poses: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(N, 3) the camera's place in the object's frame under each pose."""
-    return -np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3])
-
-
 def extend(
-    pairs: Pairs,
+    poses: NDArray[np.float64],
     cells: ViewCells,
     points: NDArray[np.float64],
     weights: NDArray[np.float64],
@@ -86,17 +72,39 @@ def extend(
     tolerance: float,
 ) -> Posed:
     """Match, solve and refine all candidates together; the tolerance shrinks from the cell's width to the detector's (pixels)."""
-    visible = cells.visible[pairs.cell]
-    size = pairs.scale * cells.diameter
-    matches = _nearest(places_of(pairs, cells, data), visible, maps, LOOSE * size)
-    poses = _from_quadruples(coarse_poses(pairs, cells, data), points, weights, matches, data)
+    poses = rigid(poses)
+    size = sizes(poses, cells, data.camera.f)
+    matches = rematch(poses, cells, points, maps, data, LOOSE * size)
+    poses = _from_quadruples(poses, points, weights, matches, data)
     rms = np.full(len(poses), np.inf)
     for fraction, most in ROUNDS:
         matches = rematch(poses, cells, points, maps, data, np.maximum(fraction * size, tolerance))
         poses, rms = _refined(poses, points, matches, data)
-        best = np.argsort(-((matches >= 0) * (0.2 + weights)).sum(axis=1), kind="stable")[:most]
+        best = np.argsort(-_worth(poses, matches, cells, points, weights, maps, data), kind="stable")[:most]
         poses, rms, matches, size = poses[best], rms[best], matches[best], size[best]
-    return Posed(poses, matches, rms)
+    return Posed(rigid(poses), matches, rms)
+
+
+def rigid(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The nearest rigid motions (N, 4, 4): rounding adds up over many small turns."""
+    left, _, right = np.linalg.svd(poses[:, :3, :3])
+    turned = poses.copy()
+    turned[:, :3, :3] = left @ right
+    return turned
+
+
+def _worth(
+    poses: NDArray[np.float64],
+    matches: NDArray[np.intp],
+    cells: ViewCells,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    maps: DistanceMaps,
+    data: Data,
+) -> NDArray[np.float64]:
+    """(N,) what was matched, less ``MISSED`` times what should be seen and was not; 0.2 + dv a feature."""
+    value = cells.visible[seen_cells(poses, cells)] * maps.is_open(project_ideal(poses, points, data)) * (0.2 + weights)
+    return np.asarray((np.where(matches >= 0, 0.2 + weights, -MISSED * value)).sum(axis=1))
 
 
 def rematch(
@@ -108,9 +116,7 @@ def rematch(
     tolerance: NDArray[np.float64],
 ) -> NDArray[np.intp]:
     """(N, F) the datum of each feature that the nearest cell shows, within ``tolerance`` (N,) pixels, −1 for none."""
-    viewpoints = viewpoints_of(poses) - cells.centre
-    viewpoints /= np.maximum(np.linalg.norm(viewpoints, axis=1, keepdims=True), 1e-9)
-    return _nearest(project_ideal(poses, points, data), cells.visible[cells.nearest(viewpoints)], maps, tolerance)
+    return _nearest(project_ideal(poses, points, data), cells.visible[seen_cells(poses, cells)], maps, tolerance)
 
 
 def _nearest(

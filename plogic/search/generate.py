@@ -16,12 +16,13 @@ from plogic.evidence import evidence
 from plogic.expectation import matched, pose_of
 from plogic.measures.valuation import compatible
 from plogic.search.extend import Posed as Candidates
-from plogic.search.extend import extend, rematch
+from plogic.search.extend import coarse_poses, extend
 from plogic.search.links import feature_links, linked_pairs
 from plogic.search.open_pairs import open_pairs
-from plogic.search.pairs import Pairs
+from plogic.search.pose_votes import best_apart, pose_votes
+from plogic.search.triples import PlaneTriples, image_triples, plane_triples, triple_poses
 from plogic.search.view_cells import ViewCells, view_cells
-from plogic.search.votes import best_apart, distance_maps, votes
+from plogic.search.votes import DistanceMaps, distance_maps, votes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -31,9 +32,12 @@ if TYPE_CHECKING:
     from kb.cloud import KnowledgeBase, ObjectType
     from plogic.expectation import Posed
     from plogic.search.data import Data
+    from plogic.search.pairs import Pairs
 
 ANCHORS = 16
 """Features that seeds and pairs are made of: the most distinctive ones."""
+VOTED = 2000
+"""Coarse poses of each kind that all features vote on: the best by the votes of the anchors."""
 REFINED = 110
 """Coarse poses that are refined, the best by votes and no two alike."""
 ROBUST = 1.0
@@ -46,7 +50,11 @@ SAME_ROTATION, SAME_PLACE = np.radians(6.0), 0.06
 
 @dataclass(frozen=True)
 class TypeIndex:
-    """One type made ready for search. ``points`` (F, 3) metres; ``weights`` (F,) dv; ``anchors`` feature indices; ``links`` (N, 2) joined by edges."""
+    """One type made ready for search.
+
+    ``points`` (F, 3) metres; ``weights`` (F,) dv; ``anchors`` feature indices, the most distinctive; ``links`` (N, 2) joined by edges;
+    ``triples`` of neighbours on planes.
+    """
 
     object_type: ObjectType
     cells: ViewCells
@@ -54,6 +62,7 @@ class TypeIndex:
     weights: NDArray[np.float64]
     anchors: NDArray[np.intp]
     links: NDArray[np.intp]
+    triples: PlaneTriples
 
     def allowed(self, data: Data) -> NDArray[np.bool_]:
         """(F, A) the data of a type that the feature has in any of its lobes."""
@@ -67,28 +76,59 @@ def type_index(object_type: ObjectType, dv: Mapping[str, float]) -> TypeIndex:
     weights = np.array([dv[feature.type] for feature in features])
     if not weights.any():
         weights = np.ones(len(features))
-    order = np.argsort(-weights, kind="stable")
-    anchors = np.sort(order[: max(ANCHORS, int((weights >= 0.5).sum()) if weights.max() >= 0.5 else ANCHORS)][:ANCHORS])
-    top = anchors[weights[anchors] >= 0.5 * weights.max()]
     points = np.array([feature.at for feature in features]).reshape(-1, 3)
     links = feature_links(points, [feature.arms for feature in features])
-    return TypeIndex(object_type, view_cells(object_type), points, weights, top if len(top) >= 4 else anchors, links)
+    return TypeIndex(object_type, view_cells(object_type), points, weights, _anchors(weights), links, plane_triples(features))
 
 
-def generate(index: TypeIndex, data: Data, kb: KnowledgeBase) -> list[tuple[float, Posed]]:
-    """The best distinct poses of one type as (log-likelihood ratio against clutter, hypothesis), best first."""
+def _anchors(weights: NDArray[np.float64]) -> NDArray[np.intp]:
+    """The features at least half as distinctive as the best, or the ``ANCHORS`` most distinctive where those are fewer than four."""
+    order = np.argsort(-weights, kind="stable")[:ANCHORS]
+    top = order[weights[order] >= 0.5 * weights.max()]
+    return np.sort(top if len(top) >= 4 else order)
+
+
+def generate(
+    index: TypeIndex, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None
+) -> list[tuple[float, Posed]]:
+    """The best distinct poses of one type as (log-likelihood ratio against clutter, hypothesis), best first.
+
+    ``covered`` (H, W): where accepted opaque objects stand in the ideal image.
+    """
     allowed = index.allowed(data)
     if len(data.ids) < 4 or len(index.points) < 4 or not allowed.any():
         return []
-    coarse = _pairs(index, allowed, data)
-    if not len(coarse.cell):
+    maps = distance_maps(allowed, data, covered)
+    poses = np.concatenate([_from_pairs(index, allowed, maps, data), _from_triples(index, allowed, maps, data)])
+    if not len(poses):
         return []
-    maps = distance_maps(allowed, data)
-    worth = votes(coarse, index.cells, maps, index.weights, data)
-    kept = coarse.take(best_apart(worth, coarse, index.cells, data, REFINED))
-    tolerance = kb.rates.match_tolerance
-    found = extend(kept, index.cells, index.points, index.weights, maps, data, tolerance)
+    worth = pose_votes(poses, index.cells, index.points, index.weights, maps, data)
+    kept = poses[best_apart(worth, poses, index.cells, data, REFINED)]
+    found = extend(kept, index.cells, index.points, index.weights, maps, data, kb.rates.match_tolerance)
     return _verified(found, index, allowed, data, kb)
+
+
+def _from_pairs(
+    index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data
+) -> NDArray[np.float64]:
+    """(N, 4, 4) the poses of those pairs that the anchors vote for most."""
+    coarse = _pairs(index, allowed, data)
+    worth = votes(coarse, index.cells, maps, index.weights, data, index.anchors)
+    best = np.sort(np.argsort(-worth, kind="stable")[:VOTED])
+    return coarse_poses(coarse.take(best), index.cells, data)
+
+
+def _from_triples(
+    index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data
+) -> NDArray[np.float64]:
+    """(N, 4, 4) the poses of those triples that the anchors and some of the other features vote for most."""
+    members = np.flatnonzero(allowed[index.triples.features.ravel()].any(axis=0))
+    if len(members) < 3:
+        return np.zeros((0, 4, 4))
+    poses = triple_poses(index.triples, image_triples(data, members), index.points, _scales(index, data), data.camera.f)
+    others = np.setdiff1d(np.arange(len(index.points)), index.anchors)[::4]
+    worth = pose_votes(poses, index.cells, index.points, index.weights, maps, data, np.concatenate([index.anchors, others]))
+    return poses[np.sort(np.argsort(-worth, kind="stable")[:VOTED])]
 
 
 def _pairs(index: TypeIndex, allowed: NDArray[np.bool_], data: Data) -> Pairs:
@@ -113,19 +153,38 @@ def _verified(
     found: Candidates, index: TypeIndex, allowed: NDArray[np.bool_], data: Data, kb: KnowledgeBase
 ) -> list[tuple[float, Posed]]:
     """Cast rays for the best refined poses, match, polish once, and keep one of each heap of near-duplicates."""
-    worth = ((found.matches >= 0) * (0.2 + index.weights)).sum(axis=1)
-    order = np.argsort(-np.where(np.isfinite(found.rms), worth, -1.0), kind="stable")
-    kept: list[Posed] = []
+    order = np.argsort(~np.isfinite(found.rms), kind="stable")  # they come best first
+    poses: list[NDArray[np.float64]] = []
     for i in order:
-        if len(kept) >= VERIFIED or not np.isfinite(found.rms[i]):
+        if len(poses) >= VERIFIED or not np.isfinite(found.rms[i]):
             break
         pose = found.camera_from_object[i]
-        if _plausible(pose, index) and not any(
-            same_place(index.object_type, pose, old.camera_from_object) for old in kept
-        ):
-            kept.append(settle(index, pose, allowed, data, kb))
-    scored = [(evidence(posed, data, kb).ratio, posed) for posed in kept]
+        if _plausible(pose, index) and not any(same_place(index.object_type, pose, old) for old in poses):
+            poses.append(pose)
+    first = [_matched_at(index, pose, allowed, data, kb) for pose in poses]
+    scored = [(evidence(p, data, kb).ratio, p) for p in _polished(index, first, allowed, data, kb)]
     return _distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
+
+
+def _matched_at(
+    index: TypeIndex, pose: NDArray[np.float64], allowed: NDArray[np.bool_], data: Data, kb: KnowledgeBase
+) -> Posed:
+    return matched(pose_of(index.object_type, pose, data, kb), data, allowed, kb.rates.match_tolerance)
+
+
+def _polished(
+    index: TypeIndex, posed: list[Posed], allowed: NDArray[np.bool_], data: Data, kb: KnowledgeBase
+) -> list[Posed]:
+    """All of ``posed`` refined in one batch and matched again; those with fewer than four expected features detected are dropped."""
+    used = np.array([p.candidate & p.detected for p in posed]).reshape(len(posed), len(index.points))
+    some = np.flatnonzero(used.sum(axis=1) >= 4)
+    if not len(some):
+        return []
+    poses = np.array([posed[i].camera_from_object for i in some])
+    uv = np.array([data.uv[np.maximum(posed[i].matches, 0)] for i in some])
+    points = np.broadcast_to(index.points, (len(some), *index.points.shape))
+    better = refine_poses(poses, points, uv, used[some].astype(float), data.camera, huber=ROBUST)[0]
+    return [_matched_at(index, pose, allowed, data, kb) for pose in better]
 
 
 def _plausible(pose: NDArray[np.float64], index: TypeIndex) -> bool:
@@ -187,4 +246,4 @@ def _distinct(scored: list[tuple[float, Posed]], object_type: ObjectType) -> lis
     return kept
 
 
-__all__ = ["TypeIndex", "generate", "rematch", "same_place", "settle", "type_index"]
+__all__ = ["TypeIndex", "generate", "same_place", "settle", "type_index"]

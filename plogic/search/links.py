@@ -24,7 +24,7 @@ BINS = 64
 """Directions that an arm's angle is told apart to, 5.6° each."""
 POINTING = np.radians(6.0)
 """How far a junction's arm may point past the other junction."""
-ALONG_ONE_ARM = 4
+ALONG_ONE_ARM = 3
 """Junctions that one arm is linked to, the nearest: an edge ends soon, but another object's outline may cross it first."""
 STRAIGHT = np.cos(np.radians(1.0))
 """An edge of the cloud ends at a feature that lies within 1° of its direction."""
@@ -88,32 +88,35 @@ def linked_pairs(
     step = cells.xy[cell, g] - cells.xy[cell, f]
     length, angle = np.hypot(step[:, 0], step[:, 1]), np.arctan2(step[:, 1], step[:, 0])
     scale = (found.length[None] / np.maximum(length, 1e-9)[:, None]).astype(np.float32)
-    good = (scale > scales[0]) & (scale < scales[1]) & allowed[f][:, found.first] & allowed[g][:, found.second]
-    score = _agreement(cells.arms[cell, f] - angle[:, None], data.arms[found.first] - found.angle[:, None], good)
-    score += _agreement(cells.arms[cell, g] - angle[:, None], data.arms[found.second] - found.angle[:, None], good)
-    row, column = np.nonzero(good)
+    row, column = np.nonzero((scale > scales[0]) & (scale < scales[1]) & allowed[f][:, found.first] & allowed[g][:, found.second])
+    score = np.zeros(len(row), dtype=np.int8)
+    for feature, datum in ((f, found.first), (g, found.second)):
+        masks, bins = _words(cells.arms[cell, feature] - angle[:, None]), _bins(data.arms[datum] - found.angle[:, None])
+        hits, enough = _agreement(masks, bins, row, column)
+        row, column, score = row[enough], column[enough], (score + hits)[enough]
     if len(row) > MOST_PAIRS:
-        best = np.sort(np.argsort(-score[row, column], kind="stable")[:MOST_PAIRS])
+        best = np.sort(np.argsort(-score, kind="stable")[:MOST_PAIRS])
         row, column = row[best], column[best]
     roll = turn(found.angle[column] - angle[row])
     return Pairs(cell[row], f[row], found.first[column], g[row], found.second[column], roll, scale[row, column].astype(float))
 
 
 def _agreement(
-    predicted: NDArray[np.float64], detected: NDArray[np.float64], good: NDArray[np.bool_]
-) -> NDArray[np.int8]:
-    """How many detected arms (N, K) lie on predicted edges (M, P): (M, N) counts; where they are too few, ``good`` (M, N) is cleared.
+    masks: NDArray[np.uint64], bins: NDArray[np.int64], row: NDArray[np.intp], column: NDArray[np.intp]
+) -> tuple[NDArray[np.int8], NDArray[np.bool_]]:
+    """How many arms of datum ``column`` (N,) lie on edges of feature ``row`` (N,), (N,), and whether they are enough.
 
-    All arms of an L must fit, all but one of three or four, three of five: detectors lose arms, and texture adds some.
+    All arms of an L must fit, all but one of three or four, three of five: detectors lose arms, and texture adds some. ``bins`` (D, K) are
+    arms' bins, ``masks`` (M,) words of edges.
     """
-    masks, bins = _words(predicted), _bins(detected)
-    hits = np.zeros(good.shape, dtype=np.int8)
+    words, hits = masks[row], np.zeros(len(row), dtype=np.int8)
     for k in range(bins.shape[1]):
-        here = bins[:, k] >= 0
-        hits[:, here] += ((masks[:, None] >> bins[None, here, k].astype(np.uint64)) & np.uint64(1)).astype(np.int8)
+        shift = np.where(bins[:, k] >= 0, bins[:, k], 0).astype(np.uint64)
+        there = (bins[:, k] >= 0).astype(np.uint64)
+        hits += ((words >> shift[column]) & there[column]).astype(np.int8)
     number = (bins >= 0).sum(axis=1)
-    good &= hits >= np.maximum(np.minimum(number, 2), np.ceil(0.6 * number)).astype(np.int8)[None]
-    return hits
+    needed = np.maximum(np.minimum(number, 2), np.ceil(0.6 * number)).astype(np.int8)
+    return hits, hits >= needed[column]
 
 
 def _bins(angles: NDArray[np.float64]) -> NDArray[np.int64]:

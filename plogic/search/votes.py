@@ -6,49 +6,66 @@ Typed distance maps answer that for all pairs at once: one map for each set of a
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from plogic.search.data import Data
     from plogic.search.pairs import Pairs
     from plogic.search.view_cells import ViewCells
 
+ALL = slice(None)
 LOOSE = 0.10
 """Tolerance of a vote, in projected diameters: what a cell's width and the missing perspective may move a feature."""
 
 
 @dataclass(frozen=True)
 class DistanceMaps:
-    """For each map, the distance in pixels to the nearest datum (H, W) and that datum's index (H, W); ``of_feature`` (F,) picks the map."""
+    """For each map, the distance in pixels to the nearest datum (H, W) and that datum's index (H, W); ``of_feature`` (F,) picks the map.
+
+    ``covered`` (H, W): where an accepted opaque object stands, so that a feature there may well be hidden.
+    """
 
     distance: NDArray[np.float32]
     nearest: NDArray[np.int32]
     of_feature: NDArray[np.intp]
+    covered: NDArray[np.bool_]
 
-    def look_up(self, places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    def look_up(self, places: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.intp]]:
         """Distance (..., F) and nearest datum (..., F) of ``places`` (..., F, 2) in ideal pixels; outside the image, infinity and −1."""
+        index, inside = self._index(places, self.of_feature)
+        return np.where(inside, self.distance.ravel()[index], np.inf), np.where(inside, self.nearest.ravel()[index], -1)
+
+    def how_far(self, places: NDArray[Any], features: NDArray[np.intp] | slice = ALL) -> NDArray[Any]:
+        """The distances alone, of some features."""
+        index, inside = self._index(places, self.of_feature[features])
+        return np.where(inside, self.distance.ravel()[index], np.inf)
+
+    def is_open(self, places: NDArray[Any]) -> NDArray[np.bool_]:
+        """Whether each place (..., 2) is inside the image and not covered: what is expected there should be seen."""
+        index, inside = self._index(places, np.zeros((), dtype=np.intp))
+        return np.asarray(inside & ~self.covered.ravel()[index])
+
+    def _index(self, places: NDArray[Any], maps: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+        """Flat index of each place in its feature's map (0 outside), and whether it is inside the image."""
         height, width = self.distance.shape[1:]
-        u, v = np.rint(places[..., 0]), np.rint(places[..., 1])
-        inside = (u >= 0) & (v >= 0) & (u < width) & (v < height)
-        column, row = np.where(inside, u, 0).astype(np.intp), np.where(inside, v, 0).astype(np.intp)
-        which = np.broadcast_to(self.of_feature, u.shape)
-        distance = np.where(inside, self.distance[which, row, column], np.inf)
-        return distance, np.where(inside, self.nearest[which, row, column], -1)
+        column, row = np.rint(places[..., 0]), np.rint(places[..., 1])
+        inside = (column >= 0) & (row >= 0) & (column < width) & (row < height)
+        flat = np.where(inside, row * width + column, 0).astype(np.intp)
+        return flat + maps * (height * width), inside
 
 
-def distance_maps(allowed: NDArray[np.bool_], data: Data) -> DistanceMaps:
+def distance_maps(allowed: NDArray[np.bool_], data: Data, covered: NDArray[np.bool_] | None = None) -> DistanceMaps:
     """One map for each distinct row of ``allowed`` (F, A). A row without a datum gives a map of infinities."""
     rows, of_feature = np.unique(allowed, axis=0, return_inverse=True)
     shape = (data.camera.height, data.camera.width)
     made = [_one_map(np.flatnonzero(row), data.ideal, shape) for row in rows]
-    return DistanceMaps(np.stack([m[0] for m in made]), np.stack([m[1] for m in made]), of_feature.reshape(-1))
+    nothing = np.zeros(shape, dtype=bool) if covered is None else covered
+    return DistanceMaps(np.stack([m[0] for m in made]), np.stack([m[1] for m in made]), of_feature.reshape(-1), nothing)
 
 
 def _one_map(
@@ -67,44 +84,33 @@ def _one_map(
     return np.asarray(distance), owner[label]
 
 
-def places_of(pairs: Pairs, cells: ViewCells, data: Data) -> NDArray[np.float64]:
-    """(N, F, 2) ideal pixels where each coarse pose puts each feature: the cell's picture turned, scaled and laid on the first datum."""
-    model = cells.xy[pairs.cell] - cells.xy[pairs.cell, pairs.feature][:, None]
-    cos, sin = np.cos(pairs.roll)[:, None], np.sin(pairs.roll)[:, None]
-    turned = np.stack([cos * model[..., 0] - sin * model[..., 1], sin * model[..., 0] + cos * model[..., 1]], axis=-1)
-    return np.asarray(data.ideal[pairs.datum][:, None] + pairs.scale[:, None, None] * turned)
+def places_of(
+    pairs: Pairs, cells: ViewCells, data: Data, features: NDArray[np.intp] | slice = ALL
+) -> NDArray[np.float32]:
+    """(N, F, 2) ideal pixels where each coarse pose puts each of ``features``: the cell's picture, turned, scaled and laid on the first datum."""
+    at = cells.xy[pairs.cell, pairs.feature].astype(np.float32)[:, None]
+    model = cells.xy.astype(np.float32)[:, features][pairs.cell] - at
+    cos = (pairs.scale * np.cos(pairs.roll)).astype(np.float32)[:, None]
+    sin = (pairs.scale * np.sin(pairs.roll)).astype(np.float32)[:, None]
+    places = np.empty_like(model)
+    places[..., 0] = cos * model[..., 0] - sin * model[..., 1]
+    places[..., 1] = sin * model[..., 0] + cos * model[..., 1]
+    places += data.ideal[pairs.datum].astype(np.float32)[:, None]
+    return places
 
 
 def votes(
-    pairs: Pairs, cells: ViewCells, maps: DistanceMaps, weights: NDArray[np.float64], data: Data
+    pairs: Pairs,
+    cells: ViewCells,
+    maps: DistanceMaps,
+    weights: NDArray[np.float64],
+    data: Data,
+    features: NDArray[np.intp] | slice = ALL,
 ) -> NDArray[np.float64]:
-    """(N,) Σ weight of the visible features, each by how near its nearest datum is; in units of the visible features' whole weight."""
-    visible = cells.visible[pairs.cell] * weights
-    distance, _ = maps.look_up(places_of(pairs, cells, data))
-    tolerance = LOOSE * cells.diameter * pairs.scale[:, None]
+    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight."""
+    value = (cells.visible * weights).astype(np.float32)[:, features]
+    distance = maps.how_far(places_of(pairs, cells, data, features), features).astype(np.float32)
+    tolerance = (LOOSE * cells.diameter * pairs.scale).astype(np.float32)[:, None]
     near = np.maximum(0.0, 1.0 - distance / tolerance)
-    return np.asarray((visible * near).sum(axis=1) / np.maximum(visible.sum(axis=1), 1e-12))
-
-
-def best_apart(
-    votes_of: NDArray[np.float64], pairs: Pairs, cells: ViewCells, data: Data, most: int, also: Sequence[int] = ()
-) -> NDArray[np.intp]:
-    """Indices of at most ``most`` pairs, best first, no two alike (place within 8 % of the size, scale 15 %, direction and roll 12°)."""
-    order = np.argsort(-votes_of, kind="stable")[: 30 * most]
-    centre = places_of(pairs.take(order), cells, data).mean(axis=1)
-    size = pairs.scale[order] * cells.diameter
-    direction, roll = cells.directions[pairs.cell[order]], pairs.roll[order]
-    alive, kept = np.ones(len(order), dtype=bool), list(also)
-    for i in range(len(order)):
-        if not alive[i]:
-            continue
-        kept.append(int(order[i]))
-        if len(kept) >= most:
-            break
-        near = np.linalg.norm(centre - centre[i], axis=1) < 0.08 * size[i]
-        near &= np.abs(np.log(size / size[i])) < 0.15
-        near &= (direction @ direction[i] > np.cos(np.radians(12.0))) & (
-            np.cos(roll - roll[i]) > np.cos(np.radians(12.0))
-        )
-        alive &= ~near
-    return np.array(kept, dtype=np.intp)
+    whole = np.maximum(value.sum(axis=1), 1e-12)
+    return np.asarray((value[pairs.cell] * near).sum(axis=1) / whole[pairs.cell], dtype=float)

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -79,7 +79,7 @@ class Body:
 
 def _freeze(holder: object, name: str, shape: tuple[int, ...], dtype: type) -> None:
     try:
-        array = np.array(getattr(holder, name), dtype=dtype).reshape(shape)
+        array: NDArray[Any] = np.array(getattr(holder, name), dtype=dtype).reshape(shape)
     except ValueError as error:
         raise SceneError(f"{name}: {error}") from None
     array.setflags(write=False)

@@ -22,9 +22,9 @@ from sensing.simulated.surroundings import Surroundings, draw_surroundings, floo
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from geometry.camera import Camera
     from numpy.typing import NDArray
 
+    from geometry.camera import Camera
     from sensing.simulated.body import Body
 
 NEAR, FAR = 0.05, 100.0
@@ -34,7 +34,7 @@ MAX_TRIANGLES = 40_000
 
 @dataclass(frozen=True)
 class Sensor:
-    """``noise``: standard deviation in grey levels per channel; ``blur``: standard deviation of the lens in pixels; ``seed`` of the noise."""
+    """``noise``: standard deviation, grey levels per channel; ``blur``: the lens' standard deviation, pixels; ``seed`` of the noise."""
 
     noise: float = 3.5
     blur: float = 0.4
@@ -105,7 +105,7 @@ def _draw_bodies(
 
 def _add(bullet: Any, number: int, body: Body, light: Light, texture_file: Path) -> int:  # noqa: ANN401 - pybullet is untyped
     """Put one body into the client: every triangle has its own three vertices, so that facets are flat."""
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     mesh = body.mesh
     if len(mesh.triangles) > MAX_TRIANGLES:
@@ -143,30 +143,30 @@ def _shoot(
     colour = np.asarray(answer[2], np.uint8).reshape(height, width, 4)[:, :, 2::-1]
     buffer = np.asarray(answer[3], np.float32).reshape(height, width)
     depth = FAR * NEAR / (FAR - (FAR - NEAR) * buffer)
-    return colour, np.asarray(answer[4], np.int32).reshape(height, width), depth
+    return colour, np.asarray(answer[4], np.int32).reshape(height, width), depth.astype(np.float32)
 
 
 def _composed(colour: NDArray[np.uint8], segmentation: NDArray[np.int32], behind: NDArray[np.float32]) -> NDArray[np.float32]:
     """Average the bodies' light over each pixel's square and let the surroundings through where they leave some."""
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     size = (behind.shape[1], behind.shape[0])
     own = (segmentation >= 0).astype(np.uint8)
-    share = cv2.resize(own * 255, size, interpolation=cv2.INTER_AREA).astype(np.float32)[:, :, None] / 255
-    mean = cv2.resize(colour * own[:, :, None], size, interpolation=cv2.INTER_AREA).astype(np.float32)
-    return mean + (1 - share) * behind
+    share = np.asarray(cv2.resize(own * 255, size, interpolation=cv2.INTER_AREA), np.float32)[:, :, None] / 255
+    mean = np.asarray(cv2.resize(colour * own[:, :, None], size, interpolation=cv2.INTER_AREA), np.float32)
+    return np.asarray(mean + (1 - share) * behind, np.float32)
 
 
 def _sensed(picture: NDArray[np.float32], sensor: Sensor) -> NDArray[np.uint8]:
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     if sensor.blur > 0:
-        picture = cv2.GaussianBlur(picture, (0, 0), sensor.blur)
+        picture = np.asarray(cv2.GaussianBlur(picture, (0, 0), sensor.blur), np.float32)
     noise = np.random.default_rng([sensor.seed, 2]).standard_normal(picture.shape, dtype=np.float32)
     return np.clip(np.rint(picture + sensor.noise * noise), 0, 255).astype(np.uint8)
 
 
 def _quat_xyzw(R: NDArray[np.float64]) -> list[float]:
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415 - heavy
+    from scipy.spatial.transform import Rotation
 
     return [float(x) for x in Rotation.from_matrix(R).as_quat()]

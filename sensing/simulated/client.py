@@ -34,7 +34,7 @@ def quiet() -> Iterator[None]:
 def client() -> Iterator[tuple[Any, int]]:
     """Yield ``(pybullet, id)`` of a fresh DIRECT client; it is disconnected on the way out."""
     with quiet():
-        import pybullet  # noqa: PLC0415 - heavy, and it prints
+        import pybullet
 
         number = pybullet.connect(pybullet.DIRECT)
         try:
@@ -45,6 +45,6 @@ def client() -> Iterator[tuple[Any, int]]:
 
 def _flush_c() -> None:
     """C's own buffers hold the banner back until they are flushed; flush them while the descriptors still lead nowhere."""
-    import ctypes  # noqa: PLC0415 - needed here alone
+    import ctypes
 
     ctypes.CDLL(None).fflush(None)

@@ -28,13 +28,14 @@ def box(size: NDArray[np.float64], rng: np.random.Generator, *, painted: bool) -
     """A box of ``size`` (3,) metres; a wall colour of chance, with random rectangles if ``painted``."""
     x, y, z = size[0] / 2, size[1] / 2, size[2]
     base = [(-x, -y), (x, -y), (x, y), (-x, y)]
-    return _painted([(*p, 0.0) for p in base] + [(*p, z) for p in base], _BOX, rng, painted=painted)
+    points: list[tuple[float, ...]] = [(*p, 0.0) for p in base] + [(*p, z) for p in base]
+    return _painted(points, _BOX, rng, painted=painted)
 
 
 def wedge(size: NDArray[np.float64], rng: np.random.Generator, *, painted: bool) -> TexturedMesh:
     """A ramp of ``size`` (3,) metres: a right-angled triangle along x, as wide as y."""
     x, y, z = size[0] / 2, size[1] / 2, size[2]
-    points = [(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0), (-x, -y, z), (-x, y, z)]
+    points: list[tuple[float, ...]] = [(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0), (-x, -y, z), (-x, y, z)]
     return _painted(points, _WEDGE, rng, painted=painted)
 
 
@@ -45,11 +46,13 @@ def _painted(
     texture = np.empty((CELL, CELL * len(faces), 3), np.uint8)
     texture[:] = np.clip(wall, 0, 255).astype(np.uint8)
     square = np.array([(0.02, 0.02), (0.98, 0.02), (0.98, 0.98), (0.02, 0.98)])
-    vertices, uv, triangles = [], [], []
+    vertices: list[tuple[float, ...]] = []
+    uv: list[tuple[float, float]] = []
+    triangles: list[tuple[int, int, int]] = []
     for i, face in enumerate(faces):
         start = len(vertices)
         vertices += [points[k] for k in face]
-        uv += [((i + s) / len(faces), t) for s, t in square[: len(face)]]
+        uv += [((i + float(s)) / len(faces), float(t)) for s, t in square[: len(face)]]
         triangles += [(start, start + j, start + j + 1) for j in range(1, len(face) - 1)]
         if painted:
             _paint(texture[:, i * CELL : (i + 1) * CELL], rng)

@@ -25,13 +25,13 @@ def read_mesh(path: str | Path, metres_per_unit: float = 1.0) -> TexturedMesh:
         SceneError: The file cannot be read as a triangle mesh.
         ImageError: Its texture cannot be read.
     """
-    import trimesh  # noqa: PLC0415 - heavy
+    import trimesh
 
     path = Path(path)
     if not path.is_file():
         raise SceneError(f"{path}: there is no such mesh file")
     try:
-        mesh = trimesh.load(path, force="mesh", process=False)
+        mesh: Any = trimesh.load(path, force="mesh", process=False)
     except Exception as error:
         raise SceneError(f"{path}: trimesh cannot read it: {error}") from error
     texture = _texture(mesh, path)

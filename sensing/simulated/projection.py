@@ -13,8 +13,9 @@ import numpy as np
 from sensing.errors import SceneError
 
 if TYPE_CHECKING:
-    from geometry.camera import Camera
     from numpy.typing import NDArray
+
+    from geometry.camera import Camera
 
 _GL_FROM_CV = np.diag([1.0, -1.0, -1.0, 1.0])
 TINY_RENDERER_ROWS = 1.0

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at, transform_points
-
 from sensing.errors import SceneError
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Rendering, Sensor, render, visible_fractions
@@ -77,8 +77,8 @@ def random_scene(
 ) -> Scene:
     """A scene with every one of ``shapes`` and as many ``decoys``; the same arguments give the same scene.
 
-    ``beside``: each shape is seen to 97 % at least. ``hiding``: one of the first two shapes hides 8 to 50 % of the other. In both, all is
-    in view whole, the camera is 3 to 9 m from each shape (from the middle, where there is none), and no decoy hides more than half of a shape.
+    ``beside``: each shape is seen to 97 % at least. ``hiding``: one of the first two hides 8 to 50 % of the other; decoys hide no more than
+    half of any. In both, all is in view whole and the camera is 3 to 9 m from each shape (from the middle, where there is none).
 
     Raises:
         SceneError: ``hiding`` with fewer than two shapes, or nothing of the kind was found in 400 attempts.
@@ -141,7 +141,7 @@ def _upright(at: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.fl
 
 
 def _apart(bodies: Sequence[Body]) -> bool:
-    from shapely import MultiPoint  # noqa: PLC0415 - heavy
+    from shapely import MultiPoint
 
     prints = [MultiPoint(b.vertices_world[:, :2]).convex_hull for b in bodies]
     return all(a.distance(b) > GAP for i, a in enumerate(prints) for b in prints[:i])

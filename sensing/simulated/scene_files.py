@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geometry.camera import camera_to_dict
-
 from sensing.errors import SceneError
 from sensing.whole_files import write_folder
 
@@ -40,7 +39,7 @@ def write_scene(scene: Scene, folder: str | Path, supersample: int = 3) -> None:
 
 def png(image: NDArray[np.uint8]) -> bytes:
     """The (H, W, 3) uint8 picture, blue first, as the bytes of a PNG file."""
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     done, data = cv2.imencode(".png", image)
     if not done:

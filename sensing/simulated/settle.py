@@ -32,7 +32,7 @@ def settle(bodies: Sequence[Body], seed: int = 0, drop: float = 0.01, tilt: floa
     Raises:
         SceneError: Something is still moving after that time.
     """
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415 - heavy
+    from scipy.spatial.transform import Rotation
 
     rng = np.random.default_rng([seed, 3])
     with client() as (bullet, number):
@@ -66,7 +66,8 @@ def _drop(bullet: Any, number: int, body: Body, leaning: Any, drop: float) -> in
         DENSITY * float(np.prod(np.maximum(size, 0.01))), hull, basePosition=at.tolist(),
         baseOrientation=leaning.as_quat().tolist(), physicsClientId=number,
     )
-    bullet.changeDynamics(placed, -1, lateralFriction=0.9, rollingFriction=0.01, linearDamping=0.2, angularDamping=0.4, physicsClientId=number)
+    rest = {"lateralFriction": 0.9, "rollingFriction": 0.01, "linearDamping": 0.2, "angularDamping": 0.4}
+    bullet.changeDynamics(placed, -1, physicsClientId=number, **rest)
     return placed
 
 

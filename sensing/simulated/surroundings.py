@@ -10,9 +10,9 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from geometry.camera import Camera
     from numpy.typing import NDArray
 
+    from geometry.camera import Camera
     from sensing.simulated.body import Body
     from sensing.simulated.lighting import Light
 
@@ -57,7 +57,7 @@ def floor_depth(camera: Camera) -> NDArray[np.float32]:
 
 def noise_texture(rng: np.random.Generator, shape: tuple[int, int], cells: Sequence[int]) -> NDArray[np.float32]:
     """(H, W, 3) float32 noise of several grains (cells across the width), mean 0 and standard deviation 1, mostly grey."""
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     total = np.zeros((*shape, 3), np.float32)
     for n in cells:
@@ -68,7 +68,7 @@ def noise_texture(rng: np.random.Generator, shape: tuple[int, int], cells: Seque
 
 
 def _pose(camera: Camera) -> NDArray[np.float64]:
-    from sensing.errors import SceneError  # noqa: PLC0415 - the one use
+    from sensing.errors import SceneError
 
     if camera.world_from_camera is None:
         raise SceneError("camera: has no pose in the world (T_world_camera)")
@@ -89,14 +89,13 @@ def _floor_from_pixel(camera: Camera) -> NDArray[np.float64]:
 
 def _floor(camera: Camera, look: Surroundings, rng: np.random.Generator) -> NDArray[np.float32]:
     """(H, W, 3) floor without shadows; above the horizon of no account."""
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     texture = look.floor + look.contrast * noise_texture(rng, (TEXELS, TEXELS), (12, 40, 130, 400))
     depth = np.minimum(floor_depth(camera), 10 * HAZE_METRES)[:, :, None]
     at = (_pixel_rays(camera) * depth) @ _pose(camera)[:3, :3].T + _pose(camera)[:3, 3]
     texel = _mirrored(at[:, :, :2] * (TEXELS / FLOOR_METRES)).astype(np.float32)
-    seen: NDArray[np.float32] = cv2.remap(texture.astype(np.float32), texel[:, :, 0], texel[:, :, 1], cv2.INTER_LINEAR)
-    return seen
+    return np.asarray(cv2.remap(texture.astype(np.float32), texel[:, :, 0], texel[:, :, 1], cv2.INTER_LINEAR), np.float32)
 
 
 def _mirrored(texels: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -112,7 +111,7 @@ def _background(camera: Camera, look: Surroundings, rng: np.random.Generator) ->
 
 def _shadow(camera: Camera, bodies: Sequence[Body], light: Light) -> NDArray[np.float32]:
     """(H, W) share of the lamp that the bodies take from the floor, soft at the rim."""
-    import cv2  # noqa: PLC0415 - heavy
+    import cv2
 
     mask = np.zeros((camera.height, camera.width), np.uint8)
     lamp = light.unit
@@ -127,4 +126,4 @@ def _shadow(camera: Camera, bodies: Sequence[Body], light: Light) -> NDArray[np.
             triangles = np.clip(uv[body.mesh.triangles[inside]] * 16, -(2**20), 2**20).round().astype(np.int32)
             for triangle in triangles:
                 cv2.fillConvexPoly(mask, triangle, 255, shift=4)
-    return cv2.GaussianBlur(mask, (0, 0), 1.5).astype(np.float32) / 255
+    return np.asarray(cv2.GaussianBlur(mask, (0, 0), 1.5), np.float32) / np.float32(255)

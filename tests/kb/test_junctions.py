@@ -59,7 +59,7 @@ def test_an_apex_is_multi_from_above_and_an_arrow_from_the_side_below():
 
 
 def test_a_straight_gap_makes_a_t():
-    """Two blocks as one step: the reflex edge meets the straight front edge."""
+    """A corner between Y and arrow: its top is seen edge-on, so that the top's two edges lie in one line."""
     ground = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
     box = np.vstack([np.column_stack([ground, np.full(4, z)]) for z in (0.0, 1.0)])
     block = trimesh.Trimesh(box, trimesh.convex.convex_hull(box).faces, process=False)

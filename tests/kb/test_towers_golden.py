@@ -1,6 +1,6 @@
 """The shipped towers are what `python -m kb.author_towers` writes, and have Table 1's composition (§5.6)."""
 
-import re
+from collections import Counter
 from pathlib import Path
 
 import cv2
@@ -10,6 +10,7 @@ import pytest
 import kb
 from kb.author_texture import frame
 from kb.author_towers import author, t1, t2
+from kb.read import read_kb
 
 SHIPPED = Path(kb.__file__).parent / "towers"
 
@@ -43,9 +44,19 @@ def test_the_same_texture(written, tower):
 
 
 def test_counts_are_table_ones():
-    text = "".join((SHIPPED / "objects" / tower / "object.yaml").read_text() for tower in ("t1", "t2"))
-    counts = {kind: len(re.findall(rf"^ +type: {kind}$", text, re.MULTILINE)) for kind in ("apex", "corner", "patch")}
-    assert counts == {"apex": 1, "corner": 16, "patch": 95}
+    kinds = {kind.name: Counter(feature.type for feature in kind.features) for kind in read_kb(SHIPPED).types}
+    assert kinds == {"t1": {"corner": 8, "patch": 50}, "t2": {"apex": 1, "corner": 8, "patch": 45}}
+
+
+@pytest.mark.parametrize("tower", [t1(), t2()])
+def test_read_back_every_feature_stands_on_the_surface_where_it_was_drawn(tower):
+    kind = read_kb(SHIPPED).type(tower.name)
+    places = {f.name.split("/")[1]: f.at for f in kind.features}
+    drawn = dict(zip(tower.names, tower.vertices, strict=True))
+    drawn |= {window.name: window.centre for panel in tower.panels for window in panel.windows}
+    assert places.keys() == drawn.keys()
+    for name, place in drawn.items():
+        assert places[name] == pytest.approx(place, abs=1e-6)
 
 
 @pytest.mark.parametrize("tower", [t1(), t2()])

@@ -1,9 +1,9 @@
 """Table 1 (§5.6) from its cells and the towers' own dv: nothing here is a constant of the result but the paper's printed figures."""
 
 import pytest
+
 from kb.read import read_kb
 from kb.shipped import shipped
-
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.measures.explanatory import Cells, explanatory_value, reconsidered
 

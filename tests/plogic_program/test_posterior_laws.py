@@ -113,7 +113,12 @@ def renamed(subject):
     return replace(
         subject,
         hypotheses=tuple(
-            replace(h, id=RENAMED[h.id], type=h.type.upper(), features=tuple(replace(f, hidden_by=tuple(RENAMED[g] for g in f.hidden_by)) for f in h.features))
+            replace(
+                h,
+                id=RENAMED[h.id],
+                type=h.type.upper(),
+                features=tuple(replace(f, hidden_by=tuple(RENAMED[g] for g in f.hidden_by)) for f in h.features),
+            )
             for h in subject.hypotheses
         ),
         overlaps=pairs(subject.overlaps),

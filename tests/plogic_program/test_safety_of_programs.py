@@ -130,7 +130,9 @@ def test_both_layers_in_the_process_that_runs_programs(trick, bait, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("goal", ["use_module('x.py')", "X", "call(X)", "a, consult(x)", "\\+ consult(x)", "a :- b", "a. b", "findall(x, consult(y), L)"])
+@pytest.mark.parametrize(
+    "goal", ["use_module('x.py')", "X", "call(X)", "a, consult(x)", "\\+ consult(x)", "a :- b", "a. b", "findall(x, consult(y), L)"]
+)
 def test_goals_and_evidence_pass_the_same_door(goal):
     program = Text("a. b.", "user.pl")
     with pytest.raises(ProgramError, match="goal"):
@@ -160,7 +162,7 @@ def test_memory_is_limited():
         run([Text("p(L) :- length(L, 100000000). query(p(_)).")], limits=Limits(megabytes=512))
 
 
-DEEP = 20000
+DEEP = 3000
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,9 @@ def test_e_a_common_appearance_is_not_noise_when_its_clutter_is_rare():
 def test_f_cyclic_occlusion_is_one_alternative_over_joint_states(mode, count):
     """Mutual occlusion, and A before B before C before A; an occluder outside the cycle; each equal to ProbLog."""
     ring = [
-        hypothesis(f"h{i}", [feature("x"), feature("y", "C", hidden_by=(f"h{(i + 1) % count}", "front")), feature("z", "D"), feature("u", "A")])
+        hypothesis(
+            f"h{i}", [feature("x"), feature("y", "C", hidden_by=(f"h{(i + 1) % count}", "front")), feature("z", "D"), feature("u", "A")]
+        )
         for i in range(count)
     ]
     front = hypothesis("front", [feature("x", match="b1"), feature("y", "C")])
@@ -113,7 +115,9 @@ def test_g_hundreds_of_weak_appearances(density):
 
 
 def test_g_labels_are_never_below_problogs_threshold():
-    subject = situation([hypothesis("h1", [feature("x", density=1e-30), feature("y", dv=1e-12), feature("z", "C", hit_rate=1e-15)])], "posterior")
+    subject = situation(
+        [hypothesis("h1", [feature("x", density=1e-30), feature("y", dv=1e-12), feature("z", "C", hit_rate=1e-15)])], "posterior"
+    )
     for reading in ("posterior", "score"):
         text = program_text(replace(subject, reading=reading))
         labels = [float(piece.split("::")[0].split()[-1]) for piece in text.split(";") for piece in piece.split("\n") if "::" in piece]

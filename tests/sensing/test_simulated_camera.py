@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at, transform_points
 from sensing.errors import SceneError
@@ -71,7 +72,8 @@ def test_depth_and_segmentation_are_those_of_the_ray_through_the_pixel_s_centre(
         assert picture.segmentation[v, u] == 0
         assert picture.depth[v, u] == pytest.approx(z, abs=0.03)
     floor = np.array([[1.0, -1.5, 0.0]])
-    (u, v), z = np.rint(camera.project(transform_points(camera_from_world, floor))[0]).astype(int), transform_points(camera_from_world, floor)[0, 2]
+    seen = transform_points(camera_from_world, floor)
+    (u, v), z = np.rint(camera.project(seen)[0]).astype(int), seen[0, 2]
     assert picture.segmentation[v, u] == -1
     assert picture.depth[v, u] == pytest.approx(z, abs=0.03)
 

@@ -1,0 +1,218 @@
+% The possible worlds of one image. Reading: posterior. A world is an assignment of present/1.
+% Names in this text, and the labels that they stand for:
+%   f1 = "roof/apex"
+%   n1 = "Grand Hall"
+
+% ==== (1) Σo: the feature-cloud trees of the hypotheses and their part-whole hierarchy
+
+hypothesis(h1, box). instance(h1, g_h1). opaque_surface(h1).
+part_of(h1/f1, h1).
+part_of(h1/corner, h1).
+part_of(h1/patch, h1).
+feature_of(h1, f1, apex).
+feature_of(h1, corner, corner).
+feature_of(h1, patch, corner).
+
+hypothesis(h2, box). instance(h2, g_h2). opaque_surface(h2).
+part_of(h2/corner, h2).
+part_of(h2/patch, h2).
+part_of(h2/rim, h2).
+feature_of(h2, corner, corner).
+feature_of(h2, patch, corner).
+feature_of(h2, rim, corner).
+
+hypothesis(h3, box). instance(h3, g_h2).
+part_of(h3/corner, h3).
+feature_of(h3, corner, corner).
+
+hypothesis(h4, n1). instance(h4, g_h4). opaque_surface(h4).
+part_of(h4/corner, h4).
+feature_of(h4, corner, corner).
+
+% ==== (2) What geometry computed: poses, visibility, matches, overlaps, outlines; then the measures
+
+at(h1, 0.0000, 0.0000, 5.0000). distance(h1, 5.0000).
+at(h1/f1, 0.0000, 0.0000, 5.0000). in_image(h1, f1). in_lobe(h1, f1). match(h1, f1, a1).
+at(h1/corner, 0.0000, 0.0000, 5.0000). in_image(h1, corner). in_lobe(h1, corner). match(h1, corner, a2).
+at(h1/patch, 0.0000, 0.0000, 5.0000). in_image(h1, patch). in_lobe(h1, patch).
+
+at(h2, 0.0000, 0.0000, 5.0000). distance(h2, 5.0000).
+at(h2/corner, 0.0000, 0.0000, 5.0000). in_image(h2, corner). in_lobe(h2, corner). match(h2, corner, a2).
+at(h2/patch, 0.0000, 0.0000, 5.0000). in_image(h2, patch). in_lobe(h2, patch). behind_surface(h2, patch, h1).
+at(h2/rim, 0.0000, 0.0000, 5.0000). in_image(h2, rim). match(h2, rim, a3).
+
+at(h3, 0.0000, 0.0000, 5.0000). distance(h3, 5.0000).
+at(h3/corner, 0.0000, 0.0000, 5.0000). in_image(h3, corner). in_lobe(h3, corner). self_hidden(h3, corner). match(h3, corner, a4).
+
+at(h4, 0.0000, 0.0000, 5.0000). distance(h4, 5.0000).
+at(h4/corner, 0.0000, 0.0000, 5.0000).
+
+% Γ: appearance, type.
+datum(a1, l_junction).
+datum(a2, l_junction).
+preferred(a2, h1/corner, h2/corner).
+datum(a3, l_junction).
+datum(a4, l_junction).
+datum(a9, patch).
+
+overlap(h2, h3).
+rival_pair(h2, h3).
+outline_relation(partially_occludes, h1, h2).
+dv(apex, 0.9910714285714286).
+dv(corner, 0.8571428571428572).
+dv(other, 0.1517857142857143).
+rank(box, 0.9).
+context(h1, []).
+ev_given(h1, [], 0.817073171).
+context(h2, []) :- \+ present(h1).
+context(h2, [h1]) :- present(h1).
+ev_given(h2, [], -0.130434783).
+ev_given(h2, [h1], 0.130434783).
+context(h3, []).
+ev_given(h3, [], 1.0).
+context(h4, []).
+
+% ==== (3) The choices
+hit(_, _) :- fail. chosen(_, _) :- fail. present(_) :- fail.
+% Rivals for one instance are one alternative; the rest of the prior says that there is none.
+0.3::present(h1).
+0.15::present(h2); 0.15::present(h3).
+0.5::present(h4).
+% Each expected feature is detected with its hit rate.
+0.8::hit(h1, f1).
+0.8::hit(h1, corner).
+0.8::hit(h1, patch).
+0.8::hit(h2, corner).
+0.8::hit(h2, patch).
+0.8::hit(h3, corner).
+% Each claimed appearance has one cause: densities over their sum (bounded, so that ProbLog can read them).
+0.9996001599360256::chosen(a1, h1/f1); 0.00039984006397441024::chosen(a1, noise).
+0.4999000199960008::chosen(a2, h1/corner); 0.4999000199960008::chosen(a2, h2/corner); 0.00019996000799840034::chosen(a2, noise).
+0.9996001599360256::chosen(a4, h3/corner); 0.00039984006397441024::chosen(a4, noise).
+
+% ==== (4) Σc: constraints and definitions D1-D8, free of any object type
+% Predicates that may have no facts in this image.
+part_of(_, _) :- fail. feature_of(_, _, _) :- fail. hypothesis(_, _) :- fail.
+instance(_, _) :- fail. opaque_surface(_) :- fail. in_image(_, _) :- fail.
+in_lobe(_, _) :- fail. self_hidden(_, _) :- fail. behind_surface(_, _, _) :- fail.
+match(_, _, _) :- fail. preferred(_, _, _) :- fail. datum(_, _) :- fail.
+overlap(_, _) :- fail. rival_pair(_, _) :- fail. exclusive(_, _) :- fail.
+outline_relation(_, _, _) :- fail. at(_, _, _, _) :- fail. distance(_, _) :- fail.
+dv(_, _) :- fail. rank(_, _) :- fail. ev_given(_, _, _) :- fail.
+context(_, _) :- fail.
+
+% A3: proper parts; belongs(X, H): node X is of the tree of hypothesis H.
+proper_part(X, Y) :- part_of(X, Y).
+proper_part(X, Y) :- part_of(X, Z), proper_part(Z, Y).
+belongs(H, H) :- hypothesis(H, _).
+belongs(H/X, H) :- part_of(H/X, _).
+
+% §4.1: rivals never hide each other.
+rival(X, Y) :- rival_pair(X, Y).
+rival(X, Y) :- rival_pair(Y, X).
+
+% D4, D7: what a hypothesis alone leads to expect, and what a present opaque object, no rival, hides.
+own_host_hides(H, F) :- self_hidden(H, F), opaque(H).
+candidate(H, F) :- in_image(H, F), in_lobe(H, F), \+ own_host_hides(H, F).
+hidden(H, F) :- behind_surface(H, F, G), G \= H, opaque(G), \+ rival(H, G), present(G).
+in_view(H, F) :- candidate(H, F), \+ hidden(H, F).
+claims(H, F, A) :- match(H, F, A), present(H), in_view(H, F).
+
+% D5, feature form: Y has a self-visible feature, and every one of them is behind X.
+not_behind(Y, X) :- candidate(Y, F), \+ behind_surface(Y, F, X).
+all_behind(Y, X) :- behind_surface(Y, F, X), candidate(Y, F), X \= Y, \+ not_behind(Y, X).
+
+% D8: a feature is detected if the hypothesis' one matching gives it an appearance.
+found(H, F) :- match(H, F, _), in_image(H, F).
+
+% §8, posterior: an appearance has exactly one cause, and every expected feature that hits needs its appearance.
+hitting(A, H, F) :- match(H, F, A), present(H), in_view(H, F), hit(H, F).
+other_hit(A, H, F) :- match(G, E, A), G/E \= H/F, hitting(A, G, E).
+any_hit(A) :- hitting(A, _, _).
+explained(A) :- match(H, F, A), chosen(A, H/F), hitting(A, H, F), \+ other_hit(A, H, F).
+explained(A) :- chosen(A, noise), \+ any_hit(A).
+missed(H, F) :- present(H), in_view(H, F), hit(H, F).
+
+% A4: distinct maximal objects are discrete.
+violated(shares_volume(X, Y)) :- overlap(X, Y), present(X), present(Y).
+
+% ---- The vocabulary of queries
+% object(H, Type): H is present and is of the type.
+object(H, T) :- hypothesis(H, T), present(H).
+% node(X): X is a node of the part-whole tree of a present hypothesis.
+node(X) :- belongs(X, H), present(H).
+% part(P, H): P is a direct or indirect part of the present hypothesis H.
+part(P, H) :- hypothesis(H, _), pp(P, H).
+% pp(X, Y): X is a proper part of Y (A3).
+pp(X, Y) :- belongs(X, H), present(H), proper_part(X, Y).
+% p(X, Y): X is a part of Y: the same, or a proper part.
+p(X, X) :- node(X).
+p(X, Y) :- pp(X, Y).
+% o(X, Y): X and Y have a part in common.
+o(X, Y) :- p(X, Y).
+o(X, Y) :- pp(Y, X).
+% dr(X, Y): X and Y are discrete: no part in common.
+dr(X, Y) :- belongs(X, G), belongs(Y, H), G \= H, present(G), present(H).
+dr(X, Y) :- belongs(X, H), belongs(Y, H), X \= Y, \+ proper_part(X, Y), \+ proper_part(Y, X), present(H).
+% max_object(H): H is a present object that is part of no other (D3).
+max_object(H) :- hypothesis(H, _), present(H).
+% atom(X): X is a node without proper parts (D2); users write atom(X).
+atom_node(X) :- node(X), \+ proper_part(_, X).
+% feature(H, F, Type): F is a feature of the present hypothesis H, of the type.
+feature(H, F, T) :- feature_of(H, F, T), present(H).
+% expected(H, F): F of the present H should be seen: in the image, in a lobe, behind nothing opaque (D7).
+expected(H, F) :- feature_of(H, F, _), present(H), in_view(H, F).
+% detected(H, F): F of the present H is matched to an appearance (D8).
+detected(H, F) :- feature_of(H, F, _), present(H), found(H, F).
+% case(H, F, Case): F of the present H is in case a (E∧D), b (¬E∧¬D), c (E∧¬D) or d (¬E∧D) of §4.
+case(H, F, a) :- in_image(H, F), present(H), in_view(H, F), found(H, F).
+case(H, F, b) :- in_image(H, F), present(H), \+ in_view(H, F), \+ found(H, F).
+case(H, F, c) :- in_image(H, F), present(H), in_view(H, F), \+ found(H, F).
+case(H, F, d) :- in_image(H, F), present(H), \+ in_view(H, F), found(H, F).
+% cause(A, H, F): appearance A is caused by F of H.
+cause(A, H, F) :- match(H, F, A), chosen(A, H/F), hitting(A, H, F).
+% noise(A): no feature of a present hypothesis causes appearance A.
+noise(A) :- datum(A, _), \+ caused(A).
+caused(A) :- cause(A, _, _).
+% behind(Y, X): the line of sight to Y meets X first; Y is a feature H/F, or an object all of whose self-visible features are.
+behind(H/F, G) :- behind_surface(H, F, G), present(H), present(G).
+behind(H, G) :- hypothesis(H, _), hypothesis(G, _), all_behind(H, G), present(H), present(G).
+% hides_all_features(X, Y): opaque X hides every self-visible feature of Y, and there is one (D5, feature form).
+hides_all_features(X, Y) :- hypothesis(Y, _), opaque(X), behind(Y, X).
+% roc(Relation, X, Y): the coarse occlusion relation of X to Y, by outlines and depth (§3.7); exactly one holds.
+roc(R, X, Y) :- outline_relation(R, X, Y), present(X), present(Y).
+roc(partially_occluded_by, X, Y) :- outline_relation(partially_occludes, Y, X), present(X), present(Y).
+roc(totally_occluded_by, X, Y) :- outline_relation(totally_occludes, Y, X), present(X), present(Y).
+% occludes(X, Y): some part of X totally occludes some part of Y (§3.6).
+occludes(X, Y) :- partially_occludes(X, Y).
+occludes(X, Y) :- totally_occludes(X, Y).
+occludes(X, Y) :- mutually_occludes(X, Y).
+% totally_occludes(X, Y): X covers Y, in front everywhere (D5, by outlines).
+totally_occludes(X, Y) :- roc(totally_occludes, X, Y).
+% partially_occludes(X, Y): X is in front of a part of Y (D6, by outlines).
+partially_occludes(X, Y) :- roc(partially_occludes, X, Y).
+% mutually_occludes(X, Y): each is in front of a part of the other.
+mutually_occludes(X, Y) :- roc(mutually_occludes, X, Y).
+% non_occludes(X, Y): neither is in front of a part of the other.
+non_occludes(X, Y) :- roc(non_occludes, X, Y).
+% opaque(H): H's surface is opaque (A5, A6).
+opaque(H) :- opaque_surface(H).
+% ev(H, V): V is the explanatory value of the present H, given which of its occluders are present (§5.4, §5.5).
+ev(H, V) :- hypothesis(H, _), present(H), context(H, C), ev_given(H, C, V).
+% left_of(X, Y): X's origin is further left than Y's, along the camera's x axis.
+left_of(X, Y) :- at(X, A, _, _), at(Y, B, _, _), A < B, present(X), present(Y).
+% nearer(X, Y): X's origin is nearer to the camera than Y's.
+nearer(X, Y) :- distance(X, A), distance(Y, B), A < B, present(X), present(Y).
+% near(X, Y, D): X's and Y's origins are at most D metres apart.
+near(X, Y, D) :- at(X, A, B, C), at(Y, E, F, G), X \= Y, (A-E)^2 + (B-F)^2 + (C-G)^2 =< D^2, present(X), present(Y).
+
+% ---- The rules of the knowledge base's author
+tall(H) :- feature(H,f1,apex).
+
+% ==== (5) Evidence: no violated constraint, Γ, and what is missing in Γ
+evidence(\+ violated(shares_volume(h2, h3))).
+evidence(explained(a1)).
+evidence(explained(a2)).
+evidence(explained(a4)).
+evidence(\+ missed(h1, patch)).
+evidence(\+ missed(h2, patch)).
