@@ -27,6 +27,8 @@ ROUNDS = ((0.06, 48), (0.035, 32), (0.02, 24), (0.0, 24))
 """Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of the best go on."""
 
 
+FEWEST = 4
+"""Matches that a pose needs: with three there is always one."""
 MISSED = 0.4
 """Weight of a missed feature against a matched one where candidates are thinned."""
 
@@ -103,8 +105,9 @@ def _worth(
     data: Data,
 ) -> NDArray[np.float64]:
     """(N,) what was matched, less ``MISSED`` times what should be seen and was not; 0.2 + dv a feature."""
-    value = cells.visible[seen_cells(poses, cells)] * maps.is_open(project_ideal(poses, points, data)) * (0.2 + weights)
-    return np.asarray((np.where(matches >= 0, 0.2 + weights, -MISSED * value)).sum(axis=1))
+    value = cells.visible[seen_cells(poses, cells)] * ~maps.is_covered(project_ideal(poses, points, data)) * (0.2 + weights)
+    worth = np.where(matches >= 0, 0.2 + weights, -MISSED * value).sum(axis=1)
+    return np.asarray(np.where((matches >= 0).sum(axis=1) >= FEWEST, worth, -np.inf))
 
 
 def rematch(
@@ -197,7 +200,7 @@ def _refined(
     poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Least squares on all inliers; poses with fewer than four stay as they are, with rms infinite."""
-    enough = np.flatnonzero((matches >= 0).sum(axis=1) >= 4)
+    enough = np.flatnonzero((matches >= 0).sum(axis=1) >= FEWEST)
     rms = np.full(len(poses), np.inf)
     if not len(enough):
         return poses, rms

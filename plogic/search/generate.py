@@ -20,6 +20,8 @@ from plogic.search.extend import coarse_poses, extend
 from plogic.search.links import feature_links, linked_pairs
 from plogic.search.open_pairs import open_pairs
 from plogic.search.pose_votes import best_apart, pose_votes
+from plogic.search.projection import project_ideal
+from plogic.search.symmetry import permutations, unique_sets
 from plogic.search.triples import PlaneTriples, image_triples, plane_triples, triple_poses
 from plogic.search.view_cells import ViewCells, view_cells
 from plogic.search.votes import DistanceMaps, distance_maps, votes
@@ -40,7 +42,7 @@ VOTED = 2000
 """Coarse poses of each kind that all features vote on: the best by the votes of the anchors."""
 REFINED = 110
 """Coarse poses that are refined, the best by votes and no two alike."""
-ROBUST = 1.0
+ROBUST = 0.25
 """Pixels beyond which a match weighs less in the last refinement: a wrong match within the tolerance must not pull the pose."""
 VERIFIED = 12
 """Refined poses that rays are cast for."""
@@ -78,7 +80,17 @@ def type_index(object_type: ObjectType, dv: Mapping[str, float]) -> TypeIndex:
         weights = np.ones(len(features))
     points = np.array([feature.at for feature in features]).reshape(-1, 3)
     links = feature_links(points, [feature.arms for feature in features])
-    return TypeIndex(object_type, view_cells(object_type), points, weights, _anchors(weights), links, plane_triples(features))
+    moves = permutations(points, object_type.symmetries)
+    triples = plane_triples(features)
+    return TypeIndex(
+        object_type,
+        view_cells(object_type),
+        points,
+        weights,
+        _anchors(weights),
+        links[unique_sets(links, moves)],
+        triples.take(unique_sets(triples.features, moves)),
+    )
 
 
 def _anchors(weights: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -105,7 +117,7 @@ def generate(
     worth = pose_votes(poses, index.cells, index.points, index.weights, maps, data)
     kept = poses[best_apart(worth, poses, index.cells, data, REFINED)]
     found = extend(kept, index.cells, index.points, index.weights, maps, data, kb.rates.match_tolerance)
-    return _verified(found, index, allowed, data, kb)
+    return _verified(found, index, allowed, maps, data, kb)
 
 
 def _from_pairs(
@@ -150,7 +162,7 @@ def _scales(index: TypeIndex, data: Data) -> tuple[float, float]:
 
 
 def _verified(
-    found: Candidates, index: TypeIndex, allowed: NDArray[np.bool_], data: Data, kb: KnowledgeBase
+    found: Candidates, index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, kb: KnowledgeBase
 ) -> list[tuple[float, Posed]]:
     """Cast rays for the best refined poses, match, polish once, and keep one of each heap of near-duplicates."""
     order = np.argsort(~np.isfinite(found.rms), kind="stable")  # they come best first
@@ -161,30 +173,38 @@ def _verified(
         pose = found.camera_from_object[i]
         if _plausible(pose, index) and not any(same_place(index.object_type, pose, old) for old in poses):
             poses.append(pose)
-    first = [_matched_at(index, pose, allowed, data, kb) for pose in poses]
-    scored = [(evidence(p, data, kb).ratio, p) for p in _polished(index, first, allowed, data, kb)]
+    first = [_matched_at(index, pose, allowed, maps, data, kb) for pose in poses]
+    scored = [(evidence(p, data, kb, hidden).ratio, p) for p, hidden in _polished(index, first, allowed, maps, data, kb)]
     return _distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
 
 
 def _matched_at(
-    index: TypeIndex, pose: NDArray[np.float64], allowed: NDArray[np.bool_], data: Data, kb: KnowledgeBase
-) -> Posed:
-    return matched(pose_of(index.object_type, pose, data, kb), data, allowed, kb.rates.match_tolerance)
+    index: TypeIndex, pose: NDArray[np.float64], allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, kb: KnowledgeBase
+) -> tuple[Posed, NDArray[np.bool_]]:
+    """The hypothesis at a pose, matched, and its features (F,) that accepted objects cover."""
+    posed = pose_of(index.object_type, pose, data, kb)
+    hidden = maps.is_covered(project_ideal(pose[None], index.points, data)[0])
+    return matched(posed, data, allowed, kb.rates.match_tolerance, hidden=hidden), hidden
 
 
 def _polished(
-    index: TypeIndex, posed: list[Posed], allowed: NDArray[np.bool_], data: Data, kb: KnowledgeBase
-) -> list[Posed]:
-    """All of ``posed`` refined in one batch and matched again; those with fewer than four expected features detected are dropped."""
-    used = np.array([p.candidate & p.detected for p in posed]).reshape(len(posed), len(index.points))
+    index: TypeIndex,
+    found: list[tuple[Posed, NDArray[np.bool_]]],
+    allowed: NDArray[np.bool_],
+    maps: DistanceMaps,
+    data: Data,
+    kb: KnowledgeBase,
+) -> list[tuple[Posed, NDArray[np.bool_]]]:
+    """All refined in one batch and matched again; those with fewer than four expected features detected are dropped."""
+    used = np.array([p.candidate & p.detected & ~hidden for p, hidden in found]).reshape(len(found), len(index.points))
     some = np.flatnonzero(used.sum(axis=1) >= 4)
     if not len(some):
         return []
-    poses = np.array([posed[i].camera_from_object for i in some])
-    uv = np.array([data.uv[np.maximum(posed[i].matches, 0)] for i in some])
+    poses = np.array([found[i][0].camera_from_object for i in some])
+    uv = np.array([data.uv[np.maximum(found[i][0].matches, 0)] for i in some])
     points = np.broadcast_to(index.points, (len(some), *index.points.shape))
     better = refine_poses(poses, points, uv, used[some].astype(float), data.camera, huber=ROBUST)[0]
-    return [_matched_at(index, pose, allowed, data, kb) for pose in better]
+    return [_matched_at(index, pose, allowed, maps, data, kb) for pose in better]
 
 
 def _plausible(pose: NDArray[np.float64], index: TypeIndex) -> bool:
@@ -207,7 +227,7 @@ def settle(
     tolerance = kb.rates.match_tolerance
     posed = matched(pose_of(index.object_type, pose, data, kb), data, allowed, tolerance, free, hidden)
     for _ in range(rounds):
-        better = polish(index, posed, data)
+        better = polish(index, posed, data, hidden)
         if better is None:
             break
         new = matched(pose_of(index.object_type, better, data, kb), data, allowed, tolerance, free, hidden)
@@ -218,9 +238,12 @@ def settle(
     return posed
 
 
-def polish(index: TypeIndex, posed: Posed, data: Data) -> NDArray[np.float64] | None:
+def polish(
+    index: TypeIndex, posed: Posed, data: Data, hidden: NDArray[np.bool_] | None = None
+) -> NDArray[np.float64] | None:
     """Least squares (4, 4) on the expected features that were detected, or None where they are fewer than four."""
     used = posed.candidate & posed.detected
+    used = used if hidden is None else used & ~hidden
     if used.sum() < 4:
         return None
     uv = data.uv[np.maximum(posed.matches, 0)][None]

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from plogic.search.votes import DistanceMaps
 
 SHARP = 4.0
+LEAST_OPEN = 0.3
+"""Share of the visible features' weight that votes are taken relative to at least, however much is covered."""
 ALIKE = np.radians(12.0)
 """Two coarse poses are alike where they differ by less than this, by 8 % of the size in place, and by 15 % in size."""
 
@@ -42,16 +44,19 @@ def pose_votes(
     data: Data,
     features: NDArray[np.intp] | slice = ALL,
 ) -> NDArray[np.float64]:
-    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight.
+    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight (outside the image too).
 
     Half of a vote is for coming near, half for coming ``SHARP`` times nearer; covered features have no vote.
     """
-    value = (cells.visible * weights)[:, features][seen_cells(poses, cells)]
+    value = (cells.visible * weights).astype(np.float32)[:, features][seen_cells(poses, cells)]
     places = project_ideal(poses, points[features], data)
-    value = value * maps.is_open(places)
-    share = maps.how_far(places, features) / (LOOSE * sizes(poses, cells, data.camera.f))[:, None]
+    most = value.sum(axis=1)
+    value = value * ~maps.is_covered(places)
+    loose = (LOOSE * sizes(poses, cells, data.camera.f)).astype(np.float32)
+    share = maps.how_far(places, features) / loose[:, None]
     near = 0.5 * np.maximum(0.0, 1.0 - share) + 0.5 * np.maximum(0.0, 1.0 - SHARP * share)
-    return np.asarray((value * near).sum(axis=1) / np.maximum(value.sum(axis=1), 1e-12))
+    whole = np.maximum(np.maximum(value.sum(axis=1), LEAST_OPEN * most), 1e-12)
+    return np.asarray((value * near).sum(axis=1) / whole)
 
 
 def best_apart(

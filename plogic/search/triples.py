@@ -31,7 +31,7 @@ LEVEL = np.cos(np.radians(8.0))
 """Features of one plane look the same way, to 8°."""
 FLATTEST = np.cos(np.radians(78.0)) ** 2
 """Least foreshortening, squared: a wall seen at more than 78° shows nothing."""
-MOST_IMAGE_TRIPLES = 240
+MOST_IMAGE_TRIPLES = 160
 """Image triples that are tried; those that a fourth datum completes to a parallelogram come first, then the most compact."""
 
 
@@ -44,6 +44,10 @@ class PlaneTriples:
     features: NDArray[np.intp]
     axes: NDArray[np.float64]
     sides: NDArray[np.float64]
+
+    def take(self, keep: NDArray[np.bool_]) -> PlaneTriples:
+        """Those for which ``keep`` (M,) holds."""
+        return PlaneTriples(self.features[keep], self.axes[keep], self.sides[keep])
 
 
 def plane_triples(features: Sequence[Feature]) -> PlaneTriples:

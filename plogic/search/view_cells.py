@@ -44,7 +44,7 @@ class ViewCells:
 
     def nearest(self, directions: NDArray[np.float64]) -> NDArray[np.intp]:
         """Index of the nearest cell to each unit direction (N, 3) in the object's frame, shape (N,)."""
-        return np.asarray(np.argmax(directions @ self.directions.T, axis=1))
+        return np.asarray(np.argmax(directions.astype(np.float32) @ self.directions.T.astype(np.float32), axis=1))
 
 
 def fibonacci_sphere(number: int) -> NDArray[np.float64]:

@@ -43,12 +43,12 @@ class DistanceMaps:
     def how_far(self, places: NDArray[Any], features: NDArray[np.intp] | slice = ALL) -> NDArray[Any]:
         """The distances alone, of some features."""
         index, inside = self._index(places, self.of_feature[features])
-        return np.where(inside, self.distance.ravel()[index], np.inf)
+        return np.where(inside, self.distance.ravel()[index], np.float32(np.inf))
 
-    def is_open(self, places: NDArray[Any]) -> NDArray[np.bool_]:
-        """Whether each place (..., 2) is inside the image and not covered: what is expected there should be seen."""
+    def is_covered(self, places: NDArray[Any]) -> NDArray[np.bool_]:
+        """Whether an accepted object stands at each place (..., 2) of the image, so that a feature may not be seen there."""
         index, inside = self._index(places, np.zeros((), dtype=np.intp))
-        return np.asarray(inside & ~self.covered.ravel()[index])
+        return np.asarray(inside & self.covered.ravel()[index])
 
     def _index(self, places: NDArray[Any], maps: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """Flat index of each place in its feature's map (0 outside), and whether it is inside the image."""

@@ -1,0 +1,104 @@
+"""``python docs/generate.py``: writes docs/vocabulary.md and docs/commands.md, and runs the commands of README.md and puts in what they print.
+
+``--quick`` leaves the README alone. A test holds all three to what this would write.
+"""
+# ruff: noqa: INP001 - a script, no package
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+WIDTH = 100
+BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.DOTALL | re.MULTILINE)
+"""What stands in a fence that is called console: commands after ``$ ``, each with what it prints below it."""
+
+
+def vocabulary() -> str:
+    """The text of docs/vocabulary.md."""
+    from plogic.vocabulary import table
+
+    return f"""# The vocabulary of queries
+
+Written by `python docs/generate.py` from `plogic/vocabulary.py`, which also makes the program's rules. Do not edit.
+
+Every predicate holds *in a world*: of hypotheses that are not present nothing is true, except `opaque`, `dv` and `rank`.
+`H`, `X`, `Y` are hypotheses (`h1`), `F` a feature (`'roof/apex'`, quoted because of the slash), `A` an appearance (`a1`).
+A *node* of the part-whole tree is a hypothesis, or `H/P` for a part or a feature of it. Names that begin with a capital are variables.
+
+{table()}
+
+Conjunction is `,`, negation is `\\+`. Rules of your own go into the KB's `rules.pl`, or into a file for `plogic query --rules FILE`.
+"""
+
+
+def commands() -> str:
+    """The text of docs/commands.md."""
+    from cli import cli
+
+    parts = [f"## {' '.join(path)}\n\n```text\n{text}\n```" for path, text in helps(cli, ("plogic",), None)]
+    head = "# The commands\n\nWritten by `python docs/generate.py` from the help texts. Do not edit."
+    codes = (
+        "Exit codes: 0 done (an empty answer is an answer), 1 bad input, or a claim of a benchmark that was not met, 2 bad usage, "
+        "3 deadline reached, with the best answer so far."
+    )
+    return "\n\n".join([head, codes, *parts]) + "\n"
+
+
+def helps(command: click.Command, path: tuple[str, ...], parent: click.Context | None) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Every command with its path and its help text, groups before their members."""
+    context = click.Context(command, info_name=path[-1], parent=parent, terminal_width=WIDTH, max_content_width=WIDTH)
+    yield path, command.get_help(context)
+    for name, member in sorted(getattr(command, "commands", {}).items()):
+        yield from helps(member, (*path, name), context)
+
+
+def readme(text: str) -> str:
+    """The README with what its commands print now; they run one after the other, in an empty folder that has the examples in it."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "examples").symlink_to(ROOT / "examples")
+        return BLOCK.sub(lambda found: _session(found[0], Path(folder)), text)
+
+
+def _session(block: str, folder: Path) -> str:
+    typed = [line for line in block.splitlines() if line.startswith("$ ")]
+    return "\n\n".join(f"{line}\n{_printed(line[2:], folder)}".rstrip() for line in typed) + "\n"
+
+
+def _printed(command: str, folder: Path) -> str:
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    run = subprocess.run(  # noqa: S602 - the README's own commands, as a user types them
+        command,
+        shell=True,
+        cwd=folder,
+        env=os.environ | {"PATH": path, "COLUMNS": "110", "NO_COLOR": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if run.returncode:
+        sys.exit(f"{command}: exit {run.returncode}\n{run.stderr}")
+    return "\n".join(line.rstrip() for line in run.stdout.strip("\n").splitlines()).rstrip("\n")
+
+
+def main() -> None:
+    """Write the files."""
+    sys.path.insert(0, str(ROOT))
+    (HERE / "vocabulary.md").write_text(vocabulary(), encoding="utf-8")
+    (HERE / "commands.md").write_text(commands(), encoding="utf-8")
+    if "--quick" not in sys.argv[1:]:
+        page = ROOT / "README.md"
+        page.write_text(readme(page.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
