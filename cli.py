@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -9,9 +11,19 @@ from typing import Any
 import click
 
 READINGS = click.Choice(["score", "posterior"])
+SEED = click.IntRange(0)
 MODES = click.Choice(["to_B", "drop", "reassign"])
 INTERPRETATION = click.argument("interpretation", metavar="INTERPRETATION")
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="One versioned JSON document on stdout.")
+
+
+class Number(click.FloatRange):
+    """A range that NaN is outside of: every comparison with NaN is false, so that click lets it pass."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The number; fails as bad usage."""
+        number = super().convert(value, param, ctx)
+        return self.fail(f"{value} is no number", param, ctx) if math.isnan(number) else number
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -24,13 +36,14 @@ def cli() -> None:
 @click.option(
     "-o", "--out", type=click.Path(path_type=Path), default=Path("out/demo"), show_default=True, help="Folder to write."
 )
-@click.option("--seed", default=0, show_default=True)
+@click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--reading", type=READINGS, default="score", show_default=True)
-def demo(out: Path, seed: int, reading: Any) -> None:
+@AS_JSON
+def demo(out: Path, seed: int, reading: Any, as_json: bool) -> None:
     """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
     from plogic.demo import run_demo
 
-    _out(run_demo(out, seed, reading, say=_say))
+    _out(run_demo(out, seed, reading, say=_say, as_json=as_json))
 
 
 @cli.command()
@@ -43,14 +56,14 @@ def demo(out: Path, seed: int, reading: Any) -> None:
 )
 @click.option(
     "--smoothing",
-    type=click.FloatRange(0.0, 0.5, max_open=True),
+    type=Number(0.0, 0.5, max_open=True),
     default=0.0,
     show_default=True,
     help="ε of the score program's choices.",
 )
 @click.option(
     "--deadline",
-    type=click.FloatRange(0.0, min_open=True),
+    type=Number(0.0, min_open=True),
     help="Seconds; the best answer so far is marked unfinished (exit 3).",
 )
 @click.option("-o", "--out", default="-", help="File to write; `-` is stdout (default).")
@@ -110,22 +123,22 @@ def explain(source: str, goal: str, given: tuple[str, ...], number: int, reading
 @cli.command()
 @INTERPRETATION
 @click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
-def program(interpretation: str, reading: Any) -> None:
+@AS_JSON
+def program(interpretation: str, reading: Any, as_json: bool) -> None:
     """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
     from plogic.commands.asking import program_command
 
-    _out(program_command(interpretation, reading))
+    _out(program_command(interpretation, reading, as_json=as_json))
 
 
 @cli.command()
 @INTERPRETATION
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="The page to write.")
-def report(interpretation: str, out: Path) -> None:
+@click.option("-o", "--out", required=True, help="The page to write; `-` is stdout.")
+def report(interpretation: str, out: str) -> None:
     """Write one self-contained HTML page that works offline."""
     from plogic.commands.asking import report_command
 
-    report_command(interpretation, out)
-    _say(f"wrote {out}")
+    report_command(interpretation, out, say=_say, write=_out)
 
 
 @cli.group()
@@ -179,7 +192,7 @@ def kb_schema(which: Any) -> None:
 @click.option(
     "--decoys", type=click.IntRange(0, 50), default=0, show_default=True, help="Untyped boxes and wedges beside them."
 )
-@click.option("--seed", default=0, show_default=True)
+@click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option(
     "-o", "--out", type=click.Path(path_type=Path), required=True, help="New folder for image, camera and ground truth."
 )
@@ -194,7 +207,7 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path) -> 
 @cli.command()
 @click.argument("name", type=click.Choice(["towers"]))
 @click.option("--scenes", type=click.IntRange(1), default=120, show_default=True)
-@click.option("--seed", default=0, show_default=True)
+@click.option("--seed", type=SEED, default=0, show_default=True)
 @AS_JSON
 def bench(name: str, scenes: int, seed: int, as_json: bool) -> None:
     """Run one of the project's own benchmarks; it ends with its claims."""
@@ -221,12 +234,20 @@ def main() -> None:
         sys.stderr.close()
         sys.exit(0)
     except Exception as error:
-        from geometry.errors import PlogicError
-
-        if not isinstance(error, PlogicError):
+        if os.environ.get("PLOGIC_TRACEBACK"):
             raise
-        _say("\n".join(f"plogic: {line}" for line in str(error).splitlines()))
+        _say("\n".join(f"plogic: {line}" for line in _told(error)))
         sys.exit(1)
+
+
+def _told(error: Exception) -> list[str]:
+    """What a user is told: the mistakes, a line each; of a mistake of ours, where to get its traceback."""
+    from geometry.errors import PlogicError
+
+    if isinstance(error, PlogicError):
+        return str(error).splitlines()
+    what = " ".join(f"{type(error).__name__}: {error}".split())
+    return [f"internal error: {what} (please report it with the traceback that PLOGIC_TRACEBACK=1 shows)"]
 
 
 if __name__ == "__main__":

@@ -36,8 +36,8 @@ name: towers
 appearance_types: [l_junction, y_junction, arrow_junction, t_junction, multi_junction, patch]
 f_ref: 600
 detector:
-  hit: {apex: 0.95, corner: 0.83, patch: 0.94}
-  clutter: {l_junction: 6, y_junction: 0.5, arrow_junction: 1, t_junction: 5, multi_junction: 1, patch: 2}
+  hit: {apex: 0.95, corner: 0.8, patch: 0.95}
+  clutter: {l_junction: 8, y_junction: 0.5, arrow_junction: 1, t_junction: 7, multi_junction: 1, patch: 1.5}
   sigma: 0.4
   match_tolerance: 3.0
 priors: {t1: 0.5, t2: 0.5}

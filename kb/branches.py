@@ -104,3 +104,10 @@ def nodes(raw: object, path: Path = (), kind: Kind = "object") -> Iterator[tuple
     yield path, kind, raw
     for step, sort, item in held(raw):
         yield from nodes(item, path + step, sort)
+
+
+def misplaced(raw: object) -> list[Path]:
+    """The entries of another kind than their list, in nodes whose parts are of several kinds: A1 says all that is wrong with them."""
+    rows = ((path, list(held(item))) for path, _, item in nodes(raw))
+    mixed = [(path, entries) for path, entries in rows if len({kind for _, kind, _ in entries}) > 1]
+    return [path + step for path, entries in mixed for step, kind, _ in entries if LISTS[str(step[0])] != kind]

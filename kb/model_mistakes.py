@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, TypeVar
 from pydantic import BaseModel, ValidationError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pydantic_core import ErrorDetails
 
     from kb.errors import Mistake
@@ -35,7 +37,15 @@ def checked(model: type[Model], document: Document) -> tuple[Model | None, list[
     try:
         return model.model_validate(document.data), []
     except ValidationError as error:
-        return None, [_mistake(document, detail) for detail in error.errors(include_url=False, include_input=False)]
+        wrong = [_mistake(document, detail) for detail in error.errors(include_url=False, include_input=False)]
+        cut = [tuple(mistake.path.split(".")) for mistake in document.mistakes if mistake.message.startswith("A2")]
+        return None, without(wrong, cut)
+
+
+def without(mistakes: Sequence[Mistake], places: Sequence[Path]) -> list[Mistake]:
+    """The mistakes that are not at or below one of the places: of those another mistake has said what is wrong."""
+    prefixes = [".".join(str(step) for step in place) for place in places if place]
+    return [m for m in mistakes if not any(m.path == p or m.path.startswith(f"{p}.") for p in prefixes)]
 
 
 def _mistake(document: Document, detail: ErrorDetails) -> Mistake:

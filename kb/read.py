@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kb.branches import branch_of, outline, path_to
+from kb.branches import branch_of, misplaced, outline, path_to
 from kb.cloud import KnowledgeBase, ObjectType, Rates
 from kb.cross import cross_mistakes
 from kb.errors import KBErrors, Mistake, SurfaceError
 from kb.folder import MAX_MESH_BYTES, Folder
-from kb.model_mistakes import checked
+from kb.model_mistakes import checked, without
 from kb.quantities import LENGTHS
 from kb.schema import KBModel, ObjectModel
 from kb.surface import Surface, surface_from_mesh
@@ -80,7 +80,7 @@ def _object(place: Folder, path: Path) -> _Object | None:
     if document is None:
         return None
     model, wrong = checked(ObjectModel, document)
-    place.mistakes.extend(wrong)
+    place.mistakes.extend(without(wrong, misplaced(document.data)))
     if not isinstance(document.data, dict):
         return None
     place.mistakes.extend(_tree_mistakes(document))

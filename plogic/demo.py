@@ -13,6 +13,7 @@ from plogic.commands.perceive import picture_of
 from plogic.commands.printing import text_of_table
 from plogic.commands.scenes import shapes_of
 from plogic.commands.sources import kb_of
+from plogic.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,13 +24,14 @@ if TYPE_CHECKING:
     from plogic.situation import Reading
 
 READINGS: tuple[Reading, ...] = ("score", "posterior")
-SCENE = 3
+SCENE = 62
 """The demo's scene at seed 0: one tower partly hides the other."""
 GOALS = ("present(H)", "partially_occludes(X, Y)")
 
 
-def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], None]) -> str:
+def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], None], as_json: bool = False) -> str:
     """Render, detect, interpret in both readings, write the folder ``out`` and return the text to print (in ``reading``)."""
+    _check_folder(out)
     from geometry.camera import camera_to_dict
     from plogic.delta import Options
     from plogic.perceive import Perceiver
@@ -59,7 +61,9 @@ def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], Non
         **_results(documents["posterior"], image, "posterior-"),
     }
     _write(out, files)
-    return _told(documents[reading], out)
+    document = documents[reading]
+    asked = {"format": "demo/1", "reading": reading, "folder": str(out), "worlds": document["worlds"], "unlisted_mass": document["unlisted_mass"]}
+    return json.dumps(asked | {"answers": _answers(document)}) if as_json else _told(document, out)
 
 
 def _results(document: dict[str, Any], image: NDArray[Any], prefix: str) -> dict[str, bytes]:
@@ -80,23 +84,36 @@ def _json(document: dict[str, Any]) -> bytes:
     return (json.dumps(document, indent=1) + "\n").encode()
 
 
-def _write(out: Path, files: dict[str, bytes]) -> None:
-    """Each file whole; the folder may be there from an earlier run."""
-    from sensing.whole_files import write_whole
+def _check_folder(out: Path) -> None:
+    """Raise InputError where something that is no folder stands in the way of ``out``, before any work is done."""
+    for place in (out, *out.parents):
+        if place.exists() and not place.is_dir():
+            raise InputError(f"{out}: cannot be written: {place} is no folder")
 
-    out.mkdir(parents=True, exist_ok=True)
-    for name, data in files.items():
-        write_whole(out / name, data)
+
+def _write(out: Path, files: dict[str, bytes]) -> None:
+    """All of the files or none; the folder may be there from an earlier run."""
+    from sensing.whole_files import write_files
+
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{out}: cannot be written: {error.strerror}") from None
+    write_files({out / name: data for name, data in files.items()})
 
 
 def _told(document: dict[str, Any], out: Path) -> str:
     """Worlds, measures and two queries as text, and where to look."""
+    held = {**document, "hypotheses": [h for h in document["hypotheses"] if h["status"] != "rejected"]}
+    shown = [tables.measures(held), tables.worlds(document), tables.answers({"answers": _answers(document)})]
+    texts = [text_of_table(table) for table in shown]
+    return "\n".join([*texts, "", f"look at {out}/page.html and {out}/picture.png; ask {out}/interpretation.json"])
+
+
+def _answers(document: dict[str, Any]) -> list[dict[str, Any]]:
+    """The answers to the demo's own queries, as ``query --json`` gives them."""
     from plogic.interpretation import situation_of
     from plogic.query import answers_to_all
 
-    situation = situation_of(document)
-    asked = [a for found in answers_to_all(situation, GOALS) for a in found]
-    rows = [{"goal": a.goal, "probability": a.probability, "interval": list(a.interval)} for a in asked]
-    shown = [tables.measures(document), tables.worlds(document), tables.answers({"answers": rows})]
-    texts = [text_of_table(table) for table in shown]
-    return "\n".join([*texts, "", f"look at {out}/page.html and {out}/picture.png; ask {out}/interpretation.json"])
+    asked = [a for found in answers_to_all(situation_of(document), GOALS) for a in found]
+    return [{"goal": a.goal, "probability": a.probability, "interval": list(a.interval)} for a in asked]

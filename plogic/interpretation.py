@@ -10,10 +10,11 @@ import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
-from plogic.errors import InterpretationError
-from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, PartFact, Situation
+from plogic.errors import InterpretationError, SituationError
+from plogic.sanity import check
+from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, PartFact, Reading, Reconsider, Situation
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -42,11 +43,15 @@ def situation_of(document: Mapping[str, Any]) -> Situation:
     try:
         return _situation(document)
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
-        raise InterpretationError(f"not a complete {FORMAT}: {type(error).__name__}: {error}") from error
+        what = f"the key {error} is missing" if isinstance(error, KeyError) else str(error)
+        raise InterpretationError(f"not a complete {FORMAT}: {what}") from error
 
 
 def _situation(document: Mapping[str, Any]) -> Situation:
     facts = document["facts"]
+    for key, allowed in (("reading", get_args(Reading)), ("reconsider", get_args(Reconsider))):
+        if document[key] not in allowed:
+            raise InterpretationError(f"{key}: {document[key]!r:.60} should be one of {', '.join(allowed)}")
     return Situation(
         reading=document["reading"],
         reconsider=document["reconsider"],
@@ -107,14 +112,27 @@ def text_of(document: Mapping[str, Any]) -> str:
 
 def read_interpretation(path: Path | str) -> Document:
     """Read ``interpretation.json``; '-' is stdin. Raises InterpretationError, one line."""
+    name = "<stdin>" if str(path) == "-" else str(path)
+    document = _parsed(path, name)
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise InterpretationError(f"{name}: format: should be {FORMAT!r}")
+    try:
+        check(situation_of(document))
+    except (InterpretationError, SituationError) as error:
+        raise InterpretationError(f"{name}: {error}") from None
+    return document
+
+
+def _parsed(path: Path | str, name: str) -> object:
     try:
         data = sys.stdin.buffer.read(LARGEST + 1) if str(path) == "-" else Path(path).read_bytes()
-        document = json.loads(data.decode("utf-8"))
+        return json.loads(data.decode("utf-8"), parse_constant=_refuse)
     except OSError as error:
-        raise InterpretationError(f"{path}: cannot be read: {error.strerror}") from None
+        raise InterpretationError(f"{name}: cannot be read: {error.strerror}") from None
     except (ValueError, RecursionError) as error:
-        raise InterpretationError(f"{path}: not JSON: {error}") from None
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
-        raise InterpretationError(f"{path}: format: should be {FORMAT!r}")
-    situation_of(document)
-    return document
+        raise InterpretationError(f"{name}: not JSON: {error}") from None
+
+
+def _refuse(constant: str) -> float:
+    """NaN and infinities are no JSON."""
+    raise ValueError(f"{constant} is no number")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from sensing.errors import SensingError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -20,17 +20,58 @@ def write_whole(path: Path, data: bytes) -> None:
     Raises:
         SensingError: The place cannot be written; the message names it.
     """
+    write_files({path: data})
+
+
+def write_files(files: Mapping[Path, bytes]) -> None:
+    """As ``write_whole``, for many: every file is written beside its place before any is renamed into it.
+
+    Raises:
+        SensingError: One of the places cannot be written; then none is.
+    """
+    check_places(files)
+    temporaries: dict[Path, Path] = {}
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        for path, data in files.items():
+            temporaries[path] = _beside(path, data)
+        for path, temporary in temporaries.items():
+            _rename(temporary, path)
+    finally:
+        for temporary in temporaries.values():
+            temporary.unlink(missing_ok=True)
+
+
+def check_places(places: Iterable[Path]) -> None:
+    """Raise SensingError for the first place where no file can be written, before the work that it should hold is done."""
+    for path in places:
+        folder = path.parent
+        wrong = "Is a directory" if path.is_dir() else "No such directory" if not folder.exists() else None
+        wrong = "Not a directory" if folder.exists() and not folder.is_dir() else wrong
+        wrong = "Permission denied" if wrong is None and not os.access(folder, os.W_OK) else wrong
+        if wrong is not None:
+            raise SensingError(f"{path}: cannot be written: {wrong}")
+
+
+def _beside(path: Path, data: bytes) -> Path:
+    """A new file beside ``path``; on failure, none."""
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:
         raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(path)
+        Path(name).chmod(0o644)
     except OSError as error:
-        Path(temporary).unlink(missing_ok=True)
+        Path(name).unlink(missing_ok=True)
+        raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
+    return Path(name)
+
+
+def _rename(temporary: Path, path: Path) -> None:
+    try:
+        temporary.replace(path)
+    except OSError as error:
         raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
 
 

@@ -145,7 +145,7 @@ def _best(
     if not errors:
         return None, False
     rotation, share, name = min(errors)
-    return name, rotation <= ROTATION and share <= TRANSLATION
+    return name, bool(rotation <= ROTATION and share <= TRANSLATION)
 
 
 def _relation_right(

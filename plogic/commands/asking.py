@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plogic.commands.sources import is_program, program_text_of, situation_from
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
+    from collections.abc import Callable, Sequence
 
     from plogic.engine import Text
     from plogic.query import Subject
@@ -65,21 +65,27 @@ def explain_command(
     return json.dumps({"format": "explanation/1", **asdict(account)}) if as_json else account_text(account)
 
 
-def program_command(interpretation: str, reading: Reading | None) -> str:
+def program_command(interpretation: str, reading: Reading | None, *, as_json: bool = False) -> str:
     """The ProbLog text with its queries."""
     from plogic.program.text import program_text, query_lines
 
     situation = situation_from(interpretation, reading)
-    return program_text(situation) + "\n" + query_lines(situation)
+    text = program_text(situation) + "\n" + query_lines(situation)
+    return json.dumps({"format": "program/1", "reading": situation.reading, "program": text}) if as_json else text
 
 
-def report_command(interpretation: str, out: Path) -> None:
-    """Write the page."""
+def report_command(interpretation: str, out: str, *, say: Callable[[str], None], write: Callable[[str], None]) -> None:
+    """Write the page; `-` is stdout."""
     from plogic.interpretation import read_interpretation
     from plogic.report.page import page
     from sensing.whole_files import write_whole
 
-    write_whole(out, page(read_interpretation(interpretation)).encode())
+    text = page(read_interpretation(interpretation))
+    if out == "-":
+        write(text)
+        return
+    write_whole(Path(out), text.encode())
+    say(f"wrote {out}")
 
 
 def _source(source: str, reading: Reading | None) -> Subject:

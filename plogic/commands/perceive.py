@@ -37,8 +37,10 @@ def perceive_command(
     from plogic.interpretation import text_of
     from plogic.perceive import Perceiver
     from plogic.stopwatch import Stopwatch
+    from sensing.whole_files import check_places
 
     clock = Stopwatch()
+    check_places(places(out, options))
     with clock.stage("read"):
         kb = kb_of(kb_folder)
         picture = None if is_gamma(source) else image_of(source, options.get("camera"))
@@ -48,13 +50,18 @@ def perceive_command(
         perceiver = Perceiver(kb)
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
     document = perceiver(gamma, chosen, image, clock)
-    _write_all(document, text_of(document), out, options, image, write)
-    if options.get("timings"):
-        _write(
-            Path(options["timings"]), json.dumps({"seconds": clock.seconds, "total": clock.total}, indent=1).encode()
-        )
+    _write_all(document, text_of(document), out, options, image, clock, write)
     say(_summary(document, clock))
     return UNFINISHED if document.get("unfinished") else 0
+
+
+def places(out: str, options: Mapping[str, Any]) -> list[Path]:
+    """The files that will be written. Raises InputError where one is named for two outputs."""
+    named = [Path(options[key]) for key in ("report", "picture", "timings") if options.get(key)] + [Path(out)] * (out != "-")
+    for path in named:
+        if named.count(path) > 1:
+            raise InputError(f"{path}: is named for two outputs")
+    return named
 
 
 def is_gamma(source: str) -> bool:
@@ -98,9 +105,12 @@ def _write_all(
     out: str,
     options: Mapping[str, Any],
     image: NDArray[Any] | None,
+    clock: Stopwatch,
     write: Callable[[str], None],
 ) -> None:
     """Make everything first, then write: a failure leaves nothing half done."""
+    from sensing.whole_files import write_files
+
     files: dict[Path, bytes] = {}
     if options.get("report"):
         from plogic.report.page import page
@@ -108,10 +118,12 @@ def _write_all(
         files[Path(options["report"])] = page(document).encode()
     if options.get("picture"):
         files[Path(options["picture"])] = picture_of(document, image)
+    if options.get("timings"):
+        timings = {"format": "timings/1", "seconds": clock.seconds, "total": clock.total}
+        files[Path(options["timings"])] = json.dumps(timings, indent=1).encode()
     if out != "-":
         files[Path(out)] = text.encode()
-    for path, data in files.items():
-        _write(path, data)
+    write_files(files)
     if out == "-":
         write(text)
 
@@ -123,12 +135,6 @@ def picture_of(document: dict[str, Any], image: NDArray[Any] | None) -> bytes:
     from plogic.overlay import overlay
 
     return bytes(cv2.imencode(".png", overlay(document, image))[1].tobytes())
-
-
-def _write(path: Path, data: bytes) -> None:
-    from sensing.whole_files import write_whole
-
-    write_whole(path, data)
 
 
 def _summary(document: dict[str, Any], clock: Stopwatch) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 from typing import TYPE_CHECKING, Any
 
@@ -16,13 +17,14 @@ WIDTH = 118
 
 
 def text_of_table(table: Table) -> str:
-    """A table as the text to write; colours only on a terminal."""
+    """A table as the text to write; colours and emphasis only on a terminal, and not where NO_COLOR is set."""
     from rich.console import Console
 
     terminal = sys.stdout.isatty()
     buffer = io.StringIO()
     width = None if terminal else WIDTH
-    Console(file=buffer, force_terminal=terminal, width=width, highlight=False).print(table)
+    styled = terminal and not os.environ.get("NO_COLOR")
+    Console(file=buffer, force_terminal=styled, width=width, highlight=False).print(table)
     return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines())
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,12 +18,19 @@ LARGEST_PROGRAM = 8 * 2**20
 
 
 def kb_of(folder: str) -> KnowledgeBase:
-    """Read a knowledge base; the name of a shipped one (`towers`) stands for its folder where no such folder exists."""
+    """Read a knowledge base; the name of a shipped one (`towers`) stands for its folder where no such folder exists.
+
+    Its rules are held to the allow-list here, before any work is done with it. Raises KBError, ProgramError.
+    """
     from kb.read import read_kb
     from kb.shipped import shipped
+    from plogic.names import Names
+    from plogic.program.author import author_rules
 
     path = Path(folder)
-    return read_kb(path if path.exists() or "/" in folder else shipped(folder))
+    kb = read_kb(path if path.exists() or "/" in folder else shipped(folder))
+    author_rules(kb.rules, Names({}, {}))
+    return kb
 
 
 def is_program(source: str) -> bool:
@@ -31,9 +39,9 @@ def is_program(source: str) -> bool:
 
 
 def program_text_of(path: str) -> str:
-    """The text of a program or rules file. Raises InputError."""
+    """The text of a program or rules file; `-` is stdin. Raises InputError."""
     try:
-        data = Path(path).read_bytes()
+        data = sys.stdin.buffer.read(LARGEST_PROGRAM + 1) if path == "-" else Path(path).read_bytes()
         if len(data) > LARGEST_PROGRAM:
             raise InputError(f"{path}: is larger than the {LARGEST_PROGRAM} bytes that a program may have")
         return data.decode("utf-8")

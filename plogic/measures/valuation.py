@@ -44,9 +44,9 @@ def best_substitution(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) 
 def valuation(weights: NDArray[np.float64], substitution: Mapping[int, int]) -> float:
     """Take v(Type, θ) = Σ dv(matched features) / Σ dv(all features of Type); 0 where every dv is 0 (§5.3, §5.1)."""
     total = float(weights.sum())
-    return float(sum(weights[f] for f in substitution)) / total if total > 0.0 else 0.0
+    return min(1.0, float(sum(weights[f] for f in substitution)) / total) if total > 0.0 else 0.0  # sums of different order may differ
 
 
 def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
-    """Best valuation over all legal θ: rank(Type) = max v(Type, θ) (§5.3)."""
+    """Best valuation of a type over all legal θ (§5.3)."""
     return valuation(weights, best_substitution(weights, allowed))

@@ -44,7 +44,9 @@ def pose_votes(
     data: Data,
     features: NDArray[np.intp] | slice = ALL,
 ) -> NDArray[np.float64]:
-    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight (outside the image too).
+    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is.
+
+    In units of their whole weight, outside the image too.
 
     Half of a vote is for coming near, half for coming ``SHARP`` times nearer; covered features have no vote.
     """

@@ -16,7 +16,13 @@ from geometry.frames import inverse, look_at, pose_error, transform_points
 from kb.lobes import in_lobe
 from kb.read import read_kb
 from kb.shipped import shipped
+from plogic.attention import attend
+from plogic.cycle import Belief, Perception
+from plogic.evidence import evidence
+from plogic.measures.explanatory import explanatory_value
 from plogic.perceive import Perceiver
+from plogic.search.data import data_of
+from plogic.search.generate import settle
 from sensing.appearance import Appearance, Gamma
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 319.5], [0, 600.0, 239.5], [0, 0, 1]]))
@@ -110,7 +116,7 @@ def visible_arms(kind, pose, feature, camera):
 
 
 def clutter_row(rng, kb, camera):
-    name = str(rng.choice([t for t in kb.appearance_types]))
+    name = str(rng.choice(kb.appearance_types))
     uv = rng.uniform([0, 0], [camera.width - 1, camera.height - 1])
     return name, uv, rng.uniform(0, 2 * np.pi, ARMS.get(name, 3)), ""
 
@@ -144,3 +150,30 @@ def is_right(name, pose, truth):
     """The project's bar: rotation within 3°, translation within 2 % of the distance, up to symmetry."""
     rotation, translation = pose_error(pose, truth, towers().type(name).symmetries)
     return bool(np.degrees(rotation) < 3.0 and translation < 0.02 * np.linalg.norm(truth[:3, 3]))
+
+
+def data(shot):
+    return data_of(shot.gamma.appearances, shot.gamma.camera)
+
+
+def perception(gamma, end=None):
+    ready = perceiver()
+    return Perception(data_of(gamma.appearances, gamma.camera), ready.kb, ready.indices, ready.dv, end)
+
+
+def cycle_of(gamma, end=None):
+    """One run of the perceptual cycle."""
+    ready = perceiver()
+    return perception(gamma, end).run(attend(list(ready.indices.values()), [a.type for a in gamma.appearances], ready.kb))
+
+
+def posed_at(name, pose, of):
+    """The hypothesis that a type stands at a pose, with its own matching, no polish."""
+    index = perceiver().indices[name]
+    return settle(index, pose, index.allowed(of), of, towers(), rounds=0)
+
+
+def belief_at(name, pose, of, status="accepted"):
+    posed = posed_at(name, pose, of)
+    found, ev = evidence(posed, of, towers()), explanatory_value(posed.support(), perceiver().dv)
+    return Belief(posed, perceiver().indices[name], found.ratio, found.surplus, ev, ev, status)

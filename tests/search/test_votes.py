@@ -19,7 +19,8 @@ PLACES = st.lists(st.tuples(st.integers(0, 639), st.integers(0, 479)), min_size=
 
 def data_at(places, kinds=None):
     kinds = kinds or ["patch"] * len(places)
-    return data_of([Appearance(f"a{i}", kind, tuple(map(float, uv)), "drawn") for i, (uv, kind) in enumerate(zip(places, kinds, strict=True))], CAMERA)
+    rows = enumerate(zip(places, kinds, strict=True))
+    return data_of([Appearance(f"a{i}", kind, tuple(map(float, uv)), "drawn") for i, (uv, kind) in rows], CAMERA)
 
 
 @pytest.fixture(scope="module")
@@ -120,12 +121,13 @@ def test_behind_the_camera_is_far_outside(view):
 
 
 def test_a_poses_cell_and_size_are_those_of_its_viewpoint(view):
-    index, pose, data, _ = view
+    index, pose, _, _ = view
     assert np.allclose(viewpoints_of(pose[None])[0], -pose[:3, :3].T @ pose[:3, 3])
     there = viewpoints_of(pose[None])[0] - index.cells.centre
     off = index.cells.directions @ (there / np.linalg.norm(there))
     assert seen_cells(pose[None], index.cells)[0] == off.argmax()
-    assert sizes(pose[None], index.cells, 600.0)[0] == pytest.approx(600 * index.cells.diameter / (pose[:3, :3] @ index.cells.centre + pose[:3, 3])[2])
+    depth = (pose[:3, :3] @ index.cells.centre + pose[:3, 3])[2]
+    assert sizes(pose[None], index.cells, 600.0)[0] == pytest.approx(600 * index.cells.diameter / depth)
 
 
 def test_of_poses_alike_one_is_kept_the_best(view):

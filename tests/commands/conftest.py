@@ -1,0 +1,37 @@
+"""The demo, run once, and an interpretation in doubt: what every command is tried on."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from plogic.program.author import load_problog
+
+load_problog()
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "kb")]
+
+
+@pytest.fixture(scope="session")
+def demo_run(tmp_path_factory):
+    """The finished process of ``plogic demo -o FOLDER``, and the folder; tests only read there."""
+    from console import plogic
+
+    folder = tmp_path_factory.mktemp("demo") / "new" / "demo"
+    return plogic("demo", "-o", folder), folder
+
+
+@pytest.fixture(scope="session")
+def demo(demo_run):
+    """The demo's folder."""
+    run, folder = demo_run
+    assert run.returncode == 0, run.stderr
+    return folder
+
+
+@pytest.fixture(scope="session")
+def gamma(demo):
+    """The demo's Γ as a document."""
+    return json.loads((demo / "gamma.json").read_text())

@@ -1,0 +1,40 @@
+"""``plogic --help`` answers at once: no heavy package is imported for it."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+import pytest
+from console import BIN, good
+
+HEAVY = {"numpy", "cv2", "problog", "trimesh", "pybullet", "pydantic", "scipy", "networkx", "shapely", "rich", "ruamel", "manifold3d", "embreex"}
+
+
+def imported(*args):
+    """The top-level packages that a run of the script imports."""
+    command = [sys.executable, "-X", "importtime", str(BIN / "plogic"), *args]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert run.returncode == 0
+    return {name.split(".")[0] for name in re.findall(r"^import time:.*\| +(\S+)$", run.stderr, re.MULTILINE)}
+
+
+@pytest.mark.parametrize("args", [["--help"], ["--version"], ["perceive", "--help"], ["kb", "check", "--help"]], ids=" ".join)
+def test_help_imports_nothing_heavy(args):
+    found = imported(*args)
+    assert {"cli", "click"} <= found, "the list is that of this run"
+    assert not found & HEAVY
+
+
+def test_a_command_that_reads_a_kb_imports_no_simulator_and_no_image_library():
+    found = imported("kb", "check", "towers")
+    assert "pydantic" in found
+    assert not found & {"pybullet", "cv2"}
+
+
+def test_every_command_is_in_the_help_and_has_a_help_of_its_own():
+    names = re.findall(r"^  ([a-z-]+) {2,}\S", good("--help").split("Commands:")[1], re.MULTILINE)
+    assert set(names) >= {"demo", "perceive", "worlds", "query", "explain", "program", "report", "kb", "simulate", "bench"}
+    for name in names:
+        assert good(name, "--help").startswith(f"Usage: plogic {name}")

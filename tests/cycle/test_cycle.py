@@ -1,0 +1,300 @@
+"""The perceptual cycle (§7) on synthetic Γ: what it accepts, why it stops, and what it writes down."""
+
+from dataclasses import replace
+from itertools import combinations, count
+from time import monotonic
+
+import numpy as np
+import pytest
+from synthetic import (
+    CAMERA,
+    MIDDLE,
+    belief_at,
+    cycle_of,
+    data,
+    direction,
+    is_right,
+    one_before_the_other,
+    perceiver,
+    perception,
+    scene,
+    side_by_side,
+    upright,
+)
+
+from geometry.frames import look_at
+from plogic import cycle as cycle_module
+from plogic.attention import attend
+from plogic.cycle import FEWEST, SIGNIFICANT
+from plogic.delta import Options
+from plogic.expectation import hidden_by
+from plogic.perceive import ranked
+from plogic.rivals import claims, overlap
+from plogic.search.generate import same_place
+from plogic.stopwatch import Stopwatch
+from sensing.appearance import Appearance, Gamma
+
+
+def seen(stand, seed, **options):
+    rng = np.random.default_rng(seed)
+    shot = scene(rng, stand(rng), **options)
+    return shot, cycle_of(shot.gamma)
+
+
+@pytest.fixture(scope="module")
+def hiding():
+    """Six scenes in which t1 hides a part of t2: (shot, cycle)."""
+    return [seen(one_before_the_other, seed) for seed in range(6000, 6006)]
+
+
+@pytest.fixture(scope="module")
+def apart():
+    return [seen(side_by_side, seed) for seed in range(6000, 6004)]
+
+
+def by_type(cycle):
+    return {b.posed.object_type.name: b for b in cycle.accepted}
+
+
+def test_both_towers_are_accepted_where_they_stand(hiding, apart):
+    for shot, cycle in (*hiding, *apart):
+        assert sorted(b.posed.object_type.name for b in cycle.accepted) == ["t1", "t2"]
+        for name, belief in by_type(cycle).items():
+            assert is_right(name, belief.posed.camera_from_object, shot.poses[name])
+            assert belief.status == "accepted"
+            assert belief.why
+
+
+def test_hidden_misses_are_waived_and_ev_rises(hiding):
+    """§3.8, Partial(x, y): ev(x) unchanged; ev(y | x) >= ev(y), and > where x hides what was missed."""
+    for _, cycle in hiding:
+        front, back = by_type(cycle)["t1"], by_type(cycle)["t2"]
+        hidden = hidden_by(back.posed, front.posed)
+        assert not (back.posed.detected & back.posed.candidate & hidden).any()
+        assert (back.posed.candidate & hidden & ~back.posed.detected).any()
+        assert back.ev_reconsidered > back.ev
+        assert front.ev_reconsidered == front.ev
+
+
+def test_where_nothing_is_hidden_both_ev_stay(apart):
+    for _, cycle in apart:
+        for belief in cycle.accepted:
+            assert belief.ev == belief.ev_reconsidered
+
+
+def test_no_two_accepted_share_volume_or_a_datum(hiding, apart):
+    for _, cycle in (*hiding, *apart):
+        pairs = list(combinations(cycle.accepted, 2))
+        assert pairs
+        for one, other in pairs:
+            assert not overlap(one.posed, other.posed)
+            assert not set(claims(one.posed, other.posed)) & set(claims(other.posed, one.posed))
+
+
+@pytest.mark.parametrize("reading", ["score", "posterior"])
+def test_every_world_satisfies_a4(reading, hiding):
+    shot, _ = hiding[0]
+    delta, _, trace = perceiver().delta(shot.gamma, Options(reading=reading), Stopwatch())
+    delta, ranking = ranked(delta, trace)
+    assert ranking.worlds
+    for world in ranking.worlds:
+        for x, y in combinations(world.present, 2):
+            assert not overlap(delta.beliefs[x].posed, delta.beliefs[y].posed)
+    assert set(ranking.worlds[0].present) == {"h1", "h2"}
+
+
+def test_accepted_hypotheses_meet_their_conditions(hiding, apart):
+    for _, cycle in (*hiding, *apart):
+        for belief in cycle.accepted:
+            assert (belief.posed.candidate & belief.posed.detected).sum() >= FEWEST
+            assert belief.ev_reconsidered > 0.0
+            assert belief.worth > SIGNIFICANT
+
+
+def test_the_trace_names_every_step(hiding):
+    for _, cycle in hiding:
+        events = [step.event for step in cycle.trace.steps]
+        assert set(events) <= {"rank", "accept", "reject", "reconsider", "release", "stable"}
+        assert [step.type for step in cycle.trace.steps if step.event == "rank"] == [row.type for row in cycle.attention]
+        assert events.count("accept") == len(cycle.accepted) + events.count("release")
+        assert events.count("reject") + events.count("release") == len(cycle.rejected)
+        assert events.count("reconsider") >= len(cycle.accepted)
+        assert events[-1] == "stable"
+        assert f"{len(cycle.accepted)} accepted" in cycle.trace.steps[-1].why
+        assert all(step.why for step in cycle.trace.steps)
+        assert all(step.type for step in cycle.trace.steps if step.event != "stable")
+        assert [row["step"] for row in cycle.trace.document()] == list(range(1, len(events) + 1))
+
+
+def test_what_is_rejected_has_a_reason_and_releases_its_data(hiding):
+    for _, cycle in hiding:
+        for belief in cycle.rejected:
+            assert belief.status == "rejected"
+            assert belief.why
+
+
+def test_a_permuted_gamma_gives_the_same_objects(hiding):
+    shot, cycle = hiding[1]
+    order = np.random.default_rng(3).permutation(len(shot.gamma.appearances))
+    again = by_type(cycle_of(Gamma(CAMERA, tuple(shot.gamma.appearances[i] for i in order))))
+    assert again.keys() == by_type(cycle).keys()
+    for name, belief in by_type(cycle).items():
+        assert same_place(belief.posed.object_type, belief.posed.camera_from_object, again[name].posed.camera_from_object)
+        assert again[name].ev_reconsidered == pytest.approx(belief.ev_reconsidered, abs=0.02)
+
+
+def test_the_same_gamma_twice_gives_the_same_trace(hiding):
+    shot, cycle = hiding[2]
+    assert cycle_of(shot.gamma).trace.document() == cycle.trace.document()
+
+
+# --- it terminates, and finds nothing where there is nothing ---
+
+
+def accepted_in(appearances):
+    return cycle_of(Gamma(CAMERA, tuple(appearances))).accepted
+
+
+def test_an_empty_gamma_is_the_empty_world():
+    document = perceiver()(Gamma(CAMERA, ()))
+    assert document["hypotheses"] == []
+    assert [(w["probability"], w["present"], w["causes"]) for w in document["worlds"]] == [(1.0, [], {})]
+    assert "unfinished" not in document
+
+
+@pytest.mark.parametrize("kind", ["patch", "y_junction", "nobody_knows"])
+def test_one_appearance_is_noise(kind):
+    gamma = Gamma(CAMERA, (Appearance("a1", kind, (300.0, 200.0), "drawn"),))
+    document = perceiver()(gamma)
+    assert [w["present"] for w in document["worlds"]] == [[]]
+    assert document["worlds"][0]["causes"] == {"a1": "noise"}
+
+
+@pytest.mark.parametrize("number", [5, 20, 40, 80])
+def test_pure_clutter_is_the_empty_world(number):
+    for seed in range(3):
+        shot = scene(np.random.default_rng(6100 + seed), {}, clutter=number)
+        assert cycle_of(shot.gamma).accepted == ()
+
+
+def test_a_grid_of_patches_is_no_tower():
+    """Regular texture, the hardest clutter: nothing but patches, and no corner anywhere."""
+    grid = [Appearance(f"a{i}", "patch", (100.0 + 40 * (i % 8), 80.0 + 40 * (i // 8)), "drawn") for i in range(64)]
+    assert accepted_in(grid) == ()
+
+
+def test_everything_in_one_place_terminates():
+    heap = [Appearance(f"a{i}", "l_junction", (300.0, 200.0), "drawn", arms=(0.0, 1.5)) for i in range(30)]
+    assert accepted_in(heap) == ()
+
+
+def test_one_tower_alone_is_one_object():
+    for seed in range(6200, 6203):
+        rng = np.random.default_rng(seed)
+        name = ("t1", "t2")[seed % 2]
+        shot = scene(rng, {name: side_by_side(rng)[name]})
+        assert [b.posed.object_type.name for b in cycle_of(shot.gamma).accepted] == [name]
+
+
+# --- trap b: the phantom ---
+
+
+def behind_the_tower(rng):
+    """t1 at 4 m, and t2 9 m behind it on the line of sight: nothing of t2 is seen."""
+    azimuth = rng.uniform(0, 2 * np.pi)
+    eye = MIDDLE + 4.0 * direction(azimuth, np.radians(5))
+    camera_from_world, away = look_at(eye, MIDDLE), direction(azimuth + np.pi, 0.0)
+    return {"t1": camera_from_world @ upright(0, 0, 0.3), "t2": camera_from_world @ upright(*(9.0 * away[:2]), 1.0)}
+
+
+@pytest.mark.parametrize("seed", [6300, 6301])
+def test_b_a_fully_hidden_phantom_is_never_accepted(seed):
+    """Its ev is +1, everything of it being hidden and nothing detected; it counts for nothing all the same."""
+    rng = np.random.default_rng(seed)
+    poses = behind_the_tower(rng)
+    shot = scene(rng, poses, clutter=0)
+    assert not any(name.startswith("t2") for name in shot.visible)
+    run = perception(shot.gamma)
+    cycle = run.run(attend_to(shot.gamma))
+    assert [b.posed.object_type.name for b in cycle.accepted] == ["t1"]
+    phantom = run._judge(belief_at("t2", poses["t2"], data(shot)).posed, run.free(), rounds=0)
+    assert phantom.ev_reconsidered == 1.0
+    assert "detected" in run._refusal(phantom)
+
+
+def attend_to(gamma):
+    return attend(list(perceiver().indices.values()), [a.type for a in gamma.appearances], perceiver().kb)
+
+
+# --- deadlines ---
+
+
+def test_a_deadline_that_is_past_stops_at_once_and_is_marked(apart):
+    shot, _ = apart[0]
+    document = perceiver()(shot.gamma, Options(end=monotonic() - 1.0))
+    assert document["unfinished"] is True
+    assert [h for h in document["hypotheses"] if h["status"] == "accepted"] == []
+    assert document["trace"][-1]["event"] == "deadline"
+
+
+def test_a_deadline_in_the_first_round_keeps_what_was_found(apart, monkeypatch):
+    """A clock of our own, one tick a look: there is time for the first type of the first round, and no more."""
+    shot, _ = apart[0]
+    ticks = count()
+    monkeypatch.setattr(cycle_module, "monotonic", lambda: float(next(ticks)))
+    run = perception(shot.gamma, end=2.0)
+    attention = attend_to(shot.gamma)
+    cycle = run.run(attention)
+    assert run.unfinished
+    assert [b.posed.object_type.name for b in cycle.accepted] == [attention[0].type]
+    assert cycle.trace.steps[-1].event == "stable"
+
+
+def test_time_enough_leaves_no_mark(apart):
+    shot, cycle = apart[1]
+    document = perceiver()(shot.gamma, Options(end=monotonic() + 600.0))
+    assert "unfinished" not in document
+    assert len([h for h in document["hypotheses"] if h["status"] == "accepted"]) == len(cycle.accepted)
+
+
+# --- duplicates are merged before the program is written (§8) ---
+
+
+def test_near_duplicates_of_what_is_considered_are_merged(apart):
+    shot, cycle = apart[0]
+    run = perception(shot.gamma)
+    run.accepted = list(cycle.accepted)
+    nearly = cycle.accepted[0].posed.camera_from_object.copy()
+    nearly[0, 3] += 0.01
+    twin = replace(cycle.accepted[0], posed=replace(cycle.accepted[0].posed, camera_from_object=nearly), status="rival")
+    run.rivals = [twin, twin]
+    assert run._considered() == []
+
+
+def test_rivals_that_differ_are_kept_once_each(apart):
+    shot, cycle = apart[0]
+    run = perception(shot.gamma)
+    run.accepted = list(cycle.accepted)
+    away = cycle.accepted[0].posed.camera_from_object.copy()
+    away[0, 3] += 1.5
+    other = replace(cycle.accepted[0], posed=replace(cycle.accepted[0].posed, camera_from_object=away), status="rival")
+    run.rivals = [other, other, other]
+    assert run._considered() == [other]
+
+
+@pytest.mark.parametrize("place", ["in view", "out of view"])
+def test_what_does_not_hold_beside_the_others_is_released(place, apart):
+    """Δi is made stable: what has an ev of at most 0, or none (0/0), is dropped, and the trace says so."""
+    shot, cycle = apart[0]
+    run = perception(shot.gamma)
+    eye = MIDDLE + 4.0 * direction(0.7, np.radians(40))
+    wrong = look_at(eye, MIDDLE)
+    wrong[0, 3] += {"in view": 0.0, "out of view": 50.0}[place]
+    belief = belief_at("t1", wrong, data(shot))
+    assert (belief.ev is None) == (place == "out of view")
+    assert belief.ev is None or belief.ev < 0.0
+    run.accepted = [*cycle.accepted, belief]
+    run._stabilise()
+    assert [b.posed.camera_from_object.tolist() for b in run.accepted] == [b.posed.camera_from_object.tolist() for b in cycle.accepted]
+    assert [step.event for step in run.trace.steps].count("release") == 1
+    assert run.rejected[0].why

@@ -1,0 +1,79 @@
+"""What the documents say is what the program says: commands, vocabulary, the README's outputs and its knowledge base."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+import click
+import pytest
+
+from cli import cli
+from plogic.vocabulary import VOCABULARY
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+README = ROOT / "README.md"
+HOW = "run `python docs/generate.py`"
+LINK = re.compile(r"\]\(([^)#:]+)\)")
+
+
+@pytest.fixture(scope="module")
+def generate():
+    spec = importlib.util.spec_from_file_location("docs_generate", DOCS / "generate.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def leaves(command, path):
+    members = getattr(command, "commands", {})
+    return [leaf for name, member in members.items() for leaf in leaves(member, f"{path} {name}")] if members else [path]
+
+
+def read(path):
+    return path.read_text(encoding="utf-8")
+
+
+def test_every_command_is_documented():
+    titles = re.findall(r"^## (.+)$", read(DOCS / "commands.md"), re.MULTILINE)
+    assert set(leaves(cli, "plogic")) <= set(titles)
+
+
+def test_every_option_of_a_command_is_documented():
+    text = read(DOCS / "commands.md")
+    options = {o for command in cli.commands.values() for p in command.params if isinstance(p, click.Option) for o in p.opts}
+    assert options
+    assert not [option for option in options if option not in text]
+
+
+def test_the_help_texts_are_current(generate):
+    assert read(DOCS / "commands.md") == generate.commands(), HOW
+
+
+def test_the_vocabulary_is_current(generate):
+    text = read(DOCS / "vocabulary.md")
+    assert text == generate.vocabulary(), HOW
+    assert all(f"`{entry.usage}`" in text for entry in VOCABULARY)
+
+
+def test_the_readme_prints_what_its_commands_print(generate):
+    text = read(README)
+    assert len(generate.BLOCK.findall(text)) > 5
+    assert generate.readme(text) == text, HOW
+
+
+def test_the_readme_shows_the_example_as_it_is():
+    shown = re.findall(r"^```yaml\n(.*?)^```$", read(README), re.DOTALL | re.MULTILINE)
+    folder = ROOT / "examples" / "first_kb"
+    assert len(shown) == 2
+    assert shown[0] == read(folder / "kb.yaml")
+    assert read(folder / "objects" / "box" / "object.yaml").startswith(shown[1])
+
+
+@pytest.mark.parametrize("page", [README, *sorted(DOCS.glob("*.md"))], ids=lambda page: page.name)
+def test_links_lead_somewhere(page):
+    assert not [target for target in LINK.findall(read(page)) if not (page.parent / target).exists()]
+
+
+def test_the_picture_is_small():
+    assert (DOCS / "demo.png").stat().st_size <= 250_000
