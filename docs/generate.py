@@ -11,10 +11,13 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -56,7 +59,8 @@ def commands() -> str:
 
 def helps(command: click.Command, path: tuple[str, ...], parent: click.Context | None) -> Iterator[tuple[tuple[str, ...], str]]:
     """Every command with its path and its help text, groups before their members."""
-    context = click.Context(command, info_name=path[-1], parent=parent, terminal_width=WIDTH, max_content_width=WIDTH)
+    settings = command.context_settings | {"terminal_width": WIDTH, "max_content_width": WIDTH}
+    context = click.Context(command, info_name=path[-1], parent=parent, **settings)
     yield path, command.get_help(context)
     for name, member in sorted(getattr(command, "commands", {}).items()):
         yield from helps(member, (*path, name), context)

@@ -48,6 +48,9 @@ def feature_counts(kind: ObjectType) -> dict[str, int]:
 def _notes(kb: KnowledgeBase) -> Iterator[str]:
     if not kb.types:
         yield "there is no type: nothing can be perceived"
+    sorts = {name for kind in kb.types for name in feature_counts(kind)}
+    if len(sorts) == 1:
+        yield f"every feature is of type {sorts.pop()!r}, so that every dv is 0 and ev is undefined: nothing will be accepted"
     seen = {name for kind in kb.types for name in kind.lobes.types}
     for name in kb.appearance_types:
         if name not in seen:

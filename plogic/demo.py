@@ -69,14 +69,15 @@ def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], Non
 def _results(document: dict[str, Any], image: NDArray[Any], prefix: str) -> dict[str, bytes]:
     """The files of one reading."""
     from plogic.interpretation import situation_of, text_of
-    from plogic.program.text import program_text
+    from plogic.program.text import program_text, query_lines
     from plogic.report.page import page
 
+    situation = situation_of(document)
     return {
         f"{prefix}interpretation.json": text_of(document).encode(),
         f"{prefix}picture.png": picture_of(document, image),
         f"{prefix}page.html": page(document).encode(),
-        f"{prefix}program.pl": program_text(situation_of(document)).encode(),
+        f"{prefix}program.pl": (program_text(situation) + "\n" + query_lines(situation)).encode(),
     }
 
 
@@ -107,7 +108,8 @@ def _told(document: dict[str, Any], out: Path) -> str:
     held = {**document, "hypotheses": [h for h in document["hypotheses"] if h["status"] != "rejected"]}
     shown = [tables.measures(held), tables.worlds(document), tables.answers({"answers": _answers(document)})]
     texts = [text_of_table(table) for table in shown]
-    return "\n".join([*texts, "", f"look at {out}/page.html and {out}/picture.png; ask {out}/interpretation.json"])
+    prefix = f"{out}/" if document["reading"] == "score" else f"{out}/posterior-"
+    return "\n".join([*texts, "", f"look at {prefix}page.html and {prefix}picture.png; ask {prefix}interpretation.json"])
 
 
 def _answers(document: dict[str, Any]) -> list[dict[str, Any]]:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 SHARED_VOLUME = 0.02
 """Share of the smaller volume that two estimated poses may have in common before A4 counts as violated: what 2 % of pose error makes."""
 SHARED_CLAIMS = 0.5
-"""Share of the smaller claim, by dv, above which two hypotheses explain the same data, so that only one can be present."""
+"""Share of the smaller claim, in appearances, above which two hypotheses explain the same data, so that only one can be present."""
 
 
 @lru_cache(maxsize=256)

@@ -52,6 +52,15 @@ def check_places(places: Iterable[Path]) -> None:
             raise SensingError(f"{path}: cannot be written: {wrong}")
 
 
+def check_new_folder(folder: Path) -> None:
+    """Raise SensingError where no new folder can be made, before the work that it should hold is done."""
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise SensingError(f"{folder}: exists already and is not an empty folder")
+    for above in folder.parents:
+        if above.exists() and not above.is_dir():
+            raise SensingError(f"{folder}: cannot be written: {above} is no folder")
+
+
 def _beside(path: Path, data: bytes) -> Path:
     """A new file beside ``path``; on failure, none."""
     try:
@@ -81,8 +90,7 @@ def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
     Raises:
         SensingError: The folder exists and is not empty, or cannot be written.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise SensingError(f"{folder}: exists already and is not an empty folder")
+    check_new_folder(folder)
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         temporary = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))

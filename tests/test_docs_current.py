@@ -1,6 +1,7 @@
 """What the documents say is what the program says: commands, vocabulary, the README's outputs and its knowledge base."""
 
 import importlib.util
+import math
 import re
 from pathlib import Path
 
@@ -8,12 +9,21 @@ import click
 import pytest
 
 from cli import cli
+from plogic.cycle import FEWEST, MOST_RIVALS
+from plogic.dependence import LARGEST_BLOCK, MOST_OCCLUDERS
+from plogic.evidence import FIXED_BY
+from plogic.perceive import SMOOTHED
+from plogic.rivals import SHARED_CLAIMS, SHARED_VOLUME
+from plogic.search.generate import SAME_PLACE, SAME_ROTATION
+from plogic.search.pairs import MOST_PAIRS
+from plogic.search.view_cells import CELLS
 from plogic.vocabulary import VOCABULARY
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 README = ROOT / "README.md"
 HOW = "run `python docs/generate.py`"
+WORDS = {2: "two", 3: "three", 4: "four", 6: "six", 10: "ten"}
 LINK = re.compile(r"\]\(([^)#:]+)\)")
 
 
@@ -23,6 +33,24 @@ def generate():
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+FIGURES = [
+    (f"from {CELLS} directions", "how-it-works.md"),
+    (f"ln {MOST_PAIRS}", "how-it-works.md"),
+    (f"at least {WORDS[FEWEST]} *expected* features", "how-it-works.md"),
+    (f"without its {WORDS[FIXED_BY]} best matches", "how-it-works.md"),
+    (f"beyond {SHARED_VOLUME * 100:g} % of the smaller one", "how-it-works.md"),
+    (f"At most {WORDS[MOST_RIVALS]} rivals", "how-it-works.md"),
+    (f"smoothed by {SMOOTHED:g}", "how-it-works.md"),
+    (f"at most {WORDS[LARGEST_BLOCK]} hypotheses", "how-it-works.md"),
+    (f"({round(math.degrees(SAME_ROTATION))}°, {SAME_PLACE * 100:g} % of the distance)", "how-it-works.md"),
+    ("at most half of the appearances" if SHARED_CLAIMS == 0.5 else "", "how-it-works.md"),
+    (f"smoothed by {SMOOTHED:g}", "../README.md"),
+    (f"At most {WORDS[MOST_OCCLUDERS]} occluders", "../README.md"),
+    (f"more than {WORDS[LARGEST_BLOCK]} hypotheses", "../README.md"),
+    (f"share {SHARED_VOLUME * 100:g} % of the smaller volume", "paper-map.md"),
+]
 
 
 def leaves(command, path):
@@ -77,3 +105,9 @@ def test_links_lead_somewhere(page):
 
 def test_the_picture_is_small():
     assert (DOCS / "demo.png").stat().st_size <= 250_000
+
+
+@pytest.mark.parametrize(("words", "page"), FIGURES)
+def test_a_figure_in_the_text_is_the_codes(words, page):
+    assert words
+    assert words in " ".join(read(DOCS / page).split())

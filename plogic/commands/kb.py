@@ -28,7 +28,7 @@ def show_command(folder: str, *, as_json: bool) -> str:
 
     kb = kb_of(folder)
     if as_json:
-        return json.dumps({"format": "kb_show/1", **tree_document(kb)})
+        return json.dumps({**tree_document(kb), "format": "kb_show/1"})
     return tree_text(kb) + "\n\n" + measures_command(folder, None, as_json=False)
 
 

@@ -17,7 +17,9 @@ def simulate_command(kb_folder: str, number: int, decoys: int, seed: int, out: P
 
     from sensing.simulated.scene import random_scene
     from sensing.simulated.scene_files import write_scene
+    from sensing.whole_files import check_new_folder
 
+    check_new_folder(out)
     shapes = shapes_of(kb_of(kb_folder))
     rng = np.random.default_rng([seed, 1])
     order = [i for _ in range(number) for i in rng.permutation(len(shapes))][:number]

@@ -27,6 +27,10 @@ ROUNDS = ((0.06, 48), (0.035, 32), (0.02, 24), (0.0, 24))
 """Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of the best go on."""
 
 
+CLOSE = ((0.025, 32), (0.0, 16))
+"""The same for candidates that are trusted to be close already."""
+ROBUST = 1.0
+"""Pixels beyond which a match weighs less: among near ones a wrong match must not pull the pose."""
 FEWEST = 4
 """Matches that a pose needs: with three there is always one."""
 MISSED = 0.4
@@ -73,13 +77,40 @@ def extend(
     data: Data,
     tolerance: float,
 ) -> Posed:
-    """Match, solve and refine all candidates together; the tolerance shrinks from the cell's width to the detector's (pixels)."""
-    poses = rigid(poses)
+    """Match, solve and refine all candidates together, the best first.
+
+    Each candidate goes two ways: by sets of four and POSIT, with tolerances that shrink from the cell's width to the detector's
+    ``tolerance`` (pixels); and as it is, trusted to be close, for wide tolerances make wrong matches where features lie dense.
+    """
     size = sizes(poses, cells, data.camera.f)
     matches = rematch(poses, cells, points, maps, data, LOOSE * size)
-    poses = _from_quadruples(poses, points, weights, matches, data)
-    rms = np.full(len(poses), np.inf)
-    for fraction, most in ROUNDS:
+    solved = _from_quadruples(poses, points, weights, matches, data)
+    one = _narrowed(solved, ROUNDS, cells, points, weights, maps, data, tolerance)
+    other = _narrowed(poses, CLOSE, cells, points, weights, maps, data, tolerance)
+    both = Posed(
+        np.concatenate([one.camera_from_object, other.camera_from_object]),
+        np.concatenate([one.matches, other.matches]),
+        np.concatenate([one.rms, other.rms]),
+    )
+    worth = _worth(both.camera_from_object, both.matches, cells, points, weights, maps, data)
+    return both.take(np.argsort(-worth, kind="stable"))
+
+
+def _narrowed(
+    poses: NDArray[np.float64],
+    rounds: tuple[tuple[float, int], ...],
+    cells: ViewCells,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    maps: DistanceMaps,
+    data: Data,
+    tolerance: float,
+) -> Posed:
+    """Match and refine in rounds of shrinking tolerance, the best going on."""
+    poses = rigid(poses)
+    size, rms = sizes(poses, cells, data.camera.f), np.full(len(poses), np.inf)
+    matches = np.full((len(poses), len(points)), -1, dtype=np.intp)
+    for fraction, most in rounds:
         matches = rematch(poses, cells, points, maps, data, np.maximum(fraction * size, tolerance))
         poses, rms = _refined(poses, points, matches, data)
         best = np.argsort(-_worth(poses, matches, cells, points, weights, maps, data), kind="stable")[:most]
@@ -123,7 +154,7 @@ def rematch(
 
 
 def _nearest(
-    places: NDArray[np.float64], visible: NDArray[np.bool_], maps: DistanceMaps, tolerance: NDArray[np.float64]
+    places: NDArray[np.float32], visible: NDArray[np.bool_], maps: DistanceMaps, tolerance: NDArray[np.float64]
 ) -> NDArray[np.intp]:
     """Nearest data within tolerance, each datum given to the nearest of the features that want it."""
     distance, datum = maps.look_up(places)
@@ -206,7 +237,7 @@ def _refined(
         return poses, rms
     batch = np.broadcast_to(points, (len(enough), *points.shape))
     weight = (matches[enough] >= 0).astype(float)
-    result = refine_poses(poses[enough], batch, data.uv[matches[enough]], weight, data.camera, iterations=4)
+    result = refine_poses(poses[enough], batch, data.uv[matches[enough]], weight, data.camera, iterations=5, huber=ROBUST)
     poses = poses.copy()
     poses[enough], rms[enough] = result[0], result[1]
     return poses, rms

@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
 ARM_TOLERANCE = np.radians(16.0)
@@ -41,12 +39,3 @@ class Pairs:
 def turn(angle: NDArray[np.float64]) -> NDArray[np.float64]:
     """Bring angles into [−π, π]."""
     return np.asarray(angle - (2.0 * np.pi) * np.rint(angle / (2.0 * np.pi)))
-
-
-def thinned(columns: Sequence[NDArray[np.float64]]) -> Pairs:
-    """Pairs from their seven columns; past ``MOST_PAIRS`` they are taken evenly."""
-    cell, feature, datum, other_feature, other_datum = (column.astype(np.intp) for column in columns[:5])
-    found = Pairs(cell, feature, datum, other_feature, other_datum, columns[5], columns[6])
-    if len(cell) > MOST_PAIRS:
-        return found.take(np.linspace(0, len(cell) - 1, MOST_PAIRS).astype(np.intp))
-    return found

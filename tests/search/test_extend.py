@@ -24,8 +24,7 @@ def perturbed(rng, pose, centre, degrees, share):
     axis = rng.normal(size=3)
     half = np.radians(degrees) / 2
     turned = rotation_from_quat_xyzw([*(np.sin(half) * axis / np.linalg.norm(axis)), np.cos(half)])
-    about = from_rotation_translation(np.eye(3), centre) @ from_rotation_translation(turned, np.zeros(3)) @ from_rotation_translation(np.eye(3), -centre)
-    moved = pose @ about
+    moved = pose @ from_rotation_translation(turned, centre - turned @ centre)
     step = rng.normal(size=3)
     moved[:3, 3] += share * np.linalg.norm(pose[:3, 3]) * step / np.linalg.norm(step)
     return moved
@@ -34,13 +33,13 @@ def perturbed(rng, pose, centre, degrees, share):
 @pytest.mark.parametrize("name", ["t1", "t2"])
 @pytest.mark.parametrize("seed", range(5040, 5044))
 def test_the_true_pose_is_recovered_from_perturbed_ones(name, seed):
-    """8° and 2 % of the distance is a cell's width off; most starts come home, and the first of the result is right."""
+    """8° and 2 % of the distance is a cell's width off; half of the starts come home, and the first of the result is right."""
     index, pose, data, maps, rng = view(name, seed)
     starts = np.stack([perturbed(rng, pose, index.cells.centre, 8.0, 0.02) for _ in range(8)])
     found = extend(starts, index.cells, index.points, index.weights, maps, data, TOLERANCE)
     right = [is_right(name, p, pose) for p in found.camera_from_object]
     assert right[0]
-    assert np.mean(right) >= 0.5
+    assert sum(right) >= 4
     assert found.rms[0] < 1.5
 
 
@@ -48,10 +47,13 @@ def test_a_batch_equals_singles():
     """No candidate's result depends on its company."""
     index, pose, data, maps, rng = view("t1", 5044)
     starts = np.stack([perturbed(rng, pose, index.cells.centre, 6.0, 0.02) for _ in range(5)])
-    batch = extend(starts, index.cells, index.points, index.weights, maps, data, TOLERANCE)
-    singles = [extend(s[None], index.cells, index.points, index.weights, maps, data, TOLERANCE) for s in starts]
-    together = sorted(tuple(np.round(p[:3, 3], 4)) for p in batch.camera_from_object)
-    assert np.allclose(together, sorted(tuple(np.round(s.camera_from_object[0][:3, 3], 4)) for s in singles), atol=2e-3)
+    batch = extend(starts, index.cells, index.points, index.weights, maps, data, TOLERANCE).camera_from_object
+    alone = [extend(s[None], index.cells, index.points, index.weights, maps, data, TOLERANCE).camera_from_object for s in starts]
+    singles = np.concatenate(alone)
+    assert len(batch) == len(singles) >= 5
+    apart = np.abs(batch[:, None] - singles[None]).max(axis=(2, 3))
+    assert apart.min(axis=0).max() < 2e-3, "every single has its like in the batch"
+    assert apart.min(axis=1).max() < 2e-3, "and the other way round"
 
 
 def test_poses_stay_rigid():

@@ -35,18 +35,21 @@ def shots():
     return rows
 
 
+def ratio_at(name, pose, gamma):
+    """The evidence for a pose once it is settled, as the cycle settles it."""
+    data, index = data_of(gamma.appearances, CAMERA), perceiver().indices[name]
+    return evidence(settle(index, pose, index.allowed(data), data, towers()), data, towers()).ratio
+
+
 @pytest.mark.parametrize("name", ["t1", "t2"])
 def test_the_best_hypothesis_is_the_true_pose(name, shots):
     """Right in all views, but where the pose that is best by Γ is not the true one: then the search has still found the best."""
     mine = [(pose, gamma) for kind, pose, gamma in shots if kind == name]
     right = 0
     for pose, gamma in mine:
-        worth, posed = found(name, gamma)[0]
-        data = data_of(gamma.appearances, CAMERA)
-        index = perceiver().indices[name]
-        truth = evidence(settle(index, pose, index.allowed(data), data, towers()), data, towers()).ratio
-        assert worth > truth - 1.0, "nothing nearer to the truth explains Γ better"
-        right += is_right(name, posed.camera_from_object, pose)
+        settled = best(name, gamma)
+        assert ratio_at(name, settled, gamma) > ratio_at(name, pose, gamma) - 1.0, "nothing nearer to the truth explains Γ better"
+        right += is_right(name, settled, pose)
     assert right >= len(mine) - 1
 
 
@@ -60,7 +63,7 @@ def test_hypotheses_come_best_first_and_no_two_are_alike(shots):
 
 
 def test_permuting_gamma_changes_no_answer(shots):
-    for name, _, gamma in shots[:8]:
+    for name, _, gamma in shots[:6]:
         order = np.random.default_rng(1).permutation(len(gamma.appearances))
         turned = Gamma(gamma.camera, tuple(gamma.appearances[i] for i in order))
         rotation, translation = pose_error(best(name, turned), best(name, gamma), towers().type(name).symmetries)
@@ -101,10 +104,10 @@ def test_a_camera_turned_about_its_axis_turns_the_answers(quarter, shots):
 
 def test_a_gamma_without_arms_gives_the_right_pose(shots):
     right = []
-    for name, pose, gamma in shots:
+    for name, pose, gamma in shots[:12]:
         bare = Gamma(gamma.camera, tuple(replace(a, arms=()) for a in gamma.appearances))
         right.append(is_right(name, best(name, bare), pose))
-    assert sum(right) >= len(right) - 2
+    assert sum(right) >= len(right) - 1
 
 
 def test_the_true_type_explains_more_than_the_other(shots):

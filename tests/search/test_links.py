@@ -102,5 +102,3 @@ def test_turn_brings_angles_into_one_round():
     angles = np.linspace(-20, 20, 101)
     assert (np.abs(turn(angles)) <= np.pi + 1e-12).all()
     assert np.allclose(np.exp(1j * turn(angles)), np.exp(1j * angles))
-
-

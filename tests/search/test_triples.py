@@ -131,4 +131,3 @@ def test_no_triples_no_poses():
     nothing = PlaneTriples(np.zeros((0, 3), dtype=np.intp), np.zeros((0, 3, 3)), np.zeros((0, 2, 2)))
     image = ImageTriples(np.zeros((0, 3), dtype=np.intp), np.zeros((0, 3, 3)), np.zeros((0, 2, 2)))
     assert triple_poses(nothing, image, np.zeros((4, 3)), WIDE, 600.0).shape == (0, 4, 4)
-

@@ -1,0 +1,110 @@
+"""``interpretation.json`` holds everything that decides a probability: written and read back, it is the same situation."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from synthetic import belief_at, cycle_of, data, one_before_the_other, perceiver, scene, towers
+
+from plogic.delta import Options, delta_of
+from plogic.document import document_of, relation_probabilities
+from plogic.errors import InterpretationError
+from plogic.interpretation import read_interpretation, situation_of, text_of
+from plogic.worlds import ranked_worlds
+
+
+@pytest.fixture(scope="module")
+def parts():
+    """A scene with two towers and a rival: shot, cycle with the rival considered, trace."""
+    rng = np.random.default_rng(7400)
+    shot = scene(rng, one_before_the_other(rng))
+    cycle = cycle_of(shot.gamma)
+    return shot, replace(cycle, considered=(belief_at("t1", shot.poses["t2"], data(shot), "rival"),))
+
+
+def written(parts, options):
+    """The situation, its worlds, and the document as it comes back from text."""
+    shot, cycle = parts
+    delta = delta_of(cycle, data(shot), towers(), perceiver().dv, options)
+    ranking = ranked_worlds(delta.situation, 100)
+    document = document_of(towers(), shot.gamma, delta, cycle.rejected, cycle.trace.document(), ranking, None)
+    return delta, ranking, json.loads(text_of(document))
+
+
+ALL = [Options(reading=r, reconsider=m, smoothing=s) for r in ("score", "posterior") for m in ("to_B", "drop", "reassign") for s in (0.0, 0.01)]
+
+
+@pytest.mark.parametrize("options", ALL, ids=lambda o: f"{o.reading}-{o.reconsider}-{o.smoothing}")
+def test_the_situation_comes_back_whole(parts, options):
+    delta, ranking, document = written(parts, options)
+    back = situation_of(document)
+    assert back == delta.situation
+    assert ranked_worlds(back, 100) == ranking
+
+
+def test_the_document_lists_the_same_worlds(parts):
+    _, ranking, document = written(parts, Options())
+    assert [(w["probability"], tuple(w["present"]), w["causes"]) for w in document["worlds"]] == [
+        (w.probability, w.present, w.causes) for w in ranking.worlds
+    ]
+    assert document["unlisted_mass"] == list(ranking.unlisted)
+    assert {h["id"]: h["probability"] for h in document["hypotheses"] if h["status"] != "rejected"} == ranking.marginals
+
+
+def test_the_rejected_are_told_and_decide_nothing(parts):
+    delta, _, document = written(parts, Options())
+    rejected = [h for h in document["hypotheses"] if h["status"] == "rejected"]
+    assert rejected
+    assert all(h["probability"] == 0.0 and h["why"] for h in rejected)
+    without = {**document, "hypotheses": [h for h in document["hypotheses"] if h["status"] != "rejected"]}
+    assert situation_of(without) == delta.situation
+
+
+def test_cases_are_those_of_the_accepted_world(parts):
+    """The four cases, told per feature: outside the image none; counted they are the cells beside Δi."""
+    delta, _, document = written(parts, Options())
+    for h in document["hypotheses"][: len(delta.beliefs)]:
+        assert h["features"]
+        for f in h["features"]:
+            letter = {(True, True): "A", (True, False): "C", (False, False): "B", (False, True): "D"}[f["expected"], f["detected"]]
+            assert f["case"] == (letter if f["in_image"] else None)
+
+
+def test_relations_have_the_mass_of_the_worlds_that_hold_both(parts):
+    delta, ranking, document = written(parts, Options())
+    assert document["relations"] == relation_probabilities(delta, ranking)
+    assert document["relations"]
+    for row in document["relations"]:
+        mass = sum(w.probability for w in ranking.worlds if set(row["args"]) <= set(w.present))
+        assert row["probability"] == pytest.approx(mass)
+
+
+def test_the_same_document_gives_the_same_bytes(parts):
+    _, _, document = written(parts, Options())
+    assert text_of(document) == text_of(json.loads(text_of(document)))
+
+
+def test_a_file_is_read_back(parts, tmp_path):
+    delta, _, document = written(parts, Options())
+    path = tmp_path / "interpretation.json"
+    path.write_text(text_of(document), encoding="utf-8")
+    assert situation_of(read_interpretation(path)) == delta.situation
+
+
+def test_an_empty_gamma_round_trips():
+    shot = scene(np.random.default_rng(1), {}, clutter=0)
+    document = perceiver()(shot.gamma)
+    back = situation_of(json.loads(text_of(document)))
+    assert back.hypotheses == ()
+    assert ranked_worlds(back).worlds[0].probability == 1.0
+
+
+@pytest.mark.parametrize("key", ["facts", "hypotheses", "appearances", "measures", "reading", "rules", "priors"])
+def test_what_is_missing_is_one_clear_line(parts, key):
+    _, _, document = written(parts, Options())
+    del document[key]
+    with pytest.raises(InterpretationError) as caught:
+        situation_of(document)
+    assert "\n" not in str(caught.value)
+    assert key in str(caught.value)
