@@ -38,7 +38,8 @@ f_ref: 600
 detector:
   hit: {apex: 0.95, corner: 0.8, patch: 0.95}
   clutter: {l_junction: 8, y_junction: 0.5, arrow_junction: 1, t_junction: 7, multi_junction: 1, patch: 1.5}
-  sigma: 0.4
+  sigma: 0.5
+  sigmas: {apex: 0.4, corner: 0.5, patch: 0.2}
   match_tolerance: 3.0
 priors: {t1: 0.5, t2: 0.5}
 """

@@ -109,7 +109,7 @@ class Rates:
     """Detector statistics and priors of a KB.
 
     ``hit``: h_F per feature type. ``clutter``: expected clutter appearances an image per appearance type. ``prior`` per object type.
-    ``sigma``: location noise, pixels. ``match_tolerance``: pixels (D8).
+    ``sigma``: location noise, pixels; ``sigmas`` per feature type where it differs. ``match_tolerance``: pixels (D8).
     """
 
     hit: dict[str, float]
@@ -117,6 +117,11 @@ class Rates:
     prior: dict[str, float]
     sigma: float = 1.0
     match_tolerance: float = 4.0
+    sigmas: dict[str, float] = field(default_factory=dict)
+
+    def sigma_of(self, feature_type: str) -> float:
+        """Location noise of a feature type, pixels."""
+        return self.sigmas.get(feature_type, self.sigma)
 
 
 @dataclass(frozen=True, eq=False)

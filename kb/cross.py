@@ -30,6 +30,7 @@ def cross_mistakes(kb: Document, model: KBModel | None, objects: Sequence[Docume
     if model is not None and complete:
         features = {name for document in objects for name in _types(document, "feature")}
         yield from _unknown(kb, ("detector", "hit"), model.detector.hit, features, "feature")
+        yield from _unknown(kb, ("detector", "sigmas"), model.detector.sigmas, features, "feature")
         names = {name for document in objects if isinstance(name := _name(document), str)}
         yield from _unknown(kb, ("priors",), model.priors, names, "object")
 

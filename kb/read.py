@@ -166,5 +166,6 @@ def _rates(model: KBModel, types: tuple[ObjectType, ...]) -> Rates:
         clutter={name: detector.clutter.get(name, CLUTTER) for name in model.appearance_types},
         prior={kind.name: model.priors.get(kind.name, PRIOR) for kind in types},
         sigma=detector.sigma,
+        sigmas=dict(detector.sigmas),
         match_tolerance=detector.match_tolerance,
     )

@@ -121,6 +121,7 @@ def tree_document(kb: KnowledgeBase) -> dict[str, Any]:
             "hit": rates.hit,
             "clutter": rates.clutter,
             "sigma": rates.sigma,
+            "sigmas": rates.sigmas,
             "match_tolerance": rates.match_tolerance,
         },
         "priors": rates.prior,

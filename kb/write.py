@@ -40,7 +40,7 @@ def kb_text(kb: KnowledgeBase) -> str:
     }
     lines = [f"{key}: {_flow(value)}" for key, value in rows.items()]
     lines += ["detector:", f"  hit: {_flow(rates.hit)}", f"  clutter: {_flow(rates.clutter)}"]
-    lines += [f"  sigma: {_flow(rates.sigma)}", f"  match_tolerance: {_flow(rates.match_tolerance)}"]
+    lines += [f"  sigma: {_flow(rates.sigma)}", f"  sigmas: {_flow(rates.sigmas)}", f"  match_tolerance: {_flow(rates.match_tolerance)}"]
     return "\n".join([*lines, f"priors: {_flow(rates.prior)}"]) + "\n"
 
 

@@ -180,15 +180,25 @@ class Perception:
 
     def _refusal(self, belief: Belief) -> str | None:
         """Why a hypothesis is not accepted beside Δi, or None."""
+        return self._unsupported(belief) or self._excluded(belief.posed)
+
+    def _unsupported(self, belief: Belief) -> str | None:
+        """Why its own evidence does not carry it."""
         posed = belief.posed
-        found = int((posed.candidate & posed.detected).sum())
-        if found < FEWEST:
-            return f"only {found} expected features were detected; {FEWEST} are demanded"
+        found = posed.candidate & posed.detected
+        if found.sum() < FEWEST:
+            return f"only {int(found.sum())} expected features were detected; {FEWEST} are demanded"
+        if not found[belief.index.anchors].any():
+            return "none of its most distinctive features was detected"
         if belief.ev_reconsidered is None or belief.ev_reconsidered <= 0.0:
             return f"ev {_round(belief.ev_reconsidered)} is not above 0"
         surplus = belief.surplus + self._harm(posed)
         if surplus <= SIGNIFICANT:
             return f"log-likelihood ratio {surplus:.1f} beyond what fixes a pose: no better than the luck of {MOST_PAIRS} tries"
+        return None
+
+    def _excluded(self, posed: Posed) -> str | None:
+        """Which constraint keeps it out of Δi."""
         for other in self.accepted:
             if overlap(posed, other.posed):
                 return "shares volume with an accepted object (A4)"
@@ -264,7 +274,7 @@ class Perception:
         """Take every ev anew beside the others (reconsideration); drop what no longer holds, until Δi is stable. It only shrinks."""
         while True:
             self.accepted = [self._again(b) for b in self.accepted]
-            bad = [b for b in self.accepted if b.ev_reconsidered is None or b.ev_reconsidered <= 0.0]
+            bad = [b for b in self.accepted if b.ev_reconsidered is None or b.ev_reconsidered <= 0.0 or b.worth <= 0.0]
             if not bad:
                 return
             worst = min(bad, key=lambda b: (b.ev_reconsidered is not None, b.ev_reconsidered or -1.0))

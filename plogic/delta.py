@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import networkx as nx
 
 from geometry.occlusion import CoarseRelation, PosedSurface, coarse_relation, converse
-from plogic.evidence import clutter_density, density, hit_rates
+from plogic.evidence import clutter_density, density, hit_rates, sigmas
 from plogic.expectation import hidden_by
 from plogic.parts import part_facts
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
@@ -103,7 +103,7 @@ def _hypothesis(
     dv: Mapping[str, float],
 ) -> HypothesisFact:
     others = [y for x, y in hiding if x == name]
-    near = density(posed.residual, kb.rates.sigma)
+    near = density(posed.residual, sigmas(posed, kb))
     hits = hit_rates(posed, kb)
     features = tuple(
         FeatureFact(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from plogic.search.data import Data
 
 
-def density(residual: NDArray[np.float64], sigma: float) -> NDArray[np.float64]:
+def density(residual: NDArray[np.float64], sigma: NDArray[np.float64] | float) -> NDArray[np.float64]:
     """N(u; û, σ²I) per pixel² at distances ``residual`` in pixels; 0 where NaN."""
     value = np.exp(-0.5 * (residual / sigma) ** 2) / (2.0 * np.pi * sigma**2)
     return np.asarray(np.nan_to_num(value, nan=0.0))
@@ -25,6 +25,11 @@ def clutter_density(kb: KnowledgeBase, data: Data) -> NDArray[np.float64]:
     """F (A,) per pixel² of each datum: the expected number of clutter appearances of its type over the image's area."""
     area = float(data.camera.width * data.camera.height)
     return np.array([kb.rates.clutter.get(name, 1.0) / area for name in data.types])
+
+
+def sigmas(posed: Posed, kb: KnowledgeBase) -> NDArray[np.float64]:
+    """Location noise (F,) of each feature, pixels."""
+    return np.array([kb.rates.sigma_of(feature.type) for feature in posed.object_type.features])
 
 
 def hit_rates(posed: Posed, kb: KnowledgeBase) -> NDArray[np.float64]:
@@ -54,7 +59,7 @@ def evidence(posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.boo
     found = expected & posed.detected
     clutter = clutter_density(kb, data)[posed.matches[found]]
     gain = np.log(
-        (hit[found] * density(posed.residual[found], kb.rates.sigma) + (1.0 - hit[found]) * clutter) / clutter
+        (hit[found] * density(posed.residual[found], sigmas(posed, kb)[found]) + (1.0 - hit[found]) * clutter) / clutter
     )
     ratio = float(gain.sum() + np.log(1.0 - hit[expected & ~posed.detected]).sum())
     return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))

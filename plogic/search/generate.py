@@ -203,7 +203,8 @@ def _polished(
     poses = np.array([found[i][0].camera_from_object for i in some])
     uv = np.array([data.uv[np.maximum(found[i][0].matches, 0)] for i in some])
     points = np.broadcast_to(index.points, (len(some), *index.points.shape))
-    better = refine_poses(poses, points, uv, used[some].astype(float), data.camera, huber=ROBUST)[0]
+    weights = used[some] * _precision(index, kb)
+    better = refine_poses(poses, points, uv, weights, data.camera, huber=ROBUST)[0]
     return [_matched_at(index, pose, allowed, maps, data, kb) for pose in better]
 
 
@@ -227,7 +228,7 @@ def settle(
     tolerance = kb.rates.match_tolerance
     posed = matched(pose_of(index.object_type, pose, data, kb), data, allowed, tolerance, free, hidden)
     for _ in range(rounds):
-        better = polish(index, posed, data, hidden)
+        better = polish(index, posed, data, kb, hidden)
         if better is None:
             break
         new = matched(pose_of(index.object_type, better, data, kb), data, allowed, tolerance, free, hidden)
@@ -239,7 +240,7 @@ def settle(
 
 
 def polish(
-    index: TypeIndex, posed: Posed, data: Data, hidden: NDArray[np.bool_] | None = None
+    index: TypeIndex, posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
 ) -> NDArray[np.float64] | None:
     """Least squares (4, 4) on the expected features that were detected, or None where they are fewer than four."""
     used = posed.candidate & posed.detected
@@ -247,8 +248,14 @@ def polish(
     if used.sum() < 4:
         return None
     uv = data.uv[np.maximum(posed.matches, 0)][None]
-    result = refine_poses(posed.camera_from_object[None], index.points[None], uv, used[None].astype(float), data.camera, huber=ROBUST)
+    result = refine_poses(posed.camera_from_object[None], index.points[None], uv, used[None] * _precision(index, kb), data.camera, huber=ROBUST)
     return np.asarray(result[0][0])
+
+
+def _precision(index: TypeIndex, kb: KnowledgeBase) -> NDArray[np.float64]:
+    """(F,) weights of the features in least squares: 1/σ², the KB's own σ being 1."""
+    noise = np.array([kb.rates.sigma_of(feature.type) for feature in index.object_type.features])
+    return np.asarray((kb.rates.sigma / noise) ** 2)
 
 
 def same_place(object_type: ObjectType, one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:

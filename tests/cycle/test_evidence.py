@@ -34,7 +34,8 @@ def by_hand(posed, of, hidden=None):
         if posed.matches[f] < 0:
             misses.append(log(1 - h))
             continue
-        n = exp(-0.5 * (posed.residual[f] / kb.rates.sigma) ** 2) / (2 * pi * kb.rates.sigma**2)
+        sigma = kb.rates.sigma_of(posed.object_type.features[f].type)
+        n = exp(-0.5 * (posed.residual[f] / sigma) ** 2) / (2 * pi * sigma**2)
         clutter = kb.rates.clutter[of.types[posed.matches[f]]] / (640 * 480)
         relative = clutter / n
         hits.append(log((h + relative - h * relative) / relative))
