@@ -27,6 +27,8 @@ ROUNDS = ((0.06, 48), (0.035, 32), (0.02, 24), (0.0, 24))
 """Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of the best go on."""
 
 
+TRUSTED = 64
+"""Candidates that are taken as they are, the best by votes: the order that they come in."""
 CLOSE = ((0.025, 32), (0.0, 16))
 """The same for candidates that are trusted to be close already."""
 ROBUST = 1.0
@@ -86,7 +88,7 @@ def extend(
     matches = rematch(poses, cells, points, maps, data, LOOSE * size)
     solved = _from_quadruples(poses, points, weights, matches, data)
     one = _narrowed(solved, ROUNDS, cells, points, weights, maps, data, tolerance)
-    other = _narrowed(poses, CLOSE, cells, points, weights, maps, data, tolerance)
+    other = _narrowed(poses[:TRUSTED], CLOSE, cells, points, weights, maps, data, tolerance)
     both = Posed(
         np.concatenate([one.camera_from_object, other.camera_from_object]),
         np.concatenate([one.matches, other.matches]),

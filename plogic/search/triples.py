@@ -31,7 +31,7 @@ LEVEL = np.cos(np.radians(8.0))
 """Features of one plane look the same way, to 8°."""
 FLATTEST = np.cos(np.radians(78.0)) ** 2
 """Least foreshortening, squared: a wall seen at more than 78° shows nothing."""
-MOST_IMAGE_TRIPLES = 160
+MOST_IMAGE_TRIPLES = 120
 """Image triples that are tried; those that a fourth datum completes to a parallelogram come first, then the most compact."""
 
 
@@ -100,23 +100,28 @@ class ImageTriples:
 
 def image_triples(data: Data, members: NDArray[np.intp]) -> ImageTriples:
     """Triples of neighbouring ``members`` (indices into Γ), the likeliest corners of a regular pattern first."""
-    places = data.ideal[members]
-    found = []
-    for i in range(len(members)):
-        step = places - places[i]
-        length = np.hypot(step[:, 0], step[:, 1])
-        near = [j for j in np.argsort(length, kind="stable")[1 : NEIGHBOURS + 1] if length[j] > 1.0]
-        for j, k in combinations(near, 2):
-            cross = step[j, 0] * step[k, 1] - step[j, 1] * step[k, 0]
-            size = length[j] * length[k]
-            if abs(cross) < 0.12 * size:
-                continue
-            fourth = np.hypot(*(step - step[j] - step[k]).T).min() / (length[j] + length[k])
-            second, third = (k, j) if cross > 0 else (j, k)  # y down: counter-clockwise for the eye
-            found.append((fourth > 0.08, size, members[i], members[second], members[third]))
-    found.sort()
-    rows = np.array([row[2:] for row in found[:MOST_IMAGE_TRIPLES]], dtype=np.intp).reshape(-1, 3)
-    return ImageTriples(rows, *_tangents(data, rows))
+    rows, score = _neighbouring(data.ideal[members])
+    order = np.lexsort((*rows.T[::-1], score[:, 1], score[:, 0]))[:MOST_IMAGE_TRIPLES]
+    chosen = members[rows[order]].reshape(-1, 3)
+    return ImageTriples(chosen, *_tangents(data, chosen))
+
+
+def _neighbouring(places: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Triples (N, 3) of places (M, 2) and their scores (N, 2): 0 where a fourth completes a parallelogram, else 1; then the area's scale."""
+    step = places[None] - places[:, None]
+    length = np.hypot(step[..., 0], step[..., 1])
+    near = np.argsort(length, axis=1, kind="stable")[:, 1 : NEIGHBOURS + 1]
+    one, other = np.array(list(combinations(range(near.shape[1]), 2)), dtype=np.intp).reshape(-1, 2).T
+    first, j, k = (np.repeat(np.arange(len(places)), len(one)), near[:, one].ravel(), near[:, other].ravel())
+    u, v, size = step[first, j], step[first, k], length[first, j] * length[first, k]
+    cross = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    kept = (np.abs(cross) >= 0.12 * size) & (np.minimum(length[first, j], length[first, k]) > 1.0)
+    first, j, k, u, v, cross, size = first[kept], j[kept], k[kept], u[kept], v[kept], cross[kept], size[kept]
+    fourth = np.linalg.norm(step[first] - (u + v)[:, None], axis=2).min(axis=1, initial=np.inf)
+    away = fourth > 0.08 * (length[first, j] + length[first, k])
+    turned = cross > 0  # y down: counter-clockwise for the eye is the other way round
+    rows = np.stack([first, np.where(turned, k, j), np.where(turned, j, k)], axis=1)
+    return rows, np.stack([away.astype(float), size], axis=1)
 
 
 def _tangents(data: Data, rows: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
