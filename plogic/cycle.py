@@ -1,11 +1,8 @@
-"""The perceptual cycle (§7): rank, match, pose, expect, judge; accept, or reject and release; until Γ has a coherent explanation.
-
-Vocabulary: ``Belief``, one hypothesis under consideration with its verdict; ``Cycle``, what a run came to: Δh, Δi and the trace.
-"""
+"""The perceptual cycle (§7): rank, match, pose, expect, judge; accept, or reject and release; until Γ has a coherent explanation."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import log
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -13,11 +10,12 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
+from plogic.belief import Belief, Cycle, same_hypothesis
 from plogic.evidence import evidence
 from plogic.expectation import hidden_by
 from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import SHARED_CLAIMS, claims, overlap, shared_claims
-from plogic.search.generate import generate, same_place, settle
+from plogic.search.generate import generate, settle
 from plogic.search.pairs import MOST_PAIRS
 from plogic.search.projection import project_ideal
 from plogic.trace import Trace
@@ -43,34 +41,6 @@ POLISHED = 6
 """Poses of a round that are refined beside Δi before they are accepted or not, the best first."""
 MOST_RIVALS = 2
 """Rivals of an accepted hypothesis that enter Δh with it."""
-
-
-@dataclass(frozen=True)
-class Belief:
-    """One hypothesis: its geometry and matching, its evidence, ev before and after reconsideration, and a verdict.
-
-    ``worth`` is its log-likelihood ratio against clutter, ``surplus`` the same without the three best matches (which any pose has).
-    """
-
-    posed: Posed
-    index: TypeIndex
-    worth: float
-    surplus: float
-    ev: float | None
-    ev_reconsidered: float | None
-    status: str = "open"
-    why: str = ""
-
-
-@dataclass(frozen=True)
-class Cycle:
-    """``accepted`` is Δi in the order of acceptance; ``considered`` the rest of Δh; ``rejected`` what was tried and dropped."""
-
-    accepted: tuple[Belief, ...]
-    considered: tuple[Belief, ...]
-    rejected: tuple[Belief, ...]
-    attention: tuple[Attention, ...]
-    trace: Trace
 
 
 class Perception:
@@ -157,7 +127,7 @@ class Perception:
         return [self._judge(posed, free, rounds=0) for posed in pool]
 
     def _is_accepted(self, posed: Posed) -> bool:
-        return any(_same(posed, belief.posed) for belief in self.accepted)
+        return any(same_hypothesis(posed, belief.posed) for belief in self.accepted)
 
     def _judge(self, posed: Posed, free: NDArray[np.bool_], rounds: int = 2, skip: Belief | None = None) -> Belief:
         index = self.indices[posed.object_type.name]
@@ -297,7 +267,7 @@ class Perception:
         """At most ``MOST_RIVALS`` rivals an accepted hypothesis, near-duplicates merged, best first."""
         kept: list[Belief] = []
         for rival in sorted(self.rivals, key=lambda b: -b.worth):
-            twin = any(_same(rival.posed, b.posed) for b in kept + self.accepted)
+            twin = any(same_hypothesis(rival.posed, b.posed) for b in kept + self.accepted)
             if not twin and len(kept) < MOST_RIVALS * len(self.accepted):
                 kept.append(rival)
         return kept
@@ -305,13 +275,6 @@ class Perception:
 
 def _name(belief: Belief) -> str:
     return str(belief.posed.object_type.name)
-
-
-def _same(one: Posed, other: Posed) -> bool:
-    """Whether two hypotheses are near-duplicates: one type, one place up to symmetry (§8)."""
-    return one.object_type.name == other.object_type.name and same_place(
-        one.object_type, one.camera_from_object, other.camera_from_object
-    )
 
 
 def _round(value: float | None) -> float | None:

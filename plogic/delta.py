@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from geometry.camera import Camera
     from kb.cloud import KnowledgeBase
-    from plogic.cycle import Belief, Cycle
+    from plogic.belief import Belief, Cycle
     from plogic.expectation import Posed
     from plogic.search.data import Data
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase
-    from plogic.cycle import Belief
+    from plogic.belief import Belief
     from plogic.delta import Delta
     from plogic.worlds import Ranking
     from sensing.appearance import Gamma

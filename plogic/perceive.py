@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from plogic.attention import attend
-from plogic.cycle import Belief, Perception
+from plogic.cycle import Perception
 from plogic.delta import Delta, Options, delta_of
 from plogic.document import document_of
 from plogic.errors import InconsistentError
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase
+    from plogic.belief import Belief
     from sensing.appearance import Gamma
 
 SMOOTHED = 0.001

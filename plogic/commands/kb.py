@@ -46,10 +46,10 @@ def measures_command(folder: str, gamma: str | None, *, as_json: bool) -> str:
         document["ranks"] = _ranks(kb, gamma, dv)
     if as_json:
         return json.dumps(document)
-    texts = [plain_table("features of Σo: instances |S(F)|, P(dv), distinctiveness", rows)]
+    texts = [plain_table("features of Σo", rows)]
     if "ranks" in document:
         texts.append(
-            plain_table("object types: rank, its excess over chance, rank within one view cell", document["ranks"])
+            plain_table("object types by rank", document["ranks"])
         )
     return "\n".join(texts)
 

@@ -17,7 +17,8 @@ from kb.lobes import in_lobe
 from kb.read import read_kb
 from kb.shipped import shipped
 from plogic.attention import attend
-from plogic.cycle import Belief, Perception
+from plogic.belief import Belief
+from plogic.cycle import Perception
 from plogic.evidence import evidence
 from plogic.measures.explanatory import explanatory_value
 from plogic.perceive import Perceiver

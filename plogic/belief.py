@@ -1,0 +1,52 @@
+"""What the perceptual cycle holds of a hypothesis, and what a run came to (§7).
+
+Vocabulary: ``Belief``, one hypothesis under consideration with its verdict; ``Cycle``, what a run came to: Δh, Δi and the trace.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from plogic.search.generate import same_place
+
+if TYPE_CHECKING:
+    from plogic.attention import Attention
+    from plogic.expectation import Posed
+    from plogic.search.generate import TypeIndex
+    from plogic.trace import Trace
+
+
+@dataclass(frozen=True)
+class Belief:
+    """One hypothesis: its geometry and matching, its evidence, ev before and after reconsideration, and a verdict.
+
+    ``worth`` is its log-likelihood ratio against clutter, ``surplus`` the same without the three best matches (which any pose has).
+    """
+
+    posed: Posed
+    index: TypeIndex
+    worth: float
+    surplus: float
+    ev: float | None
+    ev_reconsidered: float | None
+    status: str = "open"
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """``accepted`` is Δi in the order of acceptance; ``considered`` the rest of Δh; ``rejected`` what was tried and dropped."""
+
+    accepted: tuple[Belief, ...]
+    considered: tuple[Belief, ...]
+    rejected: tuple[Belief, ...]
+    attention: tuple[Attention, ...]
+    trace: Trace
+
+
+def same_hypothesis(one: Posed, other: Posed) -> bool:
+    """Whether two hypotheses are near-duplicates: one type, one place up to symmetry (§8)."""
+    return one.object_type.name == other.object_type.name and same_place(
+        one.object_type, one.camera_from_object, other.camera_from_object
+    )
