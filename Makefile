@@ -1,5 +1,5 @@
 # Everything sets itself up: a fresh machine needs CPython 3.11, pip and make, nothing else.
-PYTHON ?= python3.11
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV ?= .venv
 READY = $(VENV)/.ready
 
