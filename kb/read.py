@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from kb.branches import branch_of, misplaced, outline, path_to
 from kb.cloud import KnowledgeBase, ObjectType, Rates
+from kb.clutter import clutter_prior
 from kb.cross import cross_mistakes
 from kb.errors import KBErrors, Mistake, SurfaceError
 from kb.folder import MAX_MESH_BYTES, Folder
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 MAX_RULES_BYTES = 1_000_000
 """Largest ``rules.pl``."""
-HIT, CLUTTER, PRIOR = 0.8, 1.0, 0.5
+HIT, PRIOR = 0.8, 0.5
 """What holds for types that ``kb.yaml`` says nothing about."""
 
 
@@ -163,7 +164,7 @@ def _rates(model: KBModel, types: tuple[ObjectType, ...]) -> Rates:
     kinds = sorted({feature.type for kind in types for feature in kind.all_features})
     return Rates(
         hit={name: detector.hit.get(name, HIT) for name in kinds},
-        clutter={name: detector.clutter.get(name, CLUTTER) for name in model.appearance_types},
+        clutter=clutter_prior(types, model.appearance_types) | dict(detector.clutter),
         prior={kind.name: model.priors.get(kind.name, PRIOR) for kind in types},
         sigma=detector.sigma,
         sigmas=dict(detector.sigmas),

@@ -237,7 +237,7 @@ class DetectorModel(Model):
     """Detector statistics."""
 
     hit: dict[Name, Share] = Field({}, description="Chance that an expected feature is detected, per feature type; 0.8.")
-    clutter: dict[Name, Positive] = Field({}, description="Appearances of noise per image and appearance type; 1.")
+    clutter: dict[Name, Positive] = Field({}, description="Appearances of noise per image and appearance type; by P(dv), 1 on the average.")
     sigma: Positive = Field(1.0, description="Location noise, pixels.")
     sigmas: dict[Name, Positive] = Field({}, description="Location noise per feature type, pixels, where it is not sigma.")
     match_tolerance: Positive = Field(4.0, description="How far from its predicted place a feature may be found, px (D8).")

@@ -28,7 +28,7 @@ def test_a_good_kb_is_read(tmp_path):
     (tent,) = kb.types
     assert (kb.name, kb.f_ref, kb.appearance_types, kb.rules) == ("small", 600.0, ("apex", "corner"), "near(X) :- present(X).\n")
     assert kb.rates.hit == {"apex": 0.9, "corner": 0.8}
-    assert kb.rates.clutter == {"apex": 1.0, "corner": 3.0}
+    assert kb.rates.clutter == {"apex": 0.666667, "corner": 3.0}  # one feature of three is an apex: λ·P(dv) = 2 · 1/3
     assert (kb.rates.prior, kb.rates.sigma, kb.rates.match_tolerance) == ({"tent": 0.25}, 1.5, 5.0)
     assert [feature.name for feature in tent.features] == ["roof/apex", "roof/pair"]
     assert [feature.name for feature in tent.all_features] == ["roof/apex", "roof/pair", "roof/pair/left"]
