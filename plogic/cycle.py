@@ -153,9 +153,9 @@ class Perception:
         return self._unsupported(belief) or self._excluded(belief.posed)
 
     def _unsupported(self, belief: Belief) -> str | None:
-        """Why its own evidence does not carry it."""
+        """Why its own evidence, beside Δi, does not carry it: what is hidden there is not expected."""
         posed = belief.posed
-        found = posed.candidate & posed.detected
+        found = posed.candidate & posed.detected & ~self._hidden(posed)
         if found.sum() < FEWEST:
             return f"only {int(found.sum())} expected features were detected; {FEWEST} are demanded"
         if not found[belief.index.anchors].any():
@@ -249,8 +249,8 @@ class Perception:
                 return
             worst = min(bad, key=lambda b: (b.ev_reconsidered is not None, b.ev_reconsidered or -1.0))
             self.accepted = [b for b in self.accepted if b is not worst]
-            self.rejected.append(replace(worst, status="rejected", why="ev is not above 0 beside the others"))
-            self.trace.add("release", "ev is not above 0 beside the others; its data are released", of_type=_name(worst))
+            self.rejected.append(replace(worst, status="rejected", why="ev or evidence is not above 0 beside the others"))
+            self.trace.add("release", "ev or evidence is not above 0 beside the others; its data are released", of_type=_name(worst))
 
     def _again(self, belief: Belief) -> Belief:
         """Ev of an accepted hypothesis with everything else that is accepted."""
