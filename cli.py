@@ -14,6 +14,12 @@ READINGS = click.Choice(["score", "posterior"])
 SEED = click.IntRange(0)
 MODES = click.Choice(["to_B", "drop", "reassign"])
 INTERPRETATION = click.argument("interpretation", metavar="INTERPRETATION")
+SOURCE = click.argument("source", metavar="INTERPRETATION|PROGRAM.pl")
+GIVEN = click.option("--given", multiple=True, metavar="EVIDENCE", help="A literal that is observed; may be repeated.")
+READING = click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
+TRUST = click.option(
+    "--trust", is_flag=True, help="Lift the limits on a program of your own: it may then run Python and read files."
+)
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="One versioned JSON document on stdout.")
 
 
@@ -24,6 +30,13 @@ class Number(click.FloatRange):
         """The number; fails as bad usage."""
         number = super().convert(value, param, ctx)
         return self.fail(f"{value} is no number", param, ctx) if math.isnan(number) else number
+
+
+DEADLINE = click.option(
+    "--deadline",
+    type=Number(0.0, min_open=True),
+    help="Seconds; then every answer is an interval that contains the exact one (exit 3).",
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -81,52 +94,62 @@ def perceive(input: str, kb_folder: str, out: str, **options: Any) -> None:
 
 
 @cli.command()
-@INTERPRETATION
+@SOURCE
 @click.option("-n", "number", type=click.IntRange(1), default=10, show_default=True)
-@click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
+@GIVEN
+@READING
+@DEADLINE
+@TRUST
 @AS_JSON
-def worlds(interpretation: str, number: int, reading: Any, as_json: bool) -> None:
+def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """List the possible worlds, most probable first, with the mass that is not listed."""
-    from plogic.commands.asking import worlds_command
+    from plogic.commands.worlds import worlds_command
 
-    _out(worlds_command(interpretation, number, reading=reading, as_json=as_json))
+    text, status = worlds_command(source, number, given, options, as_json=as_json)
+    _out(text)
+    sys.exit(status)
 
 
 @cli.command()
-@click.argument("source", metavar="INTERPRETATION|PROGRAM.pl")
+@SOURCE
 @click.argument("goal", required=False)
-@click.option("--given", multiple=True, metavar="EVIDENCE", help="A literal that is observed; may be repeated.")
+@GIVEN
 @click.option("--rules", type=click.Path(), help="A file of your own rules.")
-@click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
+@READING
+@DEADLINE
+@TRUST
 @AS_JSON
-def query(source: str, goal: str | None, given: tuple[str, ...], rules: str | None, reading: Any, as_json: bool) -> None:
+def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """Give P(goal) with every answer substitution, most probable first; without a goal, the program's own queries."""
-    from plogic.commands.asking import query_command
+    from plogic.commands.query import query_command
 
-    _out(query_command(source, goal, given, rules, reading=reading, as_json=as_json))
+    text, status = query_command(source, goal, given, options, as_json=as_json)
+    _out(text)
+    sys.exit(status)
 
 
 @cli.command()
-@click.argument("source", metavar="INTERPRETATION|PROGRAM.pl")
+@SOURCE
 @click.argument("goal")
-@click.option("--given", multiple=True, metavar="EVIDENCE")
+@GIVEN
 @click.option("-n", "number", type=click.IntRange(1), default=5, show_default=True)
-@click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
+@READING
+@TRUST
 @AS_JSON
-def explain(source: str, goal: str, given: tuple[str, ...], number: int, reading: Any, as_json: bool) -> None:
+def explain(source: str, goal: str, given: tuple[str, ...], number: int, as_json: bool, **options: Any) -> None:
     """Say why, and why not: ranked explanations of the goal as trees down to the data."""
-    from plogic.commands.asking import explain_command
+    from plogic.commands.explain import explain_command
 
-    _out(explain_command(source, goal, given, number, reading=reading, as_json=as_json))
+    _out(explain_command(source, goal, given, number, options, as_json=as_json))
 
 
 @cli.command()
 @INTERPRETATION
-@click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
+@READING
 @AS_JSON
 def program(interpretation: str, reading: Any, as_json: bool) -> None:
     """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
-    from plogic.commands.asking import program_command
+    from plogic.commands.program import program_command
 
     _out(program_command(interpretation, reading, as_json=as_json))
 
@@ -136,7 +159,7 @@ def program(interpretation: str, reading: Any, as_json: bool) -> None:
 @click.option("-o", "--out", required=True, help="The page to write; `-` is stdout.")
 def report(interpretation: str, out: str) -> None:
     """Write one self-contained HTML page that works offline."""
-    from plogic.commands.asking import report_command
+    from plogic.commands.program import report_command
 
     report_command(interpretation, out, say=_say, write=_out)
 

@@ -11,6 +11,8 @@ from plogic.errors import InputError
 
 if TYPE_CHECKING:
     from kb.cloud import KnowledgeBase
+    from plogic.engine import Text
+    from plogic.query import Subject
     from plogic.situation import Reading, Situation
 
 LARGEST_PROGRAM = 8 * 2**20
@@ -57,3 +59,17 @@ def situation_from(source: str, reading: Reading | None = None) -> Situation:
 
     situation = situation_of(read_interpretation(source))
     return situation if reading is None else replace(situation, reading=reading)
+
+
+def subject_of(source: str, reading: Reading | None) -> Subject:
+    """A situation, or program text, as ``answers`` and ``explain`` take them."""
+    from plogic.engine import Text
+
+    return Text(program_text_of(source), source) if is_program(source) else situation_from(source, reading)
+
+
+def rules_from(path: str | None) -> Text | None:
+    """A file of a user's own rules."""
+    from plogic.engine import Text
+
+    return None if path is None else Text(program_text_of(path), path)

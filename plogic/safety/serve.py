@@ -5,35 +5,18 @@ Parsed, held to the allow-list, grounded by the safe engine, counted by ProbLog.
 
 from __future__ import annotations
 
-from typing import Any, NoReturn
+from typing import Any
 
 from problog.ddnnf_formula import DDNNF
-from problog.engine import NonGroundProbabilisticClause, UnknownClause
-from problog.errors import CompilationError, InconsistentEvidenceError, NonGroundQuery, ProbLogError
-from problog.eval_nodes import NegativeCycle
+from problog.errors import CompilationError, ProbLogError
 from problog.logic import And, Clause, Constant, Not, Or, Term, Var
 from problog.sdd_formula import SDD
 
-from plogic.errors import (
-    InconsistentError,
-    NegativeCycleError,
-    NonGroundError,
-    ProgramError,
-    UnknownPredicateError,
-    UnsafeProgramError,
-)
 from plogic.names import Names
 from plogic.program.mapping import mapped, shown
 from plogic.safety.check import check_goal, check_source, parse
-from plogic.safety.engine import RefusedError, SafeDB, SafeEngine
-
-KINDS: tuple[tuple[type[ProbLogError], type[ProgramError], str], ...] = (
-    (RefusedError, UnsafeProgramError, ""),
-    (UnknownClause, UnknownPredicateError, ""),
-    (NegativeCycle, NegativeCycleError, "a negation depends on itself (negative cycle)"),
-    (NonGroundProbabilisticClause, NonGroundError, "a probabilistic clause keeps a variable that its body does not bind"),
-    (NonGroundQuery, NonGroundError, "the goal keeps a variable that nothing binds"),
-)
+from plogic.safety.engine import SafeDB, SafeEngine
+from plogic.safety.mistakes import told
 
 
 def serve(request: dict[str, Any]) -> dict[str, Any]:
@@ -58,7 +41,7 @@ def serve(request: dict[str, Any]) -> dict[str, Any]:
             _observe(db, text, names, known, i)
         results = _evaluate(engine, db, [head for head, _ in goals] or None)
     except ProbLogError as error:
-        _explain(error, [item["file"] for item in request["texts"]])
+        told(error, [item["file"] for item in request["texts"]])
     if not goals:
         return {"answers": [[[shown(term, names), p] for term, p in results.items()]]}
     return {"answers": [_answers(results, head, goal, names) for head, goal in goals]}
@@ -149,17 +132,3 @@ def _bound(goal: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401
     if isinstance(goal, (And, Or)):
         return type(goal)(*arguments)
     return Not(goal.functor, arguments[0]) if isinstance(goal, Not) else goal.with_args(*arguments)
-
-
-def _explain(error: ProbLogError, files: list[str]) -> NoReturn:
-    """ProbLog's error as ours, with the place that it tells."""
-    if isinstance(error, InconsistentEvidenceError):
-        raise InconsistentError("no world satisfies the evidence: its probability is 0") from None
-    place: dict[str, Any] = {"file": files[0]}
-    if isinstance(error.location, tuple) and len(error.location) == 3:
-        file, line, column = error.location
-        place = {"file": file or files[0], "line": line, "column": column}
-    for problem, ours, reason in KINDS:
-        if isinstance(error, problem):
-            raise ours(reason or error.base_message, **place) from None
-    raise ProgramError(error.base_message, **place) from None
