@@ -105,11 +105,28 @@ class ObjectType:
 
 
 @dataclass(frozen=True)
+class Counts:
+    """What rates were learnt from: [n, of] per name, expected counts where not everything was observed.
+
+    ``hit``: detected, of the expected, per feature type. ``clutter``: appearances of noise, of so many images, per appearance type.
+    ``prior``: present, of so many instances and empty images, per object type.
+    """
+
+    hit: dict[str, tuple[float, float]] = field(default_factory=dict)
+    clutter: dict[str, tuple[float, float]] = field(default_factory=dict)
+    prior: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    def __bool__(self) -> bool:
+        return bool(self.hit or self.clutter or self.prior)
+
+
+@dataclass(frozen=True)
 class Rates:
     """Detector statistics and priors of a KB.
 
     ``hit``: h_F per feature type. ``clutter``: expected clutter appearances an image per appearance type. ``prior`` per object type.
-    ``sigma``: location noise, pixels; ``sigmas`` per feature type where it differs. ``match_tolerance``: pixels (D8).
+    ``sigma``: location noise, pixels; ``sigmas`` per feature type where it differs. ``match_tolerance``: pixels (D8). ``counts``: what
+    was learnt from scenes (``plogic kb learn-rates``).
     """
 
     hit: dict[str, float]
@@ -118,6 +135,7 @@ class Rates:
     sigma: float = 1.0
     match_tolerance: float = 4.0
     sigmas: dict[str, float] = field(default_factory=dict)
+    counts: Counts = field(default_factory=Counts)
 
     def sigma_of(self, feature_type: str) -> float:
         """Location noise of a feature type, pixels."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from kb.branches import nodes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from kb.errors import Mistake
     from kb.schema import KBModel
@@ -26,13 +26,16 @@ def cross_mistakes(kb: Document, model: KBModel | None, objects: Sequence[Docume
             yield from _unknown_appearances(document, vocabulary)
     if model is not None:
         yield from _unknown(kb, ("detector", "clutter"), model.detector.clutter, set(model.appearance_types), "appearance")
+        yield from _unknown(kb, ("counts", "clutter"), model.counts.clutter, set(model.appearance_types), "appearance")
         yield from _repeated_types(kb, model)
     if model is not None and complete:
         features = {name for document in objects for name in _types(document, "feature")}
         yield from _unknown(kb, ("detector", "hit"), model.detector.hit, features, "feature")
         yield from _unknown(kb, ("detector", "sigmas"), model.detector.sigmas, features, "feature")
+        yield from _unknown(kb, ("counts", "hit"), model.counts.hit, features, "feature")
         names = {name for document in objects if isinstance(name := _name(document), str)}
         yield from _unknown(kb, ("priors",), model.priors, names, "object")
+        yield from _unknown(kb, ("counts", "prior"), model.counts.prior, names, "object")
 
 
 def _name(document: Document) -> object:
@@ -59,7 +62,7 @@ def _unknown_appearances(document: Document, vocabulary: list[Any]) -> Iterator[
             yield document.mistake((*path, "type"), f"unknown appearance type {name!r}; appearance_types in kb.yaml: {listed}")
 
 
-def _unknown(kb: Document, path: tuple[str, ...], given: dict[str, float], known: set[Any], what: str) -> Iterator[Mistake]:
+def _unknown(kb: Document, path: tuple[str, ...], given: Mapping[str, object], known: set[Any], what: str) -> Iterator[Mistake]:
     for name in given:
         if name not in known:
             listed = ", ".join(sorted(map(str, known))[:12]) or "none"

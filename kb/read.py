@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kb.branches import branch_of, misplaced, outline, path_to
-from kb.cloud import KnowledgeBase, ObjectType, Rates
+from kb.cloud import Counts, KnowledgeBase, ObjectType, Rates
 from kb.clutter import clutter_prior
 from kb.cross import cross_mistakes
 from kb.errors import KBErrors, Mistake, SurfaceError
@@ -22,6 +22,7 @@ from kb.tree import build_tree, features_of, tree_mistakes
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from kb.schema import CountsModel
     from kb.yaml_text import Document
 
 MAX_RULES_BYTES = 1_000_000
@@ -169,4 +170,10 @@ def _rates(model: KBModel, types: tuple[ObjectType, ...]) -> Rates:
         sigma=detector.sigma,
         sigmas=dict(detector.sigmas),
         match_tolerance=detector.match_tolerance,
+        counts=_counts(model.counts),
     )
+
+
+def _counts(model: CountsModel) -> Counts:
+    tables = ({name: (pair[0], pair[1]) for name, pair in table.items()} for table in (model.hit, model.clutter, model.prior))
+    return Counts(*tables)

@@ -243,6 +243,32 @@ class DetectorModel(Model):
     match_tolerance: Positive = Field(4.0, description="How far from its predicted place a feature may be found, px (D8).")
 
 
+def _pair(value: object) -> tuple[float, ...]:
+    part, whole = (quantities.number(item) for item in _items(value, 2))
+    if not (part >= 0 and whole >= 0):
+        raise ValueError(f"must be [n, of], neither below 0, not {value!r:.60}")
+    return part, whole
+
+
+Pair = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_pair),
+    WithJsonSchema({"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number", "minimum": 0}}),
+]
+
+
+class CountsModel(Model):
+    """What the rates were learnt from; written by ``plogic kb learn-rates``."""
+
+    hit: dict[Name, Pair] = Field({}, description="[detected, expected] per feature type.")
+    clutter: dict[Name, Pair] = Field({}, description="[appearances of noise, images] per appearance type.")
+    prior: dict[Name, Pair] = Field({}, description="[present, instances and empty images] per object type.")
+
+
+def _no_counts() -> CountsModel:
+    return CountsModel.model_validate({})
+
+
 def _no_statistics() -> DetectorModel:
     return DetectorModel.model_validate({})
 
@@ -257,6 +283,7 @@ class KBModel(Model):
         default_factory=_no_statistics, description="What is known of the detectors: hit rates, clutter, location noise."
     )
     priors: dict[Name, Share] = Field({}, description="Chance of an instance, per object type; 0.5.")
+    counts: CountsModel = Field(default_factory=_no_counts, description="What the rates were learnt from: [n, of] each.")
 
 
 def json_schema(which: Literal["kb", "object"]) -> dict[str, Any]:

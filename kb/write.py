@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import networkx as nx
     from numpy.typing import NDArray
 
-    from kb.cloud import KnowledgeBase, Lobe, ObjectType
+    from kb.cloud import Counts, KnowledgeBase, Lobe, ObjectType
     from kb.surface import Surface
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
@@ -41,7 +41,15 @@ def kb_text(kb: KnowledgeBase) -> str:
     lines = [f"{key}: {_flow(value)}" for key, value in rows.items()]
     lines += ["detector:", f"  hit: {_flow(rates.hit)}", f"  clutter: {_flow(rates.clutter)}"]
     lines += [f"  sigma: {_flow(rates.sigma)}", f"  sigmas: {_flow(rates.sigmas)}", f"  match_tolerance: {_flow(rates.match_tolerance)}"]
-    return "\n".join([*lines, f"priors: {_flow(rates.prior)}"]) + "\n"
+    lines += [f"priors: {_flow(rates.prior)}", *_counts_lines(rates.counts)]
+    return "\n".join(lines) + "\n"
+
+
+def _counts_lines(counts: Counts) -> Iterator[str]:
+    if counts:
+        yield "counts:"
+        for name in ("hit", "clutter", "prior"):
+            yield f"  {name}: {_flow({key: list(pair) for key, pair in getattr(counts, name).items()})}"
 
 
 def object_text(kind: ObjectType, mesh: str | None = None, units: str = "m") -> str:

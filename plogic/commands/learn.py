@@ -1,0 +1,104 @@
+"""``plogic kb learn-rates``: priors, hit rates and clutter from scenes with ground truth, back into ``kb.yaml``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from plogic.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kb.cloud import Counts, KnowledgeBase, Rates
+    from plogic.learning.records import Record
+
+KINDS = (("hit", "hit", "feature type"), ("clutter", "clutter", "appearance type"), ("prior", "prior", "object type"))
+
+
+def learn_rates_command(
+    scenes: Sequence[str], kb_folder: str, options: dict[str, Any], *, say: Callable[[str], None], as_json: bool
+) -> str:
+    """Learn, and write unless ``dry_run``. ``options``: dry_run, add (to the counts that the KB has)."""
+    from kb.cloud import Counts
+    from plogic.commands.sources import kb_of
+    from plogic.learning.em import expected_counts
+    from plogic.learning.estimates import added, counted, learnt, open_slots
+    from plogic.learning.scenes import scene_folders
+
+    kb = kb_of(kb_folder)
+    file = None if options["dry_run"] else _file(kb_folder, kb)
+    records = _records(scene_folders(scenes), kb, say)
+    observed = added(kb.rates.counts if options["add"] else Counts(), counted(records))
+    unknown = open_slots(records)
+    counts = expected_counts(unknown, observed, learnt(observed, kb.rates))
+    rates = learnt(counts, kb.rates)
+    if file is not None:
+        _write(file, rates)
+        say(f"wrote {file}")
+    if unknown:
+        say(f"{len(unknown)} instances of unknown presence were weighed by EM")
+    return _document(kb, rates, counts, len(records)) if as_json else _table(kb, rates, counts)
+
+
+def _file(kb_folder: str, kb: KnowledgeBase) -> Path:
+    """The ``kb.yaml`` that will be written; the shipped knowledge bases are nobody's to change."""
+    if kb.folder is None or not (Path(kb_folder) / "kb.yaml").exists():
+        raise InputError(f"{kb_folder}: is shipped with plogic: copy its folder and give the copy, or only look with --dry-run")
+    return Path(kb_folder) / "kb.yaml"
+
+
+def _records(folders: Sequence[Path], kb: KnowledgeBase, say: Callable[[str], None]) -> list[Record]:
+    """Every scene's record; what is wrong with any of them is told at once."""
+    from geometry.errors import PlogicError
+    from plogic.learning.scenes import record_of
+    from plogic.perceive import Perceiver
+
+    perceiver = Perceiver(kb)
+    records, wrong = [], []
+    for i, folder in enumerate(folders, start=1):
+        try:
+            records.append(record_of(folder, kb, perceiver))
+            say(f"{i}/{len(folders)} {folder}: {len(records[-1].slots)} slots")
+        except PlogicError as error:
+            wrong += str(error).splitlines()
+    if wrong:
+        raise InputError("\n".join(wrong))
+    return records
+
+
+def _write(file: Path, rates: Rates) -> None:
+    from kb.rates_text import with_rates
+    from sensing.whole_files import write_whole
+
+    write_whole(file, with_rates(file.read_text(encoding="utf-8"), rates).encode())
+
+
+def _rows(kb: KnowledgeBase, rates: Rates, counts: Counts) -> list[dict[str, Any]]:
+    from kb.rates_text import rounded
+
+    return [
+        {
+            "rate": rate,
+            "of": name,
+            "before": getattr(kb.rates, table)[name],
+            "learnt": rounded(getattr(rates, table)[name]),
+            "count": round(pair[0], 2),
+            "in": round(pair[1], 2),
+        }
+        for rate, table, _ in KINDS
+        for name, pair in getattr(counts, table).items()
+    ]
+
+
+def _table(kb: KnowledgeBase, rates: Rates, counts: Counts) -> str:
+    from plogic.commands.printing import plain_table
+
+    return plain_table(f"rates of {kb.name}", _rows(kb, rates, counts))
+
+
+def _document(kb: KnowledgeBase, rates: Rates, counts: Counts, scenes: int) -> str:
+    return json.dumps({"format": "rates/1", "kb": kb.name, "scenes": scenes, "rates": _rows(kb, rates, counts)})
+
+

@@ -1,0 +1,1 @@
+"""Priors, hit rates and clutter rates from scenes with ground truth (§8, posterior)."""
