@@ -105,6 +105,7 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
     """List the possible worlds, most probable first, with the mass that is not listed."""
     from plogic.commands.worlds import worlds_command
 
+    _warn(source, trust=options["trust"])
     text, status = worlds_command(source, number, given, options, as_json=as_json)
     _out(text)
     sys.exit(status)
@@ -123,6 +124,7 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
     """Give P(goal) with every answer substitution, most probable first; without a goal, the program's own queries."""
     from plogic.commands.query import query_command
 
+    _warn(source, trust=options["trust"])
     text, status = query_command(source, goal, given, options, as_json=as_json)
     _out(text)
     sys.exit(status)
@@ -132,15 +134,27 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 @SOURCE
 @click.argument("goal")
 @GIVEN
-@click.option("-n", "number", type=click.IntRange(1), default=5, show_default=True)
+@click.option("-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary).")
 @READING
 @TRUST
 @AS_JSON
-def explain(source: str, goal: str, given: tuple[str, ...], number: int, as_json: bool, **options: Any) -> None:
+def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, as_json: bool, **options: Any) -> None:
     """Say why, and why not: ranked explanations of the goal as trees down to the data."""
     from plogic.commands.explain import explain_command
 
+    _warn(source, trust=options["trust"])
     _out(explain_command(source, goal, given, number, options, as_json=as_json))
+
+
+@cli.command()
+@SOURCE
+@READING
+@TRUST
+def shell(source: str, **options: Any) -> None:
+    """Ask, observe, predict, rank worlds and ask why, at a prompt or from lines on stdin."""
+    from plogic.commands.shell import shell_command
+
+    sys.exit(shell_command(source, options, write=_out, say=_say))
 
 
 @cli.command()
@@ -209,6 +223,24 @@ def kb_schema(which: Any) -> None:
     _out(schema_command(which))
 
 
+@kb.command("learn-rates")
+@click.argument("scenes", nargs=-1, required=True, metavar="SCENES...")
+@click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base whose kb.yaml is written.")
+@click.option("--add", is_flag=True, help="Add to the counts that the KB has, instead of starting anew.")
+@click.option("--dry-run", is_flag=True, help="Only print: write nothing.")
+@AS_JSON
+def kb_learn_rates(scenes: tuple[str, ...], kb_folder: str, as_json: bool, **options: Any) -> None:
+    """Learn priors, hit rates and clutter from SCENES, folders with ground truth, into kb.yaml.
+
+    A scene is what `plogic simulate` writes, or any folder with truth.json and an interpretation.json,
+    a gamma.json, or an image.png with camera.json. Where truth.json says `"complete": false`, what was
+    found beyond it may be there or not, and is weighed by EM.
+    """
+    from plogic.commands.learn import learn_rates_command
+
+    _out(learn_rates_command(scenes, kb_folder, options, say=_say, as_json=as_json))
+
+
 @cli.command()
 @click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base; `towers` is shipped.")
 @click.option("--objects", "number", type=click.IntRange(0, 50), default=2, show_default=True)
@@ -228,17 +260,30 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path) -> 
 
 
 @cli.command()
-@click.argument("name", type=click.Choice(["towers"]))
-@click.option("--scenes", type=click.IntRange(1), default=120, show_default=True)
+@click.argument("name", type=click.Choice(["towers", "worlds"]))
+@click.option("--scenes", type=click.IntRange(1), default=120, show_default=True, help="Scenes of `towers`.")
+@click.option("--limit", type=Number(0.0, min_open=True), default=60.0, show_default=True, help="Seconds of each stock run of `worlds`.")
+@click.option("--quick", is_flag=True, help="Only the small sizes of `worlds`, in under a minute.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @AS_JSON
-def bench(name: str, scenes: int, seed: int, as_json: bool) -> None:
+def bench(name: str, scenes: int, limit: float, quick: bool, seed: int, as_json: bool) -> None:
     """Run one of the project's own benchmarks; it ends with its claims."""
     from importlib import import_module
 
-    text, met = import_module(f"plogic.bench.{name}").run(scenes, seed, as_json=as_json, say=_say)
+    options: dict[str, Any] = {"scenes": scenes} if name == "towers" else {"limit": limit, "quick": quick}
+    text, met = import_module(f"plogic.bench.{name}").run(seed=seed, **options, as_json=as_json, say=_say)
     _out(text)
     sys.exit(0 if met else 1)
+
+
+def _warn(source: str, *, trust: bool) -> None:
+    """Say on stderr what --trust lifts of a program; an interpretation's is our own."""
+    from plogic.commands.sources import is_program
+
+    if trust and is_program(source):
+        from plogic.safety.allowlist import TRUSTED
+
+        _say(TRUSTED)
 
 
 def _out(text: str) -> None:

@@ -9,11 +9,15 @@ from typing import TYPE_CHECKING
 import networkx as nx
 
 from geometry.occlusion import CoarseRelation, PosedSurface, coarse_relation, converse
-from plogic.evidence import clutter_density, density, hit_rates, sigmas
+from plogic.belief import Belief, Cycle
+from plogic.evidence import clutter_density, density, evidence, hit_rates, sigmas
 from plogic.expectation import hidden_by
+from plogic.measures.explanatory import explanatory_value
 from plogic.parts import part_facts
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
+from plogic.search.generate import generate
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Reading, Reconsider, Situation
+from plogic.trace import Trace
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,9 +27,12 @@ if TYPE_CHECKING:
 
     from geometry.camera import Camera
     from kb.cloud import KnowledgeBase
-    from plogic.belief import Belief, Cycle
     from plogic.expectation import Posed
     from plogic.search.data import Data
+    from plogic.search.generate import TypeIndex
+
+EVERY = 1000
+"""Poses a type that ``unpruned`` refines and verifies: more than the search tells apart in one image."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +84,18 @@ def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float
             rules=kb.rules or "",
         ),
     )
+
+
+def unpruned(data: Data, kb: KnowledgeBase, indices: Sequence[TypeIndex], dv: Mapping[str, float], options: Options, most: int) -> Delta:
+    """Δh before anything is accepted or rejected: every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth."""
+    found = [_open_belief(posed, index, data, kb, dv) for index in indices for _, posed in generate(index, data, kb, refined=EVERY, verified=EVERY)]
+    best = sorted(found, key=lambda b: -b.worth)[:most]
+    return delta_of(Cycle((), tuple(best), (), (), Trace()), data, kb, dv, options)
+
+
+def _open_belief(posed: Posed, index: TypeIndex, data: Data, kb: KnowledgeBase, dv: Mapping[str, float]) -> Belief:
+    found, ev = evidence(posed, data, kb), explanatory_value(posed.support(), dv)
+    return Belief(posed, index, found.ratio, found.surplus, ev, ev)
 
 
 def _appearances(data: Data, kb: KnowledgeBase) -> tuple[AppearanceFact, ...]:

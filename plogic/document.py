@@ -9,6 +9,7 @@ import numpy as np
 from geometry.camera import camera_to_dict
 from plogic.assets import image_asset, mesh_assets
 from plogic.expectation import hidden_by
+from plogic.factors.asking import together
 from plogic.interpretation import FORMAT, facts_of, hypothesis_document
 from plogic.measures.distinctiveness import instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from kb.cloud import KnowledgeBase
     from plogic.belief import Belief
     from plogic.delta import Delta
+    from plogic.situation import Situation
     from plogic.worlds import Ranking
     from sensing.appearance import Gamma
 
@@ -60,7 +62,7 @@ def document_of(
             {"probability": w.probability, "present": list(w.present), "causes": dict(w.causes)} for w in ranking.worlds
         ],
         "unlisted_mass": list(ranking.unlisted),
-        "relations": relation_probabilities(delta, ranking),
+        "relations": relation_probabilities(situation),
         "facts": facts_of(situation),
         "measures": {"dv": situation.dv, "p_dv": probability_of_distinctiveness(counts), "rank": situation.rank},
         "priors": situation.priors,
@@ -72,15 +74,12 @@ def document_of(
     }
 
 
-def relation_probabilities(delta: Delta, ranking: Ranking) -> list[dict[str, Any]]:
-    """P(relation) of each pair: the mass of the listed worlds that hold both, most probable first."""
+def relation_probabilities(situation: Situation) -> list[dict[str, Any]]:
+    """P(relation) of each pair: that both are present, most probable first."""
+    chances = together(situation, [(fact.x, fact.y) for fact in situation.relations])
     rows = [
-        {
-            "relation": fact.relation,
-            "args": [fact.x, fact.y],
-            "probability": float(sum(w.probability for w in ranking.worlds if {fact.x, fact.y} <= set(w.present))),
-        }
-        for fact in delta.situation.relations
+        {"relation": fact.relation, "args": [fact.x, fact.y], "probability": chance}
+        for fact, chance in zip(situation.relations, chances, strict=True)
     ]
     return sorted(rows, key=lambda row: (-row["probability"], row["relation"], row["args"]))
 

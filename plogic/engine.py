@@ -3,27 +3,28 @@
 Making the text and running it are two functions; this one runs it. Vocabulary:
 
 * ``Text``, one piece of program with the file that it came from, ``Text("present(h1).", "scene.pl")``
-* ``Limits``, ``Limits(seconds=60, megabytes=2048)``
+* ``Limits``, ``Limits(seconds=60, megabytes=2048, trust=False)``
 * ``Answer``, ``Answer("present(h1)", 0.97, (0.97, 0.97))``
 """
 
 from __future__ import annotations
 
 import contextlib
+import contextvars
 import json
 import os
 import signal
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plogic import errors
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from plogic.names import Names
 
@@ -38,10 +39,11 @@ class Text:
 
 @dataclass(frozen=True)
 class Limits:
-    """Wall time and address space that one run may take."""
+    """Wall time and address space that one run may take; ``trust`` lets a program do whatever ProbLog lets it (read files, run Python)."""
 
     seconds: float = 60.0
     megabytes: int = 2048
+    trust: bool = False
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,53 @@ def run(
     return [sorted((_answer(goal, p) for goal, p in answers), key=_order) for answers in reply["answers"]]
 
 
+def run_until(
+    texts: Sequence[Text],
+    goals: Sequence[str] = (),
+    given: Sequence[str] = (),
+    *,
+    seconds: float,
+    names: Names | None = None,
+    limits: Limits | None = None,
+) -> tuple[list[list[Answer]], bool]:
+    """As ``run``, by a deadline: the answers that are known after ``seconds``, and whether they are exact.
+
+    If not, an answer's interval contains its exact probability, which is given as the interval's middle; a goal with variables may
+    have answers that are not known yet. A ground goal of which nothing is known is answered [0, 1].
+    """
+    limits = limits or Limits()
+    reply = ask_until({**request_of(texts, goals, given, names), "anytime": True}, limits, seconds)
+    if reply is None:
+        return [_unknown(goal, names) for goal in goals] or [[]], False
+    found = [sorted((_answer(*row) for row in answers), key=_order) for answers in reply["answers"]]
+    return found, not reply.get("partial", False)
+
+
+def ask_until(request: dict[str, Any], limits: Limits, seconds: float) -> dict[str, Any] | None:
+    """The last reply of a fresh process after some seconds, maybe a partial one; None if there is none yet. Raises what went wrong in it."""
+    reply = _last(_told(_trusted(request, limits), replace(limits, seconds=min(seconds, limits.seconds))))
+    if reply is not None and "error" in reply:
+        _raise(reply["error"], limits)
+    return reply
+
+
+def _last(text: str) -> dict[str, Any] | None:
+    """The last reply that was written whole."""
+    lines = text.rpartition("\n")[0].splitlines()
+    reply: dict[str, Any] | None = json.loads(lines[-1]) if lines else None
+    return reply
+
+
+def _unknown(goal: str, names: Names | None) -> list[Answer]:
+    from plogic.program.author import load_problog
+
+    load_problog()
+    from plogic.programs.load import goal_shown
+
+    text = goal_shown(goal, names)
+    return [] if text is None else [Answer(text, 0.5, (0.0, 1.0))]
+
+
 def request_of(texts: Sequence[Text], goals: Sequence[str], given: Sequence[str], names: Names | None) -> dict[str, Any]:
     """The request that the child process reads."""
     return {
@@ -81,50 +130,79 @@ def request_of(texts: Sequence[Text], goals: Sequence[str], given: Sequence[str]
     }
 
 
-def _answer(goal: str, p: float) -> Answer:
-    p = min(max(p, 0.0), 1.0)
-    return Answer(goal, p, (p, p))
+def _answer(goal: str, low: float, high: float | None = None) -> Answer:
+    low = min(max(low, 0.0), 1.0)
+    high = low if high is None else high
+    return Answer(goal, low if high == low else (low + high) / 2, (low, high))
 
 
 def _order(answer: Answer) -> tuple[float, str]:
     return -float(f"{answer.probability:.11e}"), answer.goal
 
 
+_ASKED: contextvars.ContextVar[Callable[[dict[str, Any]], dict[str, Any]] | None] = contextvars.ContextVar("asked", default=None)
+
+
+@contextlib.contextmanager
+def through(process: Callable[[dict[str, Any]], dict[str, Any]]) -> Iterator[None]:
+    """Within it every request goes to ``process``, one that stays (``plogic.talk.process``), with limits of its own."""
+    token = _ASKED.set(process)
+    try:
+        yield
+    finally:
+        _ASKED.reset(token)
+
+
 def ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
     """The reply of a fresh process; raises what went wrong in it, and LimitError when it runs out of time or memory."""
-    reply = _ask(request, limits)
+    process = _ASKED.get()
+    request = _trusted(request, limits)
+    reply = _ask(request, limits) if process is None else process(request)
     if "error" in reply:
         _raise(reply["error"], limits)
     return reply
 
 
+def _trusted(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
+    """With trust, the request says so, and from which folder the program's files are looked for."""
+    if not limits.trust:
+        return request
+    return {**request, "trust": True, "folder": str(Path(request["texts"][0]["file"]).resolve().parent)}
+
+
 def _ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
-    command = [sys.executable, "-P", "-W", "ignore", "-m", "plogic.safety.child", str(limits.megabytes * 2**20)]
-    with tempfile.TemporaryDirectory(prefix="plogic-") as scratch:
-        stdout = _communicate(command, json.dumps(request), scratch, limits.seconds)
-    try:
-        reply: dict[str, Any] = json.loads(stdout)
-    except json.JSONDecodeError:
-        raise errors.LimitError(f"the inference stopped without an answer (memory limit {limits.megabytes} MB)") from None
+    reply = _last(_told(request, limits, late=False))
+    if reply is None:
+        raise errors.LimitError(f"the inference stopped without an answer (memory limit {limits.megabytes} MB)")
     return reply
 
 
-def _communicate(command: list[str], request: str, scratch: str, seconds: float) -> str:
-    """What the child wrote; on a timeout the child goes, and the compiler that it may have started with it."""
+def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
+    """What the child wrote until it ended or its time was over; unless ``late``, the latter raises LimitError."""
+    command = [sys.executable, "-P", "-W", "ignore", "-m", "plogic.safety.child", str(limits.megabytes * 2**20)]
+    with tempfile.TemporaryDirectory(prefix="plogic-") as scratch:
+        told, over = _communicate(command, json.dumps(request), scratch, limits.seconds)
+    if over and not late:
+        raise errors.LimitError(f"the inference took longer than {limits.seconds:g} s")
+    return told
+
+
+def _communicate(command: list[str], request: str, scratch: str, seconds: float) -> tuple[str, bool]:
+    """What the child wrote, and whether its time was over; then the child goes, and the compiler that it may have started with it."""
     pipe = subprocess.PIPE
-    options: dict[str, Any] = {"env": _environment(scratch), "cwd": scratch, "start_new_session": True, "text": True, "encoding": "utf-8"}
+    options: dict[str, Any] = {"env": environment(scratch), "cwd": scratch, "start_new_session": True, "text": True, "encoding": "utf-8"}
     with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, **options) as child:  # noqa: S603 - our own module, no shell
         try:
-            return str(child.communicate(request, timeout=seconds)[0])
+            return str(child.communicate(request, timeout=seconds)[0]), False
         except BaseException as error:  # an interruption, too, must leave no process behind
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(child.pid, signal.SIGKILL)
             if isinstance(error, subprocess.TimeoutExpired):
-                raise errors.LimitError(f"the inference took longer than {seconds:g} s") from None
+                return str(child.communicate()[0]), True
             raise
 
 
-def _environment(scratch: str) -> dict[str, str]:
+def environment(scratch: str) -> dict[str, str]:
     """The child finds the same packages as we do, and writes its scratch files where we remove them."""
     root = str(Path(__file__).resolve().parent.parent)
     path = os.pathsep.join([root, *(entry for entry in sys.path if entry)])

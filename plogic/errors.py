@@ -5,7 +5,8 @@
     geometry.errors.PlogicError
     └── BeliefError                       anything of this package
         ├── SituationError                a situation that contradicts itself (unknown id, duplicate id, not a number)
-        │   └── TooManyHypothesesError    more hypotheses hang together than the exact worlds can enumerate
+        │   ├── TooManyHypothesesError    more hypotheses occlude each other in a cycle than can be decided jointly
+        │   └── WidthError                exact sums would need larger tables, or more of them, than is sensible; states the width
         ├── InputError                    a command's input that cannot be used; names the file
         ├── InterpretationError           a file that is no complete interpretation/1
         ├── InconsistentError             no world satisfies the constraints or the evidence
@@ -13,6 +14,7 @@
         │   ├── UnsafeProgramError        uses a predicate that is not on the allow-list
         │   ├── UnknownPredicateError     calls a predicate that has no clauses
         │   ├── NegativeCycleError        a negation that depends on itself
+        │   ├── OutsideError              a goal that speaks of choices which a scene's graph has summed out
         │   └── NonGroundError            a probabilistic clause or a goal that keeps a variable
         └── LimitError                    the inference ran out of its time or memory
 """
@@ -31,7 +33,11 @@ class SituationError(BeliefError):
 
 
 class TooManyHypothesesError(SituationError):
-    """More hypotheses hang together than can be enumerated exactly."""
+    """More hypotheses occlude each other in a cycle than can be decided jointly."""
+
+
+class WidthError(SituationError):
+    """Exact sums would need larger tables, or more of them, than is sensible: the message states the width in bits."""
 
 
 class InputError(BeliefError):
@@ -68,6 +74,10 @@ class UnknownPredicateError(ProgramError):
 
 class NegativeCycleError(ProgramError):
     """A negation that depends on itself: such a program has no single meaning."""
+
+
+class OutsideError(ProgramError):
+    """A goal that speaks of choices which a scene's graph has summed out (hits, picks, a rule's own): only the program has them."""
 
 
 class NonGroundError(ProgramError):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from plogic.engine import Answer, Limits, Text, run
+from plogic.engine import Answer, Limits, Text, run, run_until
+from plogic.errors import ProgramError, SituationError
 from plogic.names import names_of
 from plogic.program.text import program_text
 from plogic.situation import Situation
@@ -38,6 +40,31 @@ def answers(
     return answers_to_all(subject, [] if goal is None else [goal], given=given, rules=rules, limits=limits)[0]
 
 
+def answers_until(
+    subject: Subject,
+    goal: str | None = None,
+    *,
+    seconds: float,
+    given: Sequence[str] = (),
+    rules: Text | None = None,
+    limits: Limits | None = None,
+) -> tuple[list[Answer], bool]:
+    """As ``answers``, by a deadline: what is known after ``seconds``, and whether it is exact.
+
+    Each answer's interval contains its exact probability; of a goal with variables some answers may not be known yet.
+    """
+    if isinstance(subject, Situation):
+        goal = goal or "present(H)"
+        limits = limits or Limits()
+        on_graph = _on_graph(subject, [goal], given, rules, replace(limits, seconds=min(limits.seconds, seconds)), seconds)
+        if on_graph is not None:
+            return on_graph[0], all(answer.interval[0] == answer.interval[1] for answer in on_graph[0])
+    text, names = subject_text(subject)
+    texts = [text, *([] if rules is None else [rules])]
+    found, exact = run_until(texts, [] if goal is None else [goal], given, seconds=seconds, names=names, limits=limits)
+    return found[0], exact
+
+
 def answers_to_all(
     subject: Subject,
     goals: Sequence[str],
@@ -46,9 +73,25 @@ def answers_to_all(
     rules: Text | None = None,
     limits: Limits | None = None,
 ) -> list[list[Answer]]:
-    """As ``answers``, for many goals in one run."""
+    """As ``answers``, for many goals in one run. Of a situation, from its factor graph wherever that can say it."""
+    if isinstance(subject, Situation) and goals:
+        found = _on_graph(subject, goals, given, rules, limits)
+        if found is not None:
+            return found
     text, names = subject_text(subject)
     return run([text, *([] if rules is None else [rules])], goals, given, names=names, limits=limits)
+
+
+def _on_graph(
+    situation: Situation, goals: Sequence[str], given: Sequence[str], rules: Text | None, limits: Limits | None, seconds: float | None = None
+) -> list[list[Answer]] | None:
+    """None for what only the program text can say, or can say what is wrong with it; with ``seconds``, intervals by then."""
+    from plogic.live import scene_answers
+
+    try:
+        return scene_answers(situation, goals, given, rules=rules, limits=limits, seconds=seconds)
+    except (ProgramError, SituationError):
+        return None
 
 
 def subject_text(subject: Subject) -> tuple[Text, Names | None]:

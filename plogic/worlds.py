@@ -2,37 +2,52 @@
 
 Vocabulary:
 
-* ``World``, one assignment of present/1, ``World(0.961, ("h1", "h2"), {"a1": "h1/roof/apex", "a9": "noise"})``
+* ``World``, one assignment of present/1, ``World(0.961, ("h1", "h2"), {"a1": "h1/roof/apex", "a9": "noise"}, (0.961, 0.961))``
 * ``Ranking``, the most probable worlds with everything that a caller would otherwise normalise again
 """
 
 from __future__ import annotations
 
+import contextlib
+import math
+import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.causes import causes
-from plogic.components import components
-from plogic.dependence import Scene, dependence
-from plogic.errors import InconsistentError
+from plogic.causes import CauseTable
+from plogic.errors import InconsistentError, LimitError
+from plogic.factors.alternatives import cast_of
+from plogic.factors.pieces import pieces
+from plogic.factors.ranking import weighed
+from plogic.factors.scene import scene_graph
+from plogic.inference.graph import FactorGraph
+from plogic.inference.marginals import beliefs
 from plogic.sanity import check
-from plogic.weights import log_weights, subsets
 
 if TYPE_CHECKING:
+    from plogic.factors.scene import SceneGraph
+    from plogic.inference.marginals import Beliefs
     from plogic.situation import Situation
 
-    Ranked = list[tuple[float, tuple[str, ...]]]
+    Interval = tuple[float, float]
+    Listed = list[tuple[float, tuple[str, ...]]]
+
+TIE = 1e-9
+"""Log weights as near as this may be ties: they are all looked at before the list is cut."""
+MOST_TIES = 1000
+"""Worlds beyond the wanted ones that are looked at for that; of more ties than these, the first in the order of states are listed."""
 
 
 @dataclass(frozen=True)
 class World:
-    """One possible world; ``present`` in the order of Δh, ``causes`` for every appearance of Γ."""
+    """One possible world; ``present`` in the order of Δh, ``causes`` for every appearance of Γ; ``interval`` bounds the probability."""
 
     probability: float
     present: tuple[str, ...]
     causes: dict[str, str]
+    interval: Interval
 
 
 @dataclass(frozen=True)
@@ -40,63 +55,94 @@ class Ranking:
     """The ``worlds``, most probable first, ties by ids; the interval of the mass ``unlisted``; ``marginals`` P(present(H)).
 
     ``log_evidence`` is ln P(constraints) in the score reading, and ln of the density of Γ's claimed part, of what is missing in it and of
-    the constraints in the posterior reading.
+    the constraints in the posterior reading. ``intervals`` and ``log_evidence_interval`` bound them: both ends are the same but where a
+    deadline was reached; then ``marginals`` and ``log_evidence`` are the middles.
     """
 
     worlds: tuple[World, ...]
-    unlisted: tuple[float, float]
+    unlisted: Interval
     log_evidence: float
     marginals: dict[str, float]
+    intervals: dict[str, Interval]
+    log_evidence_interval: Interval
+
+    @property
+    def exact(self) -> bool:
+        """Whether every number is exact."""
+        return self.log_evidence_interval[0] == self.log_evidence_interval[1] and all(low == high for low, high in self.intervals.values())
 
 
-def ranked_worlds(situation: Situation, n: int = 10) -> Ranking:
-    """The ``n`` most probable worlds; raises InconsistentError where none is possible, TooManyHypothesesError beyond the limit."""
+def ranked_worlds(situation: Situation, n: int = 10, *, seconds: float | None = None) -> Ranking:
+    """The ``n`` most probable worlds; with ``seconds``, what can be said by then, in intervals that contain the exact values.
+
+    Raises InconsistentError where none is possible, WidthError (without ``seconds``) where exact inference would need too large a table.
+    """
     check(situation)
-    scene = Scene(situation)
-    ranked: Ranked = [(1.0, ())]
-    marginals: dict[str, float] = {}
-    log_evidence = 0.0
-    graph = dependence(scene)
-    for members in components(scene, graph):
-        logs = log_weights(scene, graph, members)
-        evidence = _log_sum(logs, members)
-        probabilities = np.exp(logs - evidence)
-        log_evidence += evidence
-        marginals |= {name: float(probabilities[column].sum()) for name, column in subsets(members).items()}
-        ranked = _best(_product(ranked, _ranked(probabilities, members, n)), n)
-    order = [h.id for h in situation.hypotheses]
-    worlds = tuple(_world(scene, p, tuple(h for h in order if h in present)) for p, present in ranked)
-    rest = max(0.0, 1.0 - sum(w.probability for w in worlds))
-    rest = 0.0 if rest < 1e-12 else rest
-    return Ranking(worlds, (rest, rest), log_evidence, {h: min(marginals[h], 1.0) for h in order})
+    end = None if seconds is None else time.monotonic() + seconds
+    scene = scene_graph(situation)
+    belief = beliefs(scene.graph, seconds=None if seconds is None else seconds / 2)
+    if belief.log_z[1] == -math.inf:
+        raise InconsistentError(_reason(scene))
+    listed = listed_worlds(situation, scene, n, end)
+    return ranking_of(situation, scene, belief, listed)
 
 
-def _log_sum(logs: np.ndarray[tuple[int], np.dtype[np.float64]], members: tuple[str, ...]) -> float:
-    top = logs.max()
-    if top == -np.inf:
-        raise InconsistentError(
-            f"no world satisfies the constraints on {', '.join(members)}: "
-            "each excludes what another holds for certain (smoothing would help)",
-        )
-    return float(top + np.log(np.exp(logs - top).sum()))
+def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, listed: Listed) -> Ranking:
+    """The ranking from what inference found: ``listed``, log weights and what is present, in any order."""
+    low, high = belief.log_z
+    low = max(low, _log_sum([weight for weight, _ in listed]))
+    log_z = (min(low, high), high)
+    causes = CauseTable(cast_of(situation)).causes([present for _, present in listed])
+    worlds = tuple(World(_middle(p), present, c, p) for (p, present), c in zip(_chances(listed, log_z), causes, strict=True))
+    intervals = {h.id: _interval(belief, *scene.place[h.id]) for h in situation.hypotheses}
+    return Ranking(worlds, _unlisted(worlds), _middle(log_z), {h: _middle(i) for h, i in intervals.items()}, intervals, log_z)
 
 
-def _ranked(probabilities: np.ndarray[tuple[int], np.dtype[np.float64]], members: tuple[str, ...], n: int) -> Ranked:
-    rows = np.flatnonzero(probabilities > 0)
-    if len(rows) > n:
-        least = np.partition(probabilities[rows], -n)[-n] if n else np.inf
-        rows = rows[probabilities[rows] >= least * (1 - 1e-9)]
-    return _best([(float(probabilities[r]), tuple(m for bit, m in enumerate(members) if r >> bit & 1)) for r in rows], n)
+def listed_worlds(situation: Situation, scene: SceneGraph, n: int, end: float | None = None) -> Listed:
+    """The ``n`` heaviest worlds; weights that agree to twelve digits are ties, and go by ids. By ``end``, those that were found till then."""
+    place = {h.id: i for i, h in enumerate(situation.hypotheses)}
+    found: Listed = []
+    with contextlib.suppress(*(() if end is None else (LimitError,))):
+        for weight, states in weighed(scene):
+            if len(found) >= n and (not n or weight < found[n - 1][0] - TIE or len(found) >= n + MOST_TIES):
+                break
+            found.append((weight, tuple(sorted(scene.present(states), key=place.__getitem__))))
+            if end is not None and time.monotonic() > end:
+                break
+    top = found[0][0] if found else 0.0
+    return sorted(found, key=lambda world: (-float(f"{math.exp(world[0] - top):.11e}"), world[1]))[:n]
 
 
-def _product(left: Ranked, right: Ranked) -> Ranked:
-    return [(p * q, (*x, *y)) for p, x in left for q, y in right]
+def _chances(listed: Listed, log_z: Interval) -> list[tuple[Interval, tuple[str, ...]]]:
+    return [((min(math.exp(weight - log_z[1]), 1.0), min(math.exp(weight - log_z[0]), 1.0)), present) for weight, present in listed]
 
 
-def _best(worlds: Ranked, n: int) -> Ranked:
-    """The ``n`` best; probabilities that agree to twelve digits are ties, and go by ids."""
-    return sorted(worlds, key=lambda world: (-float(f"{world[0]:.11e}"), world[1]))[:n]
+def _unlisted(worlds: tuple[World, ...]) -> Interval:
+    low, high = (1.0 - math.fsum(w.interval[end] for w in worlds) for end in (1, 0))
+    return (0.0 if low < 1e-12 else low, 0.0 if high < 1e-12 else high)
 
 
-def _world(scene: Scene, probability: float, present: tuple[str, ...]) -> World:
-    return World(min(probability, 1.0), present, causes(scene, present))
+def _interval(belief: Beliefs, v: int, s: int) -> Interval:
+    return min(max(float(belief.low[v][s]), 0.0), 1.0), min(max(float(belief.high[v][s]), 0.0), 1.0)
+
+
+def _middle(interval: Interval) -> float:
+    low, high = interval
+    return low if low == high else (low + high) / 2
+
+
+def _log_sum(logs: list[float]) -> float:
+    return float(np.logaddexp.reduce(logs)) if logs else -math.inf
+
+
+def _reason(scene: SceneGraph) -> str:
+    """Which hypotheses cannot be reconciled: those of the first piece of the graph without a possible joint state."""
+    for piece in pieces(scene.graph):
+        factors = tuple(f for f in scene.graph.factors if f.scope and f.scope[0] in piece)
+        if beliefs(FactorGraph(scene.graph.cards, factors)).log_z[1] == -math.inf:
+            names = [name for name, (v, _) in scene.place.items() if v in piece]
+            return (
+                f"no world satisfies the constraints on {', '.join(names)}: "
+                "each excludes what another holds for certain (smoothing would help)"
+            )
+    return "no world satisfies the constraints"

@@ -10,15 +10,28 @@ from plogic.commands.sources import subject_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+MOST = 5
+"""Explanations of each kind, where no number is asked for."""
+
 
 def explain_command(
-    source: str, goal: str, given: Sequence[str], number: int, options: dict[str, Any], *, as_json: bool
+    source: str, goal: str, given: Sequence[str], number: int | None, options: dict[str, Any], *, as_json: bool
 ) -> str:
-    """Why the goal holds, and why not, as trees down to the data. ``options``: reading, trust."""
+    """Why the goal holds, and why not, as trees down to the data. ``options``: reading, trust.
+
+    With a ``number`` of None the presence of an interpretation's hypothesis is summed up over its features instead.
+    """
     from dataclasses import asdict
 
     from plogic.commands.account import account_text
-    from plogic.explain import explain
+    from plogic.engine import Limits
+    from plogic.explain import explain, present
 
-    account = explain(subject_of(source, options["reading"]), goal, given=list(given), most=number)
+    subject = subject_of(source, options["reading"])
+    if number is None and not as_json:
+        summary = present(subject, goal, given=list(given))
+        if summary is not None and summary.summary:
+            return account_text(summary, brief=True)
+    limits = Limits(trust=bool(options.get("trust", False)))
+    account = explain(subject, goal, given=list(given), most=MOST if number is None else number, limits=limits)
     return json.dumps({"format": "explanation/1", **asdict(account)}) if as_json else account_text(account)

@@ -10,19 +10,35 @@ from plogic.commands.sources import rules_from, subject_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+LATE = 3
+"""Exit status where a deadline was reached."""
 
-def query_command(
-    source: str, goal: str | None, given: Sequence[str], options: dict[str, Any], *, as_json: bool
-) -> tuple[str, int]:
-    """P(goal) of an interpretation or a program; exit 3 where the deadline was reached.
+
+def query_command(source: str, goal: str | None, given: Sequence[str], options: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
+    """P(goal) of an interpretation or a program; exit 3 where the deadline was reached, answers then being intervals.
 
     ``options``: rules, reading, deadline, trust.
     """
     from plogic import tables
     from plogic.commands.printing import text_of_table
-    from plogic.query import answers
+    from plogic.engine import Limits
+    from plogic.query import answers, answers_until
 
-    found = answers(subject_of(source, options["reading"]), goal, given=list(given), rules=rules_from(options["rules"]))
+    subject, deadline = subject_of(source, options["reading"]), options["deadline"]
+    asked: dict[str, Any] = {"given": list(given), "rules": rules_from(options["rules"]), "limits": Limits(trust=bool(options["trust"]))}
+    if deadline is None:
+        found, exact = answers(subject, goal, **asked), True
+    else:
+        found, exact = answers_until(subject, goal, seconds=deadline, **asked)
     rows = [{"goal": a.goal, "probability": a.probability, "interval": list(a.interval)} for a in found]
     document: dict[str, Any] = {"format": "answers/1", "answers": rows}
-    return (json.dumps(document) if as_json else text_of_table(tables.answers(document))), 0
+    if not exact:
+        document["deadline"] = "reached"
+    text = json.dumps(document) if as_json else text_of_table(tables.answers(document))
+    return text if exact or as_json else f"{text.rstrip()}\n{_said(rows)}", 0 if exact else LATE
+
+
+def _said(rows: list[dict[str, Any]]) -> str:
+    if not rows:
+        return "The deadline was reached before any answer was known."
+    return "The deadline was reached: each interval contains the exact probability; further answers may not be known yet."

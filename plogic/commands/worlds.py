@@ -5,32 +5,99 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from plogic.commands.query import LATE
+from plogic.commands.sources import is_program, program_text_of
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from plogic.programs.worlds import ProgramRanking
+    from plogic.situation import Situation
+    from plogic.worlds import Ranking
 
-def worlds_command(
-    source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool
-) -> tuple[str, int]:
-    """The ranked worlds, taken anew from the situation, so that any number of them can be had; exit 3 where the deadline was reached.
+MOST_CHOICES = 6
+"""Choices of a world that its line in the table shows; ``--json`` has them all."""
+
+
+def worlds_command(source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
+    """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached.
 
     ``options``: reading, deadline, trust.
     """
+    if is_program(source):
+        return _of_program(source, number, given, options, as_json=as_json)
+    return _of_scene(source, number, given, options, as_json=as_json)
+
+
+def _of_program(source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
+    from plogic.engine import Limits, Text
+    from plogic.programs.worlds import program_worlds
+
+    limits = Limits(trust=bool(options["trust"]))
+    text = Text(program_text_of(source), source)
+    ranking = program_worlds(text, number, given=given, limits=limits, seconds=options["deadline"])
+    rows = [{"probability": w.probability, "true": list(w.holds), "choices": list(w.choices)} for w in ranking.worlds]
+    answer = {"format": "worlds/1", "worlds": rows, "unlisted_mass": list(ranking.unlisted), "log_evidence": ranking.log_evidence}
+    status = 0 if ranking.complete else LATE
+    if as_json:
+        return json.dumps(answer if ranking.complete else {**answer, "deadline": "reached"}), status
+    text_out = _table_of_program(ranking)
+    return text_out if ranking.complete else f"{text_out.rstrip()}\nThe deadline was reached: more worlds could be listed with more time.", status
+
+
+def _table_of_program(ranking: ProgramRanking) -> str:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text as Cell
+
+    from plogic import tables
+    from plogic.commands.printing import text_of_table
+
+    table = Table(title="possible worlds", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("rank", justify="right")
+    table.add_column("probability", justify="right")
+    table.add_column("true")
+    table.add_column("most probable choices")
+    for i, world in enumerate(ranking.worlds, 1):
+        shown = ", ".join(world.choices[:MOST_CHOICES]) + (", ..." if len(world.choices) > MOST_CHOICES else "")
+        table.add_row(str(i), tables.chance(world.probability), Cell(", ".join(world.holds) or "nothing that is asked"), Cell(shown))
+    if ranking.unlisted[1] > 0:
+        table.add_row("", tables.interval(*ranking.unlisted), Cell("not listed", style="dim"), "")
+    return text_of_table(table)
+
+
+def _of_scene(source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
     from plogic import tables
     from plogic.commands.printing import text_of_table
     from plogic.interpretation import read_interpretation, situation_of
-    from plogic.worlds import ranked_worlds
 
     document = read_interpretation(source)
     document = document if options["reading"] is None else {**document, "reading": options["reading"]}
-    ranking = ranked_worlds(situation_of(document), number)
-    rows = [{"probability": w.probability, "present": list(w.present), "causes": w.causes} for w in ranking.worlds]
-    answer = {
-        "format": "worlds/1",
-        "reading": document["reading"],
-        "worlds": rows,
-        "unlisted_mass": list(ranking.unlisted),
-    }
+    ranking = _scene_ranking(situation_of(document), number, given, options["deadline"])
+    rows = [_row(world, ranking) for world in ranking.worlds]
+    answer = {"format": "worlds/1", "reading": document["reading"], "worlds": rows, "unlisted_mass": list(ranking.unlisted)}
+    exact = ranking.log_evidence_interval[0] == ranking.log_evidence_interval[1]
     if as_json:
-        return json.dumps(answer), 0
-    return text_of_table(tables.worlds({**document, "worlds": rows, "unlisted_mass": list(ranking.unlisted)}, number)), 0
+        return json.dumps(answer if exact else {**answer, "deadline": "reached"}), 0 if exact else LATE
+    text = text_of_table(tables.worlds({**document, "worlds": rows, "unlisted_mass": list(ranking.unlisted)}, number))
+    said = "The deadline was reached: probabilities are the middles of intervals, which --json states."
+    return (text, 0) if exact else (f"{text.rstrip()}\n{said}", LATE)
+
+
+def _row(world: Any, ranking: Ranking) -> dict[str, Any]:  # noqa: ANN401 - plogic.worlds.World
+    row = {"probability": world.probability, "present": list(world.present), "causes": world.causes}
+    exact = ranking.log_evidence_interval[0] == ranking.log_evidence_interval[1]
+    return row if exact else {**row, "interval": list(world.interval)}
+
+
+def _scene_ranking(situation: Situation, number: int, given: Sequence[str], seconds: float | None) -> Ranking:
+    """With evidence of the user's, exact whatever the deadline: what is known sooner would not be comparable."""
+    from plogic.live import LiveScene
+    from plogic.worlds import ranked_worlds
+
+    if not given:
+        return ranked_worlds(situation, number, seconds=seconds)
+    scene = LiveScene(situation)
+    for goal in given:
+        scene.observe(goal)
+    return scene.worlds(number)

@@ -9,7 +9,6 @@ import numpy as np
 from plogic.acceptance import acceptance, p_ev
 from plogic.dependence import MOST_OCCLUDERS
 from plogic.program.layout import number
-from plogic.weights import subsets
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,10 +19,7 @@ if TYPE_CHECKING:
 
 def contexts(names: tuple[str, ...]) -> list[tuple[str, ...]]:
     """Every subset, smallest first."""
-    if not names:
-        return [()]
-    columns = subsets(names)
-    rows = [tuple(n for n in names if columns[n][i]) for i in range(2 ** len(names))]
+    rows = [tuple(n for bit, n in enumerate(names) if i >> bit & 1) for i in range(2 ** len(names))]
     return sorted(rows, key=len)
 
 

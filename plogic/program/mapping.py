@@ -97,9 +97,11 @@ def _label(term: Any) -> str | None:  # noqa: ANN401
 
 
 def shown(term: Any, names: Names | None) -> str:  # noqa: ANN401
-    """The term as users write it, labels for atoms; unbound variables as ``_``."""
-    if term is None or isinstance(term, (int, Var)):
-        return "_" if not isinstance(term, Var) else str(term)
+    """The term as users write it, labels for atoms; unbound variables as ``_``. Without names, as ProbLog writes it."""
+    if isinstance(term, Var) or (names is None and isinstance(term, Term)):
+        return str(term)
+    if term is None or isinstance(term, int):
+        return "_"
     if isinstance(term, Not):
         return f"\\+ {shown(term.args[0], names)}"
     if isinstance(term, (And, Or)):
@@ -107,14 +109,12 @@ def shown(term: Any, names: Names | None) -> str:  # noqa: ANN401
         return mark.join(shown(argument, names) for argument in term.args)
     if not isinstance(term, Term) or isinstance(term, Constant) or _plain(term) in (".", "[]"):
         return _shown_rest(term, names)
-    if not term.arity:
-        return _shown_atom(str(term.functor), names)
     arguments = [shown(argument, names) for argument in term.args]
-    return _shown_compound(term, arguments)
+    return _shown_compound(term, arguments) if arguments else _shown_atom(str(term.functor), names)
 
 
 def _shown_rest(term: Any, names: Names | None) -> str:  # noqa: ANN401
-    if isinstance(term, Constant) or not isinstance(term, Term) or term.functor == "[]":
+    if isinstance(term, Constant) or not isinstance(term, Term) or _plain(term) == "[]":
         return str(term)
     items = []
     while isinstance(term, Term) and term.signature == "./2":

@@ -52,12 +52,17 @@ SUPPORTED = r"""
 supported(H) :- match(H, F, _), found(H, F).
 """
 
-LINEAR = r"""
+CONCORDANT = r"""
 % §8, score: concordant means Expected <=> Detected, so that P(present(H) | its occluders) is exactly P(ev).
 concordant(H, F) :- in_view(H, F), found(H, F).
 concordant(H, F) :- \+ in_view(H, F), \+ found(H, F).
-present(H) :- alone(H), supported(H), agrees(H).
 """
+
+LINEAR = (
+    CONCORDANT
+    + r"""present(H) :- alone(H), supported(H), agrees(H).
+"""
+)
 
 AGREES = r"""agrees(H) :- pick(H, F), concordant(H, F).
 """

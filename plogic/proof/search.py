@@ -1,167 +1,108 @@
-"""Proofs of a goal, as trees down to facts and choices; and of its negation, as the choices that break every proof."""
+"""The most probable explanations of a goal, best first (§8): minimal sets of choices that entail it, ranked by P(choices | evidence).
+
+A set of choices entails a goal if it contradicts every implicant of the goal's negation. So explanations are grown choice by choice: take the
+most probable set so far; find a world in which it holds and the goal does not; from why the goal fails there follow the choices of which an
+explanation must contain one. P(set | evidence) never rises when a choice is added, so what comes first is the best, and nothing else needs
+to be enumerated; sets that contradict the evidence have probability 0 and go at once. (An implicit hitting set search; the duality is
+Reiter's, 1987.)
+"""
 
 from __future__ import annotations
 
+import heapq
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from plogic.errors import ProgramError
-from plogic.proof.builtins import ARITHMETIC_TESTS, evaluate, holds
-from plogic.proof.clauses import TRUE
-from plogic.proof.selection import WIDEST, Choice, Selection, best, breaking, merged, probability
-from plogic.proof.terms import Bindings, Small, is_ground, resolved, signature, unify
+from plogic.proof.choices import Allowed, Choice, Selection, contradicts, fixed, key_of
+from plogic.proof.cone import StoppedError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
-    from plogic.proof.clauses import Rule, Rules
+    from plogic.proof.cone import Cone
 
-DEEPEST = 400
-
-
-@dataclass(frozen=True)
-class Tree:
-    """Why a goal holds, or fails: ``kind`` is rule, fact, choice, check, absent, or fails."""
-
-    goal: Small
-    kind: str
-    children: tuple[Tree, ...] = ()
-
-
-@dataclass(frozen=True)
-class Proof:
-    """One way to prove a goal: the goal with its variables bound, the choices that it rests on, the tree."""
-
-    goal: Small
-    selection: Selection
-    tree: Tree
+Entry = tuple[float, int, tuple[tuple[tuple[int, str], int], ...], float, Selection]
 
 
 @dataclass
-class Prover:
-    """Proves goals over rules; remembers what it proved."""
+class Search:
+    """``log_given`` weighs selections; ``wanted`` is the value of the cone's root that is to be explained.
 
-    rules: Rules
-    known: dict[Small, list[Proof]] = field(default_factory=dict)
-    path: list[Small] = field(default_factory=list)
-    cut: bool = False
+    ``stopped`` says that the budget of steps was used up: ``bound`` is then the greatest P(choices | evidence) that a further explanation can
+    have. ``pruned`` counts sets that contradict the evidence.
+    """
 
-    def prove(self, goal: Small) -> list[Proof]:
-        """The most probable proofs of a goal, at most ``WIDEST`` for each way to bind its variables."""
-        if goal in self.known:
-            return self.known[goal]
-        if goal in self.path or len(self.path) > DEEPEST:
-            self.cut = True
-            return []
-        before, self.cut = self.cut, False
-        self.path.append(goal)
-        found = _thinned(list(self._ways(goal)))
-        self.path.pop()
-        if is_ground(goal) and not self.cut:
-            self.known[goal] = found
-        self.cut = before or self.cut
-        return found
+    cone: Cone
+    wanted: bool
+    log_given: Callable[[list[Selection]], list[float]]
+    stopped: bool = False
+    bound: float = 0.0
+    pruned: int = 0
+    terms: list[Allowed] = field(default_factory=list)
+    found: list[Selection] = field(default_factory=list)
 
-    def _ways(self, goal: Small) -> Iterator[Proof]:
-        name = signature(goal)
-        if name == (",", 2) or goal == TRUE:
-            yield from (Proof(self._bound(goal, b), s, Tree(self._bound(goal, b), "rule", t)) for b, s, t in self.conjunction(goal, {}))
-        elif name == (";", 2):
-            yield from (Proof((goal[0], p.goal, p.goal), p.selection, p.tree) for side in goal[1:] for p in self.prove(side))
-        elif name in (("\\+", 1), ("not", 1)):
-            yield from self.refute(goal)
-        elif name in ARITHMETIC_TESTS:
-            bindings: Bindings = {}
-            if holds(goal, bindings):
-                yield Proof(resolved(goal, bindings), {}, Tree(resolved(goal, bindings), "check"))
-        elif name not in self.rules.by_signature:
-            raise ProgramError(f"explanations do not reach into {name[0]}/{name[1]}", file="explain")
-        else:
-            yield from self._by_rules(goal)
-
-    def _by_rules(self, goal: Small) -> Iterator[Proof]:
-        for rule, index in self.rules.matching(goal):
-            fresh, bindings = rule.fresh(), Bindings()
-            if unify(goal, fresh.heads[index], bindings):
-                yield from self._by_rule(goal, fresh, index, bindings)
-
-    def _by_rule(self, goal: Small, rule: Rule, index: int, bindings: Bindings) -> Iterator[Proof]:
-        for bound, selection, children in self.conjunction(rule.body, bindings):
-            done = resolved(goal, bound)
-            if rule.labels[index] is None:
-                yield Proof(done, selection, Tree(done, "fact" if rule.body == TRUE else "rule", children))
+    def explanations(self) -> Iterator[tuple[float, Selection]]:
+        """(ln P(choices | evidence), choices), most probable first; ties by fewer choices, then as the program is written."""
+        heap: list[Entry] = [(0.0, 0, (), 0.0, {})]
+        seen: set[frozenset[tuple[Choice, int]]] = {frozenset()}
+        while heap:
+            entry = heapq.heappop(heap)
+            _, _, _, p, selection = entry
+            self.bound = math.exp(p)
+            if any(smaller.items() <= selection.items() for smaller in self.found):
                 continue
-            choice = _choice(rule, bound)
-            whole = merged(selection, {choice: index})
-            if whole is not None and choice.probability(index) > 0:
-                yield Proof(done, whole, Tree(done, "choice", children))
+            try:
+                term = self._open_term(selection)
+                is_minimal = term is not None or self._is_minimal(selection)
+            except StoppedError:
+                self.stopped = True
+                return
+            if term is not None:
+                for following in self._wider(selection, term, seen):
+                    heapq.heappush(heap, following)
+            elif is_minimal:
+                self.found.append(selection)
+                yield p, selection
+        self.bound = 0.0
 
-    def conjunction(self, goal: Small, bindings: Bindings) -> Iterator[tuple[Bindings, Selection, tuple[Tree, ...]]]:
-        """Every way to prove a conjunction, from left to right."""
-        if goal == TRUE:
-            yield bindings, {}, ()
-            return
-        if signature(goal) == (",", 2):
-            for bound, selection, trees in self.conjunction(goal[1], bindings):
-                for further, more, others in self.conjunction(goal[2], bound):
-                    whole = merged(selection, more)
-                    if whole is not None:
-                        yield further, whole, (*trees, *others)
-            return
-        wanted = resolved(goal, bindings)
-        for proof in self.prove(wanted):
-            bound = dict(bindings)
-            if signature(wanted) == (";", 2) and not any(unify(side, proof.goal[1], bound) for side in wanted[1:]):
+    def _open_term(self, selection: Selection) -> Allowed | None:
+        """An implicant of the opposite that the selection does not contradict; None if it entails what is wanted."""
+        for known in self.terms:
+            if not contradicts(selection, known):
+                return known
+        term = self.cone.counterexample(fixed(selection), not self.wanted)
+        if term is not None:
+            self.terms.append(term)
+        return term
+
+    def _is_minimal(self, selection: Selection) -> bool:
+        for choice in selection:
+            smaller = {c: taken for c, taken in selection.items() if c != choice}
+            if self._open_term(smaller) is None:
+                return False
+        return True
+
+    def _wider(self, selection: Selection, term: Allowed, seen: set[frozenset[tuple[Choice, int]]]) -> Iterator[Entry]:
+        """The selection with each choice that contradicts the term."""
+        made: list[Selection] = []
+        for choice, allowed in sorted(term.items(), key=lambda item: item[0].order):
+            if choice in selection:
                 continue
-            if signature(wanted) == (";", 2) or unify(wanted, proof.goal, bound):
-                yield bound, proof.selection, (proof.tree,)
-
-    def refute(self, goal: Small) -> Iterator[Proof]:
-        """Proofs of a negation: what breaks every proof of the goal under it."""
-        proofs = self.prove(goal[1])
-        for selection in breaking(proof.selection for proof in proofs):
-            reasons = tuple(Tree(_taken(choice, taken), "choice") for choice, taken in selection.items())
-            yield Proof(goal, selection, Tree(goal, "absent", reasons))
-
-    @staticmethod
-    def _bound(goal: Small, bindings: Bindings) -> Small:
-        return resolved(goal, bindings)
-
-
-def _choice(rule: Rule, bindings: Bindings) -> Choice:
-    labels = tuple(1.0 if label is None else evaluate(resolved(label, bindings)) for label in rule.labels)
-    heads = tuple(resolved(head, bindings) for head in rule.heads)
-    return Choice(rule.number, tuple(resolved(v, bindings) for v in rule.variables), heads, labels, rule.body == TRUE)
+            for head in sorted(choice.domain - allowed):
+                wider = {**selection, choice: head}
+                key = key_of(wider)
+                if key not in seen:
+                    seen.add(key)
+                    made.append(wider)
+        for wider, p in zip(made, self.log_given(made), strict=True):
+            if p == -math.inf:
+                self.pruned += 1
+            else:
+                order = tuple(sorted((choice.order, taken) for choice, taken in wider.items()))
+                yield -rounded(p), len(wider), order, p, wider
 
 
-def _taken(choice: Choice, taken: int) -> Small:
-    """The head that is taken; where none is, the negation of all of them."""
-    if taken >= 0:
-        return choice.heads[taken]
-    negations = [("\\+", head) for head in choice.heads]
-    result: Small = negations[-1]
-    for negation in reversed(negations[:-1]):
-        result = (",", negation, result)
-    return result
-
-
-def literals(selection: Selection) -> list[Small]:
-    """The choices of a selection as goals."""
-    return [_taken(choice, taken) for choice, taken in selection.items()]
-
-
-def _thinned(proofs: list[Proof]) -> list[Proof]:
-    """For each instance of the goal the minimal, most probable proofs."""
-    by_goal: dict[Small, list[Proof]] = {}
-    for proof in proofs:
-        by_goal.setdefault(proof.goal, []).append(proof)
-    return [proof for same in by_goal.values() for proof in _minimal(same)]
-
-
-def _minimal(proofs: list[Proof]) -> list[Proof]:
-    if len(proofs) == 1:
-        return proofs
-    kept = best([proof.selection for proof in proofs])
-    first = {frozenset(proof.selection.items()): proof for proof in reversed(proofs)}
-    chosen = [first[frozenset(selection.items())] for selection in kept]
-    return sorted(chosen, key=lambda proof: -probability(proof.selection))[:WIDEST]
+def rounded(value: float) -> float:
+    """To 11 digits: what differs by rounding only is a tie."""
+    return float(f"{value:.11g}") if abs(value) > 1e-12 else 0.0

@@ -5,9 +5,12 @@ A term is a number, a ``Ref`` (a variable), or a tuple ``(functor, *arguments)``
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from problog.logic import And, Constant, Not, Or, Term, Var
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
 
 Small = Any
 """float | int | Ref | tuple[str | Small, ...]"""
@@ -21,23 +24,25 @@ class Ref:
 
 
 def small(term: Any, variables: dict[str, Ref]) -> Small:  # noqa: ANN401 - a term of ProbLog's
-    """From ProbLog's term; ``variables`` holds the variables by name, an underscore is always a new one."""
+    """From ProbLog's term; ``variables`` holds the variables by name; an underscore, or what the engine left unbound, is always a new one."""
+    if term is None or isinstance(term, int):
+        return Ref()
     if isinstance(term, Var):
         return Ref() if term.name == "_" else variables.setdefault(term.name, Ref())
     if isinstance(term, Constant):
-        return (term.functor,) if term.is_string() else term.functor
+        return (str(term.functor),) if term.is_string() else term.functor
     if isinstance(term, (And, Or, Not)):
         return (term.functor, *(small(argument, variables) for argument in term.args))
     return (str(term.functor), *(small(argument, variables) for argument in term.args))
 
 
-def problog_term(term: Small) -> Any:  # noqa: ANN401 - a term of ProbLog's
-    """Back to ProbLog's term."""
+def problog_term(term: Small, names: Mapping[Ref, str] | None = None) -> Any:  # noqa: ANN401 - a term of ProbLog's
+    """Back to ProbLog's term; a variable without a name is an underscore."""
     if isinstance(term, Ref):
-        return Var("_")
-    if not isinstance(term, tuple):
-        return Constant(term)
-    arguments = [problog_term(argument) for argument in term[1:]]
+        return Var((names or {}).get(term, "_"))
+    if not isinstance(term, tuple) or term[0][:1] == '"':
+        return Constant(term[0] if isinstance(term, tuple) else term)
+    arguments = [problog_term(argument, names) for argument in term[1:]]
     if term[0] in (",", ";") and len(arguments) == 2:
         return (And if term[0] == "," else Or)(*arguments)
     if term[0] == "\\+":
@@ -67,8 +72,9 @@ def unify(x: Small, y: Small, bindings: Bindings) -> bool:
         bindings[x if isinstance(x, Ref) else y] = y if isinstance(x, Ref) else x
         return True
     if isinstance(x, tuple) and isinstance(y, tuple):
-        return x[0] == y[0] and len(x) == len(y) and all(unify(a, b, bindings) for a, b in zip(x[1:], y[1:], strict=True))
-    return bool(x == y)
+        same = x[0] == y[0] or str(x[0]).strip("'") == str(y[0]).strip("'")
+        return same and len(x) == len(y) and all(unify(a, b, bindings) for a, b in zip(x[1:], y[1:], strict=True))
+    return bool(x == y) and isinstance(x, tuple) == isinstance(y, tuple)
 
 
 def is_ground(term: Small) -> bool:
@@ -76,13 +82,40 @@ def is_ground(term: Small) -> bool:
     return not isinstance(term, Ref) and (not isinstance(term, tuple) or all(is_ground(argument) for argument in term[1:]))
 
 
-def renamed(term: Small, new: dict[Ref, Ref]) -> Small:
-    """The term with new variables."""
+def is_atom(term: Small) -> bool:
+    """Whether the term is an atom or a number: what clauses are indexed by."""
+    return not isinstance(term, Ref) and (not isinstance(term, tuple) or len(term) == 1)
+
+
+def refs(term: Small) -> Iterator[Ref]:
+    """The variables of a term, from left to right, as often as they occur."""
     if isinstance(term, Ref):
-        return new.setdefault(term, Ref())
-    return (term[0], *(renamed(argument, new) for argument in term[1:])) if isinstance(term, tuple) else term
+        yield term
+    elif isinstance(term, tuple):
+        for argument in term:
+            yield from refs(argument)
 
 
 def signature(term: Small) -> tuple[str, int]:
     """Functor without its quotes, and arity."""
     return (str(term[0]).strip("'"), len(term) - 1) if isinstance(term, tuple) else ("", 0)
+
+
+def fresh(term: Small, new: dict[Ref, Ref] | None = None) -> Small:
+    """The term with new variables."""
+    names = {} if new is None else new
+    if isinstance(term, Ref):
+        return names.setdefault(term, Ref())
+    return (term[0], *(fresh(argument, names) for argument in term[1:])) if isinstance(term, tuple) else term
+
+
+def canonical(term: Small) -> Small:
+    """The term with its variables replaced by numbered atoms: equal for terms that differ in the names of variables only."""
+    seen: dict[Ref, Small] = {}
+    return _canonical(term, seen)
+
+
+def _canonical(term: Small, seen: dict[Ref, Small]) -> Small:
+    if isinstance(term, Ref):
+        return seen.setdefault(term, (f"_{len(seen)}",))
+    return (term[0], *(_canonical(argument, seen) for argument in term[1:])) if isinstance(term, tuple) else term

@@ -1,7 +1,7 @@
 """The first layer: the syntax tree is held to the allow-list (``allowlist``), by ProbLog's own parser and its own signatures.
 
-A goal must be written out: a variable is no goal, neither in a body nor as an argument of call/N, findall/3 and the like. So a name that is
-built at run time is never called, and every call is seen here.
+It sees what is written out, wherever a goal may stand: bodies, directives, queries, evidence, arguments of call/N, findall/3 and the like. It
+says all that is wrong at once. What a program builds at run time (``X =.. [consult, f], call(X)``) is for the second layer (``engine``).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Not, Or, 
 from problog.program import PrologString
 
 from plogic.errors import ProgramError, UnknownPredicateError, UnsafeProgramError
-from plogic.safety.allowlist import AGGREGATES, ARITHMETIC, GOALS, LIBRARIES, META, SPECIAL_HEADS
+from plogic.safety.allowlist import GOALS, LIBRARIES, LIBRARY_FILES, LIBRARY_META, LISTS, LOADERS, META, SPECIAL_HEADS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -62,17 +62,21 @@ def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
 
 
 def check_source(source: Source, known: frozenset[str] = frozenset(), protected: frozenset[str] = frozenset()) -> frozenset[str]:
-    """Hold every statement to the allow-list; the signatures that the text defines.
+    """Hold every statement to the allow-list; the signatures that the text defines. All that is wrong is told in one error.
 
-    ``known`` may be called beside what the text defines; ``protected`` may not be defined by it.
+    ``known`` may be called beside what the text defines; ``protected`` may not be defined by it. A text with something protected is a
+    piece added to a program: it may call only what is known. A whole program may also name what has no clauses, as long as it is not
+    called: that is told when it is. ``ANYTHING`` is among the signatures where the text alone does not tell what it defines.
     """
     try:
         defined = frozenset(head.signature for statement in source.statements for head in heads(statement))
-        checker = _Checker(source, defined | known | SPECIAL_HEADS, protected, _builtins())
+        defined |= frozenset({ANYTHING} if any(_is_open(statement) for statement in source.statements) else ())
+        checker = _Checker(source, _closed(defined | known) if protected else None, protected, _builtins())
         for statement in source.statements:
             checker.statement(statement)
     except RecursionError:
         raise ProgramError("nested too deeply", file=source.file) from None
+    checker.tell()
     return defined
 
 
@@ -88,16 +92,18 @@ def heads(statement: Any) -> list[Any]:  # noqa: ANN401 - a term of ProbLog's
 
 
 def check_goal(source: Source, known: frozenset[str]) -> Any:  # noqa: ANN401 - a term of ProbLog's
-    """The one goal that a text consists of, held to the allow-list."""
-    if len(source.statements) != 1 or isinstance(source.statements[0], (Clause, AnnotatedDisjunction)):
+    """The one goal that a text consists of, held to the allow-list; it may call what is ``known``."""
+    if len(source.statements) != 1 or isinstance(source.statements[0], (Clause, AnnotatedDisjunction, Var, Constant)):
         raise ProgramError("a goal is one term, like present(h1)", file=source.file)
     goal = source.statements[0]
     if getattr(goal, "probability", None) is not None:
         raise ProgramError("a goal has no probability of its own", **source.place(goal))
+    checker = _Checker(source, _closed(known), frozenset(), _builtins())
     try:
-        _Checker(source, known, frozenset(), _builtins()).goal(goal, 0)
+        checker.goal(goal, 0)
     except RecursionError:
         raise ProgramError("nested too deeply", file=source.file) from None
+    checker.tell()
     return goal
 
 
@@ -106,15 +112,48 @@ def is_directive(statement: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
     return isinstance(statement, Clause) and statement.head.signature == "_directive/0" and statement.head.location[1] is None
 
 
+def _closed(known: frozenset[str]) -> frozenset[str] | None:
+    """What may be called; None where anything may turn out to be defined."""
+    return None if ANYTHING in known else known | SPECIAL_HEADS
+
+
+def _is_open(statement: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
+    """Whether it may define what it does not name: it loads a library that is not all known here, or lets unknown predicates fail."""
+    return any(
+        part.signature in LOADERS | {"unknown/1", "module/2"} and not any(str(name) in NAMED for name in part.args)
+        for part in _inside(statement)
+        if isinstance(part, Term)
+    )
+
+
+@dataclass(frozen=True)
+class _Mistake:
+    """What is wrong with a term, and what kind of error that is."""
+
+    kind: type[ProgramError]
+    reason: str
+    term: Any
+
+
 @dataclass(frozen=True)
 class _Checker:
     source: Source
-    callable: frozenset[str]
+    callable: frozenset[str] | None
     protected: frozenset[str]
     builtins: frozenset[str]
+    mistakes: list[_Mistake] = field(default_factory=list)
 
-    def refuse(self, term: Any, reason: str) -> None:  # noqa: ANN401 - a term of ProbLog's
-        raise UnsafeProgramError(reason, **self.source.place(term))
+    def note(self, kind: type[ProgramError], term: Any, reason: str) -> None:  # noqa: ANN401 - a term of ProbLog's
+        self.mistakes.append(_Mistake(kind, reason, term))
+
+    def tell(self) -> None:
+        """Raise all mistakes as one error: the first refusal leads, the others follow with their places."""
+        if not self.mistakes:
+            return
+        first = next((mistake for mistake in self.mistakes if mistake.kind is UnsafeProgramError), self.mistakes[0])
+        rest = [mistake for mistake in self.mistakes if mistake is not first]
+        more = list(dict.fromkeys(with_place(mistake.reason, self.source.place(mistake.term)) for mistake in rest))
+        raise first.kind(together(first.reason, more), **self.source.place(first.term))
 
     def statement(self, statement: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
         if is_directive(statement):
@@ -122,82 +161,84 @@ class _Checker:
             return
         found = heads(statement)
         if not found or any(isinstance(head, (Var, Constant)) for head in found):
-            raise ProgramError("a clause must start with a predicate", **self.source.place(statement))
+            self.note(ProgramError, statement, "a clause must start with a predicate")
+            return
         for head in found:
             self.head(head)
         if isinstance(statement, (Clause, AnnotatedDisjunction)):
             self.goal(statement.body, 0)
 
     def directive(self, goal: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
-        library: Any = goal.args[0] if isinstance(goal, Term) and goal.signature in ("use_module/1", "use_module/2") else None
-        if not _is_pure_library(library):
-            self.refuse(goal, f"directive {_shown(goal)}: only use_module(library(L)) is allowed, L one of {', '.join(sorted(LIBRARIES))}")
+        """A goal that is called when the text is loaded; one that loads a file says what may be loaded."""
+        if isinstance(goal, Term) and goal.signature in FILES and not self.loads_a_library(goal):
+            self.note(UnsafeProgramError, goal, f"directive {_shown(goal)}: {LOADING}")
+            return
+        self.goal(goal, 0)
 
     def head(self, head: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
-        name = str(head.functor).strip("'")
         if head.signature in self.protected:
-            raise ProgramError(f"{head.signature} is defined by the program and cannot be added to", **self.source.place(head))
-        if (
-            head.signature in self.builtins
-            or head.signature in META
-            or name.startswith(("_", "plogic "))
-            or name in ("choice", "body", ":")
-        ):
-            self.refuse(head, f"{head.signature} belongs to ProbLog and cannot be defined")
-        if head.probability is not None:
-            self.label(head.probability)
+            self.note(ProgramError, head, f"{head.signature} is defined by the program and cannot be added to")
+        if head.signature in self.builtins or str(head.functor).strip("'").startswith("plogic "):
+            self.note(ProgramError, head, f"{head.signature} belongs to ProbLog and cannot be defined")
         if head.signature in SPECIAL_HEADS:
             self.goal(head.args[0], 0)
-
-    def label(self, label: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
-        if isinstance(label, (Constant, Var)):
-            return
-        if label is None or str(label.functor).strip("'") not in ARITHMETIC:
-            self.refuse(label, f"probability {_shown(label)}: only numbers, variables and arithmetic are allowed")
-        for argument in label.args:
-            self.label(argument)
 
     def goal(self, goal: Any, added: int) -> None:  # noqa: ANN401 - a term of ProbLog's
         """A goal with ``added`` more arguments than are written.
 
-        Its other arguments are data: they may hold anything, and nothing calls them.
+        A goal that is built at run time is not seen here, but by the engine. Arguments that are no goals are data and may hold anything.
         """
         if isinstance(goal, (Var, Constant)) or not isinstance(goal, Term):
-            self.refuse(goal, f"goal {_shown(goal)}: a goal must be written out, not be a variable or a value")
+            return
         signature = f"{goal.signature.rsplit('/', 1)[0]}/{goal.arity + added}"
         self.called(goal, signature)
-        goals = dict(META.get(signature, ())) if not added else {}
-        if added and signature in META:
-            self.refuse(goal, f"{signature} cannot be called through another predicate")
-        for position, more in goals.items():
-            self.goal(goal.args[position], more)
-        if signature == "aggregate/5" and str(goal.args[0].functor) not in AGGREGATES:
-            self.refuse(goal, f"aggregate {_shown(goal.args[0])}: only {', '.join(sorted(AGGREGATES))} are allowed")
+        for position, more in META.get(signature, LIBRARY_META.get(signature, ())):
+            if position < goal.arity:
+                self.goal(goal.args[position], more)
 
     def called(self, goal: Any, signature: str) -> None:  # noqa: ANN401 - a term of ProbLog's
-        if signature in GOALS:
+        if signature in LOADERS and self.loads_a_library(goal):
             return
-        if signature in self.builtins or signature.startswith(("_", "./")):
-            self.refuse(goal, f"{signature} is not allowed: it is not on the list of predicates that cannot reach files or code")
-        if signature not in self.callable:
-            self.unknown(goal, signature)
+        if signature in self.builtins and signature not in GOALS:
+            self.note(UnsafeProgramError, goal, f"{signature} is not allowed: {LOADING if signature in FILES else REASON}")
+        elif self.callable is not None and signature not in GOALS | LISTS | self.callable | frozenset(LIBRARY_META):
+            self.note(UnknownPredicateError, goal, f"no clauses for {signature}")
 
-    def unknown(self, goal: Any, signature: str) -> None:  # noqa: ANN401 - a term of ProbLog's
-        if signature.rsplit("/", 1)[0] in _DANGEROUS:
-            self.refuse(goal, f"{signature} is not allowed: it is not on the list of predicates that cannot reach files or code")
-        raise UnknownPredicateError(f"no clauses for {signature}", **self.source.place(goal))
-
-
-_DANGEROUS = frozenset({
-    "use_module", "consult", "load_external", "csv_load", "sqlite_load", "subquery", "assertz", "asserta", "assert", "retract",
-    "retractall",
-    "open", "see", "tell", "shell", "halt", "initialization", "module", "db", "call_external", "include", "ensure_loaded",
-    "read", "get_char",
-})  # fmt: skip
+    def loads_a_library(self, goal: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
+        """Whether a loader names a pure library, or something that only the run can tell."""
+        place = 1 if goal.signature.startswith("_") else 0
+        name = goal.args[place] if place < goal.arity else None
+        if not isinstance(name, Term) or isinstance(name, Var):
+            return True
+        if name.functor != "library" or name.arity != 1:
+            return False
+        return isinstance(name.args[0], Var) or _is_pure(name.args[0])
 
 
-def _is_pure_library(term: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
-    return isinstance(term, Term) and term.functor == "library" and term.arity == 1 and str(term.args[0]) in LIBRARIES
+REASON = "it is not on the list of predicates that cannot reach files or code"
+FILES = LOADERS | {"consult/1", "./2"}
+LOADING = f"only use_module(library(L)) is allowed, L one of {', '.join(sorted(LIBRARIES - {'builtin'}))}"
+ANYTHING = "*"
+NAMED = frozenset({"library(lists)", "library(apply)", "library(aggregate)"})
+"""Libraries whose predicates are all listed here."""
+MOST_TOLD = 20
+"""Mistakes that one message names."""
+
+
+def together(first: str, more: list[str]) -> str:
+    """Many mistakes in one line."""
+    left = f"; and {len(more) - MOST_TOLD} more" if len(more) > MOST_TOLD else ""
+    return "; also ".join([first, *more[:MOST_TOLD]]) + left
+
+
+def with_place(reason: str, place: dict[str, Any]) -> str:
+    """``file:line:column: reason``."""
+    return ":".join(str(place[key]) for key in ("file", "line", "column") if key in place) + f": {reason}"
+
+
+def _is_pure(name: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
+    text = str(name).strip("'")
+    return text in LIBRARIES or text in LIBRARY_FILES
 
 
 def _builtins() -> frozenset[str]:

@@ -1,5 +1,6 @@
-"""The process that runs programs: reads one request (JSON) from stdin, writes one reply (JSON) to stdout; never a traceback.
+"""The process that runs programs: reads one request (JSON) from stdin, writes replies (JSON, one a line) to stdout; never a traceback.
 
+The last line is the reply; lines before it are what was known by then, where the request asks for that (``anytime``).
 Started by ``plogic.engine``; its limits are set before anything of the request is looked at.
 """
 
@@ -9,7 +10,10 @@ import json
 import os
 import resource
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 
 def main() -> None:
@@ -18,21 +22,27 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     answer_to = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # whatever a library prints is no part of the reply
-    try:
-        reply = _reply(json.load(sys.stdin))
-    except MemoryError:
-        reply = {"error": {"kind": "LimitError", "reason": "memory"}}
+
+    def tell(reply: dict[str, Any]) -> None:
+        answer_to.write(json.dumps(reply) + "\n")
+        answer_to.flush()
+
     with answer_to:
-        json.dump(reply, answer_to)
+        try:
+            reply = reply_to(json.load(sys.stdin), tell)
+        except MemoryError:
+            reply = {"error": {"kind": "LimitError", "reason": "memory"}}
+        tell(reply)
 
 
-def _reply(request: dict[str, Any]) -> dict[str, Any]:
+def reply_to(request: dict[str, Any], tell: Callable[[dict[str, Any]], None] | None = None) -> dict[str, Any]:
+    """The reply to one request, or the error that it came to; ``tell`` gets what is known on the way."""
     from plogic.errors import BeliefError, ProgramError
     from plogic.safety.serve import serve
 
     sys.setrecursionlimit(5000)
     try:
-        return serve(request)
+        return serve(request, tell)
     except ProgramError as error:
         places = {"file": error.file, "line": error.line, "column": error.column}
         return {"error": {"kind": type(error).__name__, "reason": error.reason, **places}}

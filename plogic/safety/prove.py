@@ -1,63 +1,108 @@
-"""One request for explanations, served in the child process: proofs of a goal, of its negation, and why it fails."""
+"""One request for explanations, served in the child process: why a goal holds, why not, and what was missing."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from problog.logic import Not
+from problog.errors import ProbLogError
 
-from plogic.program.mapping import mapped, shown
-from plogic.proof.clauses import rules_of
-from plogic.proof.failure import failure
-from plogic.proof.search import Proof, Prover, Tree, literals
-from plogic.proof.selection import probability
-from plogic.proof.terms import problog_term, small, unify
+from plogic.errors import UnknownPredicateError
+from plogic.program.mapping import mapped
+from plogic.proof.account import Options, account
+from plogic.proof.ground import Grounding
+from plogic.proof.hints import unknown_names, unknown_predicate
+from plogic.proof.rewrite import Rewriter, defined_by
+from plogic.proof.terms import Ref, Small, small
 from plogic.safety.check import check_goal, check_source, parse
+from plogic.safety.engine import engine_for
+from plogic.safety.mistakes import told
 
 if TYPE_CHECKING:
     from plogic.names import Names
-    from plogic.proof.terms import Small
+
+GOAL = "'plogic goal'"
+STEPS = 5_000_000
+"""Nodes of the formula that one search may look at: some seconds."""
 
 
 def prove(request: dict[str, Any], names: Names | None) -> dict[str, Any]:
-    """``{"for": [...], "against": [...], "failure": tree | null}``; each explanation has probability, choices, evidence goal and tree."""
+    """The account of ``plogic.explain``, as plain data."""
+    trust = bool(request.get("trust"))
+    statements, known = _read(request["texts"], names, trust=trust)
+    goal = _goal(request["goals"][0], "goal", known, statements, names, trust=trust)
+    given = [_goal(text, "given", known, statements, names, trust=trust) for text in request["given"]]
+    try:
+        ground, ask, shown_goal = _ground(statements, goal, given, trust=trust, folder=request.get("folder", "."))
+        options = Options(request.get("most", 5), STEPS, names)
+        reply = account(ground, ask, shown_goal, options)
+    except ProbLogError as error:
+        _told_with_place(request, error)
+    if reply["probability"] == 0.0:
+        reply["notes"] += unknown_names(small(goal, {}), ground.rules, names)
+    return reply
+
+
+def _read(texts: list[dict[str, str]], names: Names | None, *, trust: bool) -> tuple[list[Any], frozenset[str]]:
     known: frozenset[str] = frozenset()
     statements: list[Any] = []
-    for i, item in enumerate(request["texts"]):
+    for i, item in enumerate(texts):
         source = parse(item["text"], item["file"])
-        known |= check_source(source, known=known, protected=known)
+        known |= frozenset(_signatures(source)) if trust else check_source(source, known=known, protected=known)
         statements += [mapped(s, names) if names is not None and i else s for s in source.statements]
-    goal = check_goal(parse(request["goals"][0].rstrip().removesuffix(".") + "\n.", "goal"), known)
-    wanted = goal if names is None else mapped(goal, names)
-    prover = Prover(rules_of(statements))
-    why = _explanations(prover, small(wanted, {}), request["most"], names)
-    why_not = _explanations(prover, small(Not("\\+", wanted), {}), request["most"], names)
-    fails = None if why else _tree(failure(prover, small(wanted, {})), names)
-    return {"for": why, "against": why_not, "failure": fails}
+    return statements, known
 
 
-def _explanations(prover: Prover, goal: Small, most: int, names: Names | None) -> list[dict[str, Any]]:
-    proofs = sorted(prover.prove(goal), key=lambda proof: (-probability(proof.selection), str(proof.goal)))
-    return [_explanation(prover, proof, names) for proof in proofs[:most]]
+def _signatures(source: Any) -> list[str]:  # noqa: ANN401 - a Source
+    from plogic.safety.check import heads
+
+    return [head.signature for statement in source.statements for head in heads(statement)]
 
 
-def _explanation(prover: Prover, proof: Proof, names: Names | None) -> dict[str, Any]:
-    choices = [shown(problog_term(literal), names) for literal in literals(proof.selection)]
-    askable = all(choice.is_fact and all(_only_way(prover, head) for head in choice.heads) for choice in proof.selection)
-    return {
-        "goal": shown(problog_term(proof.goal), names),
-        "probability": probability(proof.selection),
-        "choices": choices,
-        "askable": askable and bool(choices),
-        "tree": _tree(proof.tree, names),
-    }
+def _goal(text: str, file: str, known: frozenset[str], statements: list[Any], names: Names | None, *, trust: bool) -> Any:  # noqa: ANN401
+    """The goal as ProbLog's term, labels mapped; a predicate that nobody defines is answered with what would be right."""
+    source = parse(text.rstrip().removesuffix(".") + "\n.", file)
+    try:
+        goal = source.statements[0] if trust and len(source.statements) == 1 else check_goal(source, known)
+    except UnknownPredicateError as error:
+        hint = unknown_predicate(source.statements[0], defined_by(statements))
+        raise UnknownPredicateError(f"{error.reason}{hint}", file=error.file, line=error.line, column=error.column) from None
+    return goal if names is None else mapped(goal, names)
 
 
-def _only_way(prover: Prover, head: Small) -> bool:
-    """Whether the choice's head can come from this choice alone, so that asking for it asks for the choice."""
-    ways = [rule for rule, i in prover.rules.matching(head) if rule.body != ("fail",) and unify(rule.heads[i], head, {})]
-    return len(ways) == 1
+def _ground(statements: list[Any], goal: Any, given: list[Any], *, trust: bool, folder: str = ".") -> tuple[Grounding, Small, Small]:  # noqa: ANN401
+    """The rewritten program in an engine, with its evidence; the atom to ask for, and the goal."""
+    engine, database = engine_for(trust=trust, folder=folder)
+    rewriter = Rewriter(defined_by(statements))
+    ground = Grounding(engine, database, rewriter.rules)
+    for statement in statements:
+        number, clauses = rewriter.statement(statement)
+        ground.add(number, clauses)
+    for i, condition in enumerate(given):
+        ground.add(*rewriter.evidence(i, small(condition, {})))
+    variables: dict[str, Ref] = {}
+    wanted = small(goal, variables)
+    ask, clauses = rewriter.goal(wanted, GOAL, _asked(goal, variables))
+    ground.add(rewriter.count, clauses)
+    ground.prepare()
+    return ground, ask, wanted
 
 
-def _tree(tree: Tree, names: Names | None) -> dict[str, Any]:
-    return {"goal": shown(problog_term(tree.goal), names), "kind": tree.kind, "children": [_tree(child, names) for child in tree.children]}
+def _asked(goal: Any, variables: dict[str, Ref]) -> list[Ref]:  # noqa: ANN401 - a term of ProbLog's
+    from plogic.programs.load import variables as variables_of
+
+    return [variables[name] for name in variables_of(goal)]
+
+
+def _told_with_place(request: dict[str, Any], error: ProbLogError) -> None:
+    """The error as the program as it was written gives it, which knows file and line; else as it came."""
+    from plogic.safety.serve import serve
+
+    serve({**request, "task": None, "goals": request["goals"]})
+    told(error, request["texts"])
+
+
+def ground_goal(program: str, goal: str, given: list[str]) -> tuple[Grounding, Small, Small]:
+    """A program's text, a goal and evidence, grounded: what ``account`` takes. Held to the allow-list."""
+    statements, known = _read([{"text": program, "file": "program"}], None, trust=False)
+    wanted = _goal(goal, "goal", known, statements, None, trust=False)
+    return _ground(statements, wanted, [_goal(text, "given", known, statements, None, trust=False) for text in given], trust=False)

@@ -101,11 +101,17 @@ def _anchors(weights: NDArray[np.float64]) -> NDArray[np.intp]:
 
 
 def generate(
-    index: TypeIndex, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None
+    index: TypeIndex,
+    data: Data,
+    kb: KnowledgeBase,
+    covered: NDArray[np.bool_] | None = None,
+    *,
+    refined: int = REFINED,
+    verified: int = VERIFIED,
 ) -> list[tuple[float, Posed]]:
     """The best distinct poses of one type as (log-likelihood ratio against clutter, hypothesis), best first.
 
-    ``covered`` (H, W): where accepted opaque objects stand in the ideal image.
+    ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``refined``, ``verified``: how many poses go that far.
     """
     allowed = index.allowed(data)
     if len(data.ids) < 4 or len(index.points) < 4 or not allowed.any():
@@ -115,9 +121,9 @@ def generate(
     if not len(poses):
         return []
     worth = pose_votes(poses, index.cells, index.points, index.weights, maps, data)
-    kept = poses[best_apart(worth, poses, index.cells, data, REFINED)]
+    kept = poses[best_apart(worth, poses, index.cells, data, refined)]
     found = extend(kept, index.cells, index.points, index.weights, maps, data, kb.rates.match_tolerance)
-    return _verified(found, index, allowed, maps, data, kb)
+    return _verified(found, index, allowed, maps, data, kb, verified)
 
 
 def _from_pairs(
@@ -162,13 +168,13 @@ def _scales(index: TypeIndex, data: Data) -> tuple[float, float]:
 
 
 def _verified(
-    found: Candidates, index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, kb: KnowledgeBase
+    found: Candidates, index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, kb: KnowledgeBase, most: int
 ) -> list[tuple[float, Posed]]:
     """Cast rays for the best refined poses, match, polish once, and keep one of each heap of near-duplicates."""
     order = np.argsort(~np.isfinite(found.rms), kind="stable")  # they come best first
     poses: list[NDArray[np.float64]] = []
     for i in order:
-        if len(poses) >= VERIFIED or not np.isfinite(found.rms[i]):
+        if len(poses) >= most or not np.isfinite(found.rms[i]):
             break
         pose = found.camera_from_object[i]
         if _plausible(pose, index) and not any(same_place(index.object_type, pose, old) for old in poses):

@@ -73,7 +73,7 @@ def test_cases_are_those_of_the_accepted_world(parts):
 
 def test_relations_have_the_mass_of_the_worlds_that_hold_both(parts):
     delta, ranking, document = written(parts, Options())
-    assert document["relations"] == relation_probabilities(delta, ranking)
+    assert document["relations"] == relation_probabilities(delta.situation)
     assert document["relations"]
     for row in document["relations"]:
         mass = sum(w.probability for w in ranking.worlds if set(row["args"]) <= set(w.present))

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import pytest
 from situations import towers
 
 from plogic.engine import Text
-from plogic.errors import ProgramError
 from plogic.explain import explain
 
 WET = Text("0.3::rain. 0.5::sprinkler. wet :- rain. wet :- sprinkler, \\+ rain. 0.9::slip(X) :- wet, p(X). p(a). p(b).")
@@ -26,19 +23,25 @@ def leaves(reason):
 
 def test_explanations_of_a_goal_and_of_its_negation():
     account = explain(WET, "wet")
-    assert {frozenset(e.choices): e.probability for e in account.why} == pytest.approx(
-        {frozenset({"rain"}): 0.3, frozenset({"sprinkler", "\\+ rain"}): 0.35},
-    )
-    assert account.probability == pytest.approx(math.fsum(e.probability for e in account.why)), "these explanations exclude each other"
+    assert {frozenset(e.choices): e.probability for e in account.why} == pytest.approx({frozenset({"rain"}): 0.3, frozenset({"sprinkler"}): 0.5})
+    assert account.covered.listed == pytest.approx((account.probability, account.probability)), "together they are the goal, overlap and all"
+    assert account.covered.unlisted == 0
     assert [set(e.choices) for e in account.why_not] == [{"\\+ sprinkler", "\\+ rain"}]
     assert account.failure is None
+
+
+def test_what_holds_in_every_world_by_one_of_two_rules_is_told_by_cases():
+    tree = explain(WET, "wet").why[0].tree
+    assert tree.kind == "cases"
+    assert [way.goal for way in tree.children] == ["rain", "\\+ rain"]
 
 
 def test_explanations_given_evidence():
     account = explain(WET, "wet", given=["\\+ rain"])
     best = account.why[0]
-    assert set(best.choices) == {"sprinkler", "\\+ rain"}
+    assert set(best.choices) == {"sprinkler"}
     assert best.given_evidence == pytest.approx(0.5)
+    assert len(account.why) == 1, "rain contradicts the evidence"
     assert account.probability == pytest.approx(0.5)
 
 
@@ -50,7 +53,8 @@ def test_recursion_ends():
 
 def test_an_object_is_explained_down_to_its_data():
     best = explain(towers(mode="drop"), "present(t2)").why[0]
-    assert set(best.choices) == {"ok(t1, [])", "ok(t2, [t1])"}
+    assert best.choices == ("ok(t2, [t1])",), "ok(t1, []) is certain, and no choice"
+    assert "ok(t1, [])" in list(goals(best.tree))
     assert "in_image(t2, 'apex/a0')" in [leaf.goal for leaf in leaves(best.tree)]
     assert {leaf.kind for leaf in leaves(best.tree)} <= {"fact", "choice", "absent", "check"}
 
@@ -75,6 +79,9 @@ def test_why_not_of_something_unheard_of():
     assert list(goals(account.failure)) == ["slip(c)", "p(c)"]
 
 
-def test_what_explanations_do_not_follow_is_said():
-    with pytest.raises(ProgramError, match="do not reach into findall/3"):
-        explain(Text("a :- findall(X, b(X), [1]). b(1)."), "a")
+def test_findall_is_computed_from_its_choices():
+    account = explain(Text("a :- findall(X, b(X), [1, 2]). 0.5::b(1). 0.4::b(2). 0.1::b(3)."), "a")
+    assert [set(e.choices) for e in account.why] == [{"b(1)", "b(2)", "\\+ b(3)"}]
+    assert account.why[0].tree.children[0].kind == "computed"
+    assert {leaf.goal for leaf in leaves(account.why[0].tree)} == {"b(1)", "b(2)", "\\+ b(3)"}
+    assert account.probability == pytest.approx(0.18)

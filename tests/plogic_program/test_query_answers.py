@@ -131,7 +131,7 @@ ERRORS = [
     ("a :- member(1, [1]). query(a).", UnknownPredicateError, "u.pl:1:6: "),
     ("a :- b(.", ProgramError, "u.pl:1:6: Unmatched"),
     ("a.\nb :- ,c.", ProgramError, "u.pl:2:6: "),
-    ("a :- !.", UnknownPredicateError, "u.pl:1:6: "),
+    ("a :- !. query(a).", UnknownPredicateError, "u.pl:1:6: "),
     ("a :- b(X), X > 1. b(z). query(a).", ProgramError, "u.pl:1:"),
     ("1.5::a. query(a).", ProgramError, "u.pl"),
     ("X.", ProgramError, "u.pl:1:1: "),

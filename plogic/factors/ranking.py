@@ -1,0 +1,59 @@
+"""Worlds in order where auxiliary variables stand beside those of the worlds: a world weighs the sum over them.
+
+Most auxiliary variables are summed out first. Where one would take too large a table (an appearance that very many claim), joint states
+with it are ranked instead: a world weighs at most its heaviest joint state times the number of joint auxiliary states, so a world whose sum
+is known may be told as soon as no world that is yet unseen can be heavier.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from typing import TYPE_CHECKING
+
+from plogic.errors import WidthError
+from plogic.inference.gates import Literal, observed
+from plogic.inference.marginals import beliefs, summed_out
+from plogic.inference.ranked import ranked
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from plogic.factors.scene import SceneGraph
+    from plogic.inference.graph import FactorGraph
+
+    Weighed = tuple[float, tuple[int, ...]]
+
+
+def weighed(scene: SceneGraph) -> Iterator[Weighed]:
+    """(log weight, one state a variable of the scene's alternatives) of every possible world, heaviest first."""
+    graph, left = scene.graph, []
+    for v in scene.auxiliary:
+        try:
+            graph = summed_out(graph, [v])
+        except WidthError:
+            left.append(v)
+    count = len(scene.variables)
+    if left:
+        yield from _lazily(graph, count, math.log(math.prod(graph.cards[v] for v in left)))
+    else:
+        yield from ((weight, states[:count]) for weight, states in ranked(graph))
+
+
+def _lazily(graph: FactorGraph, count: int, spread: float) -> Iterator[Weighed]:
+    """``spread``: logarithm of how many joint states one world has."""
+    waiting: list[tuple[float, tuple[int, ...]]] = []
+    seen: set[tuple[int, ...]] = set()
+    for weight, states in ranked(graph):
+        while waiting and -waiting[0][0] >= weight + spread:
+            minus, world = heapq.heappop(waiting)
+            yield -minus, world
+        world = states[:count]
+        if world not in seen:
+            seen.add(world)
+            heapq.heappush(waiting, (-_sum(graph, world), world))
+    yield from ((-minus, world) for minus, world in sorted(waiting))
+
+
+def _sum(graph: FactorGraph, world: tuple[int, ...]) -> float:
+    return beliefs(observed(graph, [Literal(v, frozenset({s})) for v, s in enumerate(world)])).log_z[1]

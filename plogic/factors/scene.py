@@ -1,0 +1,72 @@
+"""From a situation to its factor graph: the second form of what ``plogic.program.text`` says, tested equal to it (§8).
+
+A joint state of ``variables`` is a world, an assignment of present/1; its weight is the world's weight in the program. Causes, hits and
+picks are summed out; where that would take a factor over too many hypotheses, they stay as auxiliary variables, numbered last.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.factors.alternatives import Alternative, Cast, cast_of
+from plogic.factors.posterior import add_posterior
+from plogic.factors.score import add_score
+from plogic.factors.tables import IMPOSSIBLE, Tables
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from plogic.factors.posterior import Cause
+    from plogic.inference.graph import FactorGraph
+    from plogic.situation import Situation
+
+
+@dataclass(frozen=True)
+class SceneGraph:
+    """``variables[v]`` is what variable v of the graph decides; ``place["h4"]`` is the (variable, state) in which h4 is present.
+
+    ``causes["a3"]``: the cause of an appearance, as a variable, if one was asked for, or that has very many claimants.
+    """
+
+    graph: FactorGraph
+    variables: tuple[Alternative, ...]
+    place: dict[str, tuple[int, int]]
+    causes: dict[str, Cause]
+
+    @property
+    def auxiliary(self) -> tuple[int, ...]:
+        """The variables that are no alternative of hypotheses."""
+        return tuple(range(len(self.variables), len(self.graph.cards)))
+
+    def present(self, states: tuple[int, ...]) -> list[str]:
+        """The hypotheses that are present in a joint state, by variable."""
+        return [str(v.states[s]) for v, s in zip(self.variables, states, strict=False) if s]
+
+
+def scene_graph(situation: Situation, *, explicit: Collection[str] = ()) -> SceneGraph:
+    """The graph of a checked situation (``plogic.sanity.check``); of appearances in ``explicit`` the cause is a variable (posterior)."""
+    cast = cast_of(situation)
+    tables = Tables([len(v.states) for v in cast.variables])
+    causes: dict[str, Cause] = {}
+    if situation.reading == "posterior":
+        causes = add_posterior(tables, cast, explicit)
+    else:
+        add_score(tables, cast)
+    _add_constraints(tables, cast)
+    return SceneGraph(tables.graph(), cast.variables, cast.place, causes)
+
+
+def _add_constraints(tables: Tables, cast: Cast) -> None:
+    """A4, and in the score reading that an appearance serves one feature: the two are never present together."""
+    situation = cast.situation
+    pairs = situation.overlaps | (situation.exclusive if situation.reading == "score" else frozenset())
+    for x, y in sorted({tuple(sorted((cast.place[x], cast.place[y]))) for x, y in pairs}):
+        if x == y:
+            tables.unary[x[0]][x[1]] = IMPOSSIBLE
+        elif x[0] != y[0]:
+            table = np.zeros(tables.shape((x[0], y[0])))
+            table[x[1], y[1]] = IMPOSSIBLE
+            tables.add((x[0], y[0]), table)

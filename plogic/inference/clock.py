@@ -1,0 +1,30 @@
+"""The time that an answer may take; without a limit it reads no clock, so that the answer depends on nothing but the question."""
+
+from __future__ import annotations
+
+import math
+import time
+
+
+class OutOfTimeError(Exception):
+    """The time is over; never leaves the package: what was found by then becomes an interval."""
+
+
+class Clock:
+    """Counts from its making; ``seconds`` None is for ever."""
+
+    def __init__(self, seconds: float | None) -> None:
+        self.end = None if seconds is None else time.monotonic() + seconds
+
+    def left(self) -> float:
+        """Seconds; inf without a limit."""
+        return math.inf if self.end is None else self.end - time.monotonic()
+
+    def check(self) -> None:
+        """Raises OutOfTimeError when the time is over."""
+        if self.end is not None and time.monotonic() >= self.end:
+            raise OutOfTimeError
+
+    def share(self, count: int) -> Clock:
+        """A clock for the first of ``count`` jobs that are to share what is left."""
+        return Clock(None if self.end is None else self.left() / count)

@@ -1,0 +1,193 @@
+"""In which order to sum variables out: min-fill, and sweeps where min-fill leaves large tables.
+
+The order decides the largest table of bucket elimination (R. Dechter, Bucket elimination: a unifying framework for reasoning, 1999); the
+best order is NP-hard to find, and min-fill (least new edges first) is the usual heuristic (U. Kjærulff, 1990). On grids a sweep is better:
+it eliminates from one end, always the variable that makes the boundary grow least. All orders are deterministic.
+
+* ``Order((2, 0, 1), ({0, 1}, {1}, ...), 3.0, 3.8)``: the variables as they go; per variable, the ones still there that its table then has
+  (as bits of an integer); the width and the work in bits
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+EASY = 12.0  # bits; up to here min-fill's order is taken as it is
+
+
+@dataclass(frozen=True)
+class Order:
+    """``sequence`` of all variables; ``rests[v]``: bits of v's neighbours at its turn; ``width``, ``work``: log2 of the largest, of all tables."""
+
+    sequence: tuple[int, ...]
+    rests: tuple[int, ...]
+    width: float
+    work: float
+
+
+def neighbours(count: int, scopes: Iterable[Sequence[int]]) -> list[int]:
+    """Per variable, the variables that share a scope with it, as bits of an integer (never itself)."""
+    result = [0] * count
+    for scope in scopes:
+        mask = 0
+        for v in scope:
+            mask |= 1 << v
+        for v in scope:
+            result[v] |= mask
+    return [mask & ~(1 << v) for v, mask in enumerate(result)]
+
+
+def elimination_order(cards: Sequence[int], scopes: Iterable[Sequence[int]], check: Callable[[], None] = lambda: None) -> Order:
+    """The best order found: min-fill's, and past ``EASY`` bits the one of least work among min-fill, a sweep and the numbering.
+
+    ``check`` is called at every variable, and may raise.
+    """
+    bits = [math.log2(card) for card in cards]
+    graph = neighbours(len(cards), scopes)
+    best = _order(min_fill(list(graph), cards, range(len(cards)), check), bits)
+    if best.width <= EASY:
+        return best
+    others = (_along(graph, bits, _sweep(graph, bits, check)), _along(graph, bits, range(len(cards))))
+    return min((best, *others), key=lambda order: order.work)
+
+
+def order_along(cards: Sequence[int], scopes: Iterable[Sequence[int]], sequence: Sequence[int]) -> Order:
+    """What eliminating in the given sequence leads to."""
+    return _along(neighbours(len(cards), scopes), [math.log2(card) for card in cards], sequence)
+
+
+def min_fill(
+    graph: list[int],
+    cards: Sequence[int],
+    chosen: Iterable[int],
+    check: Callable[[], None] = lambda: None,
+) -> tuple[list[int], list[int]]:
+    """(order, rests) of ``chosen`` by least fill, ties by the smaller table, then by number; changes ``graph``."""
+    rests = [0] * len(graph)
+    sequence: list[int] = []
+    keys = {v: _key(graph, cards, v) for v in chosen}
+    heap = [(*key, v) for v, key in keys.items()]
+    heapq.heapify(heap)
+    while heap:
+        check()
+        fill, size, v = heapq.heappop(heap)
+        if keys.get(v) != (fill, size):
+            continue
+        del keys[v]
+        sequence.append(v)
+        rests[v] = graph[v]
+        for u, key in _changed(graph, cards, v, fill, keys):
+            if key != keys[u]:
+                keys[u] = key
+                heapq.heappush(heap, (*key, u))
+    return sequence, rests
+
+
+def _changed(graph: list[int], cards: Sequence[int], v: int, fill: int, keys: Mapping[int, tuple[int, int]]) -> list[tuple[int, tuple[int, int]]]:
+    """Eliminates v, which adds ``fill`` edges; (variable, key) of those of ``keys`` that it may have changed."""
+    around = graph[v]
+    touched = _eliminate(graph, v, filled=fill > 0)
+    if fill:
+        return [(u, _key(graph, cards, u)) for u in members(touched) if u in keys]
+    # no edge is new: a neighbour only loses v, and the edges that joined v to its other neighbours would have been fill
+    return [(u, (keys[u][0] - (graph[u] & ~around).bit_count(), keys[u][1] // cards[v])) for u in members(around) if u in keys]
+
+
+def _key(graph: Sequence[int], cards: Sequence[int], v: int) -> tuple[int, int]:
+    """(edges that eliminating v adds, cells of its table)."""
+    mask = graph[v]
+    missing, size = 0, cards[v]
+    rest = mask
+    while rest:
+        low = rest & -rest
+        u = low.bit_length() - 1
+        missing += (mask & ~graph[u]).bit_count() - 1
+        size *= cards[u]
+        rest ^= low
+    return missing // 2, size
+
+
+def _eliminate(graph: list[int], v: int, *, filled: bool) -> int:
+    """Joins v's neighbours and removes v; the variables whose fill may have changed, as bits."""
+    mask = graph[v]
+    touched = mask
+    gone = ~(1 << v)
+    for u in members(mask):
+        graph[u] = (graph[u] | mask) & ~(1 << u) & gone
+        if filled:
+            touched |= graph[u]
+    graph[v] = 0
+    return touched
+
+
+def members(mask: int) -> list[int]:
+    """The numbers of the bits, increasing."""
+    result = []
+    while mask:
+        low = mask & -mask
+        result.append(low.bit_length() - 1)
+        mask ^= low
+    return result
+
+
+def _sweep(graph: Sequence[int], bits: Sequence[float], check: Callable[[], None]) -> list[int]:
+    """From an end of the graph, always the boundary variable that brings the fewest bits of new ones, ties by age."""
+    left = (1 << len(graph)) - 1
+    sequence: list[int] = []
+    boundary: list[int] = []
+    while left:
+        check()
+        if not boundary:
+            boundary = [_end(graph, left)]
+        reached = sum(1 << v for v in boundary)
+        v = min(boundary, key=_growth(graph, bits, left & ~reached))
+        boundary.remove(v)
+        left &= ~(1 << v)
+        sequence.append(v)
+        boundary.extend(members(graph[v] & left & ~reached))
+    return sequence
+
+
+def _growth(graph: Sequence[int], bits: Sequence[float], fresh: int) -> Callable[[int], float]:
+    return lambda v: sum(bits[u] for u in members(graph[v] & fresh)) - bits[v]
+
+
+def _end(graph: Sequence[int], left: int) -> int:
+    """A variable far from all others of its piece: the last one that a breadth-first walk from a last one reaches."""
+    far = _last(graph, left, members(left & -left)[0])
+    return _last(graph, left, far)
+
+
+def _last(graph: Sequence[int], left: int, start: int) -> int:
+    seen = level = 1 << start
+    while True:
+        after = 0
+        for v in members(level):
+            after |= graph[v]
+        after &= left & ~seen
+        if not after:
+            return min(members(level), key=lambda v: (graph[v].bit_count(), v))
+        seen |= after
+        level = after
+
+
+def _along(graph: Sequence[int], bits: Sequence[float], sequence: Sequence[int]) -> Order:
+    left = list(graph)
+    rests = [0] * len(left)
+    for v in sequence:
+        rests[v] = left[v]
+        _eliminate(left, v, filled=False)
+    return _order((sequence, rests), bits)
+
+
+def _order(search: tuple[Sequence[int], Sequence[int]], bits: Sequence[float]) -> Order:
+    sequence, rests = search
+    sizes = [bits[v] + sum(bits[u] for u in members(rests[v])) for v in sequence]
+    width = max(sizes, default=0.0)
+    return Order(tuple(sequence), tuple(rests), width, width + math.log2(max(1.0, sum(2.0 ** (s - width) for s in sizes))))

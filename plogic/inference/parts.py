@@ -1,0 +1,99 @@
+"""A factor graph in connected pieces: what no factor joins is independent, and is solved apart.
+
+* ``Part((4, 7, 9), (2, 3, 2), (((0, 1), table), ...))``: the variables 4, 7 and 9 of the whole, which are 0, 1 and 2 of the part; their
+  cards; and what weighs them, one table a scope, in the part's numbering
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    from plogic.inference.graph import FactorGraph
+
+    Tables = tuple[tuple[tuple[int, ...], NDArray[np.float64]], ...]
+
+MANY = 8  # tables of one scope that are first freed from their greatest entry, lest thousands of weak ones round each other off
+
+
+class Part(NamedTuple):
+    """One connected piece: increasing ``variables`` of the whole, their ``cards`` (all ≥ 2), ``tables`` with strictly increasing scopes."""
+
+    variables: tuple[int, ...]
+    cards: tuple[int, ...]
+    tables: Tables
+
+
+def split(graph: FactorGraph) -> tuple[float, list[Part]]:
+    """(log weight that every joint state has, the pieces by least variable); variables of card 1 are in no piece."""
+    cards = graph.cards
+    constants = [graph.constant]
+    by_scope: dict[tuple[int, ...], list[NDArray[np.float64]]] = {}
+    trivial = 1 in cards
+    for factor in graph.factors:
+        scope, table = factor.scope, factor.table
+        if trivial and any(cards[v] == 1 for v in scope):
+            scope = tuple(v for v in scope if cards[v] > 1)
+            table = table.reshape([cards[v] for v in scope])
+        if scope:
+            by_scope.setdefault(scope, []).append(table)
+        else:
+            constants.append(float(table))
+    joined = {scope: _product(tables, constants) for scope, tables in by_scope.items()}
+    return math.fsum(constants), _pieces(cards, joined)
+
+
+def _product(tables: list[NDArray[np.float64]], constants: list[float]) -> NDArray[np.float64]:
+    """The sum of log tables of one scope; of many, their greatest entries go to ``constants``."""
+    if len(tables) == 1:
+        return tables[0]
+    if len(tables) < MANY:
+        return np.asarray(sum(tables[1:], tables[0]))
+    stack = np.stack(tables).reshape(len(tables), -1)
+    tops = stack.max(axis=1)
+    tops[tops == -np.inf] = 0.0
+    constants.extend(tops.tolist())
+    return (stack - tops[:, None]).sum(axis=0).reshape(tables[0].shape)
+
+
+def _pieces(cards: Sequence[int], joined: dict[tuple[int, ...], NDArray[np.float64]]) -> list[Part]:
+    root = _roots(len(cards), joined)
+    members: dict[int, list[int]] = {}
+    local = [0] * len(cards)
+    for v, card in enumerate(cards):
+        if card > 1:
+            piece = members.setdefault(root[v], [])
+            local[v] = len(piece)
+            piece.append(v)
+    tables: dict[int, list[tuple[tuple[int, ...], NDArray[np.float64]]]] = {r: [] for r in members}
+    for scope, table in joined.items():
+        tables[root[scope[0]]].append((tuple([local[v] for v in scope]), table))
+    return [Part(tuple(piece), tuple([cards[v] for v in piece]), tuple(tables[r])) for r, piece in members.items()]
+
+
+def _roots(count: int, scopes: Iterable[tuple[int, ...]]) -> list[int]:
+    """Per variable, the least variable of its connected piece."""
+    root = list(range(count))
+    for scope in scopes:
+        if len(scope) > 1:
+            tops = {_top(root, v) for v in scope}
+            least = min(tops)
+            for top in tops:
+                root[top] = least
+    for v in range(count):
+        root[v] = root[root[v]]
+    return root
+
+
+def _top(root: list[int], v: int) -> int:
+    while root[v] != v:
+        root[v] = root[root[v]]
+        v = root[v]
+    return v

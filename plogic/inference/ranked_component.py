@@ -1,0 +1,157 @@
+"""The ranking of one connected piece: lazily ordered solutions of every bucket of its tree, under the exact heuristic.
+
+The upward pass of max-elimination (min, on costs) tells for every cell of every bucket the least cost of all that lies below it: a
+heuristic that is exact, so that best-first search opens nothing in vain. A *row* of a bucket is a joint state of its separator; its
+solutions are the joint states of all variables below: a *column* (a joint state of the residual) and a solution of a row of each child.
+Rows are shared by all that ask for them, and made when first asked for.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.inference.axes import aligned
+from plogic.inference.merge import Stream, product
+from plogic.inference.ranked_joint import Digits, Joint, ordered, total
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from plogic.inference.clock import Clock
+    from plogic.inference.parts import Part
+    from plogic.inference.ranked_units import Costs, Table
+    from plogic.inference.tree import Bucket
+
+KEPT = 1 << 24  # cells: the tables of larger trees are forgotten once their least costs are known, and made again row by row
+
+
+class Node:
+    """One bucket: its axes, its costs of shape (rows, columns), the least cost of each row, and what it asks of its children."""
+
+    def __init__(self, rows: Iterable[int], columns: Iterable[int], cards: Sequence[int], digits: Digits) -> None:
+        self.rows, self.columns = tuple(rows), tuple(sorted(columns))
+        self.row_cards = [cards[v] for v in self.rows]
+        self.column_cards = [cards[v] for v in self.columns]
+        self.digits = Digits([digits.places[v] for v in self.columns], digits.shift)
+        self.children: list[tuple[Node, list[int], list[int]]] = []
+        self.terms: list[Table] = []
+        self.table: Table | None = None
+        self.least: Table = np.zeros(0, dtype=np.int64)
+        self.impossible = 0
+        self.made: dict[int, Stream] = {}
+
+    def fill(self, terms: list[Table], impossible: int, *, keep: bool) -> None:
+        """Add up tables with one axis a variable, of full length or of length 1."""
+        self.terms, self.impossible = terms, impossible
+        table = total(terms, self.row_cards + self.column_cards, impossible).reshape(math.prod(self.row_cards), -1)
+        self.least = np.minimum(table.min(axis=1), impossible)
+        if keep:
+            self.table, self.terms = table, []
+
+    def costs(self, number: int) -> Table:
+        """The costs of one row."""
+        if self.table is not None:
+            return self.table[number]
+        at = _states(number, self.row_cards)
+        rows = [term[tuple([state if length > 1 else 0 for state, length in zip(at, term.shape, strict=False)])] for term in self.terms]
+        return total(rows, self.column_cards, self.impossible).reshape(-1)
+
+    def link(self, child: Node) -> None:
+        """Know how a row of the child follows from the own row and column: one stride an own axis."""
+        stride, strides = 1, {}
+        for v, card in zip(reversed(child.rows), reversed(child.row_cards), strict=True):
+            strides[v] = stride
+            stride *= card
+        self.children.append((child, [strides.get(v, 0) for v in self.rows], [strides.get(v, 0) for v in self.columns]))
+
+    def row(self, number: int) -> Stream:
+        """The solutions below one row."""
+        stream = self.made.get(number)
+        if stream is None:
+            stream = Row(self, number) if self.children else Joint(self.costs(number), self.column_cards, self.digits, self.impossible)
+            self.made[number] = stream
+        return stream
+
+
+class Row(Stream):
+    """A row with children: every column's solutions, merged; a column is opened once its least cost may be the next."""
+
+    __slots__ = ("_after", "_bases", "_columns", "_costs", "_heap", "_node", "_opened")
+
+    def __init__(self, node: Node, number: int) -> None:
+        super().__init__()
+        self._node = node
+        self._columns, self._costs = ordered(node.costs(number))
+        self._opened = 0
+        self._heap: list[tuple[int, int, int, Stream]] = []
+        self._after: tuple[int, int, int, Stream] | None = None  # (column, the column's own share, rank, solutions below) to look at next
+        states = _states(number, node.row_cards)
+        self._bases = [sum([d * s for d, s in zip(states, strides, strict=True)]) for _, strides, _ in node.children]
+
+    def advance(self) -> tuple[Stream, int] | None:
+        """Put the next solution of the last column in the heap, open columns that may come before, then take the first."""
+        while True:
+            after = self._after or self._next_column()
+            if after is None:
+                break
+            column, own, rank, below = self._after = after
+            if len(below.found) <= rank and not below.done:
+                return below, rank
+            if rank < len(below.found):
+                heapq.heappush(self._heap, (own + below.found[rank], column, rank, below))
+            self._after = None
+        if not self._heap:
+            self.done = True
+            return None
+        solution, column, rank, below = heapq.heappop(self._heap)
+        self.found.append(solution)
+        self._after = (column, solution - below.found[rank], rank + 1, below)
+        return None
+
+    def _next_column(self) -> tuple[int, int, int, Stream] | None:
+        """The next column, opened; None if there is none, or the first in the heap comes before all that it may have."""
+        node, opened = self._node, self._opened
+        if opened == len(self._columns) or self._costs[self._columns[opened]] >= node.impossible:
+            return None
+        column = self._columns[opened]
+        least = (self._costs[column] << node.digits.shift) + node.digits.code(column, node.column_cards)  # with all states below 0
+        if self._heap and self._heap[0][0] < least:
+            return None
+        self._opened += 1
+        states = _states(column, node.column_cards)
+        streams, below = [], 0
+        for base, (child, _, strides) in zip(self._bases, node.children, strict=True):
+            number = base + sum([d * s for d, s in zip(states, strides, strict=True)])
+            streams.append(child.row(number))
+            below += int(child.least[number])
+        return column, least - (below << node.digits.shift), 0, product(streams)
+
+
+def component(part: Part, costs: Costs, buckets: Sequence[Bucket], digits: Digits, clock: Clock) -> Stream:
+    """The solutions of one piece; OutOfTimeError past the clock."""
+    nodes: list[Node] = []
+    keep = sum(math.prod([part.cards[v] for v in bucket.scope]) for bucket in buckets) <= KEPT
+    for bucket in buckets:
+        node = Node(bucket.scope[: bucket.shared], bucket.scope[bucket.shared :], part.cards, digits)
+        place = {v: axis for axis, v in enumerate(node.rows + node.columns)}
+        terms = [aligned(part.tables[i][0], costs.tables[i].reshape(part.tables[i][1].shape), place) for i in bucket.tables]
+        for child in [nodes[i] for i in bucket.children]:
+            terms.append(aligned(child.rows, child.least.reshape(child.row_cards), place))
+            node.link(child)
+        node.fill(terms, costs.impossible, keep=keep)
+        nodes.append(node)
+        clock.check()
+    return product([node.row(0) for node, bucket in zip(nodes, buckets, strict=True) if bucket.parent < 0])
+
+
+def _states(number: int, cards: Sequence[int]) -> list[int]:
+    """The states whose joint state has this number, the last fastest."""
+    result = []
+    for card in reversed(cards):
+        number, state = divmod(number, card)
+        result.append(state)
+    return result[::-1]

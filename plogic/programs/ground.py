@@ -1,0 +1,182 @@
+"""The ground program as plain data: gates over choices, the alternatives, what is asked and what is observed.
+
+ProbLog grounds; from here on nothing of ProbLog is needed. Vocabulary:
+
+* a *variable* is a number from 1; a *literal* is a variable or its negative; ``TRUE`` and ``FALSE`` stand for constants
+* ``Gate("and", (3, -5))``, one per derived variable
+* ``Alternative((1, 2), (0.3, 0.5), rest=0.2)``: at most one of its variables is true, none of them with probability ``rest``
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from problog.errors import InconsistentEvidenceError, InvalidValue
+from problog.formula import LogicDAG
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Hashable, Iterable
+
+    from problog.formula import LogicFormula
+    from problog.logic import Term
+
+TRUE = 0
+FALSE = None
+Literal = int | None
+"""A variable (positive), its negation (negative), TRUE or FALSE: the keys of ProbLog's formulas."""
+SLACK = 1e-10
+"""An annotated disjunction whose written probabilities come this near to 1 leaves nothing out (ProbLog's own tolerance of rounding)."""
+
+
+class Gate(NamedTuple):
+    """``kind`` is "and" or "or"; a "free" variable has no children and weighs 1 either way."""
+
+    kind: str
+    children: tuple[Literal, ...]
+
+    def folded(self) -> tuple[int, ...] | Literal:
+        """The children without constants, of which there is at least one; TRUE or FALSE where the gate is constant."""
+        absorbing, neutral = (FALSE, TRUE) if self.kind == "and" else (TRUE, FALSE)
+        if absorbing in self.children:
+            return absorbing
+        return tuple(child for child in self.children if child) or neutral
+
+
+class Choice(NamedTuple):
+    """A choice with its probability; of the alternative ``group``. ``name`` makes its head when it is wanted."""
+
+    share: float
+    group: Hashable
+    name: Callable[[], Any]
+
+
+Node = Gate | Choice
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """A set of mutually exclusive choices: ``variables[i]`` with ``shares[i]``, none of them with ``rest``; Σ shares + rest = 1.
+
+    ``names[i]`` makes the name of a choice, its head.
+    """
+
+    variables: tuple[int, ...]
+    shares: tuple[float, ...]
+    rest: float
+    names: tuple[Callable[[], Term], ...]
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A ground program.
+
+    ``size``: number of variables; ``gates``: derived variable → its gate; ``asked``: name and literal of each query, in
+    the order of the program; ``observed``: literals that the evidence makes true. Variables in neither ``gates`` nor ``alternatives``
+    are free: they weigh 1 either way.
+    """
+
+    size: int
+    gates: dict[int, Gate]
+    alternatives: tuple[Alternative, ...]
+    asked: tuple[tuple[Term, Literal], ...]
+    observed: tuple[int, ...]
+
+
+def ground_of(formula: LogicFormula) -> Ground:
+    """What the queries and the evidence of ProbLog's formula depend on.
+
+    Raises ProbLog's InconsistentEvidenceError where evidence is a constant that contradicts it, InvalidValue for labels that are no
+    probabilities.
+    """
+    observed = [(name, key if sign > 0 else formula.negate(key)) for name, key, sign in formula.evidence_all() if sign]
+    asked = [(name, key) for name, key, _ in formula.labeled()]
+    found = ground_from(lambda i: _converted(formula, i), asked, observed)
+    if found is None:
+        dag = LogicDAG.create_from(formula)
+        dag._database = formula.database  # noqa: SLF001 - it tells where labels stand
+        return ground_of(dag)
+    return found
+
+
+def ground_from(node: Callable[[int], Node], asked: Iterable[tuple[Term, Literal]], observed: Iterable[tuple[Any, Literal]]) -> Ground | None:
+    """The nodes under what is asked and observed, numbered anew, children before parents; None if they are cyclic."""
+    asked, observed = list(asked), list(observed)
+    impossible = next((name for name, literal in observed if literal is FALSE), None)
+    if impossible is not None:
+        raise InconsistentEvidenceError(source=f"evidence({impossible})")
+    nodes = _children_first(node, [abs(literal) for _, literal in (*asked, *observed) if literal])
+    if nodes is None:
+        return None
+    number = {old: new for new, old in enumerate(nodes, start=1)}
+
+    def literal_of(key: Literal) -> Literal:
+        return key if not key else number[key] if key > 0 else -number[-key]
+
+    gates = {number[i]: Gate(n.kind, tuple(literal_of(c) for c in n.children)) for i, n in nodes.items() if isinstance(n, Gate)}
+    choices = [(number[i], n) for i, n in nodes.items() if isinstance(n, Choice)]
+    evidence = tuple(dict.fromkeys(lit for lit in (literal_of(key) for _, key in observed) if lit))
+    gates = {variable: gate for variable, gate in gates.items() if gate.kind != "free"}
+    return Ground(len(nodes), gates, _alternatives(choices), tuple((name, literal_of(key)) for name, key in asked), evidence)
+
+
+def _children_first(node: Callable[[int], Node], roots: Iterable[int]) -> dict[int, Node] | None:
+    """The nodes under the roots, children first, ties in the order of the roots; None if they are cyclic."""
+    done: dict[int, Node] = {}
+    open_: dict[int, Node] = {}
+    for root in roots:
+        stack = [root]
+        while stack:
+            top = stack[-1]
+            if top in done:
+                stack.pop()
+            elif top in open_:
+                stack.pop()
+                done[top] = open_.pop(top)
+            else:
+                content = open_[top] = node(top)
+                children = [abs(c) for c in content.children if c] if isinstance(content, Gate) else []
+                if any(child in open_ for child in children):
+                    return None
+                stack.extend(child for child in reversed(children) if child not in done)
+    return done
+
+
+def _converted(formula: LogicFormula, i: int) -> Node:
+    content = formula.get_node(i)
+    kind = type(content).__name__
+    if kind != "atom":
+        return Gate("and" if kind == "conj" else "or", tuple(content.children))
+    if content.is_extra or content.probability is True:
+        return Gate("free", ())
+    name = content.name
+    head = name.args[2] if name is not None and name.functor == "choice" and len(name.args) > 2 else name
+    group = i if content.group is None else ("group", content.group)
+    return Choice(_share(content.probability), group, lambda: head)
+
+
+def _alternatives(choices: list[tuple[int, Choice]]) -> tuple[Alternative, ...]:
+    groups: dict[Any, list[tuple[int, Choice]]] = {}
+    for variable, choice in choices:
+        groups.setdefault(choice.group, []).append((variable, choice))
+    return tuple(_alternative(members) for members in groups.values())
+
+
+def _alternative(members: list[tuple[int, Choice]]) -> Alternative:
+    shares = tuple(choice.share for _, choice in members)
+    rest = 1.0 - math.fsum(shares)
+    if rest < -1e-12:
+        place = getattr(members[0][1].name(), "location", None)
+        raise InvalidValue("Sum of annotated disjunction weigths exceeds acceptable value", location=place)
+    if len(members) > 1 and rest < SLACK:
+        rest = 0.0
+    return Alternative(tuple(variable for variable, _ in members), shares, max(rest, 0.0), tuple(choice.name for _, choice in members))
+
+
+def _share(label: Any) -> float:  # noqa: ANN401 - a term of ProbLog's
+    """A label as a probability; what ProbLog accepts around 0 and 1 is rounded to them."""
+    value = float(label)
+    if not -1e-9 <= value <= 1.0 + 1e-9:
+        raise InvalidValue(f"Not a valid value for this semiring: '{label}'", location=getattr(label, "location", None))
+    return min(max(value, 0.0), 1.0)

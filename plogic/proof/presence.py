@@ -1,0 +1,136 @@
+"""Why an interpretation's hypothesis is present, as a user wants to read it: what its features say, from the situation itself (§4, §5, §8).
+
+The exact explanations pick one feature at a time; this is their sum. Everything is said of one world: the most probable one that holds the
+hypothesis. Lines of text; nothing here is a probability that the program does not give.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from plogic.acceptance import cells, p_ev
+from plogic.contributions import contributions
+from plogic.dependence import Scene
+from plogic.likelihood import group_shares
+from plogic.measures.explanatory import case_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from plogic.acceptance import Present
+    from plogic.contributions import Contribution
+    from plogic.situation import FeatureFact, HypothesisFact, Situation
+
+LISTED = 8
+"""Features, or data, that a line names; the rest is counted."""
+SAID = {"A": "expected and detected", "B": "neither expected nor detected", "C": "expected but not detected", "D": "detected but not expected"}
+
+
+class View(NamedTuple):
+    """A hypothesis in a world: ``present`` as ``plogic.acceptance`` wants it."""
+
+    scene: Scene
+    h: HypothesisFact
+    world: tuple[str, ...]
+    present: Present
+
+
+def presence(situation: Situation, name: str, world: Sequence[str]) -> tuple[str, ...]:
+    """The lines for one hypothesis in a world that holds it."""
+    scene = Scene(situation)
+    present = {h.id: np.array([h.id in world]) for h in situation.hypotheses}
+    view = View(scene, scene.by_id[name], tuple(world), present)
+    told = _score(view) if situation.reading == "score" else _posterior(view)
+    beside = ", ".join(w for w in world if w != name) or "no other"
+    where = f"{name} is a {view.h.type}; in the most probable world that holds it, beside {beside}:"
+    return (where, *told, *_excluded(view))
+
+
+def _score(view: View) -> Iterator[str]:
+    """Concordant or not, by the four cases; dv-weighted the concordant ones are P(ev)."""
+    by_case: dict[str, list[FeatureFact]] = {}
+    seen = [f for f in view.h.features if f.in_image]
+    for f in seen:
+        cell = cells(view.scene, view.h, f, view.present)
+        by_case.setdefault(case_of(expected=bool(cell.expected[0]), detected=bool(cell.detected[0])), []).append(f)
+    good = len(by_case.get("A", ())) + len(by_case.get("B", ()))
+    p = float(p_ev(view.scene, view.h, view.present)[0])
+    weighted = "dv-weighted: undefined (0/0)" if np.isnan(p) else f"dv-weighted {p:.4g} = P(ev), ev = {2 * p - 1:.3g}"
+    yield f"  {good} of {len(seen)} features in the image are concordant, {weighted}"
+    for case, mark in (("A", "for"), ("B", "for"), ("C", "against"), ("D", "against")):
+        if case in by_case:
+            yield f"  {mark}: {SAID[case]}: {_by_type(by_case[case], name_all=case in 'CD')}"
+    yield from _hiding(view, seen)
+
+
+def _by_type(features: list[FeatureFact], *, name_all: bool) -> str:
+    """``1 apex, 5 corner, 12 patch``; with the features' names where they are few or speak against it."""
+    types: dict[str, list[str]] = {}
+    for f in sorted(features, key=lambda f: -f.dv):
+        types.setdefault(f.type, []).append(f.id)
+    parts = []
+    for kind, names in types.items():
+        listed = f" ({_listed(names)})" if name_all or len(names) <= 2 else ""
+        parts.append(f"{len(names)} {kind}{listed}")
+    return ", ".join(parts)
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = f", and {len(names) - LISTED} more" if len(names) > LISTED else ""
+    return ", ".join(names[:LISTED]) + more
+
+
+def _hiding(view: View, features: Iterable[FeatureFact]) -> Iterator[str]:
+    """Which present objects hide what would otherwise be expected."""
+    hidden: dict[str, list[str]] = {}
+    for f in features:
+        for g in view.scene.hiders(view.h, f):
+            if view.h.candidate(f) and g in view.world:
+                hidden.setdefault(g, []).append(f.id)
+    for g, names in hidden.items():
+        yield f"  hidden by {g}, so not expected: {len(names)} features ({_listed(names)})"
+
+
+def _posterior(view: View) -> Iterator[str]:
+    """Log-likelihood ratios: this world against the same without the hypothesis."""
+    found = contributions(view.scene.situation, view.h.id, view.world)
+    share = next(p for shares in group_shares(view.scene).values() for name, p in shares if name == view.h.id)
+    total = float(np.sum([c.llr for c in found]))
+    yield f"  prior {share:.4g}; what is detected and what is not changes its log-odds against this world without it by {total:+.4g}"
+    for mark, side in (("for", [c for c in found if c.llr > 0]), ("against", [c for c in found if c.llr < 0])):
+        for c in side[:LISTED]:
+            yield f"  {mark}: {_datum(view, c)}: {c.llr:+.3g}"
+        if len(side) > LISTED:
+            yield f"  {mark}: {len(side) - LISTED} more, together {float(np.sum([c.llr for c in side[LISTED:]])):+.3g}"
+
+
+def _datum(view: View, c: Contribution) -> str:
+    """An appearance with the feature that it is matched to, or a place where one should be."""
+    for appearance in view.scene.situation.appearances:
+        if appearance.id == c.datum:
+            owner = next((f.id for f in view.h.features if f.match == c.datum), None)
+            whose = f"is its {owner}" if owner is not None else "is matched to another"
+            return f"{c.datum} ({appearance.type}) at ({appearance.uv[0]:.0f}, {appearance.uv[1]:.0f}) {whose}"
+    name, _, feature = c.datum.partition("/")
+    f = next(f for f in view.scene.by_id[name].features if f.id == feature)
+    whose = f"its {feature}" if name == view.h.id else c.datum
+    why = " is expected" if c.llr < 0 else " would be expected without it"
+    return f"no appearance at ({f.uv[0]:.0f}, {f.uv[1]:.0f}), where {whose}{why}"
+
+
+def _excluded(view: View) -> Iterator[str]:
+    """Hypotheses that the constraints keep out of its worlds."""
+    situation, h = view.scene.situation, view.h
+    reasons = [("shares volume with (A4)", situation.overlaps)]
+    if situation.reading == "score":
+        reasons.append(("lives on the same appearances as (D8)", situation.exclusive - situation.overlaps))
+    for reason, pairs in reasons:
+        others = sorted({x if y == h.id else y for x, y in pairs if h.id in (x, y)}, key=list(view.scene.by_id).index)
+        if others:
+            yield f"  excludes, since it {reason}: {_listed(others)}"
+    if situation.reading == "posterior":
+        rivals = [g.id for g in situation.hypotheses if g.group == h.group and g.id != h.id]
+        if rivals:
+            yield f"  excludes, as rivals for one instance: {_listed(rivals)}"

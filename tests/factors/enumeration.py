@@ -1,0 +1,73 @@
+"""The oracle: the weight of every subset of the hypotheses, both readings, by the definitions and nothing else; 2^k of them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from plogic.acceptance import acceptance
+from plogic.bounds import LEAST
+from plogic.dependence import Scene, dependence
+from plogic.likelihood import appearance_weight, group_shares, miss_weight, unmatched
+
+
+def subsets(members):
+    """Every subset of the members, as columns (2^k,); row ``i`` holds the members whose bit of ``i`` is set."""
+    rows = np.arange(2 ** len(members))
+    return {name: (rows >> bit & 1).astype(np.bool_) for bit, name in enumerate(members)}
+
+
+def log_weights(situation):
+    """Natural logarithm of the weight of every subset, (2^k,), −inf where a constraint is violated; it sums to the evidence."""
+    scene = Scene(situation)
+    present = subsets([h.id for h in situation.hypotheses])
+    score = situation.reading == "score"
+    with np.errstate(divide="ignore"):
+        logs = _score(scene, present) if score else _posterior(scene, present)
+    for x, y in situation.overlaps | (situation.exclusive if score else frozenset()):
+        logs[present[x] & present[y]] = -np.inf
+    return logs
+
+
+def _score(scene, present):
+    graph = dependence(scene)
+    return sum(np.log(_block(scene, graph, block, present)) for block in graph.blocks)
+
+
+def _block(scene, graph, block, present):
+    """P(state of the block | what is outside): Π p_h over the present Π (1 − p_h) over the absent, normalised if the block is cyclic."""
+    weight = np.ones(len(present[block[0]]))
+    for h in block:
+        p = acceptance(scene, scene.by_id[h], present, graph.of[h])
+        weight *= np.where(present[h], p, 1.0 - p)
+    return weight if len(block) == 1 else _normalised(weight, block, present)
+
+
+def _normalised(weight, block, present):
+    """Per context, sum to 1; where no state is stable, the empty one takes it all."""
+    outside = [column for name, column in present.items() if name not in block]
+    context = sum((column.astype(np.int64) << bit for bit, column in enumerate(outside)), np.zeros(len(weight), np.int64))
+    empty = ~np.logical_or.reduce([present[h] for h in block])
+    weight = np.where(np.bincount(context, weight)[context] > 0, weight, empty)
+    share = weight / np.bincount(context, weight)[context]
+    lifted = np.where(share > 0, np.maximum(share, LEAST), 0.0)
+    return lifted / np.bincount(context, lifted)[context]
+
+
+def _posterior(scene, present):
+    logs = np.zeros(len(next(iter(present.values()))))
+    for shares in group_shares(scene).values():
+        logs += np.log(_prior(shares, present))
+    for h in scene.situation.hypotheses:
+        for f in unmatched(h):
+            logs += np.log(miss_weight(scene, h, f, present))
+    for appearance in scene.claimants:
+        logs += np.log(appearance_weight(scene, appearance, present))
+    return logs
+
+
+def _prior(shares, present):
+    count = sum(present[name].astype(np.int64) for name, _ in shares)
+    weight = np.where(count == 0, 1.0 - sum(p for _, p in shares), 1.0 * (count == 1))
+    for name, p in shares:
+        weight = np.where(present[name] & (count == 1), p, weight)
+    return np.maximum(weight, 0.0)

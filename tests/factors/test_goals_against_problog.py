@@ -1,0 +1,214 @@
+"""Goals of the vocabulary on the scene's graph have the probabilities that stock ProbLog gives them in the program text (§8)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+from situations import feature, hypothesis, random_situations, situation, towers
+from tangles import tangle
+
+from plogic.engine import Text, run, through
+from plogic.errors import InconsistentError, OutsideError, UnknownPredicateError
+from plogic.live import LiveScene, scene_answers
+from plogic.names import names_of
+from plogic.program.text import program_text
+from plogic.safety.serve import serve
+
+QUICK = settings(max_examples=30, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+GOALS = (
+    "cause(A, H, F)", "noise(A)", "case(H, F, C)", "expected(H, F)", "detected(H, F)", "behind(Y, X)", "ev(H, V)", "dr(X, Y)",
+    "occludes(X, Y)", "roc(R, X, Y)", "object(H, T)", "near(X, Y, D)", "feature(H, F, T)", "violated(X)", "explained(A)", "context(X, C)",
+)  # fmt: skip
+GIVEN = (
+    (), ("present(h1)",), ("\\+ present(h1)",), ("noise(a0)",), ("\\+ noise(a1)",), ("case(h1, F, a)", "\\+ noise(a2)"), ("cause(a3, h1, F)",),
+    ("present(h1) ; noise(a1)",), ("\\+ (present(h1), noise(a1))",),
+)  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _in_this_process():
+    """The same code as in the child process, without starting one for every example."""
+    with through(serve):
+        yield
+
+
+def stock(subject, goal, evidence):
+    """Goal, as users write it, → probability, where it is positive."""
+    from problog import get_evaluatable
+    from problog.program import PrologString
+
+    from plogic.program.mapping import shown
+
+    names = names_of(subject)
+    clauses = "".join(f"given({i}) :- {e}.\nevidence(given({i})).\n" for i, e in enumerate(evidence))
+    program = PrologString(f"{program_text(subject)}\n{clauses}query({goal}).\n")
+    results = get_evaluatable("ddnnf").create_from(program).evaluate()
+    return {shown(term, names): p for term, p in results.items() if p > 0}
+
+
+def assert_same(subject, goal, evidence):
+    from problog.errors import InconsistentEvidenceError
+
+    try:
+        theirs = stock(subject, goal, evidence)
+    except InconsistentEvidenceError:
+        with pytest.raises(InconsistentError):
+            scene_answers(subject, [goal], evidence)
+        return
+    ours = {answer.goal: answer.probability for answer in scene_answers(subject, [goal], evidence)[0] if answer.probability > 0}
+    assert ours == pytest.approx(theirs, abs=1e-9)
+
+
+@QUICK
+@given(random_situations(most=3), st.sampled_from([g for g in GOALS if not g.startswith("near")]), st.sampled_from(GIVEN))
+def test_answers_equal_problog(subject, goal, evidence):
+    assert_same(subject, goal, evidence)
+
+
+@pytest.mark.parametrize("reading", ["score", "posterior"])
+@pytest.mark.parametrize("goal", ["cause(A, H, F)", "noise(A)", "case(H, F, C)", "roc(R, X, Y)", "ev(H, V)"])
+def test_the_towers_answers_equal_problog(reading, goal):
+    assert_same(towers(reading, "reassign"), goal, ("present(t1)", "noise(y_other_D110) ; \\+ present(t2_distorted)"))
+
+
+@QUICK
+@given(random_situations(most=4), st.sampled_from(GIVEN))
+def test_observed_and_taken_back_restores_the_bytes(subject, evidence):
+    try:
+        live = LiveScene(subject)
+        before = live.marginals(), live.worlds(8), live.answers("noise(A)")
+        for goal in evidence:
+            live.observe(goal)
+    except InconsistentError:
+        return
+    for goal in evidence:
+        live.unobserve(goal)
+    assert (live.marginals(), live.worlds(8), live.answers("noise(A)")) == before
+
+
+@settings(QUICK, max_examples=60)
+@given(random_situations(most=4, readings=("posterior",)), st.sampled_from([e for e in GIVEN if len(e) == 1]))
+def test_worlds_given_evidence_are_those_that_problog_has(subject, evidence):
+    """Worlds weigh what they weigh under the evidence, and their causes are possible under it."""
+    live = LiveScene(subject)
+    try:
+        live.observe(*evidence)
+    except InconsistentError:
+        return
+    ranking = live.worlds(100)
+    assert sum(w.probability for w in ranking.worlds) == pytest.approx(1.0)
+    for w in ranking.worlds[:3]:
+        here = ", ".join(("" if h.id in w.present else "\\+ ") + f"present({h.id})" for h in subject.hypotheses)
+        assert scene_answers(subject, [here], evidence)[0][0].probability == pytest.approx(w.probability)
+        if evidence == ("noise(a0)",):
+            assert w.causes["a0"] == "noise"
+        if evidence == ("\\+ noise(a1)",):
+            assert w.causes["a1"] != "noise"
+
+
+def test_impossible_evidence_changes_nothing():
+    live = LiveScene(towers("score", "drop"))
+    with pytest.raises(InconsistentError):
+        live.observe("\\+ present(t1)")
+    assert live.given == ()
+    assert live.marginals()["t1"] == (1.0, 1.0)
+
+
+@pytest.mark.parametrize("goal", ["hit(t1, F)", "present(t1), hit(t1, _)", "present(H), pick(H, F)"])
+def test_what_the_graph_has_summed_out_is_outside(goal):
+    with pytest.raises(OutsideError):
+        scene_answers(towers("posterior"), [goal])
+
+
+def test_a_rule_with_a_choice_of_its_own_is_outside_and_one_without_is_not():
+    rules = Text("tall(H) :- object(H, t1). 0.5::lucky(H) :- present(H).", "mine.pl")
+    subject = towers("posterior")
+    (answer,) = scene_answers(subject, ["tall(H)"], rules=rules)[0]
+    assert answer.goal == "tall(t1)"
+    with pytest.raises(OutsideError):
+        scene_answers(subject, ["lucky(H)"], rules=rules)
+
+
+def test_an_unknown_predicate_is_no_question_of_inside_and_outside():
+    with pytest.raises(UnknownPredicateError):
+        scene_answers(towers("posterior"), ["nonsense(H)"])
+
+
+def several(count=4):
+    """Pairs of rivals that have nothing to do with each other, no two pairs alike."""
+    members = []
+    for i in range(count):
+        for j in (1, 2):
+            own = [feature(f"p{i}f{k}", "A", match=f"p{i}a{k}", density=0.01 * (i + j + k), hit_rate=0.5 + 0.09 * j) for k in range(2)]
+            members.append(hypothesis(f"p{i}h{j}", own, group=f"p{i}"))
+    return situation(members, "posterior", rivals=frozenset({(f"p{i}h1", f"p{i}h2") for i in range(count)}))
+
+
+def low(live):
+    return {h: interval[0] for h, interval in live.marginals().items()}
+
+
+def test_only_what_is_touched_is_solved_anew():
+    subject = several()
+    live = LiveScene(subject)
+    live.marginals()
+    assert live.solved == 4
+    live.observe("present(p2h1)")
+    assert live.solved == 5, "one piece has evidence now"
+    live.unobserve()
+    live.marginals()
+    assert live.solved == 5, "nothing is new"
+    removed = subject.hypotheses[3]
+    live.remove(removed.id)
+    assert live.solved == 6
+    live.add(removed, rivals=frozenset({("p1h1", "p1h2")}))
+    assert low(live) == pytest.approx(low(LiveScene(subject)))
+    assert live.solved <= 7, "at most the piece that it went back to, in another order"
+
+
+@QUICK
+@given(random_situations(), st.randoms(use_true_random=False))
+def test_order_and_names_of_hypotheses_do_not_matter(subject, random):
+    assume(subject.reconsider != "drop")  # which six occluders are looked at goes by name
+    shuffled = list(subject.hypotheses)
+    random.shuffle(shuffled)
+    try:
+        before = low(LiveScene(subject))
+    except InconsistentError:
+        return
+    after = low(LiveScene(replace(subject, hypotheses=tuple(shuffled))))
+    assert after == pytest.approx(before, abs=1e-12)
+
+
+@pytest.mark.parametrize("given_", [(), ("\\+ present('My Box')",), ("present(t1).", "\\+present('My Box')")])
+@pytest.mark.parametrize("goal", ["present(H)", "present('My Box')", "\\+ present( t1 )", "\\+ present('t1')"])
+def test_what_is_said_of_presence_alone_is_answered_as_the_program_answers(goal, given_):
+    plain = towers("posterior")
+    subject = replace(plain, hypotheses=tuple(replace(h, id="My Box") if h.id == "t2_distorted" else h for h in plain.hypotheses))
+    subject = replace(subject, overlaps=frozenset({("t2", "My Box")}), rivals=frozenset({("t2", "My Box")}))
+    ours = scene_answers(subject, [goal], given_)[0]
+    theirs = run([Text(program_text(subject))], [goal], given_, names=names_of(subject))[0]
+    assert [a.goal for a in ours] == [a.goal for a in theirs]
+    assert [a.probability for a in ours] == pytest.approx([a.probability for a in theirs], abs=1e-9)
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.01, 60.0])
+def test_what_is_asked_by_a_deadline_contains_what_is_exact(seconds):
+    subject = tangle(15)
+    exact, hurried = LiveScene(subject), LiveScene(subject)
+    for scene in (exact, hurried):
+        scene.observe("present(h3)", seconds=None if scene is exact else seconds)
+    for h, (least, most) in hurried.marginals(seconds=seconds).items():
+        assert least - 1e-9 <= exact.marginals()[h][0] <= most + 1e-9
+    for goal in ("cause(a3, H, F)", "present(h1) ; \\+ present(h2)", "present(h1), \\+ present(h2)"):
+        known = {answer.goal: answer.probability for answer in exact.answers(goal)}
+        found = hurried.answers(goal, seconds=seconds)
+        assert known.keys() <= {answer.goal for answer in found}
+        for answer in found:
+            assert answer.interval[0] - 1e-9 <= known.get(answer.goal, 0.0) <= answer.interval[1] + 1e-9
+    worlds = {w.present: w.probability for w in exact.worlds(2**14).worlds}
+    for w in hurried.worlds(3, seconds=seconds).worlds:
+        assert w.interval[0] - 1e-9 <= worlds[w.present] <= w.interval[1] + 1e-9

@@ -1,0 +1,134 @@
+"""Mistakes in programs: each is told with file, line and column, a cycle is spelt out, and all of a kind come at once."""
+
+from __future__ import annotations
+
+import pytest
+
+from plogic.errors import (
+    InconsistentError,
+    NegativeCycleError,
+    NonGroundError,
+    ProgramError,
+    UnknownPredicateError,
+)
+from plogic.safety.serve import serve
+
+
+def asked(*texts, goals=()):
+    items = [{"text": text, "file": file} for file, text in zip(("u.pl", "more.pl"), texts, strict=False)]
+    return serve({"texts": items, "goals": list(goals), "given": [], "names": None})["answers"]
+
+
+def told(kind, *texts, goals=()):
+    with pytest.raises(kind) as caught:
+        asked(*texts, goals=goals)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+CYCLES = {
+    "a :- \\+ b.\nb :- \\+ a.\nquery(a).": "u.pl:2:6: a negation depends on itself (negative cycle): b :- \\+ a (u.pl:2), a :- \\+ b (u.pl:1)",
+    "0.5::t.\na :- t,\n     \\+ a.\nquery(a).": "u.pl:3:6: a negation depends on itself (negative cycle): a :- \\+ a (u.pl:3)",
+    "a :- b.\nb :- c, t.\n0.5::t.\nc :- \\+ a.\nquery(a).": (
+        "u.pl:4:6: a negation depends on itself (negative cycle): c :- \\+ a (u.pl:4), a :- b (u.pl:1), b :- c (u.pl:2)"
+    ),
+    "win(X) :- move(X, Y), \\+ win(Y).\nmove(1, 2). move(2, 1).\nquery(win(1)).": (
+        "u.pl:1:23: a negation depends on itself (negative cycle): win(X) :- \\+ win(Y) (u.pl:1)"
+    ),
+    "0.5::a; 0.2::b :- not c.\nc :- x ; a.\n0.5::x.\nquery(c).": (
+        "u.pl:1:19: a negation depends on itself (negative cycle): a :- not c (u.pl:1), c :- a (u.pl:2)"
+    ),
+    "a :- \\+ (t, b).\n0.5::t.\nb :- a.\nquery(a).": (
+        "u.pl:1:6: a negation depends on itself (negative cycle): a :- \\+ (t, b) (u.pl:1), b :- a (u.pl:3)"
+    ),
+}
+
+
+@pytest.mark.parametrize("program", CYCLES)
+def test_a_negative_cycle_is_spelt_out(program):
+    assert told(NegativeCycleError, program) == CYCLES[program]
+
+
+def test_a_cycle_through_a_variable_goal_has_a_place_at_least():
+    message = told(NegativeCycleError, "0.5::t.\na :- t, G = b, \\+ G.\nb :- H = a, call(H).\nquery(a).")
+    assert message == "u.pl:2:16: a negation depends on itself (negative cycle)"
+
+
+def test_a_collection_that_depends_on_itself_is_spelt_out():
+    message = told(ProgramError, "p(1).\nq(X) :- r(X).\nr(X) :- findall(Y, q(Y), L), p(X).\nquery(q(1)).")
+    assert message.startswith("u.pl:3:9: a goal that collects answers (findall/3, all/3) depends on itself: ")
+    assert message.endswith("r(X) :- findall(Y,q(Y),L) (u.pl:3), q(X) :- r(X) (u.pl:2)")
+
+
+def test_all_unknown_predicates_are_told_at_once():
+    message = told(UnknownPredicateError, "a :- b, nothing(1).\n0.5::b :- \\+ missing.\nc :- absent(X), member(X, [1]).\nquery(a).")
+    assert message == (
+        "u.pl:2:14: no clauses for missing/0; also u.pl:1:9: no clauses for nothing/1; also u.pl:3:6: no clauses for absent/1"
+        "; also u.pl:3:17: no clauses for member/2 (:- use_module(library(lists)) would define it)"
+    )
+
+
+UNKNOWN = {
+    "a :- !.": "no clauses for !/0 (ProbLog has no cut",
+    "a :- (b -> c ; d). b.": "no clauses for ->/2 (ProbLog has no if-then-else",
+    "a :- append(X, [1], [1]).": "no clauses for append/3 (:- use_module(library(lists)) would define it)",
+    "a :- concat([x], X).": "no clauses for concat/2 (:- use_module(library(string)) would define it)",
+    "a :- call(zork, 1).": "no clauses for zork/1",
+    ":- dynamic(a/1). a.": "no clauses for dynamic/1",
+}
+
+
+@pytest.mark.parametrize("program", UNKNOWN)
+def test_an_unknown_predicate_comes_with_a_hint_where_there_is_one(program):
+    assert UNKNOWN[program] in told(UnknownPredicateError, f"{program}\nquery(a).")
+
+
+def test_what_is_never_called_may_be_unknown():
+    assert asked("a :- fail, nothing(1). b :- nothing(2). 0.5::c. query(c). query(a).") == [[("c", 0.5), ("a", 0.0)]]
+
+
+NOT_GROUND = {
+    "0.5::a(X).\nquery(a(_)).": "u.pl:1:6: 0.5::a(X) is a choice that keeps X open",
+    "p(1).\n0.5::a(X, Y) :- p(X).\nquery(a(1, _)).": "u.pl:2:6: 0.5::a(X,Y) is a choice that keeps Y open",
+    "P::a :- q(X).\nq(1).\nquery(a).": "u.pl:1:4: P::a is a choice that keeps P open",
+    "0.3::a.\nb(X) :- a.\nquery(b(_)).": "u.pl:3:7: the goal keeps a variable that nothing binds",
+}
+
+
+@pytest.mark.parametrize("program", NOT_GROUND)
+def test_a_choice_or_a_goal_that_is_not_ground_names_its_variables(program):
+    assert told(NonGroundError, program).startswith(NOT_GROUND[program])
+
+
+def test_errors_name_the_file_that_they_are_in():
+    assert told(ProgramError, "a.", "b :- true,\n  nothing.", goals=["b"]).startswith("more.pl:2:3: no clauses for nothing/0")
+    assert told(ProgramError, "a.", "a :- b. b.", goals=["a"]).startswith("more.pl:1:1: a/0 is defined by the program")
+    assert told(ProgramError, "a.", "b :- (c.", goals=["b"]).startswith("more.pl:1:5: Unmatched")
+
+
+@pytest.mark.parametrize("goal", ["zork(1)", "a, zork(1)"])
+def test_a_goal_that_nothing_defines_is_told_without_a_run(goal):
+    assert told(UnknownPredicateError, "a.", goals=[goal]).startswith("goal:1:")
+    assert asked(":- use_module(library(assert)). :- assertz(zork(1)). a.", goals=[goal])[0][0][1] == 1.0
+
+
+@pytest.mark.parametrize("program", ["0.3::a. evidence(a). evidence(\\+ a).", "a :- fail. evidence(a). 0.5::b. query(b)."])
+def test_impossible_evidence_is_no_mistake_of_the_program(program):
+    assert told(InconsistentError, program) == "no world satisfies the evidence: its probability is 0"
+
+
+@pytest.mark.parametrize("program", ["a :- try_call(b, 1). query(a).", "a; b :- c. c. query(a).", "a :- varnumbers(1, X). query(a)."])
+def test_what_problog_stumbles_over_is_one_clear_line(program):
+    assert told(ProgramError, program).startswith("u.pl")
+
+
+def test_evidence_may_rule_out_the_clause_that_is_not_ground():
+    """As ProbLog's command line has it: what contradicts the evidence is not grounded."""
+    program = "0.4::a. 0.3::b(X) :- a. c :- b(_). 0.5::d. evidence(\\+ a). query(d). query(c)."
+    assert dict(asked(program)[0]) == pytest.approx({"d": 0.5, "c": 0.0})
+
+
+def test_a_goal_that_fails_in_the_run_is_told_where_it_stands():
+    program = "a(0).\nb(X) :- a(X)."
+    assert told(ProgramError, program, goals=["b(X), Y is 1 / X"]).startswith("goal:1:9: Error while evaluating")
+    assert told(ProgramError, program, "c(X) :- b(X).\nd(Y) :- c(X),\n  Y is 1 / X.", goals=["a(0)", "d(Y)"]).startswith("more.pl:3:5: Error")

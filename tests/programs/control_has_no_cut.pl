@@ -1,0 +1,5 @@
+% ProbLog has no cut.
+0.3::a.
+b :- a, !.
+query(b).
+% expect error: UnknownPredicateError

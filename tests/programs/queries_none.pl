@@ -1,0 +1,3 @@
+% A program without queries has no answers.
+0.3::a. b :- a.
+% expect nothing

@@ -1,0 +1,4 @@
+% A query about a predicate that nothing defines.
+0.3::a.
+query(b).
+% expect error: UnknownPredicateError

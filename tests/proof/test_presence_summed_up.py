@@ -1,0 +1,53 @@
+"""The summary of a hypothesis' presence: numbers of the situation itself."""
+
+from __future__ import annotations
+
+import pytest
+from situations import towers
+
+from plogic.commands.account import account_text
+from plogic.contributions import contributions
+from plogic.explain import explain, present
+from plogic.worlds import ranked_worlds
+
+
+def test_the_score_reading_counts_concordant_features_and_names_who_hides_what():
+    account = present(towers(mode="to_B"), "present(t2)")
+    text = "\n".join(account.summary)
+    assert account.probability == pytest.approx(ranked_worlds(towers(mode="to_B"), 1).marginals["t2"])
+    assert "beside t1" in text
+    assert "for: expected and detected: 1 apex (apex/a0)" in text
+    assert "hidden by t1, so not expected" in text
+    assert "ev = 0.95" in text, "strict D7 gives 0.95 (§5.6)"
+
+
+def test_the_posterior_reading_lists_log_likelihood_ratios():
+    scene = towers(reading="posterior")
+    text = "\n".join(present(scene, "present(t2)").summary)
+    strongest = contributions(scene, "t2", ("t1", "t2"))[0]
+    assert f"{strongest.llr:+.3g}" in text
+    assert "excludes, as rivals" in text or "shares volume" in text
+
+
+def test_given_evidence_counts():
+    scene = towers(mode="to_B", smoothing=0.01)
+    with_it, without = (present(scene, "present(t2)", given=[g]).probability for g in ("present(t1)", "\\+ present(t1)"))
+    assert with_it > without
+
+
+def test_the_account_carries_the_summary_and_its_probability_is_the_programs():
+    scene = towers(mode="to_B")
+    account = explain(scene, "present(t2)", most=1)
+    assert account.summary == present(scene, "present(t2)").summary
+    assert account.probability == pytest.approx(present(scene, "present(t2)").probability, abs=1e-9)
+
+
+def test_other_goals_have_no_summary():
+    assert present(towers(), "object(t2, T)") is None
+
+
+def test_the_brief_text_leads_with_the_summary_and_says_how_to_get_the_rest():
+    lines = account_text(present(towers(mode="to_B"), "present(t2)"), brief=True).splitlines()
+    assert lines[0].startswith("P(present(t2)) = ")
+    assert lines[1] == "t2 is a t2; in the most probable world that holds it, beside t1:"
+    assert lines[-1] == "choice by choice: -n 5, or --json"

@@ -1,0 +1,93 @@
+"""The process of a session: the same answers as a fresh one each time, one start for many questions, nothing left behind."""
+
+from __future__ import annotations
+
+import gc
+import os
+
+import pytest
+
+from plogic.engine import Limits, Text, request_of, through
+from plogic.errors import LimitError
+from plogic.query import answers
+from plogic.talk.process import Process
+
+PROGRAM = Text(
+    "0.3::a. 0.4::b(1). 0.5::b(2). c(X) :- a, b(X). c(3) :- \\+ b(2).\n"
+    "slow :- between(1, 300, X), between(1, 300, Y), between(1, 300, Z), X + Y + Z < 0.\n"
+)
+
+
+@pytest.fixture
+def process():
+    process = Process(Limits(seconds=4))
+    yield process
+    process.close()
+
+
+def alive(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def pid_of(process):
+    return process._running.child.pid
+
+
+def test_the_answers_are_those_of_a_fresh_process_each_time(process):
+    goals = ["c(X)", "b(X), \\+ a", "a"]
+    with through(process.ask):
+        kept = [answers(PROGRAM, goal, given=["c(3)"]) for goal in [*goals, *goals]]
+    assert kept[:3] == kept[3:] == [answers(PROGRAM, goal, given=["c(3)"]) for goal in goals]
+    assert process.started == 1
+
+
+def test_outside_it_questions_go_elsewhere(process):
+    with through(process.ask):
+        pass
+    assert [a.goal for a in answers(PROGRAM, "a")] == ["a"]
+    assert process.started == 0
+
+
+def test_too_slow_a_question_ends_it_and_the_next_starts_another(process):
+    with through(process.ask):
+        answers(PROGRAM, "a")
+        first = pid_of(process)
+        with pytest.raises(LimitError, match="longer than 4 s"):
+            answers(PROGRAM, "slow")
+        assert not alive(first)
+        assert answers(PROGRAM, "a")[0].probability == pytest.approx(0.3)
+    assert process.started == 2
+
+
+def test_a_process_that_was_killed_is_started_again(process):
+    with through(process.ask):
+        answers(PROGRAM, "a")
+        os.kill(pid_of(process), 9)
+        process._running.child.wait()
+        assert answers(PROGRAM, "a")[0].probability == pytest.approx(0.3)
+    assert process.started == 2
+
+
+def test_too_little_memory_is_told_and_the_next_question_is_answered():
+    limits = Limits(seconds=60, megabytes=300)
+    process = Process(limits)
+    with through(process.ask):
+        with pytest.raises(LimitError, match="300 MB"):
+            answers(PROGRAM, "length(L, 100000000)", limits=limits)
+        assert answers(PROGRAM, "a", limits=limits)[0].probability == pytest.approx(0.3)
+    assert process.started == 2
+
+
+def test_nothing_stays_when_the_session_is_forgotten():
+    process = Process(Limits())
+    process.ask(request_of([PROGRAM], ["a"], [], None))
+    pid, scratch = pid_of(process), process._running.scratch.name
+    assert alive(pid)
+    del process
+    gc.collect()
+    assert not alive(pid)
+    assert not os.path.exists(scratch)  # noqa: PTH110 - a name that mkdtemp gave
