@@ -26,6 +26,6 @@ def alternative(weights: Sequence[float]) -> list[float]:
     total = sum(weights)
     if total <= 0.0:
         return []
-    lifted = [max(w / total, LEAST) if w > 0.0 else 0.0 for w in weights]
+    lifted = [s if (s := w / total) >= LEAST else LEAST if w > 0.0 else 0.0 for w in weights]
     whole = sum(lifted)
     return [p / whole for p in lifted]

@@ -1,7 +1,7 @@
 """What causes each appearance in one world: the fixed matchings (score) or their most probable assignment (posterior) (§8).
 
-Vocabulary: a ``Claim`` is a candidate feature that is matched to an appearance, with what hides it:
-``Claim("h1", "h1/roof/apex", 0.5, 0.05, 0.8, frozenset({"h2"}))``.
+Vocabulary: sets of hypotheses are bits of a number, that of the i-th in Δh being 1 << i. A ``Claim`` is a candidate feature that is
+matched to an appearance, with what hides it: ``Claim(0b1, "h1/roof/apex", 0.5, 0.05, 0.8, 0b110)``.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, NamedTuple
 from plogic.bounds import alternative, bounded
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from plogic.factors.alternatives import Cast
+    from plogic.situation import HypothesisFact
 
 NOISE = "noise"
 
@@ -21,33 +22,44 @@ NOISE = "noise"
 class Claim(NamedTuple):
     """``label``: what the cause is called; ``residual`` in pixels, inf where there is none; ``density`` per pixel²; ``hit`` h_F."""
 
-    hypothesis: str
+    hypothesis: int
     label: str
     residual: float
     density: float
     hit: float
-    hiders: frozenset[str]
+    hiders: int
 
 
 class CauseTable:
     """The claims of every appearance of Γ, and which appearances the presence of a hypothesis can touch."""
 
     def __init__(self, cast: Cast) -> None:
-        self._score = cast.situation.reading == "score"
-        self._claims: dict[str, list[Claim]] = {a.id: [] for a in cast.situation.appearances}
-        for h in cast.situation.hypotheses:
-            for f in h.features:
-                if f.match is not None and h.candidate(f):
-                    residual = float("inf") if f.residual is None else f.residual
-                    hiders = frozenset(cast.hiders(h, f)) if f.hidden_by else frozenset()
-                    self._claims[f.match].append(Claim(h.id, f"{h.id}/{f.id}", residual, f.density, bounded(f.hit_rate), hiders))
-        self._shares = {a.id: alternative([*(c.density for c in self._claims[a.id]), a.clutter]) for a in cast.situation.appearances}
-        self._known: dict[tuple[str, tuple[int, ...]], str] = {}
-        self.touched: dict[str, set[str]] = {h.id: set() for h in cast.situation.hypotheses}
-        for appearance, claims in self._claims.items():
-            for claim in claims:
-                for name in (claim.hypothesis, *claim.hiders):
-                    self.touched[name].add(appearance)
+        situation = cast.situation
+        self._score = situation.reading == "score"
+        self._clutter = {a.id: a.clutter for a in situation.appearances}
+        self._bit = {h.id: 1 << i for i, h in enumerate(situation.hypotheses)}
+        self._claims: dict[str, list[Claim]] = {a: [] for a in self._clutter}
+        self._touched: dict[str, list[str]] = {name: [] for name in self._bit}
+        self._relevant = dict.fromkeys(self._clutter, 0)
+        self._known: dict[str, dict[int, str]] = {a: {} for a in self._clutter}
+        self._shares: dict[str, list[float]] = {}
+        for h in situation.hypotheses:
+            self._add_claims(cast, h)
+
+    def _add_claims(self, cast: Cast, h: HypothesisFact) -> None:
+        name, mine, bit = h.id, self._bit[h.id], self._bit
+        for f in h.features:
+            match = f.match
+            if match is None or not h.candidate(f):
+                continue
+            hiders = 0
+            for g in cast.hiders(h, f) if f.hidden_by else ():
+                hiders |= bit[g]
+                self._touched[g].append(match)
+            residual = float("inf") if f.residual is None else f.residual
+            self._claims[match].append(Claim(mine, f"{name}/{f.id}", residual, f.density, bounded(f.hit_rate), hiders))
+            self._touched[name].append(match)
+            self._relevant[match] |= mine | hiders
 
     def causes(self, worlds: Sequence[Sequence[str]]) -> list[dict[str, str]]:
         """For each world: appearance → ``"h1/roof/apex"`` or ``"noise"``, for every appearance, exactly one each (trap a).
@@ -56,43 +68,45 @@ class CauseTable:
         """
         if not worlds:
             return []
-        first = set(worlds[0])
-        base = self._of(self._claims, first)
-        found = [base]
+        first, known, relevant = set(worlds[0]), self._known, self._relevant
+        base = sum(self._bit[name] for name in first)
+        found = [{a: self._cause(a, base) for a in self._claims}]
         for world in worlds[1:]:
-            present = set(world)
-            anew = sorted(set().union(*(self.touched[name] for name in first ^ present)))
-            found.append({**base, **self._of(anew, present)})
+            changed = first.symmetric_difference(world)
+            present = base ^ sum([self._bit[name] for name in changed])
+            anew = set[str]().union(*[self._touched[name] for name in changed])
+            found.append(found[0] | {a: known[a].get(present & relevant[a]) or self._cause(a, present) for a in anew})
         return found
 
-    def _of(self, appearances: Iterable[str], present: set[str]) -> dict[str, str]:
-        return {a: self._cause(a, present) for a in appearances}
+    def _cause(self, appearance: str, present: int) -> str:
+        """Only whether those are present matters who claim the appearance, or hide what does."""
+        known, key = self._known[appearance], present & self._relevant[appearance]
+        if key not in known:
+            live = [i for i, c in enumerate(self._claims[appearance]) if key & c.hypothesis and not key & c.hiders]
+            known[key] = NOISE if not live else self._nearest(appearance, live) if self._score else self._likeliest(appearance, live)
+        return known[key]
 
-    def _cause(self, appearance: str, present: set[str]) -> str:
-        claims = self._claims[appearance]
-        live = tuple([i for i, c in enumerate(claims) if c.hypothesis in present and c.hiders.isdisjoint(present)])
-        if not live:
-            return NOISE
-        key = (appearance, live)
-        if key not in self._known:
-            self._known[key] = self._nearest(*key) if self._score else self._likeliest(*key)
-        return self._known[key]
-
-    def _nearest(self, appearance: str, live: tuple[int, ...]) -> str:
+    def _nearest(self, appearance: str, live: list[int]) -> str:
         """Where two expect the same appearance, the smaller residual takes it; then the earlier in Δh."""
         claims = self._claims[appearance]
-        return min((claims[i] for i in live), key=lambda claim: claim.residual).label
+        return min([claims[i] for i in live], key=lambda claim: claim.residual).label
 
-    def _likeliest(self, appearance: str, live: tuple[int, ...]) -> str:
+    def _likeliest(self, appearance: str, live: list[int]) -> str:
         """The largest term of Σ_i N_i h_i Π_{j≠i}(1−h_j) + f Π_j(1−h_j); ties go to a claimant, the earliest in Δh."""
-        claims = self._claims[appearance]
-        shares = self._shares[appearance] or [0.0] * (len(claims) + 1)
-        terms = [(self._term(appearance, shares[i], live, i), claims[i].label) for i in live]
-        terms.append((self._term(appearance, shares[-1], live, None), NOISE))
-        return max(terms, key=lambda term: term[0])[1]
-
-    def _term(self, appearance: str, share: float, live: tuple[int, ...], cause: int | None) -> float:
+        claims, clutter = self._claims[appearance], self._clutter[appearance]
+        if appearance not in self._shares:
+            self._shares[appearance] = alternative([*[c.density for c in claims], clutter]) or [0.0] * (len(claims) + 1)
+        shares = self._shares[appearance]
+        most, likeliest = -1.0, NOISE
         for i in live:
-            hit = self._claims[appearance][i].hit
-            share *= hit if i == cause else 1.0 - hit
-        return share
+            term = _term(shares[i], claims, live, i)
+            if term > most:
+                most, likeliest = term, claims[i].label
+        return NOISE if _term(shares[-1], claims, live, None) > most else likeliest
+
+
+def _term(share: float, claims: list[Claim], live: list[int], cause: int | None) -> float:
+    for i in live:
+        hit = claims[i].hit
+        share *= hit if i == cause else 1.0 - hit
+    return share

@@ -14,14 +14,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-import networkx as nx
-
 from plogic.errors import TooManyHypothesesError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from plogic.situation import FeatureFact, HypothesisFact, Situation
+    from plogic.situation import FeatureFact, HypothesisFact, Reconsider, Situation
 
 MOST_OCCLUDERS = 6
 """Occluders per hypothesis that a context lists (§8, mode `drop`)."""
@@ -41,8 +39,9 @@ class Scene:
         return {h.id: h for h in self.situation.hypotheses}
 
     @cached_property
-    def _rivals(self) -> frozenset[frozenset[str]]:
-        return frozenset(frozenset(pair) for pair in self.situation.rivals)
+    def _rivals(self) -> frozenset[tuple[str, str]]:
+        """Both orders of every pair."""
+        return self.situation.rivals | {(y, x) for x, y in self.situation.rivals}
 
     @cached_property
     def claimants(self) -> dict[str, list[tuple[HypothesisFact, FeatureFact]]]:
@@ -56,7 +55,7 @@ class Scene:
 
     def rival(self, x: str, y: str) -> bool:
         """Whether the two never hide each other (§4.1)."""
-        return frozenset((x, y)) in self._rivals
+        return (x, y) in self._rivals
 
     def hiders(self, h: HypothesisFact, f: FeatureFact) -> tuple[str, ...]:
         """The hypotheses that hide the feature in every world in which they are present (D4, D7)."""
@@ -84,13 +83,22 @@ class Dependence:
 
 def dependence(scene: Scene) -> Dependence:
     """The graph of the score reading; raises TooManyHypothesesError for a cycle that is too large."""
-    wanted = {h.id: _ordered_influences(scene, h) for h in scene.situation.hypotheses}
-    limit = MOST_OCCLUDERS if scene.situation.reconsider == "drop" else len(wanted)
+    return arranged({h.id: _ordered_influences(scene, h) for h in scene.situation.hypotheses}, scene.situation.reconsider)
+
+
+def arranged(wanted: dict[str, list[str]], reconsider: Reconsider) -> Dependence:
+    """The graph from what can change a cell of each hypothesis, in the order of ``ordered``; raises as ``dependence``."""
+    limit = MOST_OCCLUDERS if reconsider == "drop" else len(wanted)
     of = {h: tuple(gs[:limit]) for h, gs in wanted.items()}
     blocks = _blocks(of)
     of = _limit_joint(of, blocks)
-    left_out = {h: tuple(g for g in gs if g not in of[h]) for h, gs in wanted.items()}
-    return Dependence(of, blocks, {h: gs for h, gs in left_out.items() if gs})
+    left_out = {h: tuple([g for g in gs if g not in of[h]]) for h, gs in wanted.items() if len(gs) > len(of[h])}
+    return Dependence(of, blocks, left_out)
+
+
+def ordered(cells: dict[str, int]) -> list[str]:
+    """Those who change most cells first, then by id."""
+    return sorted(cells, key=lambda g: (-cells[g], g)) if len(cells) > 1 else list(cells)
 
 
 def _ordered_influences(scene: Scene, h: HypothesisFact) -> list[str]:
@@ -99,7 +107,7 @@ def _ordered_influences(scene: Scene, h: HypothesisFact) -> list[str]:
     for f in h.features:
         for g in _influences(scene, h, f):
             cells[g] = cells.get(g, 0) + 1
-    return sorted(cells, key=lambda g: (-cells[g], g))
+    return ordered(cells)
 
 
 def _influences(scene: Scene, h: HypothesisFact, f: FeatureFact) -> set[str]:
@@ -114,10 +122,11 @@ def _influences(scene: Scene, h: HypothesisFact, f: FeatureFact) -> set[str]:
 
 
 def _blocks(of: dict[str, tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
-    graph = nx.DiGraph()
-    graph.add_nodes_from(of)
-    graph.add_edges_from((h, g) for h, gs in of.items() for g in gs)
-    blocks = tuple(sorted(tuple(sorted(block)) for block in nx.strongly_connected_components(graph)))
+    settled = _settled(of)
+    found: list[tuple[str, ...]] = [(h,) for h in settled]
+    if len(settled) < len(of):
+        found += _components({h: [g for g in gs if g not in settled] for h, gs in of.items() if h not in settled})
+    blocks = tuple(sorted(found))
     for block in blocks:
         if len(block) > LARGEST_BLOCK:
             raise TooManyHypothesesError(
@@ -126,12 +135,38 @@ def _blocks(of: dict[str, tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
     return blocks
 
 
+def _settled(of: dict[str, tuple[str, ...]]) -> set[str]:
+    """Those who depend on no cycle: nobody, or only such."""
+    waiting: dict[str, int] = {}
+    users: dict[str, list[str]] = {}
+    for h, gs in of.items():
+        waiting[h] = len(gs)
+        for g in gs:
+            users.setdefault(g, []).append(h)
+    ready = [h for h, gs in of.items() if not gs]
+    while ready:
+        for h in users.get(ready.pop(), ()):
+            waiting[h] -= 1
+            if not waiting[h]:
+                ready.append(h)
+    return {h for h, count in waiting.items() if not count}
+
+
+def _components(of: dict[str, list[str]]) -> list[tuple[str, ...]]:
+    import networkx as nx
+
+    graph = nx.DiGraph()
+    graph.add_nodes_from(of)
+    graph.add_edges_from((h, g) for h, gs in of.items() for g in gs)
+    return [tuple(sorted(block)) for block in nx.strongly_connected_components(graph)]
+
+
 def _limit_joint(of: dict[str, tuple[str, ...]], blocks: tuple[tuple[str, ...], ...]) -> dict[str, tuple[str, ...]]:
     """Of what a cyclic block depends on outside itself, keep what most of its members depend on."""
     limited = dict(of)
-    for block in blocks:
+    for block in (block for block in blocks if len(block) > 1):
         outside = [g for h in block for g in of[h] if g not in block]
         kept = set(sorted(set(outside), key=lambda g, o=outside: (-o.count(g), g))[:MOST_OCCLUDERS])  # type: ignore[misc]
-        if len(block) > 1 and len(kept) < len(set(outside)):
+        if len(kept) < len(set(outside)):
             limited.update({h: tuple(g for g in of[h] if g in block or g in kept) for h in block})
     return limited

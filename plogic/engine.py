@@ -17,6 +17,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -90,7 +91,7 @@ def run_until(
     limits = limits or Limits()
     reply = ask_until({**request_of(texts, goals, given, names), "anytime": True}, limits, seconds)
     if reply is None:
-        return [_unknown(goal, names) for goal in goals] or [[]], False
+        return [unknown(goal, names) for goal in goals] or [[]], False
     found = [sorted((_answer(*row) for row in answers), key=_order) for answers in reply["answers"]]
     return found, not reply.get("partial", False)
 
@@ -106,11 +107,23 @@ def ask_until(request: dict[str, Any], limits: Limits, seconds: float) -> dict[s
 def _last(text: str) -> dict[str, Any] | None:
     """The last reply that was written whole."""
     lines = text.rpartition("\n")[0].splitlines()
-    reply: dict[str, Any] | None = json.loads(lines[-1]) if lines else None
+    return read_reply(lines[-1]) if lines else None
+
+
+def read_reply(line: str | bytes) -> dict[str, Any]:
+    """A reply; raises LimitError where its trees are too deep for this process."""
+    try:
+        reply: dict[str, Any] = json.loads(line)
+    except RecursionError:
+        raise errors.LimitError(TOO_DEEP) from None
     return reply
 
 
-def _unknown(goal: str, names: Names | None) -> list[Answer]:
+TOO_DEEP = "the proofs are nested too deeply to be told"
+
+
+def unknown(goal: str, names: Names | None) -> list[Answer]:
+    """What can be said of a goal without any work: [0, 1] of a ground one, nothing of one with variables; raises ProgramError."""
     from plogic.program.author import load_problog
 
     load_problog()
@@ -173,14 +186,14 @@ def _trusted(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
 def _ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
     reply = _last(_told(request, limits, late=False))
     if reply is None:
-        raise errors.LimitError(f"the inference stopped without an answer (memory limit {limits.megabytes} MB)")
+        raise errors.LimitError(f"the process of the inference ended without an answer (its limit of memory is {limits.megabytes} MB)")
     return reply
 
 
 def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
     """What the child wrote until it ended or its time was over; unless ``late``, the latter raises LimitError."""
     command = [sys.executable, "-P", "-W", "ignore", "-m", "plogic.safety.child", str(limits.megabytes * 2**20)]
-    with tempfile.TemporaryDirectory(prefix="plogic-") as scratch:
+    with ending_well(), tempfile.TemporaryDirectory(prefix="plogic-") as scratch:
         told, over = _communicate(command, json.dumps(request), scratch, limits.seconds)
     if over and not late:
         raise errors.LimitError(f"the inference took longer than {limits.seconds:g} s")
@@ -193,13 +206,36 @@ def _communicate(command: list[str], request: str, scratch: str, seconds: float)
     options: dict[str, Any] = {"env": environment(scratch), "cwd": scratch, "start_new_session": True, "text": True, "encoding": "utf-8"}
     with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, **options) as child:  # noqa: S603 - our own module, no shell
         try:
-            return str(child.communicate(request, timeout=seconds)[0]), False
+            told, said = child.communicate(request, timeout=seconds)
+            _check_started(child.returncode, told, said)
+            return str(told), False
         except BaseException as error:  # an interruption, too, must leave no process behind
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(child.pid, signal.SIGKILL)
             if isinstance(error, subprocess.TimeoutExpired):
                 return str(child.communicate()[0]), True
             raise
+
+
+def _check_started(status: int, told: str, said: str) -> None:
+    """Raise LimitError with its last words where the process failed by itself (not by a signal, as where memory ran out) before it replied."""
+    if status > 0 and not told:
+        last = (said.strip().splitlines() or [f"exit status {status}"])[-1]
+        raise errors.LimitError(f"the process of the inference could not work: {last[:300]}")
+
+
+@contextlib.contextmanager
+def ending_well() -> Iterator[None]:
+    """Within it, being told to end (SIGTERM, SIGHUP) raises SystemExit, so that processes end and scratch files go first."""
+    mine = threading.current_thread() is threading.main_thread()
+    signals = [s for s in (signal.SIGTERM, signal.SIGHUP) if mine and signal.getsignal(s) is signal.SIG_DFL]
+    for number in signals:
+        signal.signal(number, lambda number, _: sys.exit(128 + number))
+    try:
+        yield
+    finally:
+        for number in signals:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def environment(scratch: str) -> dict[str, str]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from plogic.engine import Answer, Limits, Text, run, run_until
-from plogic.errors import ProgramError, SituationError
+from plogic.engine import Answer, Limits, Text, run, run_until, unknown
+from plogic.errors import LimitError, ProgramError, SituationError
 from plogic.names import names_of
 from plogic.program.text import program_text
 from plogic.situation import Situation
@@ -54,11 +55,14 @@ def answers_until(
     Each answer's interval contains its exact probability; of a goal with variables some answers may not be known yet.
     """
     if isinstance(subject, Situation):
-        goal = goal or "present(H)"
-        limits = limits or Limits()
-        on_graph = _on_graph(subject, [goal], given, rules, replace(limits, seconds=min(limits.seconds, seconds)), seconds)
+        goal, limits, end = goal or "present(H)", limits or Limits(), time.monotonic() + seconds
+        try:
+            on_graph = _on_graph(subject, [goal], given, rules, replace(limits, seconds=min(limits.seconds, seconds)), seconds)
+        except LimitError:
+            return unknown(goal, names_of(subject)), False
         if on_graph is not None:
             return on_graph[0], all(answer.interval[0] == answer.interval[1] for answer in on_graph[0])
+        seconds = max(end - time.monotonic(), 0.0)
     text, names = subject_text(subject)
     texts = [text, *([] if rules is None else [rules])]
     found, exact = run_until(texts, [] if goal is None else [goal], given, seconds=seconds, names=names, limits=limits)

@@ -22,7 +22,7 @@ def chance(p: float | None) -> str:
         return NONE
     if 0 < p < 0.0005:
         return "<0.001"
-    return ">0.999" if 0.9995 < p < 1 else f"{p:.3f}"
+    return ">0.999" if 0.9995 < p < 1 else f"{float(f'{p:.12g}'):.3f}"  # so that noise in the last digits decides no tie
 
 
 def signed(value: float | None) -> str:

@@ -22,6 +22,7 @@ from plogic.factors.alternatives import cast_of
 from plogic.factors.pieces import pieces
 from plogic.factors.ranking import weighed
 from plogic.factors.scene import scene_graph
+from plogic.inference.clock import Clock, OutOfTimeError
 from plogic.inference.graph import FactorGraph
 from plogic.inference.marginals import beliefs
 from plogic.sanity import check
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 
 TIE = 1e-9
 """Log weights as near as this may be ties: they are all looked at before the list is cut."""
+FIRST = 0.25
+"""Seconds that the search for the most probable world may take, however near the deadline is."""
 MOST_TIES = 1000
 """Worlds beyond the wanted ones that are looked at for that; of more ties than these, the first in the order of states are listed."""
 
@@ -56,7 +59,7 @@ class Ranking:
 
     ``log_evidence`` is ln P(constraints) in the score reading, and ln of the density of Γ's claimed part, of what is missing in it and of
     the constraints in the posterior reading. ``intervals`` and ``log_evidence_interval`` bound them: both ends are the same but where a
-    deadline was reached; then ``marginals`` and ``log_evidence`` are the middles.
+    deadline was reached; then ``marginals`` and ``log_evidence`` are the middles. ``complete``: whether the deadline cut no world off the list.
     """
 
     worlds: tuple[World, ...]
@@ -65,11 +68,13 @@ class Ranking:
     marginals: dict[str, float]
     intervals: dict[str, Interval]
     log_evidence_interval: Interval
+    complete: bool = True
 
     @property
     def exact(self) -> bool:
-        """Whether every number is exact."""
-        return self.log_evidence_interval[0] == self.log_evidence_interval[1] and all(low == high for low, high in self.intervals.values())
+        """Whether the list is complete and every number exact."""
+        bounds = [self.log_evidence_interval, *self.intervals.values()]
+        return self.complete and all(low == high for low, high in bounds)
 
 
 def ranked_worlds(situation: Situation, n: int = 10, *, seconds: float | None = None) -> Ranking:
@@ -83,34 +88,43 @@ def ranked_worlds(situation: Situation, n: int = 10, *, seconds: float | None = 
     belief = beliefs(scene.graph, seconds=None if seconds is None else seconds / 2)
     if belief.log_z[1] == -math.inf:
         raise InconsistentError(_reason(scene))
-    listed = listed_worlds(situation, scene, n, end)
-    return ranking_of(situation, scene, belief, listed)
+    return ranking_of(situation, scene, belief, listed_worlds(situation, scene, n, end))
 
 
-def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, listed: Listed) -> Ranking:
-    """The ranking from what inference found: ``listed``, log weights and what is present, in any order."""
+def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, found: tuple[Listed, bool]) -> Ranking:
+    """The ranking from what inference found: log weights and what is present, in any order, and whether that list is complete."""
+    listed, complete = found
     low, high = belief.log_z
     low = max(low, _log_sum([weight for weight, _ in listed]))
     log_z = (min(low, high), high)
     causes = CauseTable(cast_of(situation)).causes([present for _, present in listed])
     worlds = tuple(World(_middle(p), present, c, p) for (p, present), c in zip(_chances(listed, log_z), causes, strict=True))
     intervals = {h.id: _interval(belief, *scene.place[h.id]) for h in situation.hypotheses}
-    return Ranking(worlds, _unlisted(worlds), _middle(log_z), {h: _middle(i) for h, i in intervals.items()}, intervals, log_z)
+    return Ranking(worlds, _unlisted(worlds), _middle(log_z), {h: _middle(i) for h, i in intervals.items()}, intervals, log_z, complete)
 
 
-def listed_worlds(situation: Situation, scene: SceneGraph, n: int, end: float | None = None) -> Listed:
-    """The ``n`` heaviest worlds; weights that agree to twelve digits are ties, and go by ids. By ``end``, those that were found till then."""
-    place = {h.id: i for i, h in enumerate(situation.hypotheses)}
+def listed_worlds(situation: Situation, scene: SceneGraph, n: int, end: float | None = None) -> tuple[Listed, bool]:
+    """The ``n`` heaviest worlds; weights that agree to twelve digits are ties, and go by ids.
+
+    By ``end`` (a moment of ``time.monotonic``) those that were found till then, and whether none is missing.
+    """
+    ids = [h.id for h in situation.hypotheses]
+    number = {name: i for i, name in enumerate(ids)}
+    numbers = [(-1, *[number[str(name)] for name in v.states[1:]]) for v in scene.variables]
     found: Listed = []
-    with contextlib.suppress(*(() if end is None else (LimitError,))):
-        for weight, states in weighed(scene):
+    complete = end is None
+    with contextlib.suppress(*(() if end is None else (LimitError, OutOfTimeError))):
+        for weight, states in weighed(scene, Clock(None if end is None else max(end - time.monotonic(), FIRST))):
+            if end is not None and found and time.monotonic() > end:
+                raise OutOfTimeError
             if len(found) >= n and (not n or weight < found[n - 1][0] - TIE or len(found) >= n + MOST_TIES):
                 break
-            found.append((weight, tuple(sorted(scene.present(states), key=place.__getitem__))))
-            if end is not None and time.monotonic() > end:
-                break
+            members = sorted([mine[s] for mine, s in zip(numbers, states, strict=True) if s])
+            found.append((weight, tuple([ids[i] for i in members])))
+        complete = True
     top = found[0][0] if found else 0.0
-    return sorted(found, key=lambda world: (-float(f"{math.exp(world[0] - top):.11e}"), world[1]))[:n]
+    listed = sorted(found, key=lambda world: (-float(f"{math.exp(world[0] - top):.11e}"), world[1]))[:n]
+    return listed, complete or len(listed) == n
 
 
 def _chances(listed: Listed, log_z: Interval) -> list[tuple[Interval, tuple[str, ...]]]:

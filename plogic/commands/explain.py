@@ -24,7 +24,8 @@ def explain_command(
     from dataclasses import asdict
 
     from plogic.commands.account import account_text
-    from plogic.engine import Limits
+    from plogic.engine import TOO_DEEP, Limits
+    from plogic.errors import LimitError
     from plogic.explain import explain, present
 
     subject = subject_of(source, options["reading"])
@@ -33,5 +34,8 @@ def explain_command(
         if summary is not None and summary.summary:
             return account_text(summary, brief=True)
     limits = Limits(trust=bool(options.get("trust", False)))
-    account = explain(subject, goal, given=list(given), most=MOST if number is None else number, limits=limits)
-    return json.dumps({"format": "explanation/1", **asdict(account)}) if as_json else account_text(account)
+    try:
+        account = explain(subject, goal, given=list(given), most=MOST if number is None else number, limits=limits)
+        return json.dumps({"format": "explanation/1", **asdict(account)}) if as_json else account_text(account)
+    except RecursionError:
+        raise LimitError(TOO_DEEP) from None

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 def shell_command(source: str, options: dict[str, Any], *, write: Callable[[str], None], say: Callable[[str], None]) -> int:
     """Run a session; the exit code is 1 where a line failed and nobody sat at a terminal. ``options``: reading, trust."""
     from plogic.commands.sources import is_program
+    from plogic.engine import ending_well
     from plogic.safety.allowlist import TRUSTED
     from plogic.session import Session
 
@@ -21,7 +22,7 @@ def shell_command(source: str, options: dict[str, Any], *, write: Callable[[str]
         raise InputError("-: stdin holds the lines of the session; give the interpretation or the program as a file")
     if options["trust"] and is_program(source):
         say(TRUSTED)
-    with Session.open(source, reading=options["reading"], trust=options["trust"]) as session:
+    with ending_well(), Session.open(source, reading=options["reading"], trust=options["trust"]) as session:
         session.greeting()
 
         def write_now(text: str) -> None:

@@ -46,7 +46,7 @@ def program_text_of(path: str) -> str:
         data = sys.stdin.buffer.read(LARGEST_PROGRAM + 1) if path == "-" else Path(path).read_bytes()
         if len(data) > LARGEST_PROGRAM:
             raise InputError(f"{path}: is larger than the {LARGEST_PROGRAM} bytes that a program may have")
-        return data.decode("utf-8")
+        return data.decode("utf-8-sig")
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:

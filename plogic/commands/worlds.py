@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import time
 from typing import TYPE_CHECKING, Any
 
 from plogic.commands.query import LATE
 from plogic.commands.sources import is_program, program_text_of
+from plogic.errors import OutsideError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,7 +28,15 @@ def worlds_command(source: str, number: int, given: Sequence[str], options: dict
     """
     if is_program(source):
         return _of_program(source, number, given, options, as_json=as_json)
-    return _of_scene(source, number, given, options, as_json=as_json)
+    from plogic.interpretation import read_interpretation, situation_of
+
+    document = read_interpretation(source)
+    document = document if options["reading"] is None else {**document, "reading": options["reading"]}
+    situation = situation_of(document)
+    try:
+        return _of_scene(document, situation, number, given, options["deadline"], as_json=as_json)
+    except OutsideError:
+        return _of_scene_text(document, situation, number, given, options["deadline"], as_json=as_json)
 
 
 def _of_program(source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
@@ -37,7 +47,11 @@ def _of_program(source: str, number: int, given: Sequence[str], options: dict[st
     text = Text(program_text_of(source), source)
     ranking = program_worlds(text, number, given=given, limits=limits, seconds=options["deadline"])
     rows = [{"probability": w.probability, "true": list(w.holds), "choices": list(w.choices)} for w in ranking.worlds]
-    answer = {"format": "worlds/1", "worlds": rows, "unlisted_mass": list(ranking.unlisted), "log_evidence": ranking.log_evidence}
+    return _told(ranking, {"format": "worlds/1", "worlds": rows}, as_json=as_json)
+
+
+def _told(ranking: ProgramRanking, answer: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
+    answer = {**answer, "unlisted_mass": list(ranking.unlisted), "log_evidence": ranking.log_evidence}
     status = 0 if ranking.complete else LATE
     if as_json:
         return json.dumps(answer if ranking.complete else {**answer, "deadline": "reached"}), status
@@ -66,21 +80,37 @@ def _table_of_program(ranking: ProgramRanking) -> str:
     return text_of_table(table)
 
 
-def _of_scene(source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
+def _of_scene_text(
+    document: dict[str, Any], situation: Situation, number: int, given: Sequence[str], seconds: float | None, *, as_json: bool
+) -> tuple[str, int]:
+    """By the program text, where the evidence speaks of choices that the graph has summed out: then those are told, and no causes."""
+    from plogic.programs.worlds import program_worlds
+    from plogic.query import subject_text
+    from plogic.talk.tokens import quoted
+
+    text, names = subject_text(situation)
+    ranking = program_worlds(text, number, given=given, goals=("present(H)",), seconds=seconds, names=names)
+    ids = {f"present({quoted(h.id)})": h.id for h in situation.hypotheses}
+    rows = [{"probability": w.probability, "present": [ids[goal] for goal in w.holds], "choices": list(w.choices)} for w in ranking.worlds]
+    return _told(ranking, {"format": "worlds/1", "reading": document["reading"], "worlds": rows}, as_json=as_json)
+
+
+def _of_scene(
+    document: dict[str, Any], situation: Situation, number: int, given: Sequence[str], seconds: float | None, *, as_json: bool
+) -> tuple[str, int]:
     from plogic import tables
     from plogic.commands.printing import text_of_table
-    from plogic.interpretation import read_interpretation, situation_of
 
-    document = read_interpretation(source)
-    document = document if options["reading"] is None else {**document, "reading": options["reading"]}
-    ranking = _scene_ranking(situation_of(document), number, given, options["deadline"])
+    ranking = _scene_ranking(situation, number, given, seconds)
     rows = [_row(world, ranking) for world in ranking.worlds]
     answer = {"format": "worlds/1", "reading": document["reading"], "worlds": rows, "unlisted_mass": list(ranking.unlisted)}
-    exact = ranking.log_evidence_interval[0] == ranking.log_evidence_interval[1]
+    exact = ranking.exact
     if as_json:
         return json.dumps(answer if exact else {**answer, "deadline": "reached"}), 0 if exact else LATE
     text = text_of_table(tables.worlds({**document, "worlds": rows, "unlisted_mass": list(ranking.unlisted)}, number))
-    said = "The deadline was reached: probabilities are the middles of intervals, which --json states."
+    middles = ranking.log_evidence_interval[0] != ranking.log_evidence_interval[1]
+    more = "probabilities are the middles of intervals, which --json states" if middles else "more worlds could be listed with more time"
+    said = f"The deadline was reached: {more}."
     return (text, 0) if exact else (f"{text.rstrip()}\n{said}", LATE)
 
 
@@ -91,13 +121,18 @@ def _row(world: Any, ranking: Ranking) -> dict[str, Any]:  # noqa: ANN401 - plog
 
 
 def _scene_ranking(situation: Situation, number: int, given: Sequence[str], seconds: float | None) -> Ranking:
-    """With evidence of the user's, exact whatever the deadline: what is known sooner would not be comparable."""
+    """With a deadline, grounding the evidence included; what it takes then is left of the time."""
     from plogic.live import LiveScene
     from plogic.worlds import ranked_worlds
 
     if not given:
         return ranked_worlds(situation, number, seconds=seconds)
+    end = None if seconds is None else time.monotonic() + seconds
     scene = LiveScene(situation)
     for goal in given:
-        scene.observe(goal)
-    return scene.worlds(number)
+        scene.observe(goal, seconds=_left(end))
+    return scene.worlds(number, seconds=_left(end))
+
+
+def _left(end: float | None) -> float | None:
+    return None if end is None else max(end - time.monotonic(), 0.0)

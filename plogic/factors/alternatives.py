@@ -29,17 +29,19 @@ class Alternative:
 
 @dataclass(frozen=True)
 class Cast:
-    """A situation with the variables of its graph and its look-ups; ``rivals`` holds both orders of a pair."""
+    """A situation with the variables of its graph and its look-ups; ``unhiding["h4"]``: h4 and its rivals, none of which hides h4 (§4.1)."""
 
     situation: Situation
     variables: tuple[Alternative, ...]
     place: dict[str, tuple[int, int]]
     opaque: frozenset[str]
-    rivals: frozenset[tuple[str, str]]
+    unhiding: dict[str, set[str]]
 
     def hiders(self, h: HypothesisFact, f: FeatureFact) -> list[str]:
         """The hypotheses that hide the feature in every world in which they are present (D4, D7), each once."""
-        return [g for g in dict.fromkeys(f.hidden_by) if g in self.opaque and g != h.id and (g, h.id) not in self.rivals]
+        opaque, unhiding = self.opaque, self.unhiding[h.id]
+        found = [g for g in f.hidden_by if g in opaque and g not in unhiding]
+        return found if len(found) < 2 else list(dict.fromkeys(found))
 
     def literals(self, names: Iterable[str]) -> list[Literal]:
         """One literal a variable: one of ``names`` is present; by variable."""
@@ -53,10 +55,13 @@ class Cast:
 def cast_of(situation: Situation) -> Cast:
     """The variables, in the order of Δh of their first members, with the look-ups."""
     units = _groups(situation) if situation.reading == "posterior" else _cliques(situation)
-    variables = tuple(Alternative((None, *members)) for members in units)
+    variables = tuple([Alternative((None, *members)) for members in units])
     place = {name: (v, s) for v, members in enumerate(units) for s, name in enumerate(members, 1)}
-    rivals = situation.rivals | {(y, x) for x, y in situation.rivals}
-    return Cast(situation, variables, place, frozenset(h.id for h in situation.hypotheses if h.opaque), rivals)
+    unhiding = {h.id: {h.id} for h in situation.hypotheses}
+    for x, y in situation.rivals:
+        unhiding[x].add(y)
+        unhiding[y].add(x)
+    return Cast(situation, variables, place, frozenset([h.id for h in situation.hypotheses if h.opaque]), unhiding)
 
 
 def _groups(situation: Situation) -> list[list[str]]:
@@ -69,16 +74,24 @@ def _groups(situation: Situation) -> list[list[str]]:
 
 def _cliques(situation: Situation) -> list[list[str]]:
     """Score: hypotheses of one group of which no two can be present together; each joins the first clique that it fits."""
-    apart = situation.overlaps | situation.exclusive
-    apart |= {(y, x) for x, y in apart}
     cliques: list[list[str]] = []
     of_group: dict[str, list[list[str]]] = {}
     for h in situation.hypotheses:
         mine = of_group.setdefault(h.group, [])
-        fitting = next((clique for clique in mine if all((h.id, other) in apart for other in clique)), None)
+        fitting = next((clique for clique in mine if _apart(situation, h.id, clique)), None) if mine else None
         if fitting is None:
             mine.append([h.id])
             cliques.append(mine[-1])
         else:
             fitting.append(h.id)
     return cliques
+
+
+def _apart(situation: Situation, name: str, others: Iterable[str]) -> bool:
+    """Whether constraints forbid the hypothesis to be present together with any of the others."""
+    overlaps, exclusive = situation.overlaps, situation.exclusive
+    for other in others:
+        pair, converse = (name, other), (other, name)
+        if not (pair in exclusive or converse in exclusive or pair in overlaps or converse in overlaps):
+            return False
+    return True

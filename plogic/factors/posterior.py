@@ -2,46 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from plogic.bounds import alternative, bounded
-from plogic.factors.tables import IMPOSSIBLE, log
+from plogic.bounds import LEAST, bounded
+from plogic.factors.claims import Claim, add_datum, add_miss, datum_of, scope_of
+from plogic.factors.tables import IMPOSSIBLE, log, logs_of, too_wide
 from plogic.likelihood import DEFAULT_PRIOR
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Collection
 
     from numpy.typing import NDArray
 
     from plogic.factors.alternatives import Cast, Literal
+    from plogic.factors.claims import Datum
     from plogic.factors.tables import Tables
-    from plogic.situation import FeatureFact, HypothesisFact
-
-LONGEST_LIST = 64
-"""Joint states up to which plain lists are quicker than arrays."""
-
-
-class Claim(NamedTuple):
-    """A candidate feature of the hypothesis at (variable, state); it is hidden where one of ``hiders`` holds, all of other variables."""
-
-    variable: int
-    state: int
-    hit: float
-    density: float
-    hiders: tuple[Literal, ...]
-    name: tuple[str, str]
-
-
-class Datum(NamedTuple):
-    """One claimed appearance: each claim's share of its alternative, the share of noise, and the density that a share of 1 stands for."""
-
-    claims: list[Claim]
-    shares: list[float]
-    noise: float
-    scale: float
 
 
 class Cause(NamedTuple):
@@ -58,138 +35,65 @@ def add_posterior(tables: Tables, cast: Cast, explicit: Collection[str] = ()) ->
     clutter = {a.id: a.clutter for a in cast.situation.appearances}
     causes: dict[str, Cause] = {}
     for name, claims in claimed.items():
-        datum = _datum(claims, clutter[name])
-        if name in explicit or (len(claims) > 1 and tables.too_wide(_scope(claims))):
+        datum = datum_of(claims, clutter[name])
+        scope = scope_of(claims)
+        cards = tables.shape(scope)
+        if name in explicit or (len(claims) > 1 and too_wide(cards)):
             causes[name] = Cause(_add_cause(tables, datum), (("noise",), *(claim.name for claim in claims)))
         else:
-            _add_datum(tables, datum)
+            add_datum(tables, datum, scope, cards)
     return causes
 
 
 def _add_priors(tables: Tables, cast: Cast) -> None:
     """Rivals for one instance share the prior of their types evenly; the rest of it says that there is none."""
-    kinds = {h.id: h.type for h in cast.situation.hypotheses}
-    priors = cast.situation.priors
+    situation = cast.situation
+    each = {h.id: situation.priors.get(h.type, DEFAULT_PRIOR) for h in situation.hypotheses}
     for v, variable in enumerate(cast.variables):
         members = variable.states[1:]
-        shares = [bounded(priors.get(kinds[name or ""], DEFAULT_PRIOR) / len(members)) for name in members]
-        tables.unary[v] = [log(1.0 - sum(shares)), *(log(p) for p in shares)]
+        shares = [bounded(each[name or ""] / len(members)) for name in members]
+        tables.unary[v] = logs_of([1.0 - sum(shares), *shares])
 
 
 def _add_features(tables: Tables, cast: Cast) -> dict[str, list[Claim]]:
     """Weigh the candidate features that no appearance was found for by 1 − h_F where they are expected; hand back the others by appearance."""
     claimed: dict[str, list[Claim]] = {}
+    opaque = cast.opaque
     for h in cast.situation.hypotheses:
-        v, s = cast.place[h.id]
-        unary = tables.unary[v]
+        name, unhiding, solid = h.id, cast.unhiding[h.id], h.opaque
+        v, s = cast.place[name]
+        weight = tables.unary[v][s]
         for f in h.features:
-            if not f.in_image or not f.in_lobe or (f.self_hidden and h.opaque):
+            if not f.in_image or not f.in_lobe or (f.self_hidden and solid):
                 continue
-            hiders = _hiders(tables, cast, h, f) if f.hidden_by else ()
-            if f.match is not None:
-                claim = Claim(v, s, bounded(f.hit_rate), f.density, hiders, (h.id, f.id))
-                claimed.setdefault(f.match, []).append(claim)
+            names = [g for g in f.hidden_by if g in opaque and g not in unhiding] if f.hidden_by else None
+            hiders = _hiders(tables, cast, v, names) if names else ()
+            match, hit = f.match, f.hit_rate
+            if not LEAST <= hit <= 1.0 - LEAST:
+                hit = bounded(hit)
+            if match is not None:
+                claim = Claim(v, s, hit, f.density, hiders, (name, f.id))
+                if match in claimed:
+                    claimed[match].append(claim)
+                else:
+                    claimed[match] = [claim]
             elif hiders:
-                claim = Claim(v, s, bounded(f.hit_rate), 0.0, hiders, (h.id, f.id))
-                _add_miss(tables, claim)
+                add_miss(tables, Claim(v, s, hit, 0.0, hiders, (name, f.id)))
             else:
-                unary[s] += log(1.0 - bounded(f.hit_rate))
+                weight += log(1.0 - hit)
+        tables.unary[v][s] = weight
     return claimed
 
 
-def _hiders(tables: Tables, cast: Cast, h: HypothesisFact, f: FeatureFact) -> tuple[Literal, ...]:
-    """What hides the feature, without the rivals that cannot be present with ``h``; one auxiliary literal where they are very many."""
-    mine = cast.place[h.id][0]
-    names = cast.hiders(h, f)
-    if not names:
-        return ()
-    literals = [literal for literal in cast.literals(names) if literal[0] != mine]
-    if len(literals) > 1 and tables.too_wide([mine, *(v for v, _ in literals)]):
+def _hiders(tables: Tables, cast: Cast, mine: int, names: list[str]) -> tuple[Literal, ...]:
+    """The names as literals, without the rivals that cannot be present with a state of ``mine``; one auxiliary literal for very many."""
+    if len(names) == 1:
+        v, s = cast.place[names[0]]
+        return ((v, (s,)),) if v != mine else ()
+    literals = [literal for literal in cast.literals(dict.fromkeys(names)) if literal[0] != mine]
+    if len(literals) > 1 and too_wide(tables.shape([mine, *(v for v, _ in literals)])):
         return ((tables.indicator(literals), (1,)),)
     return tuple(literals)
-
-
-def _add_miss(tables: Tables, claim: Claim) -> None:
-    scope = _scope([claim])
-    cards = tables.shape(scope)
-    logs = np.zeros(math.prod(cards))
-    logs[_rows(claim, scope, cards)] = log(1.0 - claim.hit)
-    tables.add(scope, logs.reshape(cards))
-
-
-def _datum(claims: list[Claim], clutter: float) -> Datum:
-    """N_i / Z for each claim, f / Z for noise, Z = ΣN + f; where all are 0 nothing can cause the appearance."""
-    densities = [claim.density for claim in claims]
-    shares = alternative([*densities, clutter])
-    if not shares:
-        return Datum(claims, [0.0] * len(claims), 0.0, 1.0)
-    return Datum(claims, shares[:-1], shares[-1], sum(densities) + clutter)
-
-
-def _scope(claims: Sequence[Claim]) -> tuple[int, ...]:
-    scope = {claim.variable for claim in claims}
-    for claim in claims:
-        for v, _ in claim.hiders:
-            scope.add(v)
-    return tuple(sorted(scope))
-
-
-def _add_datum(tables: Tables, datum: Datum) -> None:
-    """Σ_i N_i h_i Π_{j≠i}(1−h_j) + f Π_j(1−h_j) over the present, expected claimants, in every joint state of those who have a say."""
-    scope = _scope(datum.claims)
-    cards = tables.shape(scope)
-    if math.prod(cards) > LONGEST_LIST:
-        _add_large(tables, datum, scope)
-        return
-    logs = _weighed(datum, scope, cards)
-    if len(scope) == 1:
-        tables.unary[scope[0]] = [x + y for x, y in zip(tables.unary[scope[0]], logs, strict=True)]
-    else:
-        tables.add(scope, np.array(logs).reshape(cards))
-
-
-def _weighed(datum: Datum, scope: tuple[int, ...], cards: tuple[int, ...]) -> list[float]:
-    """Log weights in C order: claim by claim, (weight of no cause among those before, weight of exactly one)."""
-    size = math.prod(cards)
-    none, one = [1.0] * size, [0.0] * size
-    for claim, share in zip(datum.claims, datum.shares, strict=True):
-        hit, miss = share * claim.hit, 1.0 - claim.hit
-        for r in _rows(claim, scope, cards):
-            one[r] = one[r] * miss + none[r] * hit
-            none[r] *= miss
-    noise, scale = datum.noise, datum.scale
-    return [log((noise * x + y) * scale) for x, y in zip(none, one, strict=True)]
-
-
-def _rows(claim: Claim, scope: tuple[int, ...], cards: tuple[int, ...]) -> list[int]:
-    """The joint states (row numbers in C order) in which the claim's hypothesis is present and its feature expected."""
-    rows = [0]
-    hiders = dict(claim.hiders)
-    for v, card in zip(scope, cards, strict=True):
-        if v == claim.variable:
-            rows = [r * card + claim.state for r in rows]
-        else:
-            hidden = hiders.get(v, ())
-            rows = [r * card + s for r in rows for s in range(card) if s not in hidden]
-    return rows
-
-
-def _add_large(tables: Tables, datum: Datum, scope: tuple[int, ...]) -> None:
-    """As ``_weighed``, with arrays, variable by variable: of the claims at one variable at most one is present."""
-    none, one = np.ones(()), np.zeros(())
-    for v in sorted({claim.variable for claim in datum.claims}):
-        mine = [(claim, share) for claim, share in zip(datum.claims, datum.shares, strict=True) if claim.variable == v]
-        local = _scope([claim for claim, _ in mine])
-        cards = tables.shape(local)
-        free, hit = np.ones(math.prod(cards)), np.zeros(math.prod(cards))
-        for claim, share in mine:
-            rows = _rows(claim, local, cards)
-            free[rows], hit[rows] = 1.0 - claim.hit, share * claim.hit
-        shape = [tables.cards[u] if u in local else 1 for u in scope]
-        free, hit = free.reshape(shape), hit.reshape(shape)
-        none, one = none * free, one * free + none * hit
-    with np.errstate(divide="ignore"):
-        tables.add(scope, np.log((datum.noise * none + one) * datum.scale))
 
 
 def _live(tables: Tables, scope: tuple[int, ...], claim: Claim) -> NDArray[np.bool_]:
@@ -209,9 +113,9 @@ def _live(tables: Tables, scope: tuple[int, ...], claim: Claim) -> NDArray[np.bo
 
 def _add_cause(tables: Tables, datum: Datum) -> int:
     """The cause as a variable of its own: a star of factors, each of one claim, instead of one over all of them; its number."""
-    cause = tables.variable([log(datum.noise * datum.scale), *(log(share * datum.scale) for share in datum.shares)])
+    cause = tables.variable(logs_of([datum.noise * datum.scale, *(share * datum.scale for share in datum.shares)]))
     for i, claim in enumerate(datum.claims, 1):
-        scope = (*_scope([claim]), cause)
+        scope = (*scope_of([claim]), cause)
         live = _live(tables, scope, claim)
         chosen = np.arange(tables.cards[cause]) == i
         missed = np.where(live, log(1.0 - claim.hit), 0.0)

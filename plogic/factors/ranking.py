@@ -12,9 +12,10 @@ import math
 from typing import TYPE_CHECKING
 
 from plogic.errors import WidthError
+from plogic.inference.clock import Clock, OutOfTimeError
 from plogic.inference.gates import Literal, observed
 from plogic.inference.marginals import beliefs, summed_out
-from plogic.inference.ranked import ranked
+from plogic.inference.ranked import Ranked
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,31 +26,40 @@ if TYPE_CHECKING:
     Weighed = tuple[float, tuple[int, ...]]
 
 
-def weighed(scene: SceneGraph) -> Iterator[Weighed]:
-    """(log weight, one state a variable of the scene's alternatives) of every possible world, heaviest first."""
+def weighed(scene: SceneGraph, clock: Clock) -> Iterator[Weighed]:
+    """(log weight, one state a variable of the scene's alternatives) of every possible world, heaviest first; OutOfTimeError past the clock."""
     graph, left = scene.graph, []
     for v in scene.auxiliary:
+        clock.check()
         try:
             graph = summed_out(graph, [v])
         except WidthError:
             left.append(v)
     count = len(scene.variables)
     if left:
-        yield from _lazily(graph, count, math.log(math.prod(graph.cards[v] for v in left)))
+        yield from _lazily(graph, count, math.log(math.prod(graph.cards[v] for v in left)), clock)
     else:
-        yield from ((weight, states[:count]) for weight, states in ranked(graph))
+        yield from ((weight, states[:count]) for weight, states in _ranked(graph, clock))
 
 
-def _lazily(graph: FactorGraph, count: int, spread: float) -> Iterator[Weighed]:
+def _ranked(graph: FactorGraph, clock: Clock) -> Iterator[Weighed]:
+    states = Ranked(graph, seconds=None if clock.end is None else clock.left())
+    yield from states
+    if not states.finished:
+        raise OutOfTimeError
+
+
+def _lazily(graph: FactorGraph, count: int, spread: float, clock: Clock) -> Iterator[Weighed]:
     """``spread``: logarithm of how many joint states one world has."""
     waiting: list[tuple[float, tuple[int, ...]]] = []
     seen: set[tuple[int, ...]] = set()
-    for weight, states in ranked(graph):
+    for weight, states in _ranked(graph, clock):
         while waiting and -waiting[0][0] >= weight + spread:
             minus, world = heapq.heappop(waiting)
             yield -minus, world
         world = states[:count]
         if world not in seen:
+            clock.check()
             seen.add(world)
             heapq.heappush(waiting, (-_sum(graph, world), world))
     yield from ((-minus, world) for minus, world in sorted(waiting))

@@ -9,12 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from plogic.factors.alternatives import Alternative, Cast, cast_of
 from plogic.factors.posterior import add_posterior
 from plogic.factors.score import add_score
-from plogic.factors.tables import IMPOSSIBLE, Tables
+from plogic.factors.tables import Tables
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -61,12 +59,6 @@ def scene_graph(situation: Situation, *, explicit: Collection[str] = ()) -> Scen
 
 def _add_constraints(tables: Tables, cast: Cast) -> None:
     """A4, and in the score reading that an appearance serves one feature: the two are never present together."""
-    situation = cast.situation
+    situation, place = cast.situation, cast.place
     pairs = situation.overlaps | (situation.exclusive if situation.reading == "score" else frozenset())
-    for x, y in sorted({tuple(sorted((cast.place[x], cast.place[y]))) for x, y in pairs}):
-        if x == y:
-            tables.unary[x[0]][x[1]] = IMPOSSIBLE
-        elif x[0] != y[0]:
-            table = np.zeros(tables.shape((x[0], y[0])))
-            table[x[1], y[1]] = IMPOSSIBLE
-            tables.add((x[0], y[0]), table)
+    tables.forbid([(place[x], place[y]) for x, y in pairs])

@@ -7,16 +7,20 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.acceptance import acceptance, lifted_smoothing
-from plogic.bounds import LEAST, alternative
-from plogic.dependence import Scene, dependence
+from plogic.bounds import LEAST
+from plogic.dependence import Scene, arranged, dependence
+from plogic.factors.linear import linear
 from plogic.factors.pick import add_pick
-from plogic.factors.tables import IMPOSSIBLE, WIDEST, log
+from plogic.factors.tables import IMPOSSIBLE, WIDEST, log, logs_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from plogic.dependence import Dependence
     from plogic.factors.alternatives import Cast
+    from plogic.factors.linear import Linear
     from plogic.factors.tables import Tables
     from plogic.situation import HypothesisFact
 
@@ -24,43 +28,58 @@ if TYPE_CHECKING:
 
 
 class Seen(NamedTuple):
-    """What decides a score: the scene, its graph of dependence, ε as programs carry it."""
+    """What decides a score: the scene, its graph of dependence, ε as programs carry it, and in mode `to_B` the features summed up."""
 
     scene: Scene
     graph: Dependence
     epsilon: float
+    sums: dict[str, Linear]
 
 
 def add_score(tables: Tables, cast: Cast) -> None:
     """One factor a hypothesis, or a cyclic block; raises TooManyHypothesesError for a cycle that is too large."""
-    scene = Scene(cast.situation)
-    seen = Seen(scene, dependence(scene), lifted_smoothing(scene))
+    seen = _seen(cast)
     for block in seen.graph.blocks:
         if len(block) > 1:
             _add_block(tables, cast, seen, block)
         else:
-            _add_one(tables, cast, seen, scene.by_id[block[0]])
+            _add_one(tables, cast, seen, block[0])
 
 
-def _add_one(tables: Tables, cast: Cast, seen: Seen, h: HypothesisFact) -> None:
-    names = seen.graph.of[h.id]
-    linear = cast.situation.reconsider == "to_B"
+def _seen(cast: Cast) -> Seen:
+    scene = Scene(cast.situation)
+    if cast.situation.reconsider != "to_B":
+        return Seen(scene, dependence(scene), lifted_smoothing(scene), {})
+    sums = {h.id: linear(cast, h) for h in cast.situation.hypotheses}
+    return Seen(scene, arranged({name: s.names for name, s in sums.items()}, "to_B"), lifted_smoothing(scene), sums)
+
+
+def _add_one(tables: Tables, cast: Cast, seen: Seen, name: str) -> None:
+    names = seen.graph.of[name]
     if len(names) > WIDEST and cast.situation.reconsider != "drop":
-        add_pick(tables, cast, seen.scene, h, seen.epsilon)
+        add_pick(tables, cast, seen.scene, seen.scene.by_id[name], seen.epsilon)
         return
-    p = linear_chances(cast, h, names, seen.epsilon) if linear else chances(seen, h, names)
+    p = seen.sums[name].chances(seen.epsilon) if seen.sums else chances(seen, seen.scene.by_id[name], names)
     if len(p) == 1:
-        v, s = cast.place[h.id]
+        v, s = cast.place[name]
         absent, present = log(1.0 - float(p[0])), log(float(p[0]))
         tables.unary[v] = [x + (present if i == s else absent) for i, x in enumerate(tables.unary[v])]
-        return
+    else:
+        tables.add_bits(_literals(cast, (name, *names)), _logs(p))
+
+
+def _logs(p: Sequence[float] | Chances) -> list[float] | Chances:
+    """ln(1 − p), ln p, row by row: a bit table in which the hypothesis itself is the first bit."""
+    if not isinstance(p, np.ndarray):
+        return logs_of([q for x in p for q in (1.0 - x, x)])
     with np.errstate(divide="ignore"):
-        logs = np.log(np.stack([1.0 - p, p], axis=1)).ravel()
-    tables.add_bits(_literals(cast, (h.id, *names)), logs)
+        logs: Chances = np.log(np.stack([1.0 - p, p], axis=1)).ravel()
+    return logs
 
 
 def _literals(cast: Cast, names: tuple[str, ...]) -> list[tuple[int, tuple[int, ...]]]:
-    return [(v, (s,)) for v, s in (cast.place[name] for name in names)]
+    place = cast.place
+    return [(place[name][0], place[name][1:]) for name in names]
 
 
 def chances(seen: Seen, h: HypothesisFact, names: tuple[str, ...]) -> Chances:
@@ -69,27 +88,6 @@ def chances(seen: Seen, h: HypothesisFact, names: tuple[str, ...]) -> Chances:
     nobody = np.zeros(len(rows), np.bool_)
     present = dict.fromkeys(seen.scene.by_id, nobody) | {name: (rows >> i & 1).astype(np.bool_) for i, name in enumerate(names)}
     return acceptance(seen.scene, h, present, names)
-
-
-def linear_chances(cast: Cast, h: HypothesisFact, names: tuple[str, ...], epsilon: float) -> Chances:
-    """As ``chances`` in mode `to_B`, which is linear in the features."""
-    seen = [f for f in h.features if f.in_image]
-    shares = alternative([f.dv for f in seen])
-    if not shares or all(f.match is None for f in seen):
-        return np.zeros(1)
-    bit = {name: 1 << i for i, name in enumerate(names)}
-    fixed, changing = 0.0, np.zeros(2 ** len(names))
-    for f, share in zip(seen, shares, strict=True):
-        found, candidate = f.match is not None, h.candidate(f)
-        mask = sum(bit[g] for g in cast.hiders(h, f)) if candidate and f.hidden_by else 0
-        if mask:
-            hidden = (np.arange(len(changing)) & mask) > 0
-            changing += share * (hidden != found)
-        elif candidate == found:
-            fixed += share
-    total = changing + fixed
-    total = np.where(total > 1.0 - 1e-12, 1.0, np.where(total < 1e-12, 0.0, total))  # the certain stays certain
-    return epsilon + (1.0 - 2.0 * epsilon) * total
 
 
 def _add_block(tables: Tables, cast: Cast, seen: Seen, block: tuple[str, ...]) -> None:

@@ -6,6 +6,7 @@ is for the joint truth values of which the i-th is bit i of r.
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from plogic.inference.gates import observed, with_formulas
 from plogic.inference.graph import Factor, FactorGraph
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 WIDEST = 16
 """Bits of one factor: what spans more joint states is written with auxiliary variables."""
+LONGEST_LIST = 64
+"""Joint states up to which plain lists are quicker than arrays."""
 IMPOSSIBLE = -math.inf
 
 
@@ -34,30 +37,67 @@ def log(weight: float) -> float:
     return math.log(weight) if weight > 0.0 else IMPOSSIBLE
 
 
+def logs_of(weights: Iterable[float]) -> list[float]:
+    """``log`` of each."""
+    ln = math.log
+    return [ln(weight) if weight > 0.0 else IMPOSSIBLE for weight in weights]
+
+
+def too_wide(cards: Sequence[int]) -> bool:
+    """Whether a factor over variables with so many states would span more than 2^WIDEST joint states, or more axes than are handy."""
+    return len(cards) > WIDEST or math.prod(cards) > 1 << WIDEST
+
+
 class Tables:
-    """``unary[v][s]`` and ``joint[scope]`` add up what is said of a variable, and of a scope of several; ``required`` formulas hold."""
+    """``unary[v][s]``, ``lists[scope]`` and ``arrays[scope]`` add up what is said of a variable, and of a scope of several.
+
+    Scopes of up to ``LONGEST_LIST`` joint states have lists, in C order; the others arrays. ``required`` formulas hold.
+    """
 
     def __init__(self, cards: Sequence[int]) -> None:
         self.cards = list(cards)
         self.unary = [[0.0] * card for card in cards]
-        self.joint: dict[tuple[int, ...], Table] = {}
+        self.lists: dict[tuple[int, ...], list[float]] = {}
+        self.arrays: dict[tuple[int, ...], Table] = {}
         self.required: list[Formula] = []
 
     def add(self, scope: tuple[int, ...], table: Table) -> None:
         """One more factor, ``scope`` strictly increasing, one axis a variable."""
+        if table.size <= LONGEST_LIST or len(scope) == 1:
+            self.add_list(scope, table.ravel().tolist())
+        else:
+            known = self.arrays.get(scope)
+            self.arrays[scope] = table if known is None else known + table
+
+    def add_list(self, scope: tuple[int, ...], logs: list[float]) -> None:
+        """As ``add``, in C order; ``logs`` becomes ours."""
         if len(scope) == 1:
-            self.unary[scope[0]] = [x + float(y) for x, y in zip(self.unary[scope[0]], table, strict=True)]
-            return
-        known = self.joint.get(scope)
-        self.joint[scope] = table if known is None else known + table
+            self.unary[scope[0]] = [x + y for x, y in zip(self.unary[scope[0]], logs, strict=True)]
+        elif len(logs) > LONGEST_LIST:
+            self.add(scope, np.array(logs).reshape(self.shape(scope)))
+        else:
+            known = self.lists.get(scope)
+            self.lists[scope] = logs if known is None else [x + y for x, y in zip(known, logs, strict=True)]
+
+    def forbid(self, pairs: Iterable[tuple[tuple[int, int], tuple[int, int]]]) -> None:
+        """The two (variable, state) of a pair never hold together."""
+        rows: dict[tuple[int, int], list[int]] = {}
+        for one, other in pairs:
+            (v, s), (w, t) = (one, other) if one <= other else (other, one)
+            if v != w:
+                rows.setdefault((v, w), []).append(s * self.cards[w] + t)
+            elif s == t:
+                self.unary[v][s] = IMPOSSIBLE
+        for scope, mine in rows.items():
+            logs = [0.0] * math.prod(self.shape(scope))
+            for row in mine:
+                logs[row] = IMPOSSIBLE
+            self.add_list(scope, logs)
 
     def shape(self, scope: Sequence[int]) -> tuple[int, ...]:
         """The states of each variable."""
-        return tuple([self.cards[v] for v in scope])
-
-    def too_wide(self, variables: Sequence[int]) -> bool:
-        """Whether a factor over the variables would span more than 2^WIDEST joint states, or more axes than are handy."""
-        return len(variables) > WIDEST or math.prod(self.shape(variables)) > 1 << WIDEST
+        cards = self.cards
+        return tuple([cards[v] for v in scope])
 
     def variable(self, log_weights: Sequence[float]) -> int:
         """An auxiliary variable with its unary log weights; its number."""
@@ -65,27 +105,27 @@ class Tables:
         self.unary.append(list(log_weights))
         return len(self.cards) - 1
 
-    def add_bits(self, literals: Sequence[Literal], logs: Table) -> None:
+    def add_bits(self, literals: Sequence[Literal], logs: Sequence[float] | Table) -> None:
         """A factor given as a bit table of log weights over literals, of which several may speak of one variable."""
-        scope = tuple(sorted({v for v, _ in literals}))
-        if self.too_wide(scope):
+        if too_wide([self.cards[v] for v in {v for v, _ in literals}]):
             literals = [(self.indicator([literal]), (1,)) if self.cards[literal[0]] > 2 else literal for literal in literals]
         self._add_rows(literals, logs)
 
-    def _add_rows(self, literals: Sequence[Literal], logs: Table) -> None:
-        scope = tuple(sorted({v for v, _ in literals}))
-        self.add(scope, logs[self._rows(scope, literals)])
-
-    def _rows(self, scope: tuple[int, ...], literals: Sequence[Literal]) -> NDArray[np.int64]:
-        """The row of the bit table for every joint state of the scope."""
-        bits = {v: [0] * self.cards[v] for v in scope}
+    def _add_rows(self, literals: Sequence[Literal], logs: Sequence[float] | Table) -> None:
+        bits: dict[int, list[int]] = {}
         for i, (v, states) in enumerate(literals):
+            mine = bits.setdefault(v, [0] * self.cards[v])
             for s in states:
-                bits[v][s] |= 1 << i
-        rows = np.array(bits[scope[0]], np.int64)
+                mine[s] |= 1 << i
+        scope = tuple(sorted(bits))
+        if math.prod(self.shape(scope)) > LONGEST_LIST:
+            self.add(scope, np.asarray(logs)[functools.reduce(np.add.outer, [np.array(bits[v]) for v in scope])])
+            return
+        rows = bits[scope[0]]
         for v in scope[1:]:
-            rows = np.add.outer(rows, np.array(bits[v], np.int64))
-        return rows
+            mine = bits[v]
+            rows = [row + bit for row in rows for bit in mine]
+        self.add_list(scope, [float(logs[row]) for row in rows])
 
     def indicator(self, literals: Sequence[Literal]) -> int:
         """A binary variable that is 1 where one of the literals holds: a chain of deterministic factors of three variables each."""
@@ -103,6 +143,9 @@ class Tables:
 
     def graph(self) -> FactorGraph:
         """What was added, unary factors first (those that say something), then the others by scope."""
-        unary = [Factor((v,), np.array(logs)) for v, logs in enumerate(self.unary) if any(logs)]
-        plain = FactorGraph(tuple(self.cards), (*unary, *(Factor(scope, self.joint[scope]) for scope in sorted(self.joint))))
+        factors = [Factor((v,), np.array(logs)) for v, logs in enumerate(self.unary) if any(logs)]
+        for scope in sorted(self.lists.keys() | self.arrays.keys()):
+            logs = self.lists.get(scope)
+            factors.append(Factor(scope, self.arrays[scope] if logs is None else np.array(logs).reshape(self.shape(scope))))
+        plain = FactorGraph(tuple(self.cards), tuple(factors))
         return observed(*with_formulas(plain, self.required)) if self.required else plain

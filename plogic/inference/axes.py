@@ -20,7 +20,9 @@ def aligned(scope: Sequence[int], table: NDArray[np.float64], place: Mapping[int
     shape = [1] * len(place)
     for axis, length in zip(places, table.shape, strict=True):
         shape[axis] = length
-    return table.transpose(sorted(range(len(scope)), key=places.__getitem__)).reshape(shape)
+    if places != sorted(places):
+        table = table.transpose(sorted(range(len(scope)), key=places.__getitem__))
+    return table.reshape(shape)
 
 
 def product(tables: Iterable[Scoped], scope: Sequence[int], cards: Sequence[int]) -> NDArray[np.float64]:

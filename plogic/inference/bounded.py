@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from plogic.errors import WidthError
@@ -19,7 +20,9 @@ if TYPE_CHECKING:
     from plogic.inference.passes import Solved
 
 EFFORT = 32.0  # bits: cells of all cases together that are still solved without a deadline; about a minute
-PACE = 1 << 25  # cells a second, a cautious guess; only what to try before a deadline depends on it, no result
+PACE = 1 << 26  # cells a second, a guess; only what to try before a deadline depends on it, no result
+EACH = 2e-4  # seconds that a bucket takes besides; likewise
+ATTEMPT = 0.75  # share of the time that is left in which an exact attempt should end, and after which it is given up
 PRUNE = 5.0  # bits of the tables that see that a case is impossible
 DEEP = 64.0  # bits of fixed variables; more cases than that are not begun
 BUCKET = 14.0  # bits, at most, of those that bound the cases not looked at
@@ -32,11 +35,17 @@ def bounded(part: Part, width: float, clock: Clock) -> Interval:
         if small(part, width):
             return _one(solve(part, clock))
         order, buckets = planned(part, clock)
-        if order.width <= width and order.work <= _bits(clock.left() / 2):
-            return _one(two_way(part.cards, part.tables, buckets, clock.check))
+        if order.width <= width and _fair(order.work, len(buckets), clock):
+            with suppress(OutOfTimeError):
+                return _one(two_way(part.cards, part.tables, buckets, clock.some(ATTEMPT).check))
         return _cases(part, order, width, clock)
     except OutOfTimeError:
         return hasty(part)
+
+
+def _fair(work: float, buckets: float, clock: Clock) -> bool:
+    """Whether tables of 2^``work`` cells in so many buckets should be done in time."""
+    return clock.end is None or work <= _bits(ATTEMPT * clock.left() - buckets * EACH)
 
 
 def _bits(seconds: float) -> float:
@@ -58,7 +67,7 @@ def _cases(part: Part, order: Order, width: float, clock: Clock) -> Interval:
     budget = _bits(clock.left() / 2)
     bits = min(width, BUCKET, max(PRUNE, budget - 14.0))
     cut = cutset(part, order, width, DEEP, clock)
-    if cut and cut.work(part.cards) > budget:
+    if cut and not _fair(cut.work(part.cards), math.prod(part.cards[v] for v in cut.fixed) * len(cut.buckets), clock):
         cut = cutset(part, order, min(width, max(6.0, budget - 8.0)), DEEP, clock) or cut
     return conditioned(part, cut, bits, clock) if cut else glanced(part, order.sequence, bits, clock)
 
@@ -66,5 +75,5 @@ def _cases(part: Part, order: Order, width: float, clock: Clock) -> Interval:
 def _hopeless(part: Part, order: Order, width: float) -> str:
     return (
         f"{len(part.cards)} variables hang together so closely that exact sums need tables of {order.width:.1f} bits "
-        f"(the limit is {width:g}), or more than 2^{EFFORT:g} cells case by case; a deadline would give intervals"
+        f"(the limit is {width:g}), and more than 2^{EFFORT:g} cells case by case; with a deadline (seconds) the answer is intervals"
     )

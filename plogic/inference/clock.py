@@ -25,6 +25,10 @@ class Clock:
         if self.end is not None and time.monotonic() >= self.end:
             raise OutOfTimeError
 
+    def some(self, share: float) -> Clock:
+        """A clock for a job that is to take at most this share of what is left."""
+        return self if self.end is None else Clock(share * self.left())
+
     def share(self, count: int) -> Clock:
         """A clock for the first of ``count`` jobs that are to share what is left."""
         return Clock(None if self.end is None else self.left() / count)

@@ -85,6 +85,9 @@ def sums(streams: Sequence[Stream], clock: Clock) -> Iterator[int]:
     sum remembers the last of them that it moved, and how far.
     """
     clock.check()
+    if len(streams) == 1:
+        yield from _alone(streams[0], clock)
+        return
     if not all(reach(stream, 0, clock) for stream in streams):
         return
     least = sum([stream.found[0] for stream in streams])
@@ -105,11 +108,27 @@ def sums(streams: Sequence[Stream], clock: Clock) -> Iterator[int]:
                 heapq.heappush(heap, (total - steps[i] + steps[i + 1], i + 1, 1))
 
 
+def _alone(stream: Stream, clock: Clock) -> Iterator[int]:
+    rank = 0
+    while reach(stream, rank, clock):
+        yield stream.found[rank]
+        rank += 1
+        clock.check()
+
+
 def reach(stream: Stream, rank: int, clock: Clock) -> bool:
     """Find the solution of a rank; whether there is one."""
     if len(stream.found) > rank:
         return True
-    stack = [(stream, rank)]
+    if not stream.done:
+        need = stream.advance()
+        if len(stream.found) <= rank and not stream.done:
+            _find([(stream, rank)] if need is None else [(stream, rank), need], clock)
+    return len(stream.found) > rank
+
+
+def _find(stack: list[tuple[Stream, int]], clock: Clock) -> None:
+    """Find the first solution of the stack by way of those above it, which are needed before."""
     turns = 0
     while stack:
         now, k = stack[-1]
@@ -122,4 +141,3 @@ def reach(stream: Stream, rank: int, clock: Clock) -> bool:
         turns += 1
         if turns % OFTEN == 0:
             clock.check()
-    return len(stream.found) > rank

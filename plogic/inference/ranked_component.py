@@ -14,15 +14,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.inference.axes import aligned
 from plogic.inference.merge import Stream, product
-from plogic.inference.ranked_joint import Digits, Joint, ordered, total
+from plogic.inference.ranked_joint import Coder, Joint
+from plogic.inference.ranked_tables import Cells, least, placed, total
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from plogic.inference.clock import Clock
     from plogic.inference.parts import Part
+    from plogic.inference.ranked_joint import Digits
     from plogic.inference.ranked_units import Costs, Table
     from plogic.inference.tree import Bucket
 
@@ -36,7 +37,7 @@ class Node:
         self.rows, self.columns = tuple(rows), tuple(sorted(columns))
         self.row_cards = [cards[v] for v in self.rows]
         self.column_cards = [cards[v] for v in self.columns]
-        self.digits = Digits([digits.places[v] for v in self.columns], digits.shift)
+        self.coder = Coder([digits.places[v] for v in self.columns], self.column_cards, digits.shift)
         self.children: list[tuple[Node, list[int], list[int]]] = []
         self.terms: list[Table] = []
         self.table: Table | None = None
@@ -45,10 +46,11 @@ class Node:
         self.made: dict[int, Stream] = {}
 
     def fill(self, terms: list[Table], impossible: int, *, keep: bool) -> None:
-        """Add up tables with one axis a variable, of full length or of length 1."""
+        """Add up tables over the last axes, of full length or of length 1."""
         self.terms, self.impossible = terms, impossible
         table = total(terms, self.row_cards + self.column_cards, impossible).reshape(math.prod(self.row_cards), -1)
-        self.least = np.minimum(table.min(axis=1), impossible)
+        self.least = least(table)
+        np.minimum(self.least, impossible, out=self.least)
         if keep:
             self.table, self.terms = table, []
 
@@ -57,7 +59,11 @@ class Node:
         if self.table is not None:
             return self.table[number]
         at = _states(number, self.row_cards)
-        rows = [term[tuple([state if length > 1 else 0 for state, length in zip(at, term.shape, strict=False)])] for term in self.terms]
+        axes = len(self.row_cards) + len(self.column_cards)
+        rows = []
+        for term in self.terms:
+            own = zip(at[axes - term.ndim :], term.shape, strict=False)
+            rows.append(term[tuple([state if length > 1 else 0 for state, length in own])])
         return total(rows, self.column_cards, self.impossible).reshape(-1)
 
     def link(self, child: Node) -> None:
@@ -72,7 +78,7 @@ class Node:
         """The solutions below one row."""
         stream = self.made.get(number)
         if stream is None:
-            stream = Row(self, number) if self.children else Joint(self.costs(number), self.column_cards, self.digits, self.impossible)
+            stream = Row(self, number) if self.children else Joint(self.costs(number), self.coder, self.impossible)
             self.made[number] = stream
         return stream
 
@@ -80,12 +86,12 @@ class Node:
 class Row(Stream):
     """A row with children: every column's solutions, merged; a column is opened once its least cost may be the next."""
 
-    __slots__ = ("_after", "_bases", "_columns", "_costs", "_heap", "_node", "_opened")
+    __slots__ = ("_after", "_bases", "_cells", "_heap", "_node", "_opened")
 
     def __init__(self, node: Node, number: int) -> None:
         super().__init__()
         self._node = node
-        self._columns, self._costs = ordered(node.costs(number))
+        self._cells = Cells(node.costs(number), node.impossible)
         self._opened = 0
         self._heap: list[tuple[int, int, int, Stream]] = []
         self._after: tuple[int, int, int, Stream] | None = None  # (column, the column's own share, rank, solutions below) to look at next
@@ -114,12 +120,12 @@ class Row(Stream):
 
     def _next_column(self) -> tuple[int, int, int, Stream] | None:
         """The next column, opened; None if there is none, or the first in the heap comes before all that it may have."""
-        node, opened = self._node, self._opened
-        if opened == len(self._columns) or self._costs[self._columns[opened]] >= node.impossible:
+        node, cells, opened = self._node, self._cells, self._opened
+        if not cells.reach(opened):
             return None
-        column = self._columns[opened]
-        least = (self._costs[column] << node.digits.shift) + node.digits.code(column, node.column_cards)  # with all states below 0
-        if self._heap and self._heap[0][0] < least:
+        column, shift = cells.numbers[opened], node.coder.shift
+        first = (cells.costs[opened] << shift) + node.coder.code(column)  # with all states below 0
+        if self._heap and self._heap[0][0] < first:
             return None
         self._opened += 1
         states = _states(column, node.column_cards)
@@ -128,7 +134,7 @@ class Row(Stream):
             number = base + sum([d * s for d, s in zip(states, strides, strict=True)])
             streams.append(child.row(number))
             below += int(child.least[number])
-        return column, least - (below << node.digits.shift), 0, product(streams)
+        return column, first - (below << shift), 0, product(streams)
 
 
 def component(part: Part, costs: Costs, buckets: Sequence[Bucket], digits: Digits, clock: Clock) -> Stream:
@@ -138,9 +144,9 @@ def component(part: Part, costs: Costs, buckets: Sequence[Bucket], digits: Digit
     for bucket in buckets:
         node = Node(bucket.scope[: bucket.shared], bucket.scope[bucket.shared :], part.cards, digits)
         place = {v: axis for axis, v in enumerate(node.rows + node.columns)}
-        terms = [aligned(part.tables[i][0], costs.tables[i].reshape(part.tables[i][1].shape), place) for i in bucket.tables]
+        terms = [placed(part.tables[i][0], costs.tables[i], place, part.cards) for i in bucket.tables]
         for child in [nodes[i] for i in bucket.children]:
-            terms.append(aligned(child.rows, child.least.reshape(child.row_cards), place))
+            terms.append(placed(child.rows, child.least, place, part.cards))
             node.link(child)
         node.fill(terms, costs.impossible, keep=keep)
         nodes.append(node)

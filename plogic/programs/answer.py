@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 
 
 def answers_of_text(text: str) -> dict[str, float]:
-    """P(query | evidence) of each of the program's own query/1, by its text; raises ProgramError, InconsistentError."""
+    """P(query | evidence) of each of the program's own query/1, by its text; raises ProgramError, InconsistentError.
+
+    In this process and without limits of time and memory: for benchmarks and tests, of programs known to end.
+    """
     document = {"texts": [{"text": text, "file": "program"}]}
     return {goal: p for goals in answers_to(document) for goal, p in goals}
 

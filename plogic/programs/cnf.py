@@ -10,11 +10,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plogic.programs.ground import TRUE
+from plogic.programs.modules import Splitter
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from plogic.programs.ground import Gate, Ground
+    from plogic.programs.modules import Modules
 
 PAIRWISE = 8
 """An alternative of up to so many outcomes excludes them pair by pair."""
@@ -24,7 +26,7 @@ Clause = tuple[int, ...]
 
 @dataclass(frozen=True)
 class Residue:
-    """``fixed``: variable → value; ``components``: clauses that share no variable with another component's.
+    """``fixed``: variable → value; ``modules``: what needs no compiler; ``components``: other clauses, that share no variable with another's.
 
     ``log_weight``: variable → (log weight where true, where false), 0 for what is derived; finite for every variable that is not fixed.
     ``rest``: index of an alternative → the variable that stands for none of its choices. ``size``: number of variables, those included.
@@ -32,6 +34,7 @@ class Residue:
 
     size: int
     fixed: dict[int, bool]
+    modules: Modules
     components: tuple[tuple[Clause, ...], ...]
     log_weight: dict[int, tuple[float, float]]
     rest: dict[int, int]
@@ -40,8 +43,10 @@ class Residue:
 def residue(ground: Ground) -> Residue | None:
     """The clauses of a program with its evidence, after unit propagation; None if they contradict each other."""
     clauses: list[Clause] = [(literal,) for literal in ground.observed]
+    owners = [0] * len(clauses)
     for variable, gate in ground.gates.items():
         clauses.extend(_completion(variable, gate))
+        owners += [variable] * (len(clauses) - len(owners))
     weight: dict[int, tuple[float, float]] = {}
     rest: dict[int, int] = {}
     size = _choices(ground, clauses, weight, rest)
@@ -49,7 +54,19 @@ def residue(ground: Ground) -> Residue | None:
     if propagated is None:
         return None
     fixed, left = propagated
-    return Residue(size, fixed, components(left), weight, rest)
+    owners += [0] * (len(clauses) - len(owners))
+    others = [clause for i, clause in left.items() if not owners[i] or owners[i] in fixed]
+    modules = Splitter(dict(_open_gates(ground, fixed)), others, size).modules()
+    return Residue(modules.size, fixed, modules, components(modules.left), weight, rest)
+
+
+def _open_gates(ground: Ground, fixed: dict[int, bool]) -> Iterator[tuple[int, tuple[int, ...]]]:
+    """Each gate that is not fixed as a disjunction, children first: the literal that it stands for, and its open inputs."""
+    for variable in sorted(ground.gates.keys() - fixed.keys()):
+        gate = ground.gates[variable]
+        sign = 1 if gate.kind == "or" else -1
+        children = gate.folded()
+        yield sign * variable, tuple(dict.fromkeys(sign * c for c in children if abs(c) not in fixed)) if isinstance(children, tuple) else ()
 
 
 def _completion(variable: int, gate: Gate) -> Iterator[Clause]:
@@ -103,8 +120,8 @@ def _log(share: float) -> float:
     return math.log(share) if share > 0 else -math.inf
 
 
-def _propagate(size: int, clauses: list[Clause]) -> tuple[dict[int, bool], list[Clause]] | None:
-    """Unit propagation: what is fixed, and the clauses that are left without their false literals; None on a contradiction."""
+def _propagate(size: int, clauses: list[Clause]) -> tuple[dict[int, bool], dict[int, Clause]] | None:
+    """Unit propagation: what is fixed, and the clauses that are left, by their places, without their false literals; None on a contradiction."""
     watch = _Watch(size, clauses)
     queue = [clause[0] for clause, count in zip(clauses, watch.open, strict=True) if count == 1]
     possible = all(watch.open)
@@ -114,7 +131,7 @@ def _propagate(size: int, clauses: list[Clause]) -> tuple[dict[int, bool], list[
         return None
     value = watch.value
     fixed = {v: bool(value[v]) for v in range(1, size + 1) if value[v] or value[-v]}
-    left = [tuple(lit for lit in clause if not value[-lit]) for i, clause in enumerate(clauses) if not watch.satisfied[i]]
+    left = {i: tuple(lit for lit in clause if not value[-lit]) for i, clause in enumerate(clauses) if not watch.satisfied[i]}
     return fixed, left
 
 
@@ -147,7 +164,7 @@ class _Watch:
         return True
 
 
-def components(clauses: list[Clause]) -> tuple[tuple[Clause, ...], ...]:
+def components(clauses: Sequence[Clause]) -> tuple[tuple[Clause, ...], ...]:
     """The clauses in sets that share no variable, in the order of their first clauses."""
     parent: dict[int, int] = {}
 

@@ -1,4 +1,4 @@
-"""Clauses to d-DNNF: by ProbLog's dsharp, several components to a run; by PySDD where dsharp fails."""
+"""Clauses to d-DNNF: modules by themselves; the rest by ProbLog's dsharp, several components to a run; by PySDD where dsharp fails."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import problog
 
 from plogic.errors import LimitError
+from plogic.programs.modules import add_modules
 from plogic.programs.nnf import FALSE, TRUE, Nnf
 
 if TYPE_CHECKING:
@@ -26,13 +27,13 @@ def compiled(residue: Residue) -> Nnf:
     Raises LimitError where no compiler manages.
     """
     nnf = Nnf()
+    held = add_modules(nnf, residue.modules)
     bundles = [bundle for bundle in _bundles(residue.components) if bundle]
     roots = [root for bundle, text in zip(bundles, _dsharp(bundles), strict=True) for root in _roots(nnf, bundle, text)]
-    mentioned = 0
-    for root in roots:
-        mentioned |= nnf.mentions[root]
-    free = [v for v in range(1, residue.size + 1) if v not in residue.fixed and not mentioned >> v & 1]
-    nnf.root = nnf.conjunction([*roots, *(nnf.free(v) for v in free)])
+    open_ = sum(1 << v for v in range(1, residue.size + 1) if v not in residue.fixed)
+    for root in (*held, *roots):
+        open_ &= ~nnf.mentions[root]
+    nnf.root = nnf.conjunction([*roots, *held, *nnf.frees(open_)])
     return nnf
 
 

@@ -13,14 +13,12 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from problog.errors import InconsistentEvidenceError, InvalidValue
-from problog.formula import LogicDAG
+from problog.errors import InconsistentEvidenceError, InvalidValue, ProbLogError
+from problog.formula import LogicDAG, LogicFormula
+from problog.logic import Term
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable
-
-    from problog.formula import LogicFormula
-    from problog.logic import Term
 
 TRUE = 0
 FALSE = None
@@ -82,6 +80,20 @@ class Ground:
     alternatives: tuple[Alternative, ...]
     asked: tuple[tuple[Term, Literal], ...]
     observed: tuple[int, ...]
+
+
+class NamedFormula(LogicFormula):  # type: ignore[misc]
+    """A formula whose choices keep their names, whatever else they turn out to be: a rule's head that holds just where a choice does, a query."""
+
+    def __init__(self, database: Any = None, **options: Any) -> None:  # noqa: ANN401 - a ClauseDB
+        super().__init__(**options)
+        self._database = database
+
+    def add_name(self, name: Any, key: Any, label: Any = None, keep_name: bool = False) -> None:  # noqa: ANN401, FBT001, FBT002 - as ProbLog's
+        """As ProbLog's."""
+        named = key is not None and key != 0 and self.get_node(abs(key)).name is not None
+        choice = named and type(self.get_node(abs(key))).__name__ == "atom"
+        super().add_name(name, key, label, keep_name=keep_name or choice)
 
 
 def ground_of(formula: LogicFormula) -> Ground:
@@ -151,9 +163,17 @@ def _converted(formula: LogicFormula, i: int) -> Node:
     if content.is_extra or content.probability is True:
         return Gate("free", ())
     name = content.name
-    head = name.args[2] if name is not None and name.functor == "choice" and len(name.args) > 2 else name
+    head = name.args[2] if name is not None and name.functor == "choice" and len(name.args) > 2 else _placed(name, content, formula.database)
     group = i if content.group is None else ("group", content.group)
-    return Choice(_share(content.probability), group, lambda: head)
+    return Choice(share_of(content.probability, head), group, lambda: head)
+
+
+def _placed(name: Any, content: Any, database: Any) -> Any:  # noqa: ANN401 - ProbLog's
+    """The name of a fact with the place where it stands."""
+    number = content.identifier
+    if name is None or database is None or name.location is not None or not isinstance(number, int) or not 0 <= number < len(database):
+        return name
+    return Term(name.functor, *name.args, location=getattr(database.get_node(number), "location", None))
 
 
 def _alternatives(choices: list[tuple[int, Choice]]) -> tuple[Alternative, ...]:
@@ -167,16 +187,21 @@ def _alternative(members: list[tuple[int, Choice]]) -> Alternative:
     shares = tuple(choice.share for _, choice in members)
     rest = 1.0 - math.fsum(shares)
     if rest < -1e-12:
-        place = getattr(members[0][1].name(), "location", None)
-        raise InvalidValue("Sum of annotated disjunction weigths exceeds acceptable value", location=place)
+        place = next((name.location for name in (choice.name() for _, choice in members) if getattr(name, "location", None)), None)
+        total = f"{math.fsum(shares):.12g}"
+        raise InvalidValue(f"the probabilities of an annotated disjunction add up to {total}: they must not exceed 1", location=place)
     if len(members) > 1 and rest < SLACK:
         rest = 0.0
     return Alternative(tuple(variable for variable, _ in members), shares, max(rest, 0.0), tuple(choice.name for _, choice in members))
 
 
-def _share(label: Any) -> float:  # noqa: ANN401 - a term of ProbLog's
-    """A label as a probability; what ProbLog accepts around 0 and 1 is rounded to them."""
-    value = float(label)
+def share_of(label: Any, head: Any = None) -> float:  # noqa: ANN401 - terms of ProbLog's
+    """The label of a head as a probability; what ProbLog accepts around 0 and 1 is rounded to them."""
+    location = getattr(label, "location", None) or getattr(head, "location", None)
+    try:
+        value = float(label)
+    except (ProbLogError, ArithmeticError, TypeError, ValueError):
+        raise InvalidValue(f"{label} is not a probability: it is no number", location=location) from None
     if not -1e-9 <= value <= 1.0 + 1e-9:
-        raise InvalidValue(f"Not a valid value for this semiring: '{label}'", location=getattr(label, "location", None))
+        raise InvalidValue(f"{label} is not a probability: it must be from 0 to 1", location=location)
     return min(max(value, 0.0), 1.0)

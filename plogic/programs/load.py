@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 from problog.errors import ProbLogError
 from problog.logic import Clause, Constant, Not, Term, Var
 
-from plogic.errors import NegativeCycleError, NonGroundError, UnknownPredicateError
+from plogic.errors import NegativeCycleError, NonGroundError, ProgramError, UnknownPredicateError
 from plogic.names import Names
 from plogic.program.mapping import mapped, shown
 from plogic.programs.clauses import UnsupportedError
-from plogic.programs.ground import ground_from, ground_of
+from plogic.programs.ground import NamedFormula, ground_from, ground_of
 from plogic.programs.grounder import Grounder
 from plogic.safety.allowlist import SPECIAL_HEADS
 from plogic.safety.check import check_goal, check_source, heads, parse
@@ -100,6 +100,8 @@ LIBRARY_FILES = 1
 
 def _parsed(text: str, file: str, number: int) -> Source:
     """A goal's text as the source with that number."""
+    if not text.strip():
+        raise ProgramError("is empty; a goal is one term, like present(h1)", file=file)
     return parse(text.rstrip().removesuffix(".") + "\n.", file, number + LIBRARY_FILES)
 
 
@@ -213,7 +215,7 @@ def _by_problog(request: Request, *, propagate: bool) -> Ground:
             db.line_info.append(lines)
     try:
         db.add_all(request.statements)
-        formula = engine.ground_all(db, queries=[head for head, _ in request.goals] or None, propagate_evidence=propagate)
+        formula = engine.ground_all(db, NamedFormula(db), queries=[head for head, _ in request.goals] or None, propagate_evidence=propagate)
         return ground_of(formula)
     except Exception as error:  # noqa: BLE001 - ProbLog raises what Python raises, too
         told(error, [{"text": source.text, "file": source.file} for source in request.sources], db)

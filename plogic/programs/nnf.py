@@ -31,9 +31,12 @@ class Nnf:
     literals: dict[int, int] = field(default_factory=dict)
     root: int = TRUE
     _free: dict[int, int] = field(default_factory=dict)
+    _stands: dict[int, int] = field(default_factory=dict)
 
     def literal(self, literal: int) -> int:
-        """The leaf of a literal."""
+        """The leaf of a literal, or the node that stands for it."""
+        if literal in self._stands:
+            return self._stands[literal]
         if literal not in self.leaf:
             node = self.leaf[literal] = self._add(LITERAL, (), 1 << abs(literal))
             self.literals[node] = literal
@@ -60,7 +63,22 @@ class Nnf:
     def _smoothed(self, child: int, missing: int) -> int:
         if not missing:
             return child
-        return self.conjunction((child, *(self.free(v) for v in _bits(missing))))
+        return self.conjunction((child, *self.frees(missing)))
+
+    def stand_for(self, literal: int, yes: int, no: int, *, whole: bool) -> None:
+        """Let ``yes`` stand for a literal and ``no`` for its negation; both mention the same, of which nothing occurs elsewhere if ``whole``."""
+        self._stands |= {literal: yes, -literal: no}
+        if whole:
+            free = self.disjunction((yes, no))
+            self._free |= dict.fromkeys(_bits(self.mentions[free]), free)
+
+    def frees(self, variables: int) -> list[int]:
+        """Nodes that leave the variables, given as bits, open; together with all that a node which stands for a literal mentions."""
+        found = []
+        while variables:
+            found.append(self.free((variables & -variables).bit_length() - 1))
+            variables &= ~self.mentions[found[-1]]
+        return found
 
     def free(self, variable: int) -> int:
         """``variable ∨ ¬variable``."""

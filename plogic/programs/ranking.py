@@ -11,11 +11,14 @@ import time
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
+from problog.logic import AnnotatedDisjunction, Clause
+
 from plogic.program.mapping import shown
 from plogic.programs.answer import grouped, prepared
 from plogic.programs.factors import bucket, factors_of
 from plogic.programs.load import line_of
 from plogic.programs.streams import merged
+from plogic.safety.check import heads
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -108,13 +111,20 @@ class _Worlds:
 
 
 def _choice_names(request: Request, program: Compiled) -> list[list[str]]:
-    """The choices of each alternative as users write them; where two choices have the same head, with the lines that they are in."""
+    """The choices of each alternative as users write them; where the head alone does not tell which choice it is, with its line.
+
+    It does not where two choices have the same head, or where another clause can give it too: then it may hold though the choice fell
+    otherwise.
+    """
     terms = [[name() for name in alternative.names] for alternative in program.ground.alternatives]
     texts = [[shown(term, request.names) for term in of_one] for of_one in terms]
     count = Counter(text for of_one in texts for text in of_one)
+    clauses = [(s, {head.signature for head in heads(s)}) for s in request.statements]
+    ways = Counter(signature for _, signatures in clauses for signature in signatures)
+    by_rules = {n for s, signatures in clauses if isinstance(s, (Clause, AnnotatedDisjunction)) for n in signatures if ways[n] > 1}
 
     def told(text: str, term: Any) -> str:  # noqa: ANN401 - a term of ProbLog's
-        line = line_of(request, term) if count[text] > 1 else None
+        line = line_of(request, term) if count[text] > 1 or term.signature in by_rules else None
         return text if line is None else f"{text} (line {line})"
 
     return [[told(*pair) for pair in zip(*both, strict=True)] for both in zip(texts, terms, strict=True)]

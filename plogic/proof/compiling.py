@@ -13,7 +13,7 @@ from problog.logic import Constant, Term
 from plogic.errors import InconsistentError, NegativeCycleError
 from plogic.programs.compiled import IMPOSSIBLE, compiled
 from plogic.programs.ground import Choice as Share
-from plogic.programs.ground import Gate, ground_from
+from plogic.programs.ground import Gate, ground_from, share_of
 from plogic.proof.cone import Cone, Steps
 from plogic.proof.mass import Mass
 
@@ -111,7 +111,7 @@ def _node(formula: Any, i: int) -> Gate | Share:  # noqa: ANN401 - ProbLog's for
     if content.is_extra or content.probability is True:
         return Gate("free", ())
     group = ("atom", i) if content.group is None else ("group", content.group)
-    return Share(min(max(float(content.probability), 0.0), 1.0), group, lambda: content.identifier)
+    return Share(share_of(content.probability), group, lambda: content.identifier)
 
 
 def _atoms(grounding: Grounding, ground: Ground) -> dict[int, tuple[Choice, int]]:

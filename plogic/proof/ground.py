@@ -10,6 +10,8 @@ from problog.errors import ProbLogError
 from problog.formula import LogicFormula
 from problog.logic import Term
 
+from plogic.errors import ProgramError
+from plogic.programs.ground import share_of
 from plogic.proof.choices import Choice
 from plogic.proof.terms import Bindings, Ref, Small, canonical, is_ground, problog_term, resolved, small, unify
 
@@ -107,6 +109,8 @@ class Grounding:
 
     def choice_of(self, identifier: Any) -> tuple[Choice, int]:  # noqa: ANN401 - ProbLog's
         """From ProbLog's identity of a choice: (place of its clause in the database, values of the clause's variables, which head)."""
+        if not isinstance(identifier, tuple):
+            raise ProgramError("choices in a file that the program loads cannot be explained: put its clauses into the program itself")
         place, values, head = identifier
         rule = self.rules.by_number[self.numbers[bisect_right(self.starts, int(place)) - 1]]
         known = tuple(small(value, {}) for value in values)
@@ -114,7 +118,7 @@ class Grounding:
         if key not in self.made:
             bound = dict(zip(rule.variables, known, strict=False))
             heads = tuple(resolved(head, bound) for head in rule.heads)
-            labels = tuple(float(problog_term(resolved(label, bound))) for label in rule.labels)
+            labels = tuple(share_of(problog_term(resolved(label, bound))) for label in rule.labels)
             self.made[key] = Choice(*key, heads, labels)
         return self.made[key], int(head)
 

@@ -258,9 +258,9 @@ def _shown(term: Any) -> str:  # noqa: ANN401 - a term of ProbLog's
 
 
 def _line_column(text: str, location: object) -> dict[str, Any]:
-    """ProbLog gives a parse error's place as (file, line, column), or as a position."""
+    """ProbLog gives a parse error's place as (file, line, column), or as a position; columns in the first line count from 0, in others from 1."""
     if isinstance(location, tuple) and len(location) == 3:
-        return {"line": location[1], "column": location[2]}
+        return {"line": location[1], "column": location[2] + (location[1] == 1)}
     if isinstance(location, int):
         before = text[:location]
         return {"line": before.count("\n") + 1, "column": location - before.rfind("\n")}

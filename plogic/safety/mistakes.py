@@ -55,8 +55,11 @@ def told(error: Exception, texts: list[dict[str, str]], db: Any = None) -> NoRet
     if not isinstance(error, ProbLogError):
         raise ProgramError(f"ProbLog cannot run this program ({_one_line(f'{type(error).__name__}: {error}')})", file=texts[0]["file"]) from None
     place: dict[str, Any] = {"file": texts[0]["file"]}
-    if isinstance(error.location, tuple) and len(error.location) == 3:
-        file, line, column = error.location
+    location = error.location
+    if db is not None and isinstance(location, tuple) and len(location) == 2 and location[1] is not None:
+        location = db.lineno(location, force_filename=True)
+    if isinstance(location, tuple) and len(location) == 3:
+        file, line, column = location
         place = {"file": file or texts[0]["file"], "line": line, "column": column}
     kind = next((ours for problem, ours in KINDS if isinstance(error, problem)), ProgramError)
     raise kind(_reason(error, place, texts, db), **place) from None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from problog.errors import ProbLogError
 
-from plogic.errors import UnknownPredicateError
+from plogic.errors import ProgramError, UnknownPredicateError
 from plogic.program.mapping import mapped
 from plogic.proof.account import Options, account
 from plogic.proof.ground import Grounding
@@ -60,6 +60,8 @@ def _signatures(source: Any) -> list[str]:  # noqa: ANN401 - a Source
 
 def _goal(text: str, file: str, known: frozenset[str], statements: list[Any], names: Names | None, *, trust: bool) -> Any:  # noqa: ANN401
     """The goal as ProbLog's term, labels mapped; a predicate that nobody defines is answered with what would be right."""
+    if not text.strip():
+        raise ProgramError("is empty; a goal is one term, like present(h1)", file=file)
     source = parse(text.rstrip().removesuffix(".") + "\n.", file)
     try:
         goal = source.statements[0] if trust and len(source.statements) == 1 else check_goal(source, known)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from plogic.engine import environment
+from plogic.engine import environment, read_reply
 from plogic.errors import LimitError
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Process:
         running = self._alive()
         try:
             line = self._talk(running, json.dumps(request).encode() + b"\n")
-            reply: dict[str, Any] = json.loads(line)
+            reply = read_reply(line)
         except BaseException as error:  # an interruption, too, must leave no process behind that is at work
             self.close()
             if isinstance(error, (BrokenPipeError, json.JSONDecodeError)):

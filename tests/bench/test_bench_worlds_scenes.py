@@ -1,5 +1,7 @@
 """The simulated family: Δh as the search poses it, near-duplicates merged, nothing pruned; photographs that are joined stay independent."""
 
+import math
+from collections import Counter
 from itertools import combinations
 
 import pytest
@@ -8,11 +10,14 @@ from plogic.belief import same_hypothesis
 from plogic.bench.families import clusters
 from plogic.bench.worlds_oracle import enumerated, marginals_of
 from plogic.bench.worlds_scenes import MOST_OBJECTS, RIVALS, joined, photographs
+from plogic.bench.worlds_stock import stock
 from plogic.commands.sources import kb_of
 from plogic.delta import Options, unpruned
 from plogic.perceive import Perceiver
+from plogic.program.text import program_text, query_lines
 from plogic.sanity import check
 from plogic.search.data import data_of
+from plogic.worlds import ranked_worlds
 
 
 @pytest.fixture(scope="module")
@@ -79,3 +84,16 @@ def test_photographs_joined_change_no_marginal():
     found = marginals_of(whole, enumerated(whole))
     wanted = {f"v{i}_{h}": p for i, view in enumerate(views, 1) for h, p in marginals_of(view, enumerated(view)).items()}
     assert found == pytest.approx(wanted, abs=1e-12)
+
+
+def test_ten_rivals_of_a_photograph_weigh_what_stock_problog_and_enumeration_say(perceiver, gamma):
+    """The same Δh, small enough for all three: every marginal, and the whole of the worlds."""
+    situation = cut_to(RIVALS, perceiver, gamma).situation
+    ranking = ranked_worlds(situation, 2**RIVALS)
+    assert len(situation.hypotheses) == RIVALS
+    assert max(Counter(h.group for h in situation.hypotheses).values()) > 1
+    run = stock(program_text(situation) + query_lines(situation), "ddnnf", 120.0)
+    assert run.why == ""
+    assert ranking.marginals == pytest.approx({h: run.answers[f"present({h})"] for h in ranking.marginals}, abs=1e-9)
+    assert ranking.marginals == pytest.approx(marginals_of(situation, enumerated(situation)), abs=1e-9)
+    assert math.fsum(w.probability for w in ranking.worlds) == pytest.approx(1.0, abs=1e-9)

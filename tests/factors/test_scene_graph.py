@@ -71,6 +71,15 @@ def test_auxiliary_variables_change_no_weight(subject):
         assert_equal(by_conditioning(subject), log_weights(subject))
 
 
+@settings(QUICK, max_examples=100)
+@given(random_situations())
+def test_arrays_weigh_what_lists_do(subject):
+    with pytest.MonkeyPatch.context() as patch:
+        for module in ("tables", "claims", "linear"):
+            patch.setattr(f"plogic.factors.{module}.LONGEST_LIST", 1)
+        assert_equal(by_graph(subject), log_weights(subject))
+
+
 @settings(QUICK, max_examples=60)
 @given(random_situations(), st.randoms(use_true_random=False))
 def test_one_feature_changes_exactly_its_own_factor(subject, random):

@@ -16,6 +16,7 @@ from tangles import tangle
 from plogic.errors import InconsistentError, LimitError
 from plogic.factors import ranking
 from plogic.factors.scene import scene_graph
+from plogic.inference.clock import Clock
 from plogic.situation import AppearanceFact
 from plogic.worlds import ranked_worlds
 
@@ -125,8 +126,8 @@ def test_intervals_contain_what_is_exact_at_every_deadline(seconds):
 def test_a_ranking_that_gives_up_keeps_what_it_has_only_under_a_deadline(monkeypatch):
     whole = ranked_worlds(chain(4), 2)
 
-    def two_and_no_more(scene):
-        every = ranking.weighed(scene)
+    def two_and_no_more(scene, _):
+        every = ranking.weighed(scene, Clock(None))
         yield next(every)
         yield next(every)
         raise LimitError("the queue is full")

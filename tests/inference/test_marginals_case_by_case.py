@@ -125,13 +125,37 @@ def test_a_clique_past_all_guards_says_its_width():
     count = 40
     table = np.array([[0.0, 0.0], [0.0, -1.0]])
     graph = FactorGraph((2,) * count, tuple(Factor((a, b), table) for a in range(count) for b in range(a + 1, count)))
-    with pytest.raises(WidthError, match=r"40 variables .* 40\.0 bits .*limit is 20"):
+    with pytest.raises(WidthError, match=r"40 variables .* 40\.0 bits .*limit is 20.* with a deadline"):
         beliefs(graph)
     found = beliefs(graph, seconds=0.2)
     counts = [math.log(math.comb(count, ones)) - math.comb(ones, 2) for ones in range(count + 1)]
     log_z = math.log(math.fsum(map(math.exp, counts)))
     one = math.fsum(math.exp(c) * ones / count for ones, c in enumerate(counts)) / math.exp(log_z)
     assert_contains(found, (log_z, [np.array([1 - one, one])] * count))
+
+
+@LAW
+@given(dense_graphs())
+def test_an_exact_attempt_that_is_given_up_is_followed_by_cases(graph):
+    exact = beliefs(graph)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bounded, "small", lambda _part, _width: False)
+        patch.setattr(bounded, "ATTEMPT", 0.0)  # share of the time: it is over at its first look at the clock
+        patch.setattr(bounded, "_fair", lambda *_: True)
+        found = bounded.bounded(split(graph)[1][0], 20.0, Clock(60.0))
+    assert found.low is found.high
+    assert found.log_z[0] == (pytest.approx(exact.log_z[0] - graph.constant, abs=1e-11) if exact.log_z[0] > -math.inf else -math.inf)
+
+
+def test_with_time_enough_a_deadline_changes_nothing():
+    numbers = np.random.default_rng(3)
+    pairs = [(v, u) for v in range(64) for u in (v + 1, v + 8) if u < 64 and (u != v + 1 or u % 8)]
+    graph = FactorGraph((2,) * 64, tuple(Factor(pair, numbers.normal(size=(2, 2))) for pair in pairs))
+    exact, direct, cases = beliefs(graph), beliefs(graph, seconds=60.0), beliefs(graph, width=6.0, seconds=60.0)
+    assert direct.exact
+    assert cases.exact
+    assert direct.log_z == exact.log_z
+    assert cases.log_z[0] == pytest.approx(exact.log_z[0], abs=1e-9)
 
 
 def test_effort_decides_what_is_hopeless(monkeypatch):

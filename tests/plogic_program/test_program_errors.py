@@ -103,7 +103,7 @@ def test_a_choice_or_a_goal_that_is_not_ground_names_its_variables(program):
 def test_errors_name_the_file_that_they_are_in():
     assert told(ProgramError, "a.", "b :- true,\n  nothing.", goals=["b"]).startswith("more.pl:2:3: no clauses for nothing/0")
     assert told(ProgramError, "a.", "a :- b. b.", goals=["a"]).startswith("more.pl:1:1: a/0 is defined by the program")
-    assert told(ProgramError, "a.", "b :- (c.", goals=["b"]).startswith("more.pl:1:5: Unmatched")
+    assert told(ProgramError, "a.", "b :- (c.", goals=["b"]).startswith("more.pl:1:6: Unmatched")
 
 
 @pytest.mark.parametrize("goal", ["zork(1)", "a, zork(1)"])

@@ -129,7 +129,7 @@ ERRORS = [
     ("0.5::a(X).\nquery(a(_)).", NonGroundError, "u.pl:1:6: "),
     ("a(1).\nb :- a(X),\n  nothing(X).\nquery(b).", UnknownPredicateError, "u.pl:3:3: no clauses for nothing/1"),
     ("a :- member(1, [1]). query(a).", UnknownPredicateError, "u.pl:1:6: "),
-    ("a :- b(.", ProgramError, "u.pl:1:6: Unmatched"),
+    ("a :- b(.", ProgramError, "u.pl:1:7: Unmatched"),
     ("a.\nb :- ,c.", ProgramError, "u.pl:2:6: "),
     ("a :- !. query(a).", UnknownPredicateError, "u.pl:1:6: "),
     ("a :- b(X), X > 1. b(z). query(a).", ProgramError, "u.pl:1:"),
@@ -149,7 +149,7 @@ def test_errors_state_file_line_and_column(program, kind, start):
 def test_errors_in_rules_and_goals_name_them():
     with pytest.raises(ProgramError, match=r"^mine\.pl:2:6: no clauses for b/0"):
         answers(towers(), rules=Text("c.\na :- b.", "mine.pl"))
-    with pytest.raises(ProgramError, match=r"^goal:1:7: "):
+    with pytest.raises(ProgramError, match=r"^goal:1:8: "):
         answers(towers(), "present(")
     with pytest.raises(PlogicError, match=r"^goal: a goal is one term"):
         answers(towers(), "present(t1). present(t2)")

@@ -62,9 +62,28 @@ def ours(path, text):
 
 
 def test_the_corpus_is_large_and_says_what_it_expects():
-    assert len(ANSWERED) >= 60
-    assert all(LINE.search(text) for _, text, _ in PROGRAMS)
-    assert all(bool(expected.answers) != ("% expect nothing" in text) for _, text, expected in ANSWERED)
+    assert len(ANSWERED) >= 100
+    assert sum(len(expected.answers) for _, _, expected in ANSWERED) >= 350
+    assert sum(bool(expected.error) for _, _, expected in PROGRAMS) >= 15
+    refused = sum(bool(expected.refused) for _, _, expected in PROGRAMS)
+    assert 1 <= refused <= 0.05 * (len(ANSWERED) + refused), "at most one in twenty of what stock answers is refused"
+
+
+@pytest.mark.parametrize(("path", "text", "expected"), PROGRAMS, ids=lambda p: getattr(p, "stem", ""))
+def test_a_file_says_one_thing_that_the_tests_read(path, text, expected):
+    """No line of expectations that is passed over, none that another takes the place of."""
+    lines = [line for line in text.splitlines() if re.match(r"\s*%\s*expect", line, re.IGNORECASE)]
+    found = LINE.findall(text)
+    assert len(found) == len(lines) >= 1
+    kinds = {kind for kind, _ in found}
+    assert len(kinds) == 1
+    if kinds == {""}:
+        assert len(expected.answers) == len(found)
+        assert all(0.0 <= p <= 1.0 for p in expected.answers.values())
+    else:
+        assert len(found) == 1
+        assert not expected.error or issubclass(getattr(errors, expected.error), errors.PlogicError)
+        assert not expected.refused or re.fullmatch(r"\d+:\d+", expected.refused)
 
 
 @pytest.mark.parametrize(("path", "text", "expected"), [p for p in PROGRAMS if not p[2].refused], ids=lambda p: getattr(p, "stem", ""))

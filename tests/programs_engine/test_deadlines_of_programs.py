@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pytest
 from drawn_programs import programs
-from hypothesis import assume, given, settings
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
 
 from plogic.engine import Text, run, run_until
+from plogic.programs import bounds as bounding
 from plogic.programs.anytime import answers_by
 from plogic.programs.bounds import Bounds
 from plogic.programs.load import ground, request_from
@@ -22,9 +24,11 @@ def document(text):
     return {"texts": [{"text": text, "file": "program"}]}
 
 
-@settings(derandomize=True, deadline=None, max_examples=80)
-@given(programs())
-def test_bounds_contain_the_exact_value_at_every_step(drawn):
+@settings(derandomize=True, deadline=None, max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(programs(), st.sampled_from([1, 3, 64]))
+def test_bounds_contain_the_exact_value_at_every_step(monkeypatch, drawn, at_once):
+    """Also where few decisions are taken further at a time, so that the steps are many."""
+    monkeypatch.setattr(bounding, "AT_ONCE", at_once)
     held = drawn.held()
     assume(held)
     mass = sum(p for p, _ in held)

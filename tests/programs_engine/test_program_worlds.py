@@ -98,3 +98,12 @@ def test_a_program_that_asks_nothing_is_asked_for_what_is_probable():
 def test_goals_distinguish_worlds():
     ranking = program_worlds(Text("0.3::a(1). 0.6::a(2). b(X) :- a(X), X > 1. query(a(1))."), 10, goals=["b(X)"])
     assert [(w.holds, w.probability) for w in ranking.worlds] == [(("b(2)",), pytest.approx(0.6)), ((), pytest.approx(0.4))]
+
+
+def test_a_choice_whose_head_other_clauses_give_too_is_told_with_its_line():
+    """Alarm may hold though its own choice fell: the bare head would not tell which of the two is meant."""
+    text = "0.1::burglary.\n0.2::quake.\nalarm :- burglary.\n0.3::alarm :- quake.\nevidence(alarm).\nquery(burglary).\n"
+    best = program_worlds(Text(text), 1).worlds[0]
+    assert best.holds == ("burglary",)
+    assert "\\+alarm (line 4)" in best.choices
+    assert "burglary" in best.choices

@@ -60,7 +60,7 @@ def test_a_line_that_fails_is_told_with_its_number_and_does_not_end_the_session(
     assert [line.split(": ")[1] for line in told] == [f"line {i}" for i in range(2, 9)]
     for line, part in zip(
         told,
-        ["is impossible given rain", "did you mean `observe`", "goal:1:3: ", "zork/1", "should be a number", "`why [N] GOAL`", "no such predicate"],
+        ["is impossible given rain", "did you mean `observe`", "goal:1:4: ", "zork/1", "should be a number", "`why [N] GOAL`", "no such predicate"],
         strict=True,
     ):
         assert part in line
@@ -105,7 +105,7 @@ def test_help_is_a_table_of_the_verbs_and_what_each_means(rain):
 @pytest.mark.parametrize(
     ("name", "text", "told"),
     [
-        ("bad.pl", "a :- b(.", "bad.pl:1:6: "),
+        ("bad.pl", "a :- b(.", "bad.pl:1:7: "),
         ("evil.pl", ":- use_module('x.py').\n", "evil.pl:1:4: "),
         ("no.json", "{}", "format: should be"),
         ("nowhere.pl", None, "cannot be read"),
