@@ -96,8 +96,8 @@ def _reply(command: list[str], text: str, scratch: str, seconds: float) -> dict[
     try:
         reply: dict[str, Any] = json.loads(output.splitlines()[-1])
     except (json.JSONDecodeError, IndexError):
-        return "died: out of memory"
-    return reply if "answers" in reply or "why" in reply else {**reply, "why": "died: out of memory"}
+        return "memory"
+    return reply if "answers" in reply or "why" in reply else {**reply, "why": "memory"}
 
 
 def _cut_off(output: bytes | str | None, used: float, limit: float) -> dict[str, Any]:

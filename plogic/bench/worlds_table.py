@@ -13,9 +13,10 @@ if TYPE_CHECKING:
     from plogic.bench.worlds_stock import StockRun
 
 CAPTION = """\
-K hypotheses; Γ: appearances. Families are in the posterior reading unless they say score. All times are of this run, in seconds of the
-processor, compilers that either side starts included: other work on the machine does not count. Only ProbLog's limit is of wall time;
-`> ` before a ratio: what ProbLog's compilation had used of the processor by then, over ours.
+K hypotheses; Γ: appearances. Families are in the posterior reading; score: clusters in the score reading. All times are of this run and of the
+processor, compilers that either side starts included: other work on the machine does not count. ProbLog's and text are in
+seconds, all else of ours in milliseconds. Only ProbLog's limit is of wall time; `> ` before a ratio: what ProbLog's compilation
+had used of the processor by then, over ours.
 ddnnf, sdd: stock ProbLog, compilation and evaluation of the ground program, one evidence atom a constraint, all P(present(H)).
 ours: all P(present(H)) from the typed description, building the graph included. ratio: ProbLog's faster way over ours.
 text: from the characters of the program to the same answers, reading and grounding included, ours, in a
@@ -34,17 +35,17 @@ def row(m: Measured) -> dict[str, Any]:
     """One line of the table; of a way that gave no answer, why."""
     mine = m.ours
     return {
-        "family": m.case.family,
+        "family": m.case.family.removeprefix("clusters/"),
         "K": m.case.number,
         "Γ": len(m.case.situation.appearances),
         **{k: _seconds(m, k) for k in ("ddnnf", "sdd")},
-        "ours": f"{mine.marginals:.5f}",
+        "ours": _milli(mine.marginals),
         "ratio": _shown(ratio(m), ".0f", least=not answered(m)),
         "text": "" if mine.text is None else f"{mine.text:.2f}",
         "ratio of text": _shown(text_ratio(m), ".1f"),
-        "top 10": f"{mine.build + mine.few:.5f}",
-        "top 1000": f"{mine.build + mine.many:.4f}",
-        "listed": f"{mine.listed:.3f}",
+        "top 10": _milli(mine.build + mine.few),
+        "top 1000": _milli(mine.build + mine.many),
+        "listed": _milli(mine.listed),
         "differ": f"{max(m.differences.values()):.0e}" if m.differences else "",
     }
 
@@ -58,11 +59,16 @@ def stages(m: Measured) -> dict[str, Any]:
         "parse": f"{best.parse:.3f}" if best else "",
         "ground": f"{best.ground:.3f}" if best else "",
         "compile+evaluate": f"{best.infer:.3f}" if best else "",
-        "our build": f"{mine.build:.5f}",
-        "marginals": f"{mine.infer:.5f}",
-        "top 10 of it": f"{mine.few:.5f}",
-        "top 1000 of it": f"{mine.many:.5f}",
+        "our build": _milli(mine.build),
+        "marginals": _milli(mine.infer),
+        "top 10 of it": _milli(mine.few),
+        "top 1000 of it": _milli(mine.many),
     }
+
+
+def _milli(seconds: float) -> str:
+    """Milliseconds, to a microsecond or three digits."""
+    return f"{1000 * seconds:.3f}" if seconds < 0.01 else f"{1000 * seconds:.3g}"
 
 
 def answered(m: Measured) -> list[StockRun]:
