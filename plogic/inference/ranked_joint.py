@@ -24,16 +24,15 @@ class Digits(NamedTuple):
 class Coder:
     """The digits of some variables, all states of which are numbered jointly, the last fastest."""
 
-    __slots__ = ("_steps", "shift")
+    __slots__ = ("_cards", "_places", "shift")
 
     def __init__(self, places: Sequence[int], cards: Sequence[int], shift: int) -> None:
-        self._steps = tuple(zip(cards[::-1], places[::-1], strict=True))
-        self.shift = shift
+        self._places, self._cards, self.shift = places, cards, shift
 
     def code(self, number: int) -> int:
         """The states that have this number."""
         code = 0
-        for card, place in self._steps:
+        for card, place in zip(reversed(self._cards), reversed(self._places), strict=True):
             number, state = divmod(number, card)
             code += state * place
         return code
@@ -60,10 +59,12 @@ class Joint(Stream):
 def joint(part: Part, costs: Costs, digits: Digits) -> Stream:
     """The solutions of a piece, by the table of all its joint states."""
     cards = part.cards
+    last = len(cards) - 1
     terms = []
     for (scope, _), table in zip(part.tables, costs.tables):  # noqa: B905 - as many; this is run for every table of a scene
-        shape = [1] * len(cards)
+        first = scope[0]  # the axes before are left to broadcasting
+        shape = [1] * (last - first + 1)
         for v in scope:
-            shape[v] = cards[v]
-        terms.append(table.reshape(shape[scope[0] :]))  # the axes before are left to broadcasting
+            shape[v - first] = cards[v]
+        terms.append(table if first == last else table.reshape(shape))
     return Joint(total(terms, cards, costs.impossible), Coder(digits.places, cards, digits.shift), costs.impossible)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import operator
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
@@ -15,7 +17,7 @@ if TYPE_CHECKING:
 
     from plogic.inference.ranked_units import Table
 
-_AXES, _CELLS = attrgetter("ndim"), attrgetter("size")
+_CELLS = attrgetter("size")
 CLAMP = 16  # so many impossible costs are added before they are brought back to one
 SMALL = 64  # cells up to which the least is looked for one at a time; of more, several
 FIRST = 16  # so many at first
@@ -74,12 +76,14 @@ def total(terms: Sequence[Table], shape: Sequence[int], impossible: int) -> Tabl
     """
     if not terms:
         return np.zeros(shape, dtype=np.int64)
-    small = math.prod(shape) < LARGE
-    result, *others = sorted(terms, key=_AXES if small else _CELLS)
-    for i, table in enumerate(others, 1):
-        result = result + table if small else _sum(result, table, shape)
-        if i % CLAMP == 0:
-            np.minimum(result, impossible, out=result)
+    if len(terms) <= CLAMP and math.prod(shape) < LARGE:
+        result = functools.reduce(operator.add, terms)
+    else:
+        result, *others = sorted(terms, key=_CELLS)
+        for i, table in enumerate(others, 1):
+            result = _sum(result, table, shape)
+            if i % CLAMP == 0:
+                np.minimum(result, impossible, out=result)
     return result if result.shape == tuple(shape) else _sum(np.zeros(shape, dtype=result.dtype), result, shape)
 
 
