@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 
 from plogic.inference.clock import Clock, OutOfTimeError
 from plogic.inference.exact import plan
+from plogic.inference.marginals import WIDTH
 from plogic.inference.merge import sums
 from plogic.inference.parts import split
 from plogic.inference.ranked_component import component
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     State = tuple[float, tuple[int, ...]]
 
 JOINT = 1 << 12  # cells up to which a piece is one table
-WIDTH = 20.0  # bits of the largest table; past it the heuristic is a bound
 WORK = 29.0  # bits of all tables, of which about half are kept, 8 bytes each: 2 GB; likewise
 TIE = round(1e-11 * 2.0**DIGITS)  # units within which log weights count as equal
 AHEAD = 256  # such states that are put in order together
@@ -103,7 +103,7 @@ def _stream(part: Part, units: Costs, digits: Digits, clock: Clock) -> Stream:
     if math.prod(part.cards) <= JOINT:
         return joint(part, units, digits)
     order, buckets = plan(part.cards, tuple([scope for scope, _ in part.tables]))
-    if order.width > WIDTH or order.work > WORK:
+    if order.width > WIDTH or order.work > WORK:  # then the heuristic is a bound
         return Wide(part, units, order, digits, clock)
     return component(part, units, buckets, digits, clock)
 
