@@ -155,13 +155,19 @@ def _children_first(node: Callable[[int], Node], roots: Iterable[int]) -> dict[i
     return done
 
 
-def _converted(formula: LogicFormula, i: int) -> Node:
-    content = formula.get_node(i)
+def gate_of(content: Any) -> Gate | None:  # noqa: ANN401 - a node of ProbLog's
+    """The gate that a node of ProbLog's formula is; None of an atom with a probability: a choice."""
     kind = type(content).__name__
     if kind != "atom":
         return Gate("and" if kind == "conj" else "or", tuple(content.children))
-    if content.is_extra or content.probability is True:
-        return Gate("free", ())
+    return Gate("free", ()) if content.is_extra or content.probability is True else None
+
+
+def _converted(formula: LogicFormula, i: int) -> Node:
+    content = formula.get_node(i)
+    gate = gate_of(content)
+    if gate is not None:
+        return gate
     name = content.name
     head = name.args[2] if name is not None and name.functor == "choice" and len(name.args) > 2 else _placed(name, content, formula.database)
     group = i if content.group is None else ("group", content.group)

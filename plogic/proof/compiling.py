@@ -13,7 +13,7 @@ from problog.logic import Constant, Term
 from plogic.errors import InconsistentError, NegativeCycleError
 from plogic.programs.compiled import IMPOSSIBLE, compiled
 from plogic.programs.ground import Choice as Share
-from plogic.programs.ground import Gate, ground_from, share_of
+from plogic.programs.ground import gate_of, ground_from, share_of
 from plogic.proof.cone import Cone, Steps
 from plogic.proof.mass import Mass
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plogic.programs.compiled import Compiled
-    from plogic.programs.ground import Ground, Literal
+    from plogic.programs.ground import Gate, Ground, Literal
     from plogic.proof.choices import Choice
     from plogic.proof.ground import Grounding, Key
 
@@ -105,11 +105,9 @@ def _broken(formula: Any, asked: list[tuple[Any, Key]], observed: list[tuple[Any
 
 def _node(formula: Any, i: int) -> Gate | Share:  # noqa: ANN401 - ProbLog's formula
     content = formula.get_node(i)
-    kind = type(content).__name__
-    if kind != "atom":
-        return Gate("and" if kind == "conj" else "or", tuple(content.children))
-    if content.is_extra or content.probability is True:
-        return Gate("free", ())
+    gate = gate_of(content)
+    if gate is not None:
+        return gate
     group = ("atom", i) if content.group is None else ("group", content.group)
     return Share(share_of(content.probability), group, lambda: content.identifier)
 

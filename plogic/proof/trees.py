@@ -62,15 +62,18 @@ class Trees:
 
     def _possible(self, goal: Small) -> Iterator[tuple[Rule, int, Small, bool]]:
         """The instances of rules that may give the goal, and whether their own choice is open."""
+        for rule, index, instance, key in self._instances(goal):
+            taken = index if rule.is_certain else self._taken(rule, instance)
+            if self.truth.value(key) is not False and taken in (index, None):
+                yield rule, index, instance, taken is None
+
+    def _instances(self, goal: Small) -> Iterator[tuple[Rule, int, Small, Key]]:
+        """The instances of rules one of whose heads is the goal, with the node of their conditions."""
         for rule, index in self.ground.rules.matching(goal):
             bindings: Bindings = {}
-            if not unify(rule.heads[index], goal, bindings):
-                continue
-            ask = resolved(rule.ask, bindings)
-            for instance, key in self.ground.ask(ask) if rule.literals else [(ask, 0)]:
-                taken = index if rule.is_certain else self._taken(rule, instance)
-                if self.truth.value(key) is not False and taken in (index, None):
-                    yield rule, index, instance, taken is None
+            if unify(rule.heads[index], goal, bindings):
+                ask = resolved(rule.ask, bindings)
+                yield from ((rule, index, *found) for found in (self.ground.ask(ask) if rule.literals else [(ask, 0)]))
 
     def _case(self, rule: Rule, index: int, instance: Small, is_open: bool, above: frozenset[Small]) -> Tree:  # noqa: FBT001
         """One instance: what is open of it is what it needs; what is certain, is told."""
@@ -145,14 +148,9 @@ class Trees:
     def _certain(self, goal: Small) -> Iterator[tuple[Rule, int, Small]]:
         """The instances of rules that certainly give the goal, in the order in which they became certain."""
         found: list[tuple[int, int, Rule, int, Small]] = []
-        for rule, index in self.ground.rules.matching(goal):
-            bindings: Bindings = {}
-            if not unify(rule.heads[index], goal, bindings):
-                continue
-            ask = resolved(rule.ask, bindings)
-            for instance, key in self.ground.ask(ask) if rule.literals else [(ask, 0)]:
-                if self.truth.value(key) and (rule.is_certain or self._taken(rule, instance) == index):
-                    found.append((self.truth.order(key), len(found), rule, index, instance))
+        for rule, index, instance, key in self._instances(goal):
+            if self.truth.value(key) and (rule.is_certain or self._taken(rule, instance) == index):
+                found.append((self.truth.order(key), len(found), rule, index, instance))
         yield from ((rule, index, instance) for _, _, rule, index, instance in sorted(found, key=lambda f: f[:2]))
 
     def _taken(self, rule: Rule, instance: Small) -> int | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from plogic.names import Names
-from plogic.programs.load import variables as variables_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -52,4 +51,3 @@ def _names(atoms: dict[str, str] | None) -> Names | None:
     return None if atoms is None else Names(atoms, {atom: label for label, atom in atoms.items()})
 
 
-_variables = variables_of
