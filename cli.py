@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import sys
 from pathlib import Path
@@ -10,33 +9,7 @@ from typing import Any
 
 import click
 
-READINGS = click.Choice(["score", "posterior"])
-SEED = click.IntRange(0)
-MODES = click.Choice(["to_B", "drop", "reassign"])
-INTERPRETATION = click.argument("interpretation", metavar="INTERPRETATION")
-SOURCE = click.argument("source", metavar="INTERPRETATION|PROGRAM.pl")
-GIVEN = click.option("--given", multiple=True, metavar="EVIDENCE", help="A literal that is observed; may be repeated.")
-READING = click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
-TRUST = click.option(
-    "--trust", is_flag=True, help="Lift the allow-list from a program of your own: it may then run Python and read files."
-)
-AS_JSON = click.option("--json", "as_json", is_flag=True, help="One versioned JSON document on stdout.")
-
-
-class Number(click.FloatRange):
-    """A range that NaN is outside of: every comparison with NaN is false, so that click lets it pass."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The number; fails as bad usage."""
-        number = super().convert(value, param, ctx)
-        return self.fail(f"{value} is no number", param, ctx) if math.isnan(number) else number
-
-
-DEADLINE = click.option(
-    "--deadline",
-    type=Number(0.0, min_open=True),
-    help="Seconds; then every answer is an interval that contains the exact one (exit 3).",
-)
+from plogic.commands.options import AS_JSON, DEADLINE, GIVEN, INTERPRETATION, MODES, READING, READINGS, SEED, SOURCE, TRUST, Number
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from kb.cloud import Counts, KnowledgeBase, Rates
     from plogic.learning.records import Record
 
-KINDS = (("hit", "hit", "feature type"), ("clutter", "clutter", "appearance type"), ("prior", "prior", "object type"))
+KINDS = ("hit", "clutter", "prior")
+"""Rates that are learnt: the fields that ``Rates`` and ``Counts`` have in common."""
 
 
 def learn_rates_command(
@@ -82,13 +83,13 @@ def _rows(kb: KnowledgeBase, rates: Rates, counts: Counts) -> list[dict[str, Any
         {
             "rate": rate,
             "of": name,
-            "before": getattr(kb.rates, table)[name],
-            "learnt": rounded(getattr(rates, table)[name]),
+            "before": getattr(kb.rates, rate)[name],
+            "learnt": rounded(getattr(rates, rate)[name]),
             "count": round(pair[0], 2),
             "in": round(pair[1], 2),
         }
-        for rate, table, _ in KINDS
-        for name, pair in getattr(counts, table).items()
+        for rate in KINDS
+        for name, pair in getattr(counts, rate).items()
     ]
 
 
