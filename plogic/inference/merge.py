@@ -35,6 +35,13 @@ class Stream:
         raise NotImplementedError
 
 
+def nothing() -> Stream:
+    """A stream without solutions."""
+    stream = Stream()
+    stream.done = True
+    return stream
+
+
 class Product(Stream):
     """The sums of all pairs of two streams' solutions."""
 

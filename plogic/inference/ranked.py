@@ -7,10 +7,10 @@ Vocabulary, each with an example value:
 
 What is guaranteed: every joint state of positive weight comes exactly once; the log weights never increase, and are within 1e-9 of the
 sums of the tables' entries (relative, where tables span more than a million); the same graph gives the same sequence, so the first n
-are the first n of any longer list. Log weights are summed as whole units of 2.3e-13 (``ranked_units``), without noise. States whose
-weights are equal in units come in lexicographic order, however many they are. States within 1e-11 of each other are ties as well: of
-those that follow the first of them, up to ``AHEAD`` are looked at together and come in lexicographic order, with one falling weight.
-In a piece that is wider than ``WIDTH`` bits, only the latter holds; more ties than that come in the order of the search.
+are the first n of any longer list. States within 1e-11 of each other are ties: of those that follow the first of them, up to ``AHEAD``
+are looked at together and come in lexicographic order, with one falling weight. More ties than that come by whole units of 2.3e-13
+(``ranked_units``), and in lexicographic order where these are equal; in a piece that is wider than ``WIDTH`` bits, in the order of the
+search; in a graph of few joint states (``ranked_whole``) all ties are looked at together.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ from plogic.inference.merge import sums
 from plogic.inference.parts import split
 from plogic.inference.ranked_component import component
 from plogic.inference.ranked_joint import Digits, joint
-from plogic.inference.ranked_units import DIGITS, costs
-from plogic.inference.ranked_wide import Wide
+from plogic.inference.ranked_units import DIGITS
+from plogic.inference.ranked_whole import whole
+from plogic.inference.ranked_wide import wide
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     from plogic.inference.graph import FactorGraph
     from plogic.inference.merge import Stream
     from plogic.inference.parts import Part
-    from plogic.inference.ranked_units import Costs
 
     State = tuple[float, tuple[int, ...]]
 
@@ -43,6 +43,7 @@ JOINT = 1 << 12  # cells up to which a piece is one table
 WORK = 29.0  # bits of all tables, of which about half are kept, 8 bytes each: 2 GB; likewise
 TIE = round(1e-11 * 2.0**DIGITS)  # units within which log weights count as equal
 AHEAD = 256  # such states that are put in order together
+_UNITS = 1 << DIGITS
 
 
 class Ranked:
@@ -83,29 +84,36 @@ def best(graph: FactorGraph, n: int) -> list[State]:
 
 
 def _states(graph: FactorGraph, clock: Clock) -> Iterator[State]:
+    return whole(graph, TIE) or _merged(graph, clock)
+
+
+def _merged(graph: FactorGraph, clock: Clock) -> Iterator[State]:
+    """The solutions of the pieces, merged."""
     constant, parts = split(graph)
-    scaled = costs(parts) if constant > -math.inf else None
-    if scaled is None:
+    if constant == -math.inf:
         return
-    top, units = scaled
     count = len(graph.cards)
     width = (max(graph.cards, default=1) - 1).bit_length() + 7 >> 3 or 1  # bytes a state
     bits = 8 * width * count
     places = [1 << (bits - 8 * width * (v + 1)) for v in range(count)]
-    streams = [_stream(p, u, Digits([places[v] for v in p.variables], bits + u.shift), clock) for p, u in zip(parts, units, strict=True)]
-    mask = (1 << bits) - 1
+    tops, streams = [constant], []
+    for part in parts:
+        top, stream = _stream(part, Digits([places[v] for v in part.variables], bits), clock)
+        tops.append(top)
+        streams.append(stream)
+    constant, mask = math.fsum(tops), (1 << bits) - 1
     for solution in _tied(sums(streams, clock), bits):
-        yield constant + top - (solution >> bits) / (1 << DIGITS), _decoded(solution & mask, count, width)
+        yield constant - (solution >> bits) / _UNITS, _decoded(solution & mask, count, width)
 
 
-def _stream(part: Part, units: Costs, digits: Digits, clock: Clock) -> Stream:
-    """One piece's solutions."""
+def _stream(part: Part, digits: Digits, clock: Clock) -> tuple[float, Stream]:
+    """(log weight of cost 0, the solutions of one piece)."""
     if math.prod(part.cards) <= JOINT:
-        return joint(part, units, digits)
+        return 0.0, joint(part, digits)
     order, buckets = plan(part.cards, tuple([scope for scope, _ in part.tables]))
     if order.width > WIDTH or order.work > WORK:  # then the heuristic is a bound
-        return Wide(part, units, order, digits, clock)
-    return component(part, units, buckets, digits, clock)
+        return wide(part, order, digits, clock)
+    return component(part, buckets, digits, clock)
 
 
 def _decoded(code: int, count: int, width: int) -> tuple[int, ...]:
@@ -118,17 +126,21 @@ def _decoded(code: int, count: int, width: int) -> tuple[int, ...]:
 
 def _tied(source: Iterator[int], bits: int) -> Iterator[int]:
     """The same solutions, those that tie by code, and their costs non-decreasing."""
+    tie = TIE << bits
     group: list[int] = []
     limit = 0
     late: OutOfTimeError | None = None
     try:
         for solution in source:
-            if group and (solution > limit or len(group) == AHEAD):
+            if group and solution <= limit and len(group) < AHEAD:
+                group.append(solution)
+                continue
+            if len(group) > 1:
                 yield from _levelled(group, bits)
-                group = []
-            if not group:
-                limit = solution + (TIE << bits)
-            group.append(solution)
+            elif group:
+                yield group[0]
+            group = [solution]
+            limit = solution + tie
     except OutOfTimeError as error:
         late = error
     yield from _levelled(group, bits)
@@ -137,11 +149,8 @@ def _tied(source: Iterator[int], bits: int) -> Iterator[int]:
 
 
 def _levelled(group: list[int], bits: int) -> Iterator[int]:
-    if len(group) < 2:
-        yield from group
-        return
     mask = (1 << bits) - 1
-    cost = 0
+    cost = min(group, default=0) >> bits
     for solution in sorted(group, key=mask.__and__):
         cost = max(cost, solution >> bits)
         yield cost << bits | solution & mask

@@ -8,33 +8,41 @@ Rows are shared by all that ask for them, and made when first asked for.
 
 from __future__ import annotations
 
+import functools
 import heapq
 import math
+import operator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.inference.merge import Stream, product
-from plogic.inference.ranked_joint import Coder, Joint
+from plogic.inference.merge import Stream, nothing, product
+from plogic.inference.ranked_joint import Coder, Digits, Joint
 from plogic.inference.ranked_tables import Cells, least, placed, total
+from plogic.inference.ranked_units import costs
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from plogic.inference.clock import Clock
     from plogic.inference.parts import Part
-    from plogic.inference.ranked_joint import Digits
-    from plogic.inference.ranked_units import Costs, Table
+    from plogic.inference.ranked_units import Table
     from plogic.inference.tree import Bucket
 
+_AXES = operator.attrgetter("ndim")
 KEPT = 1 << 24  # cells: the tables of larger trees are forgotten once their least costs are known, and made again row by row
+SUMMED = 1 << 12  # cells up to which a bucket's tables are added up before they become costs
 
 
 class Node:
     """One bucket: its axes, its costs of shape (rows, columns), the least cost of each row, and what it asks of its children."""
 
-    def __init__(self, rows: Iterable[int], columns: Iterable[int], cards: Sequence[int], digits: Digits) -> None:
-        self.rows, self.columns = tuple(rows), tuple(sorted(columns))
+    def __init__(self, bucket: Bucket, cards: Sequence[int], digits: Digits) -> None:
+        axes = _axes(bucket)
+        self.place = {v: axis for axis, v in enumerate(axes)}
+        self.rows, self.columns = axes[: bucket.shared], axes[bucket.shared :]
         self.row_cards = [cards[v] for v in self.rows]
         self.column_cards = [cards[v] for v in self.columns]
         self.coder = Coder([digits.places[v] for v in self.columns], self.column_cards, digits.shift)
@@ -44,6 +52,7 @@ class Node:
         self.least: Table = np.zeros(0, dtype=np.int64)
         self.impossible = 0
         self.made: dict[int, Stream] = {}
+        self.known: dict[int, list[int]] = {}
 
     def fill(self, terms: list[Table], impossible: int, *, keep: bool) -> None:
         """Add up tables over the last axes, of full length or of length 1."""
@@ -74,6 +83,14 @@ class Node:
             stride *= card
         self.children.append((child, [strides.get(v, 0) for v in self.rows], [strides.get(v, 0) for v in self.columns]))
 
+    def steps(self, column: int) -> list[int]:
+        """By how much a column moves each child's row."""
+        steps = self.known.get(column)
+        if steps is None:
+            states = _states(column, self.column_cards)
+            steps = self.known[column] = [_dot(states, strides) for _, _, strides in self.children]
+        return steps
+
     def row(self, number: int) -> Stream:
         """The solutions below one row."""
         stream = self.made.get(number)
@@ -86,17 +103,18 @@ class Node:
 class Row(Stream):
     """A row with children: every column's solutions, merged; a column is opened once its least cost may be the next."""
 
-    __slots__ = ("_after", "_bases", "_cells", "_heap", "_node", "_opened")
+    __slots__ = ("_after", "_bases", "_cells", "_first", "_heap", "_node", "_opened")
 
     def __init__(self, node: Node, number: int) -> None:
         super().__init__()
         self._node = node
         self._cells = Cells(node.costs(number), node.impossible)
         self._opened = 0
+        self._first: int | None = None  # least solution of the next column conceivable, with all states below 0
         self._heap: list[tuple[int, int, int, Stream]] = []
         self._after: tuple[int, int, int, Stream] | None = None  # (column, the column's own share, rank, solutions below) to look at next
         states = _states(number, node.row_cards)
-        self._bases = [sum([d * s for d, s in zip(states, strides, strict=True)]) for _, strides, _ in node.children]
+        self._bases = [_dot(states, strides) for _, strides, _ in node.children]
 
     def advance(self) -> tuple[Stream, int] | None:
         """Put the next solution of the last column in the heap, open columns that may come before, then take the first."""
@@ -120,38 +138,57 @@ class Row(Stream):
 
     def _next_column(self) -> tuple[int, int, int, Stream] | None:
         """The next column, opened; None if there is none, or the first in the heap comes before all that it may have."""
-        node, cells, opened = self._node, self._cells, self._opened
-        if not cells.reach(opened):
-            return None
-        column, shift = cells.numbers[opened], node.coder.shift
-        first = (cells.costs[opened] << shift) + node.coder.code(column)  # with all states below 0
+        node, cells, opened, first = self._node, self._cells, self._opened, self._first
+        if first is None:
+            if not cells.reach(opened):
+                return None
+            first = self._first = (cells.costs[opened] << node.coder.shift) + node.coder.code(cells.numbers[opened])
         if self._heap and self._heap[0][0] < first:
             return None
-        self._opened += 1
-        states = _states(column, node.column_cards)
+        column = cells.numbers[opened]
+        self._opened, self._first = opened + 1, None
         streams, below = [], 0
-        for base, (child, _, strides) in zip(self._bases, node.children, strict=True):
-            number = base + sum([d * s for d, s in zip(states, strides, strict=True)])
-            streams.append(child.row(number))
-            below += int(child.least[number])
-        return column, first - (below << shift), 0, product(streams)
+        for base, step, (child, _, _) in zip(self._bases, node.steps(column), node.children, strict=True):
+            streams.append(child.row(base + step))
+            below += int(child.least[base + step])
+        return column, first - (below << node.coder.shift), 0, product(streams)
 
 
-def component(part: Part, costs: Costs, buckets: Sequence[Bucket], digits: Digits, clock: Clock) -> Stream:
-    """The solutions of one piece; OutOfTimeError past the clock."""
+def component(part: Part, buckets: Sequence[Bucket], digits: Digits, clock: Clock) -> tuple[float, Stream]:
+    """(log weight of cost 0, the solutions of one piece); OutOfTimeError past the clock."""
+    cards = part.cards
+    entering = [_entering(part, bucket) for bucket in buckets]
+    scaled = costs([table for tables in entering for table in tables])
+    if scaled is None:
+        return 0.0, nothing()
+    tables = iter(scaled.tables)
+    digits = Digits(digits.places, digits.shift + scaled.shift)
+    keep = sum(math.prod([cards[v] for v in bucket.scope]) for bucket in buckets) <= KEPT
     nodes: list[Node] = []
-    keep = sum(math.prod([part.cards[v] for v in bucket.scope]) for bucket in buckets) <= KEPT
-    for bucket in buckets:
-        node = Node(bucket.scope[: bucket.shared], bucket.scope[bucket.shared :], part.cards, digits)
-        place = {v: axis for axis, v in enumerate(node.rows + node.columns)}
-        terms = [placed(part.tables[i][0], costs.tables[i], place, part.cards) for i in bucket.tables]
+    for bucket, own in zip(buckets, entering, strict=True):
+        node = Node(bucket, cards, digits)
+        terms = [next(tables).reshape(table.shape) for table in own]
         for child in [nodes[i] for i in bucket.children]:
-            terms.append(placed(child.rows, child.least, place, part.cards))
+            terms.append(placed(child.rows, child.least, node.place, cards))
             node.link(child)
-        node.fill(terms, costs.impossible, keep=keep)
+        node.fill(terms, scaled.impossible, keep=keep)
         nodes.append(node)
         clock.check()
-    return product([node.row(0) for node, bucket in zip(nodes, buckets, strict=True) if bucket.parent < 0])
+    return scaled.top, product([node.row(0) for node, bucket in zip(nodes, buckets, strict=True) if bucket.parent < 0])
+
+
+def _entering(part: Part, bucket: Bucket) -> list[NDArray[np.float64]]:
+    """The log weights that enter a bucket, with its axes; of a small bucket their sum."""
+    place = {v: axis for axis, v in enumerate(_axes(bucket))}
+    terms = [placed(*part.tables[i], place, part.cards) for i in bucket.tables]
+    if terms and math.prod([part.cards[v] for v in bucket.scope]) <= SUMMED:
+        return [functools.reduce(operator.add, sorted(terms, key=_AXES))]  # those that need the fewest cells first
+    return terms
+
+
+def _axes(bucket: Bucket) -> tuple[int, ...]:
+    """The variables of a bucket: those of its rows, then those of its columns, each in order."""
+    return *sorted(bucket.scope[: bucket.shared]), *sorted(bucket.scope[bucket.shared :])
 
 
 def _states(number: int, cards: Sequence[int]) -> list[int]:
@@ -161,3 +198,7 @@ def _states(number: int, cards: Sequence[int]) -> list[int]:
         number, state = divmod(number, card)
         result.append(state)
     return result[::-1]
+
+
+def _dot(states: Sequence[int], strides: Sequence[int]) -> int:
+    return sum([state * stride for state, stride in zip(states, strides, strict=True)])

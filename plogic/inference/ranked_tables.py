@@ -6,7 +6,7 @@ import functools
 import math
 import operator
 from operator import attrgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,14 +29,14 @@ class Cells:
 
     __slots__ = ("_bound", "_flat", "_impossible", "_values", "costs", "numbers")
 
-    def __init__(self, table: Table, impossible: int) -> None:
+    def __init__(self, table: Table, impossible: float) -> None:
         self.numbers: list[int] = []
-        self.costs: list[int] = []
+        self.costs: list[Any] = []  # as the table has them
         self._impossible = impossible
-        self._bound = -1  # of a large table all cells of no greater cost are found
+        self._bound = -math.inf  # of a large table all cells of no greater cost are found
         flat = table.ravel()
         small = len(flat) <= SMALL or flat.dtype == object
-        self._values: list[int] = flat.tolist() if small else []
+        self._values: list[Any] = flat.tolist() if small else []
         self._flat: Table | None = None if small else flat
 
     def reach(self, rank: int) -> bool:
@@ -56,20 +56,19 @@ class Cells:
     def _several(self, flat: Table) -> None:
         """About four times as many cells as before."""
         wanted = FIRST + 4 * len(self.costs)
-        bound = self._impossible - 1
-        if wanted < len(flat):
-            bound = min(bound, int(np.partition(flat, wanted)[wanted]))
-        chosen = ((flat <= bound) & (flat > self._bound)).nonzero()[0]
+        bound = np.partition(flat, wanted)[wanted] if wanted < len(flat) else self._impossible
+        last = bool(bound >= self._impossible)
+        chosen = ((flat < self._impossible if last else flat <= bound) & (flat > self._bound)).nonzero()[0]
         costs = flat[chosen]
         order = costs.argsort(kind="stable")
         self.numbers += chosen[order].tolist()
         self.costs += costs[order].tolist()
         self._bound = bound
-        if bound == self._impossible - 1:
+        if last:
             self._flat = None
 
 
-def total(terms: Sequence[Table], shape: Sequence[int], impossible: int) -> Table:
+def total(terms: Sequence[Table], shape: Sequence[int], impossible: float) -> Table:
     """The sum of tables, each over the last axes of ``shape``, of full length or of length 1; ``impossible`` or more is impossible.
 
     The order is such that few of the sums on the way have all cells.
@@ -100,11 +99,12 @@ def placed(scope: Sequence[int], flat: Table, place: Mapping[int, int], cards: S
         return flat.reshape((-1,) + (1,) * (len(place) - 1 - place[scope[0]]))
     places = [place[v] for v in scope]
     shape = [1] * len(place)
-    for axis, v in zip(places, scope, strict=True):
+    for axis, v in zip(places, scope):  # noqa: B905 - as many; this is run for every table of a scene
         shape[axis] = cards[v]
-    if places != sorted(places):
+    inner = sorted(places)
+    if places != inner:
         flat = flat.reshape([cards[v] for v in scope]).transpose(sorted(range(len(scope)), key=places.__getitem__))
-    return flat.reshape(shape[min(places, default=0) :])
+    return flat.reshape(shape[inner[0] :] if inner else shape)
 
 
 def least(table: Table) -> Table:

@@ -2,10 +2,12 @@
 
 Sums of floating-point numbers depend on their order: a bound and the weight that it bounds then differ by noise, and ties come out at
 random. Here a table becomes *costs*: how many units of ``2^−42`` (2.3e-13) its entries lie below its greatest entry, rounded once per
-entry; all later sums are exact. A table with a range so wide that its piece's costs would not fit in 64 bits keeps fewer digits, down to
-``2^−36`` (1.5e-11), and past that is in Python's own integers, of any size.
+entry; all later sums are exact. What is summed up before, in doubles, are the tables of one small piece or bucket: noise far below a tie
+(``ranked``). A table with a range so wide that its piece's costs would not fit in 64 bits keeps fewer digits, down to ``2^−36``
+(1.5e-11), and past that is in Python's own integers, of any size.
 
-* ``Costs([array([0, 7]), ...], 2**58, 0)``: costs ≥ 0 in units, by table; the cost that stands for impossible; units are ``2^−42 << shift``
+* ``Costs(-1.3, [array([0, 7]), ...], 2**58, 0)``: the greatest entries' sum; costs ≥ 0 by table, in units of
+  ``2^−42 << shift``; the cost that stands for impossible
 """
 
 from __future__ import annotations
@@ -22,8 +24,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.inference.parts import Part
-
     Table = NDArray[Any]  # int64, or Python's integers as objects
 
 _CELLS = attrgetter("size")
@@ -34,18 +34,18 @@ IMPOSSIBLE = 1 << (ROOM + 1)  # so that 31 of them still fit in 64 bits
 
 
 class Costs(NamedTuple):
-    """One piece's tables as costs, in the piece's order, flattened; sums of ``impossible`` and more are impossible."""
+    """A piece's tables as costs, in their order, flattened, below ``top``; sums of ``impossible`` and more are impossible."""
 
+    top: float
     tables: Sequence[Table]
     impossible: int
     shift: int
 
 
-def costs(parts: Sequence[Part]) -> tuple[float, list[Costs]] | None:
-    """(sum of the tables' greatest entries, costs of each piece); None if some table allows nothing."""
-    tables = [table for part in parts for _, table in part.tables]
+def costs(tables: Sequence[NDArray[np.float64]]) -> Costs | None:
+    """The costs of a piece's tables; None if some table allows nothing."""
     if not tables:
-        return 0.0, [Costs([], IMPOSSIBLE, 0) for _ in parts]
+        return Costs(0.0, [], IMPOSSIBLE, 0)
     flat = np.concatenate(tables, axis=None)
     sizes = list(map(_CELLS, tables))
     cuts = list(accumulate(sizes, initial=0))
@@ -54,40 +54,36 @@ def costs(parts: Sequence[Part]) -> tuple[float, list[Costs]] | None:
         return None
     greatest = tops.repeat(sizes)
     below = greatest - flat
-    units = np.rint(np.minimum(below, 2.0 ** (ROOM + 1 - DIGITS)) * 2.0**DIGITS).astype(np.int64)
-    most = max([len(part.tables) for part in parts])
-    narrow = not ((below >= 2.0 ** (ROOM - DIGITS) / most) & (below < np.inf)).any()
-    cut = [units[start:stop] for start, stop in pairwise(cuts)] if narrow else []
-    result, at = [], 0
-    for part in parts:
-        end = at + len(part.tables)
-        result.append(Costs(cut[at:end], IMPOSSIBLE, 0) if narrow else _scaled(greatest, flat, units, cuts[at : end + 1]))
-        at = end
-    return math.fsum(tops.tolist()), result
+    impossible, shift = IMPOSSIBLE, 0
+    if ((below >= 2.0 ** (ROOM - DIGITS) / len(tables)) & (below < np.inf)).any():
+        units, impossible, shift = _scaled(below, greatest, flat, cuts)
+    else:
+        np.minimum(below, 2.0 ** (ROOM + 1 - DIGITS), out=below)
+        below *= 2.0**DIGITS
+        units = np.rint(below, out=below).astype(np.int64)
+    own = [units[start:stop] for start, stop in pairwise(cuts)]
+    return Costs(math.fsum(tops.tolist()), own, impossible, shift)
 
 
-def _scaled(greatest: NDArray[np.float64], flat: NDArray[np.float64], units: Table, cuts: Sequence[int]) -> Costs:
-    """The costs of one piece, in as many digits as its range leaves room for."""
-    own, impossible, shift = _whole_piece(greatest, flat, cuts) if len(cuts) > 1 else (units, IMPOSSIBLE, 0)
-    return Costs([own[start - cuts[0] : stop - cuts[0]] for start, stop in pairwise(cuts)], impossible, shift)
-
-
-def _whole_piece(greatest: NDArray[np.float64], flat: NDArray[np.float64], cuts: Sequence[int]) -> tuple[Table, int, int]:
-    """(all costs of one piece, its impossible cost, its shift)."""
-    mine = slice(cuts[0], cuts[-1])
-    below = greatest[mine] - flat[mine]
-    ranges = np.maximum.reduceat(np.where(below < np.inf, below, 0.0), [cut - cuts[0] for cut in cuts[:-1]])
+def _scaled(
+    below: NDArray[np.float64],
+    greatest: NDArray[np.float64],
+    flat: NDArray[np.float64],
+    cuts: Sequence[int],
+) -> tuple[Table, int, int]:
+    """(all costs, the impossible cost, the shift), in as many digits as the range leaves room for."""
+    ranges = np.maximum.reduceat(np.where(below < np.inf, below, 0.0), cuts[:-1])
     span = sum(ranges.tolist())
     digits = DIGITS if span < 2.0 ** (ROOM - DIGITS) else ROOM - 1 - math.ceil(math.log2(span))
     if digits >= FEWEST:
         return np.where(below < np.inf, np.rint(below * 2.0**digits), float(IMPOSSIBLE)).astype(np.int64), IMPOSSIBLE, DIGITS - digits
-    values = [None if x == -math.inf else _whole(top) - _whole(x) for top, x in zip(greatest[mine].tolist(), flat[mine].tolist(), strict=True)]
+    values = [None if x == -math.inf else in_units(top) - in_units(x) for top, x in zip(greatest.tolist(), flat.tolist(), strict=True)]
     impossible = 2 * sum([x for x in values if x is not None]) + 1
     own = np.empty(len(values), dtype=object)
     own[:] = [impossible if x is None else x for x in values]
     return own, impossible, 0
 
 
-def _whole(weight: float) -> int:
+def in_units(weight: float) -> int:
     """Units, to the nearest; past 2^53 a double is whole anyway, and times 2^42 might overflow."""
     return int(weight) << DIGITS if abs(weight) > 2.0**53 else round(weight * 2.0**DIGITS)

@@ -17,7 +17,8 @@ import numpy as np
 
 from plogic.errors import LimitError
 from plogic.inference.axes import aligned
-from plogic.inference.merge import Stream
+from plogic.inference.merge import Stream, nothing
+from plogic.inference.ranked_units import costs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,19 +54,25 @@ class Mini:
         return self.table.reshape(len(rows), -1), rows, cuts
 
 
+def wide(part: Part, order: Order, digits: Digits, clock: Clock) -> tuple[float, Stream]:
+    """(log weight of cost 0, the solutions of one piece); OutOfTimeError past the clock."""
+    scaled = costs([table for _, table in part.tables])
+    return (0.0, nothing()) if scaled is None else (scaled.top, Wide(part, scaled, order, digits, clock))
+
+
 class Wide(Stream):
     """Solutions of one piece: every step expands one node, a joint state of the last variables of the order."""
 
-    def __init__(self, part: Part, costs: Costs, order: Order, digits: Digits, clock: Clock) -> None:
+    def __init__(self, part: Part, scaled: Costs, order: Order, digits: Digits, clock: Clock) -> None:
         super().__init__()
         self._sequence = order.sequence[::-1]
-        self._places, self._shift, self._width = digits.places, digits.shift, order.width
-        self._impossible = costs.impossible
+        self._places, self._shift, self._width = digits.places, digits.shift + scaled.shift, order.width
+        self._impossible = scaled.impossible
         shifts = [place.bit_length() - 1 for place in digits.places]
-        bound, buckets = _bounds(part, costs, order, clock)
+        bound, buckets = _bounds(part, scaled, order, clock)
         self._readers = [[mini.reader(part.cards, shifts) for mini in buckets[v]] for v in self._sequence]
         self._cards = [part.cards[v] for v in self._sequence]
-        self._heap = [(bound, 0, 0)] if bound < costs.impossible else []  # (bound, −depth, code)
+        self._heap = [(bound, 0, 0)] if bound < scaled.impossible else []  # (bound, −depth, code)
 
     def advance(self) -> None:
         """Take the open node of the least bound, the deepest first: a solution if it is complete."""
@@ -99,19 +106,19 @@ class Wide(Stream):
         return steps
 
 
-def _bounds(part: Part, costs: Costs, order: Order, clock: Clock) -> tuple[int, dict[int, list[Mini]]]:
+def _bounds(part: Part, scaled: Costs, order: Order, clock: Clock) -> tuple[int, dict[int, list[Mini]]]:
     """(a cost that none is below, the minis of every variable's bucket)."""
     turn = {v: i for i, v in enumerate(order.sequence)}
     waiting: dict[int, list[Term]] = {v: [] for v in order.sequence}
-    for (scope, table), flat in zip(part.tables, costs.tables, strict=True):
+    for (scope, table), flat in zip(part.tables, scaled.tables, strict=True):
         waiting[min(scope, key=turn.__getitem__)].append((scope, flat.reshape(table.shape)))
-    room = _Room(sum(_greatest(table, costs.impossible) for table in costs.tables), costs.impossible)
+    room = _Room(sum(_greatest(table, scaled.impossible) for table in scaled.tables), scaled.impossible)
     bits = _bits(part, order)
     bound = 0
     buckets: dict[int, list[Mini]] = {}
     for v in order.sequence:
-        tables = [_total(group, part.cards, turn, costs.impossible) for group in _groups(waiting.pop(v), part.cards, bits)]
-        buckets[v] = [Mini(scope, table, costs.impossible) for scope, table in _levelled(tables, room)]
+        tables = [_total(group, part.cards, turn, scaled.impossible) for group in _groups(waiting.pop(v), part.cards, bits)]
+        buckets[v] = [Mini(scope, table, scaled.impossible) for scope, table in _levelled(tables, room)]
         for mini in buckets[v]:
             if len(mini.scope) == 1:
                 bound += int(mini.least)

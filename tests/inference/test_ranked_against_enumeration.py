@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.inference import exact, ranked_component, ranked_wide, tree
+from plogic.inference import exact, ranked_component, ranked_whole, ranked_wide, tree
 from plogic.inference import ranked as ranking
 from plogic.inference.graph import Factor, FactorGraph
 from plogic.inference.marginals import beliefs
@@ -19,13 +19,17 @@ from plogic.inference.ranked import Ranked, best, ranked
 LAW = settings(derandomize=True, deadline=None, max_examples=30)
 
 # module, name, value: what makes small graphs go the way of large ones
+PIECES = (ranked_whole, "STATES", 0)
+TREES = (PIECES, (ranking, "JOINT", 0))
 WAYS = {
-    "joint": (),
-    "tree": ((ranking, "JOINT", 0), (tree, "CELLS", 1)),
-    "merged": ((ranking, "JOINT", 0), (tree, "CELLS", 12)),
-    "forgetful": ((ranking, "JOINT", 0), (tree, "CELLS", 1), (ranked_component, "KEPT", 0)),
-    "wide": ((ranking, "JOINT", 0), (ranking, "WIDTH", -1.0)),
-    "bounded": ((ranking, "JOINT", 0), (ranking, "WIDTH", -1.0), (ranked_wide, "BITS", (1.0,))),
+    "whole": (),
+    "joint": (PIECES,),
+    "tree": (*TREES, (tree, "CELLS", 1)),
+    "merged": (*TREES, (tree, "CELLS", 12)),
+    "apart": (*TREES, (tree, "CELLS", 12), (ranked_component, "SUMMED", 0)),
+    "forgetful": (*TREES, (tree, "CELLS", 1), (ranked_component, "KEPT", 0)),
+    "wide": (*TREES, (ranking, "WIDTH", -1.0)),
+    "bounded": (*TREES, (ranking, "WIDTH", -1.0), (ranked_wide, "BITS", (1.0,))),
 }
 every_way = pytest.mark.parametrize("way", WAYS)
 
@@ -84,7 +88,7 @@ def test_ties_are_lexicographic(way, graph):
         assert list(ranked(graph)) == enumerated(graph)
 
 
-@pytest.mark.parametrize("way", ["joint", "tree", "merged", "forgetful"])
+@pytest.mark.parametrize("way", ["whole", "joint", "tree", "merged", "apart", "forgetful"])
 @LAW
 @given(graph=graphs(halves))
 def test_exact_ties_are_lexicographic_without_looking_ahead(way, graph):
