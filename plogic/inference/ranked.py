@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 JOINT = 1 << 12  # cells up to which a piece is one table
 WORK = 29.0  # bits of all tables, of which about half are kept, 8 bytes each: 2 GB; likewise
-TIE = round(1e-11 * 2.0**DIGITS)  # units within which log weights count as equal
+TIE = 1e-11  # nats within which log weights count as equal
 AHEAD = 256  # such states that are put in order together
 _UNITS = 1 << DIGITS
 
@@ -126,7 +126,7 @@ def _decoded(code: int, count: int, width: int) -> tuple[int, ...]:
 
 def _tied(source: Iterator[int], bits: int) -> Iterator[int]:
     """The same solutions, those that tie by code, and their costs non-decreasing."""
-    tie = TIE << bits
+    tie = round(TIE * _UNITS) << bits
     group: list[int] = []
     limit = 0
     late: OutOfTimeError | None = None
