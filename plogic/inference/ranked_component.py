@@ -39,13 +39,19 @@ SUMMED = 1 << 12  # cells up to which a bucket's tables are added up before they
 class Node:
     """One bucket: its axes, its costs of shape (rows, columns), the least cost of each row, and what it asks of its children."""
 
-    def __init__(self, bucket: Bucket, cards: Sequence[int], digits: Digits) -> None:
-        axes = _axes(bucket)
-        self.place = {v: axis for axis, v in enumerate(axes)}
-        self.rows, self.columns = axes[: bucket.shared], axes[bucket.shared :]
+    def __init__(self, bucket: Bucket, cards: Sequence[int]) -> None:
+        """Columns increase.
+
+        So do the rows of a small bucket, as its tables' scopes do; those of a large one stay in the order in which its parent has them,
+        so that nothing large is transposed.
+        """
+        rows, columns = bucket.scope[: bucket.shared], bucket.scope[bucket.shared :]
+        self.small = math.prod([cards[v] for v in bucket.scope]) <= SUMMED
+        self.rows, self.columns = tuple(sorted(rows) if self.small else rows), tuple(sorted(columns))
+        self.place = {v: axis for axis, v in enumerate(self.rows + self.columns)}
         self.row_cards = [cards[v] for v in self.rows]
         self.column_cards = [cards[v] for v in self.columns]
-        self.coder = Coder([digits.places[v] for v in self.columns], self.column_cards, digits.shift)
+        self.coder = Coder((), (), 0)
         self.children: list[tuple[Node, list[int], list[int]]] = []
         self.terms: list[Table] = []
         self.table: Table | None = None
@@ -54,9 +60,10 @@ class Node:
         self.made: dict[int, Stream] = {}
         self.known: dict[int, list[int]] = {}
 
-    def fill(self, terms: list[Table], impossible: int, *, keep: bool) -> None:
+    def fill(self, terms: list[Table], impossible: int, digits: Digits, *, keep: bool) -> None:
         """Add up tables over the last axes, of full length or of length 1."""
         self.terms, self.impossible = terms, impossible
+        self.coder = Coder([digits.places[v] for v in self.columns], self.column_cards, digits.shift)
         table = total(terms, self.row_cards + self.column_cards, impossible).reshape(math.prod(self.row_cards), -1)
         self.least = least(table)
         np.minimum(self.least, impossible, out=self.least)
@@ -157,38 +164,30 @@ class Row(Stream):
 def component(part: Part, buckets: Sequence[Bucket], digits: Digits, clock: Clock) -> tuple[float, Stream]:
     """(log weight of cost 0, the solutions of one piece); OutOfTimeError past the clock."""
     cards = part.cards
-    entering = [_entering(part, bucket) for bucket in buckets]
+    nodes = [Node(bucket, cards) for bucket in buckets]
+    entering = [_entering(part, bucket, node) for bucket, node in zip(buckets, nodes, strict=True)]
     scaled = costs([table for tables in entering for table in tables])
     if scaled is None:
         return 0.0, nothing()
     tables = iter(scaled.tables)
     digits = Digits(digits.places, digits.shift + scaled.shift)
-    keep = sum(math.prod([cards[v] for v in bucket.scope]) for bucket in buckets) <= KEPT
-    nodes: list[Node] = []
-    for bucket, own in zip(buckets, entering, strict=True):
-        node = Node(bucket, cards, digits)
+    keep = sum(math.prod(node.row_cards + node.column_cards) for node in nodes) <= KEPT
+    for bucket, node, own in zip(buckets, nodes, entering, strict=True):
         terms = [next(tables).reshape(table.shape) for table in own]
         for child in [nodes[i] for i in bucket.children]:
             terms.append(placed(child.rows, child.least, node.place, cards))
             node.link(child)
-        node.fill(terms, scaled.impossible, keep=keep)
-        nodes.append(node)
+        node.fill(terms, scaled.impossible, digits, keep=keep)
         clock.check()
     return scaled.top, product([node.row(0) for node, bucket in zip(nodes, buckets, strict=True) if bucket.parent < 0])
 
 
-def _entering(part: Part, bucket: Bucket) -> list[NDArray[np.float64]]:
-    """The log weights that enter a bucket, with its axes; of a small bucket their sum."""
-    place = {v: axis for axis, v in enumerate(_axes(bucket))}
-    terms = [placed(*part.tables[i], place, part.cards) for i in bucket.tables]
-    if terms and math.prod([part.cards[v] for v in bucket.scope]) <= SUMMED:
+def _entering(part: Part, bucket: Bucket, node: Node) -> list[NDArray[np.float64]]:
+    """The log weights that enter a bucket, with its node's axes; of a small bucket their sum."""
+    terms = [placed(*part.tables[i], node.place, part.cards) for i in bucket.tables]
+    if terms and node.small:
         return [functools.reduce(operator.add, sorted(terms, key=_AXES))]  # those that need the fewest cells first
     return terms
-
-
-def _axes(bucket: Bucket) -> tuple[int, ...]:
-    """The variables of a bucket: those of its rows, then those of its columns, each in order."""
-    return *sorted(bucket.scope[: bucket.shared]), *sorted(bucket.scope[bucket.shared :])
 
 
 def _states(number: int, cards: Sequence[int]) -> list[int]:
