@@ -9,7 +9,10 @@ from typing import Any
 
 import click
 
+from plogic.commands.bop import bop
+from plogic.commands.kb_group import kb
 from plogic.commands.options import AS_JSON, DEADLINE, GIVEN, INTERPRETATION, MODES, READING, READINGS, SEED, SOURCE, TRUST, Number
+from plogic.commands.simulate import BOP, BOP_IMAGES
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -151,69 +154,6 @@ def report(interpretation: str, out: str) -> None:
     report_command(interpretation, out, say=_say, write=_out)
 
 
-@cli.group()
-def kb() -> None:
-    """Check and show knowledge bases."""
-
-
-@kb.command("check")
-@click.argument("folder")
-@AS_JSON
-def kb_check(folder: str, as_json: bool) -> None:
-    """Report every mistake of a knowledge base at its file, line and column."""
-    from plogic.commands.kb import check_command
-
-    _out(check_command(folder, as_json=as_json))
-
-
-@kb.command("show")
-@click.argument("folder")
-@AS_JSON
-def kb_show(folder: str, as_json: bool) -> None:
-    """Show the trees of parts, the counts and dv."""
-    from plogic.commands.kb import show_command
-
-    _out(show_command(folder, as_json=as_json))
-
-
-@kb.command("measures")
-@click.argument("folder")
-@click.option("--gamma", type=click.Path(), help="A Γ to rank the types by.")
-@AS_JSON
-def kb_measures(folder: str, gamma: str | None, as_json: bool) -> None:
-    """Print |S(F)|, P(dv) and dv of every feature type; with a Γ, the rank of every object type."""
-    from plogic.commands.kb import measures_command
-
-    _out(measures_command(folder, gamma, as_json=as_json))
-
-
-@kb.command("schema")
-@click.argument("which", type=click.Choice(["kb", "object"]))
-def kb_schema(which: Any) -> None:
-    """Print the JSON Schema of `kb.yaml` or `object.yaml`."""
-    from plogic.commands.kb import schema_command
-
-    _out(schema_command(which))
-
-
-@kb.command("learn-rates")
-@click.argument("scenes", nargs=-1, required=True, metavar="SCENES...")
-@click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base whose kb.yaml is written.")
-@click.option("--add", is_flag=True, help="Add to the counts that the KB has, instead of starting anew.")
-@click.option("--dry-run", is_flag=True, help="Only print: write nothing.")
-@AS_JSON
-def kb_learn_rates(scenes: tuple[str, ...], kb_folder: str, as_json: bool, **options: Any) -> None:
-    """Learn priors, hit rates and clutter from SCENES, folders with ground truth, into kb.yaml.
-
-    A scene is what `plogic simulate` writes, or any folder with truth.json and an interpretation.json,
-    a gamma.json, or an image.png with camera.json. Where truth.json says `"complete": false`, what was
-    found beyond it may be there or not, and is weighed by EM.
-    """
-    from plogic.commands.learn import learn_rates_command
-
-    _out(learn_rates_command(scenes, kb_folder, options, say=_say, as_json=as_json))
-
-
 @cli.command()
 @click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base; `towers` is shipped.")
 @click.option("--objects", "number", type=click.IntRange(0, 50), default=2, show_default=True)
@@ -224,29 +164,37 @@ def kb_learn_rates(scenes: tuple[str, ...], kb_folder: str, as_json: bool, **opt
 @click.option(
     "-o", "--out", type=click.Path(path_type=Path), required=True, help="New folder for image, camera and ground truth."
 )
-def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path) -> None:
+@BOP
+@BOP_IMAGES
+def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **bop_options: Any) -> None:
     """Render a physically settled scene with its ground truth."""
     from plogic.commands.simulate import simulate_command
 
-    simulate_command(kb_folder, number, decoys, seed, out)
+    simulate_command(kb_folder, number, decoys, seed, out, **bop_options)
     _say(f"wrote {out}")
 
 
 @cli.command()
-@click.argument("name", type=click.Choice(["towers", "worlds"]))
+@click.argument("name", type=click.Choice(["towers", "worlds", "recognition", "box"]))
 @click.option("--scenes", type=click.IntRange(1), default=120, show_default=True, help="Scenes of `towers`.")
-@click.option("--limit", type=Number(0.0, min_open=True), default=60.0, show_default=True, help="Seconds of each stock run of `worlds`.")
-@click.option("--quick", is_flag=True, help="Only the small sizes of `worlds`, in under a minute.")
+@click.option(
+    "--limit", type=Number(0.0, min_open=True), default=60.0, show_default=True, help="Seconds of a stock run (`worlds`), or the peer (`recognition`)"
+)
+@click.option("--quick", is_flag=True, help="Small sizes of `worlds`, few scenes of `recognition`, the box alone.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @AS_JSON
 def bench(name: str, scenes: int, limit: float, quick: bool, seed: int, as_json: bool) -> None:
     """Run one of the project's own benchmarks; it ends with its claims."""
     from importlib import import_module
 
-    options: dict[str, Any] = {"scenes": scenes} if name == "towers" else {"limit": limit, "quick": quick}
+    options: dict[str, Any] = {"scenes": scenes} if name == "towers" else {"quick": quick} if name == "box" else {"limit": limit, "quick": quick}
     text, met = import_module(f"plogic.bench.{name}").run(seed=seed, **options, as_json=as_json, say=_say)
     _out(text)
     sys.exit(0 if met else 1)
+
+
+cli.add_command(kb)
+cli.add_command(bop)
 
 
 def _warn(source: str, *, trust: bool) -> None:

@@ -78,15 +78,22 @@ def coarse_relation(
     tolerance: float = TOLERANCE,
     *,
     depth_tolerance: float = DEPTH_TOLERANCE,
+    images: tuple[Area, Area] | None = None,
 ) -> CoarseRelation:
     """The one coarse relation that holds of x and y as `camera` sees them: 'partially_occludes' has x before y.
 
     `tolerance` (px) says how thin a common image is no interior, and how little may stick out of a total occluder;
     `depth_tolerance` (part of the distance) when two are equally near. Decided on ideal pixels: the relation is
-    topological, so a lens does not change it. Use `coarse_relations` for several bodies, which draws each outline once.
+    topological, so a lens does not change it. Use `coarse_relations` for several bodies, which draws each outline once,
+    or give the `images` of both (`ideal_outline`) where they are known.
     """
-    images = [ideal_outline(s.vertices, s.triangles, s.camera_from_object, camera) for s in (x, y)]
-    return _relation((x, y), (images[0], images[1]), camera, tolerance, depth_tolerance)
+    images = images or (drawn(x, camera), drawn(y, camera))
+    return _relation((x, y), images, camera, tolerance, depth_tolerance)
+
+
+def drawn(surface: PosedSurface, camera: Camera) -> Area:
+    """The outline in ideal pixels."""
+    return ideal_outline(surface.vertices, surface.triangles, surface.camera_from_object, camera)
 
 
 def coarse_relations(
@@ -97,7 +104,7 @@ def coarse_relations(
     depth_tolerance: float = DEPTH_TOLERANCE,
 ) -> dict[tuple[int, int], CoarseRelation]:
     """`coarse_relation` of every ordered pair (i, j), i != j, of `surfaces`."""
-    images = [ideal_outline(s.vertices, s.triangles, s.camera_from_object, camera) for s in surfaces]
+    images = [drawn(s, camera) for s in surfaces]
     found: dict[tuple[int, int], CoarseRelation] = {}
     for i, x in enumerate(surfaces):
         for j in range(i + 1, len(surfaces)):

@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     import networkx as nx
     from numpy.typing import NDArray
 
+    from kb.learnt import LearntCloud
     from kb.surface import Surface
+    from kb.words import Words
 
 
 def _freeze(holder: object, **shapes: tuple[int, ...]) -> None:
@@ -82,7 +84,9 @@ class ObjectType:
 
     ``features`` are the maximal features: valuation and ev score a compound once and not its parts again (A1). ``all_features`` is every
     Feature node, which S of §5.1 counts. ``symmetries`` (S, 4, 4): rigid motions of the object's frame that change nothing, the identity
-    among them. A type without a mesh has no ``surface`` and hides nothing. ``mesh_scale`` is metres per unit of ``mesh_file``.
+    among them. A type without a mesh has no ``surface`` and hides nothing. ``mesh_file`` is what is rendered, the
+    textured mesh where there is one; ``mesh_scale`` is metres per unit of it. ``learnt``: the
+    cloud of a type whose features were learnt; ``features`` are then the same in the same order, but their appearances are ``learnt_lobes``.
     """
 
     name: str
@@ -94,6 +98,8 @@ class ObjectType:
     symmetries: NDArray[np.float64]
     mesh_file: Path | None = None
     mesh_scale: float = 1.0
+    learnt: LearntCloud | None = None
+    learnt_lobes: LobeTable | None = None
 
     def __post_init__(self) -> None:
         _freeze(self, symmetries=(-1, 4, 4))
@@ -101,7 +107,7 @@ class ObjectType:
     @cached_property
     def lobes(self) -> LobeTable:
         """The lobes of ``features`` as arrays."""
-        return lobe_table(self.features)
+        return self.learnt_lobes or lobe_table(self.features)
 
 
 @dataclass(frozen=True)
@@ -144,7 +150,10 @@ class Rates:
 
 @dataclass(frozen=True, eq=False)
 class KnowledgeBase:
-    """Σ. ``f_ref`` pixels: the focal length that lobes' ranges hold for. ``digest``: SHA-256 over the folder's contents."""
+    """Σ. ``f_ref`` pixels: the focal length that lobes' ranges hold for. ``digest``: SHA-256 over the folder's contents.
+
+    ``words``: the visual words of learnt clouds; their names are among ``appearance_types``.
+    """
 
     name: str
     types: tuple[ObjectType, ...]
@@ -154,6 +163,7 @@ class KnowledgeBase:
     rules: str
     digest: str
     folder: Path | None = None
+    words: Words | None = None
 
     def type(self, name: str) -> ObjectType:
         """The type of a name; raises KeyError."""

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 LAMBDA = 1.0
 """Clutter appearances an image, per appearance type of the vocabulary, on the average."""
+KEYPOINTS = 1500.0
+"""Keypoints of clutter an image, of all visual words together."""
 LEAST = 0.01
 """Share of that average that an appearance type has at least, though no feature looks like it."""
 
@@ -26,7 +28,7 @@ def clutter_prior(types: Sequence[ObjectType], appearance_types: Sequence[str]) 
     """
     instances: Counter[str] = Counter()
     looks: dict[str, set[str]] = {}
-    for feature in (feature for kind in types for feature in kind.all_features):
+    for feature in (feature for kind in types if kind.learnt is None for feature in kind.all_features):
         instances[feature.type] += 1
         looks.setdefault(feature.type, set()).update(appearance.type for appearance in feature.appearances)
     total, share = sum(instances.values()), dict.fromkeys(appearance_types, 0.0)
@@ -35,3 +37,11 @@ def clutter_prior(types: Sequence[ObjectType], appearance_types: Sequence[str]) 
             share[name] += number / total / len(looks[kind])
     whole = LAMBDA * len(appearance_types)
     return {name: round(max(whole * part, LEAST * LAMBDA), 6) for name, part in share.items()}
+
+
+def word_clutter(types: Sequence[ObjectType], words: Sequence[str]) -> dict[str, float]:
+    """Expected keypoints of clutter an image per visual word: ``KEYPOINTS`` in all, shared out by P(dv(F)), each word having one feature at least."""
+    seen = Counter(dict.fromkeys(words, 1))
+    seen.update(feature.type for kind in types if kind.learnt is not None for feature in kind.features)
+    total = sum(seen.values())
+    return {name: KEYPOINTS * seen[name] / total for name in words}

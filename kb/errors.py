@@ -5,8 +5,9 @@
     geometry.errors.PlogicError
     └── KBError                 anything of this package
         ├── TreeError           a tree that breaks A1-A3 or D1-D3; names the node
-        ├── SurfaceError        a mesh that is no closed surface, or no mesh at all
-        └── KBErrors            a folder's mistakes, all of them; str() gives a line each
+        ├── SurfaceError        a mesh without facets or extent, or no mesh at all
+        ├── IntakeError         a mesh, robot or model file that no type can be made of; names the file
+    └── KBErrors            a folder's mistakes, all of them; str() gives a line each
 """
 
 from __future__ import annotations
@@ -30,6 +31,14 @@ class TreeError(KBError):
 
 class SurfaceError(KBError):
     """A mesh that is no closed surface of non-degenerate facets."""
+
+
+class CloudError(KBError):
+    """A learnt cloud, or a vocabulary of visual words, that cannot be read."""
+
+
+class IntakeError(KBError):
+    """A mesh, robot or model file that no type can be made of; the message names the file."""
 
 
 @dataclass(frozen=True, order=True)

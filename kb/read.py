@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from kb.branches import branch_of, misplaced, outline, path_to
 from kb.cloud import Counts, KnowledgeBase, ObjectType, Rates
-from kb.clutter import clutter_prior
+from kb.clutter import clutter_prior, word_clutter
 from kb.cross import cross_mistakes
 from kb.errors import KBErrors, Mistake, SurfaceError
 from kb.folder import MAX_MESH_BYTES, Folder
+from kb.learnt_reading import check_words, learnt_features, learnt_lobes, learnt_of, words_of
 from kb.model_mistakes import checked, without
 from kb.quantities import LENGTHS
 from kb.schema import KBModel, ObjectModel
@@ -22,11 +23,15 @@ from kb.tree import build_tree, features_of, tree_mistakes
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from kb.learnt import LearntCloud
     from kb.schema import CountsModel
+    from kb.words import Words
     from kb.yaml_text import Document
 
 MAX_RULES_BYTES = 1_000_000
 """Largest ``rules.pl``."""
+PAINT = {".mtl", ".png", ".jpg", ".jpeg"}
+"""What paints a mesh, beside it."""
 HIT, PRIOR = 0.8, 0.5
 """What holds for types that ``kb.yaml`` says nothing about."""
 
@@ -38,7 +43,9 @@ class _Object:
     document: Document
     model: ObjectModel | None
     surface: Surface | None
-    mesh_file: Path | None
+    rendered: Path | None
+    scale: float
+    learnt: LearntCloud | None
 
 
 def read_kb(folder: Path | str) -> KnowledgeBase:
@@ -55,13 +62,15 @@ def read_kb(folder: Path | str) -> KnowledgeBase:
     model, wrong = checked(KBModel, document)
     files = _object_files(place.root)
     objects = [item for path in files if (item := _object(place, path)) is not None]
-    rules = _rules(place)
+    rules, words = _rules(place), words_of(place, document)
+    for item in objects:
+        check_words(place, item.document, item.learnt, words)
     wrong += cross_mistakes(document, model, [item.document for item in objects], complete=len(objects) == len(files))
     mistakes = list(dict.fromkeys(place.mistakes + wrong))
     if mistakes or model is None:
         raise KBErrors(mistakes)
-    types = tuple(_type(item.model, item) for item in objects if item.model is not None)
-    return _knowledge_base(place, model, types, rules)
+    types = tuple(_type(item.model, item, words) for item in objects if item.model is not None)
+    return _knowledge_base(place, model, types, rules, words)
 
 
 def _check_folder(root: Path) -> None:
@@ -87,8 +96,13 @@ def _object(place: Folder, path: Path) -> _Object | None:
         return None
     place.mistakes.extend(_tree_mistakes(document))
     place.mistakes.extend(_symmetry_mistakes(document, model) if model is not None else ())
-    mesh_file, surface = _surface(place, document, path.parent)
-    return _Object(document, model, surface, mesh_file)
+    mesh = document.data.get("mesh")
+    mesh = mesh if isinstance(mesh, dict) else {}
+    units = mesh.get("units")
+    scale = LENGTHS.get(units, 1.0) if isinstance(units, str) else 1.0
+    mesh_file, surface = _surface(place, document, path.parent, mesh.get("file"), scale)
+    rendered = _textured(place, document, path.parent, mesh.get("textured")) or mesh_file
+    return _Object(document, model, surface, rendered, scale, learnt_of(place, document, path.parent))
 
 
 def _tree_mistakes(document: Document) -> Iterator[Mistake]:
@@ -103,22 +117,37 @@ def _symmetry_mistakes(document: Document, model: ObjectModel) -> Iterator[Mista
         yield document.mistake(("symmetries",), str(error))
 
 
-def _surface(place: Folder, document: Document, folder: Path) -> tuple[Path | None, Surface | None]:
+def _surface(place: Folder, document: Document, folder: Path, file: object, scale: float) -> tuple[Path | None, Surface | None]:
     """The mesh of a document, sought even where the document has other mistakes."""
-    mesh = document.data.get("mesh")
-    file = mesh.get("file") if isinstance(mesh, dict) else None
-    if not isinstance(file, str) or not file or "\0" in file:
-        return None, None
-    path, units = folder / file, mesh.get("units")
-    fault = place.fault(path, MAX_MESH_BYTES)
-    if fault is not None:
-        place.mistakes.append(document.mistake(("mesh", "file"), f"the mesh {file!r:.100} {fault}"))
-    elif place.content(path, MAX_MESH_BYTES) is not None:
+    path = _mesh_file(place, document, folder, file, "file")
+    if path is not None and place.content(path, MAX_MESH_BYTES) is not None:
         try:
-            return path, surface_from_mesh(path, LENGTHS.get(units, 1.0) if isinstance(units, str) else 1.0)
+            return path, surface_from_mesh(path, scale)
         except SurfaceError as error:
             place.mistakes.append(document.mistake(("mesh", "file"), str(error)))
     return None, None
+
+
+def _textured(place: Folder, document: Document, folder: Path, file: object) -> Path | None:
+    """The mesh that is rendered; it, its material and its pictures are among what the digest is over."""
+    path = _mesh_file(place, document, folder, file, "textured")
+    if path is None:
+        return None
+    for beside in sorted(path.parent.iterdir()):
+        if beside == path or (beside.suffix.lower() in PAINT and beside.is_file()):
+            place.content(beside, MAX_MESH_BYTES)
+    return path
+
+
+def _mesh_file(place: Folder, document: Document, folder: Path, file: object, key: str) -> Path | None:
+    """A file that a document names, if it may be read."""
+    if not isinstance(file, str) or not file or "\0" in file:
+        return None
+    fault = place.fault(folder / file, MAX_MESH_BYTES)
+    if fault is not None:
+        place.mistakes.append(document.mistake(("mesh", key), f"the mesh {file!r:.100} {fault}"))
+        return None
+    return folder / file
 
 
 def _rules(place: Folder) -> str:
@@ -132,9 +161,13 @@ def _rules(place: Folder) -> str:
         return ""
 
 
-def _type(model: ObjectModel, item: _Object) -> ObjectType:
+def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
     tree = build_tree(branch_of(model))
     features, all_features = features_of(tree)
+    lobes = None
+    if item.learnt is not None and words is not None:
+        features = all_features = learnt_features(item.learnt, words)
+        lobes = learnt_lobes(item.learnt, words)
     return ObjectType(
         name=model.object,
         tree=tree,
@@ -143,29 +176,34 @@ def _type(model: ObjectModel, item: _Object) -> ObjectType:
         surface=item.surface,
         opaque=model.opaque,
         symmetries=motions(model.symmetries),
-        mesh_file=item.mesh_file,
+        mesh_file=item.rendered,
+        mesh_scale=item.scale,
+        learnt=item.learnt,
+        learnt_lobes=lobes,
     )
 
 
-def _knowledge_base(place: Folder, model: KBModel, types: tuple[ObjectType, ...], rules: str) -> KnowledgeBase:
+def _knowledge_base(place: Folder, model: KBModel, types: tuple[ObjectType, ...], rules: str, words: Words | None) -> KnowledgeBase:
+    named = words.names if words is not None else ()
     return KnowledgeBase(
         name=model.name,
         types=types,
-        appearance_types=tuple(model.appearance_types),
-        rates=_rates(model, types),
+        appearance_types=(*model.appearance_types, *named),
+        rates=_rates(model, types, named),
         f_ref=model.f_ref,
         rules=rules,
         digest=place.digest(),
         folder=place.root,
+        words=words,
     )
 
 
-def _rates(model: KBModel, types: tuple[ObjectType, ...]) -> Rates:
+def _rates(model: KBModel, types: tuple[ObjectType, ...], words: tuple[str, ...]) -> Rates:
     detector = model.detector
     kinds = sorted({feature.type for kind in types for feature in kind.all_features})
     return Rates(
         hit={name: detector.hit.get(name, HIT) for name in kinds},
-        clutter=clutter_prior(types, model.appearance_types) | dict(detector.clutter),
+        clutter=clutter_prior(types, model.appearance_types) | word_clutter(types, words) | dict(detector.clutter),
         prior={kind.name: model.priors.get(kind.name, PRIOR) for kind in types},
         sigma=detector.sigma,
         sigmas=dict(detector.sigmas),

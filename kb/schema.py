@@ -198,10 +198,17 @@ class PartModel(Model):
 
 
 class MeshModel(Model):
-    """The type's closed surface."""
+    """The type's surface, closed where it can be, and what shows it painted."""
 
     file: Text = Field(description="The mesh's file, beside object.yaml; anything that trimesh reads.")
     units: Units = Field(description="The unit of the mesh's coordinates. No mesh format carries it, so it must be stated.")
+    textured: Text | None = Field(None, description="The same mesh with its texture, an OBJ in the same unit: what is rendered.")
+
+
+class FileModel(Model):
+    """A file that a machine made."""
+
+    file: Text = Field(description="The file, beside this one.")
 
 
 class SymmetryModel(Model):
@@ -231,6 +238,7 @@ class ObjectModel(Model):
     symmetries: list[SymmetryModel] = Field([], description="Motions of its frame that change nothing.")
     parts: list[PartModel] = Field([], description="Its parts; or else features (A1).")
     features: list[FeatureModel] = Field([], description="Its features, if it has no parts.")
+    cloud: FileModel | None = Field(None, description="Its learnt features (`plogic kb learn`), if it has neither parts nor features.")
 
 
 class DetectorModel(Model):
@@ -282,6 +290,7 @@ class KBModel(Model):
     detector: DetectorModel = Field(
         default_factory=_no_statistics, description="What is known of the detectors: hit rates, clutter, location noise."
     )
+    words: FileModel | None = Field(None, description="The visual words that learnt clouds are made of (`plogic kb learn`).")
     priors: dict[Name, Share] = Field({}, description="Chance of an instance, per object type; 0.5.")
     counts: CountsModel = Field(default_factory=_no_counts, description="What the rates were learnt from: [n, of] each.")
 

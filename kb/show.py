@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geometry.frames import transform_points
+from kb.cautions import MOST_NAMED, cautions
+from kb.learnt_summary import learnt_summary
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -21,23 +24,30 @@ CLOSE = 0.01
 
 
 def check_report(kb: KnowledgeBase) -> list[str]:
-    """A line about the KB, one about each type, and one, beginning with ``note:``, for each thing that may be meant otherwise."""
-    head = f"{kb.name}: {_count(len(kb.types), 'type')}, {_count(len(kb.appearance_types), 'appearance type')}, no mistakes"
-    return [head, *(_summary(kind) for kind in kb.types), *(f"note: {note}" for note in _notes(kb))]
+    """A line about the KB, one about each type, and one for each thing that matters (``warning:``) or may be meant otherwise (``note:``)."""
+    words = f", {_count(len(kb.words.names), 'visual word')}" if kb.words is not None else ""
+    own = len(kb.appearance_types) - (len(kb.words.names) if kb.words is not None else 0)
+    head = f"{kb.name}: {_count(len(kb.types), 'type')}, {_count(own, 'appearance type')}{words}, no mistakes"
+    summaries = (line for kind in kb.types for line in _summary(kind))
+    warnings = (f"warning: {caution}" for caution in cautions(kb))
+    return [head, *summaries, *warnings, *(f"note: {note}" for note in _notes(kb))]
 
 
 def _count(number: int, thing: str) -> str:
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
-def _summary(kind: ObjectType) -> str:
-    counts = ", ".join(f"{name} {number}" for name, number in sorted(feature_counts(kind).items()))
+def _summary(kind: ObjectType) -> Iterator[str]:
     body = f"{len(kind.surface.triangles)} facets, {kind.surface.volume:.4g} m3" if kind.surface else "no surface"
-    return (
-        f"{kind.name}: {_count(len(kind.features), 'feature')}{f' ({counts})' if counts else ''}, "
-        f"{_count(len(kind.lobes.types), 'lobe')}, {body}, {'opaque' if kind.opaque else 'not opaque'}, "
-        f"{_count(len(kind.symmetries), 'symmetry').replace('symmetrys', 'symmetries')}"
-    )
+    symmetries = _count(len(kind.symmetries), "symmetry").replace("symmetrys", "symmetries")
+    body += f", {'opaque' if kind.opaque else 'not opaque'}, {symmetries}"
+    if kind.learnt is not None:
+        first, second = learnt_summary(kind).lines
+        yield f"{kind.name}: {first}, {body}"
+        yield f"  {second}"
+        return
+    counts = ", ".join(f"{name} {number}" for name, number in sorted(feature_counts(kind).items()))
+    yield f"{kind.name}: {_count(len(kind.features), 'feature')}{f' ({counts})' if counts else ''}, {_count(len(kind.lobes.types), 'lobe')}, {body}"
 
 
 def feature_counts(kind: ObjectType) -> dict[str, int]:
@@ -48,23 +58,22 @@ def feature_counts(kind: ObjectType) -> dict[str, int]:
 def _notes(kb: KnowledgeBase) -> Iterator[str]:
     if not kb.types:
         yield "there is no type: nothing can be perceived"
-    sorts = {name for kind in kb.types for name in feature_counts(kind)}
-    if len(sorts) == 1:
-        yield f"every feature is of type {sorts.pop()!r}, so that every dv is 0 and ev is undefined: nothing will be accepted"
-    seen = {name for kind in kb.types for name in kind.lobes.types}
-    for name in kb.appearance_types:
-        if name not in seen:
-            yield f"no feature looks like {name!r}"
+    seen = {name for kind in kb.types for name in kind.lobes.types} | set(kb.words.names if kb.words is not None else ())
+    unused = [repr(name) for name in kb.appearance_types if name not in seen]
+    if unused and kb.types:
+        yield f"no feature looks like {', '.join(unused[:MOST_NAMED])}{_more(len(unused))}"
     for kind in kb.types:
         yield from (f"{kind.name}: {note}" for note in _type_notes(kind))
+
+
+def _more(number: int) -> str:
+    return f" and {number - MOST_NAMED} more" if number > MOST_NAMED else ""
 
 
 def _type_notes(kind: ObjectType) -> Iterator[str]:
     if kind.surface is None:
         yield "has no mesh, so it hides nothing"
-    if not kind.features:
-        yield "has no features, so it is never found"
-    for feature in kind.features:
+    for feature in kind.features if kind.learnt is None else ():
         if not feature.appearances:
             yield f"{feature.name} has no appearance, so it is never expected"
     for index, moved in enumerate(_moved(kind)):
@@ -85,7 +94,12 @@ def _moved(kind: ObjectType) -> list[float]:
 
 def tree_text(kb: KnowledgeBase) -> str:
     """The trees of all types: a line for each object and feature, one for all the appearances of a feature."""
-    return "\n".join(line for kind in kb.types for line in _tree_lines(kind.tree, "", kind.name, "")) + "\n"
+    return "\n".join(line for kind in kb.types for line in (*_tree_lines(kind.tree, "", kind.name, ""), *_learnt_lines(kind))) + "\n"
+
+
+def _learnt_lines(kind: ObjectType) -> list[str]:
+    """What stands for the features of a learnt type: there are too many to list."""
+    return [f"  {line}" for line in learnt_summary(kind).lines] if kind.learnt is not None else []
 
 
 def _tree_lines(tree: nx.DiGraph, node: str, label: str, indent: str) -> Iterator[str]:
@@ -137,6 +151,7 @@ def _type_document(kind: ObjectType) -> dict[str, Any]:
         "symmetries": np.asarray(kind.symmetries).tolist(),
         "surface": {"facets": len(surface.triangles), "volume": surface.volume} if surface else None,
         "features": feature_counts(kind),
+        "learnt": asdict(learnt_summary(kind)) if kind.learnt is not None else None,
         "nodes": [_node_document(kind.tree, node) for node in kind.tree],
     }
 

@@ -1,19 +1,22 @@
-"""Surfaces: Surface(surface(x), BoundingSurface, facets), closed and manifold, of triangles (§2.8).
+"""Surfaces: Surface(surface(x), BoundingSurface, facets), of triangles, closed and manifold where it can be (§2.8).
 
-Vocabulary: ``Surface``, a tetrahedron having 4 vertices and 4 triangles; its edges lie each in exactly two facets.
+Vocabulary: ``Surface``, a tetrahedron having 4 vertices and 4 triangles; its edges lie each in exactly two facets. A surface that is
+not closed hides what is behind it all the same, for that is a matter of rays; A4's volume is then that of ``solid``, its convex hull.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.errors import GeometryError
+from geometry.outline import is_closed
 from geometry.rays import RayMesh, checked_mesh
 from kb.errors import SurfaceError
+from kb.mesh_files import meshes_of, triangles_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -53,6 +56,29 @@ class Surface:
         return float(np.einsum("ti,ti->", a, np.cross(b, c)) / 6)
 
     @cached_property
+    def faults(self) -> str:
+        """What breaks §2.8, in words and numbers: edges in one facet only and the like; '' for a closed, manifold surface."""
+        faults = {"degenerate facets": int(degenerate(self).sum())} | _edge_faults(self.triangles)
+        return ", ".join(f"{count} {fault}" for fault, count in faults.items() if count)
+
+    @cached_property
+    def closed(self) -> bool:
+        """Whether each edge is run along as often one way as the other: an inside and an outside, and so a volume (§2.8).
+
+        Weaker than ``check_closed``: two bodies that touch along an edge, four facets meeting there, enclose a volume all the same.
+        """
+        return is_closed(self.triangles)
+
+    @cached_property
+    def solid(self) -> Surface | None:
+        """The closed surface whose volume A4 is about: this one, or, of one that encloses none, its convex hull.
+
+        The hull is too large where the body is hollow, so that A4 forbids more than it should there. None for a flat surface, which
+        shares no volume with anything.
+        """
+        return self if self.closed and self.volume > 0 else _hull(self.vertices)
+
+    @cached_property
     def diameter(self) -> float:
         """The diagonal of the bounding box, m."""
         return float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
@@ -66,28 +92,26 @@ class Surface:
 
 
 def surface_from_mesh(path: Path, scale: float = 1.0) -> Surface:
-    """The closed surface of a mesh file; ``scale`` takes the file's unit to metres.
+    """The surface of a mesh file, closed or not; ``scale`` takes the file's unit to metres.
 
     Raises:
-        SurfaceError: for a file that is no mesh, and for a mesh that is not closed.
+        SurfaceError: for a file that is no mesh, and for a mesh with a coordinate that is not finite or without an extent.
     """
     vertices, triangles = _read(path)
     surface = welded(vertices * scale, triangles)
-    check_closed(surface)
-    return surface if surface.volume > 0 else Surface(surface.vertices, surface.triangles[:, ::-1])
+    return surface if surface.volume >= 0 else Surface(surface.vertices, surface.triangles[:, ::-1])
 
 
 def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    import trimesh
-
     try:
-        mesh: Any = trimesh.load(path, force="mesh", process=False)
-        vertices, triangles = np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64)
+        parts = [triangles_of(mesh, placed) for mesh, placed in meshes_of(path)]
     except Exception as error:  # - trimesh's readers raise whatever their parsers do
         raise SurfaceError(f"{path.name} is no mesh that can be read: {error}") from error
-    if not len(triangles):
+    if not sum(len(triangles) for _, triangles in parts):
         raise SurfaceError(f"{path.name} holds no facets")
-    return vertices, triangles
+    starts = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
+    facets = [triangles + start for (_, triangles), start in zip(parts, starts, strict=False)]
+    return np.concatenate([vertices for vertices, _ in parts]), np.concatenate(facets)
 
 
 def welded(vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> Surface:
@@ -107,16 +131,23 @@ def welded(vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> Surfa
 
 
 def _same_place(vertices: NDArray[np.float64], grain: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """The first vertex of each place, and each vertex's place: vertices within ``grain``, linked in chains."""
+    """The first vertex of each place, and each vertex's place: vertices within ``grain``, linked in chains.
+
+    Those in one cell of a grid of ``grain`` are one first, so that the work is bounded however many stand at one place.
+    """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    pairs = cKDTree(vertices).query_pairs(max(grain, 1e-300), output_type="ndarray")
-    size = len(vertices)
-    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
-    label = np.asarray(connected_components(links, directed=False)[1])
-    return np.unique(label, return_index=True)[1], label
+    if not grain > 0:
+        return np.zeros(1, dtype=np.intp), np.zeros(len(vertices), dtype=np.intp)
+    cells = np.floor((vertices - vertices.min(axis=0)) / grain).astype(np.int64)
+    _, some, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    pairs = cKDTree(vertices[some]).query_pairs(grain, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(some), len(some)))
+    label = np.asarray(connected_components(links, directed=False)[1])[cell.ravel()]
+    _, first, place = np.unique(label, return_index=True, return_inverse=True)
+    return first, place
 
 
 def degenerate(surface: Surface) -> NDArray[np.bool_]:
@@ -132,10 +163,23 @@ def check_closed(surface: Surface) -> None:
     Raises:
         SurfaceError: with the numbers of edges and facets that break it.
     """
-    faults = {"degenerate facets": int(degenerate(surface).sum())} | _edge_faults(surface.triangles)
-    broken = [f"{count} {fault}" for fault, count in faults.items() if count]
-    if broken:
-        raise SurfaceError(f"no closed surface: {', '.join(broken)} of {len(surface.triangles)} facets")
+    if surface.faults:
+        raise SurfaceError(f"no closed surface: {surface.faults} of {len(surface.triangles)} facets")
+
+
+def _hull(vertices: NDArray[np.float64]) -> Surface | None:
+    """The convex hull of points (V, 3), facets outward; None where they lie in a plane."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull = ConvexHull(vertices)
+    except QhullError:
+        return None
+    a, b, c = np.moveaxis(vertices[hull.simplices], 1, 0)
+    inward = np.einsum("ti,ti->t", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
+    facets = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
+    used, index = np.unique(facets, return_inverse=True)
+    return Surface(vertices[used], index.reshape(-1, 3))
 
 
 def _edge_faults(triangles: NDArray[np.int64]) -> dict[str, int]:

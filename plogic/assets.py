@@ -15,12 +15,14 @@ if TYPE_CHECKING:
 
     from kb.cloud import ObjectType
 
-LARGEST_PNG = 2 * 2**20
+LARGEST_PNG = 768 * 2**10
 """Bytes; a larger image is carried as JPEG."""
 LONGEST_SIDE = 1280
 """Pixels; a larger image is carried smaller."""
 MOST_TRIANGLES = 4000
-"""Of a carried mesh; a larger one is carried as its convex hull."""
+"""Of a carried mesh; a larger one is carried coarser."""
+GRIDS = (80, 56, 40, 28, 20, 14, 10, 7)
+"""Cells to the longest side in which a large mesh's vertices are made one, finest first, until its triangles are few enough."""
 
 
 def image_asset(image: NDArray[np.uint8] | None) -> dict[str, Any]:
@@ -53,8 +55,22 @@ def _carried(
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     if len(triangles) <= MOST_TRIANGLES:
         return vertices, triangles
-    from scipy.spatial import ConvexHull
+    for cells in GRIDS:
+        fewer = _clustered(vertices, triangles, cells)
+        if len(fewer[1]) <= MOST_TRIANGLES:
+            break
+    return fewer
 
-    hull = ConvexHull(vertices)
-    used, renamed = np.unique(hull.simplices, return_inverse=True)
-    return vertices[used], renamed.reshape(-1, 3)
+
+def _clustered(vertices: NDArray[np.float64], triangles: NDArray[np.intp], cells: int) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """The mesh with the vertices of each cell of a grid, ``cells`` to its longest side, made one: their mean."""
+    low = vertices.min(axis=0)
+    side = float((vertices.max(axis=0) - low).max()) / cells or 1.0
+    _, cell = np.unique(np.floor((vertices - low) / side).astype(np.int64), axis=0, return_inverse=True)
+    cell = cell.reshape(-1)
+    count = np.bincount(cell)
+    means = np.stack([np.bincount(cell, vertices[:, axis]) / count for axis in range(3)], axis=1)
+    faces = cell[triangles]
+    kept = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 0] != faces[:, 2])
+    first = np.unique(np.sort(faces[kept], axis=1), axis=0, return_index=True)[1]
+    return means, faces[kept][np.sort(first)]

@@ -8,7 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plogic.measures.valuation import compatible, rank
+from plogic.measures.valuation import compatible, rank, rank_of_kinds
+from plogic.search.learnt.index import LearntIndex
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
     from kb.cloud import KnowledgeBase
     from plogic.search.generate import TypeIndex
+    from plogic.search.indices import Index
 
 CELLS_TRIED = 24
 """View cells whose rank is taken for the tie-break, evenly over the sphere."""
@@ -33,7 +35,7 @@ class Attention:
     within_cell: float
 
 
-def attend(indices: Sequence[TypeIndex], types: Sequence[str], kb: KnowledgeBase) -> list[Attention]:
+def attend(indices: Sequence[Index], types: Sequence[str], kb: KnowledgeBase) -> list[Attention]:
     """All types, the most promising first: by rank, then excess, then rank within one neighbourhood, then name."""
     rows = [_attention(index, types, kb) for index in indices]
     return sorted(
@@ -48,11 +50,20 @@ def chance_types(kb: KnowledgeBase, number: int) -> list[str]:
     return [name for name, rate in rates.items() for _ in range(int(number * rate / total))]
 
 
-def _attention(index: TypeIndex, types: Sequence[str], kb: KnowledgeBase) -> Attention:
+def _attention(index: Index, types: Sequence[str], kb: KnowledgeBase) -> Attention:
+    if isinstance(index, LearntIndex):
+        return _of_words(index, types, kb)
     features = [frozenset(a.type for a in feature.appearances) for feature in index.object_type.features]
     here = rank(index.weights, compatible(features, types))
     by_chance = rank(index.weights, compatible(features, chance_types(kb, len(types))))
     return Attention(index.object_type.name, here, here - by_chance, _within_cell(index, compatible(features, types)))
+
+
+def _of_words(index: Index, types: Sequence[str], kb: KnowledgeBase) -> Attention:
+    """The same of a learnt type, by the dominant words of its features: one type a feature, so that counting finds the best θ."""
+    words = [feature.type for feature in index.object_type.features]
+    here, by_chance = (rank_of_kinds(index.weights, words, some) for some in (types, chance_types(kb, len(types))))
+    return Attention(index.object_type.name, here, here - by_chance, here)
 
 
 def _within_cell(index: TypeIndex, allowed: NDArray[np.bool_]) -> float:

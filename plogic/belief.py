@@ -13,7 +13,7 @@ from plogic.search.generate import same_place
 if TYPE_CHECKING:
     from plogic.attention import Attention
     from plogic.expectation import Posed
-    from plogic.search.generate import TypeIndex
+    from plogic.search.indices import Index
     from plogic.trace import Trace
 
 
@@ -25,7 +25,7 @@ class Belief:
     """
 
     posed: Posed
-    index: TypeIndex
+    index: Index
     worth: float
     surplus: float
     ev: float | None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import log
+from math import exp
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -15,8 +15,7 @@ from plogic.evidence import evidence
 from plogic.expectation import hidden_by
 from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import SHARED_CLAIMS, claims, overlap, shared_claims
-from plogic.search.generate import generate, settle
-from plogic.search.pairs import MOST_PAIRS
+from plogic.search.learnt.index import LearntIndex
 from plogic.search.projection import project_ideal
 from plogic.trace import Trace
 
@@ -29,14 +28,14 @@ if TYPE_CHECKING:
     from plogic.attention import Attention
     from plogic.expectation import Posed
     from plogic.search.data import Data
-    from plogic.search.generate import TypeIndex
+    from plogic.search.indices import Index
 
-SIGNIFICANT = log(MOST_PAIRS)
-"""A hypothesis must beat clutter by more than the number of poses that were tried: the best of many is good by luck."""
 FEWEST = 4
 """Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8, trap b)."""
 POOL = 10
 """Poses that are carried from one round to the next, the best."""
+POOL_OF_TYPE = 3
+"""... and so many for each type of the knowledge base, where these are more."""
 POLISHED = 6
 """Poses of a round that are refined beside Δi before they are accepted or not, the best first."""
 MOST_RIVALS = 2
@@ -50,7 +49,7 @@ class Perception:
         self,
         data: Data,
         kb: KnowledgeBase,
-        indices: Mapping[str, TypeIndex],
+        indices: Mapping[str, Index],
         dv: Mapping[str, float],
         end: float | None = None,
     ) -> None:
@@ -60,6 +59,7 @@ class Perception:
         self.accepted: list[Belief] = []
         self.rivals: list[Belief] = []
         self.rejected: list[Belief] = []
+        self.searched: dict[str, int] = {}
 
     def run(self, attention: Sequence[Attention]) -> Cycle:
         """Search the free data, judge all poses beside Δi, accept the best, and again, until nothing is acceptable.
@@ -98,9 +98,11 @@ class Perception:
         for row in attention:
             if self.late():
                 break
-            pool += [posed for _, posed in generate(self.indices[row.type], left, self.kb, covered)]
+            if not self._exhausted(row.type):
+                pool += [posed for _, posed in self.indices[row.type].generate(left, self.kb, covered)]
+                self.searched[row.type] = sum(_name(b) == row.type for b in self.accepted)
         judged = sorted(self._judged(pool), key=lambda b: -b.worth)
-        pool[:] = [b.posed for b in judged[:POOL]]
+        pool[:] = [b.posed for b in judged[: max(POOL, POOL_OF_TYPE * len(self.indices))]]
         for belief in judged[:POLISHED]:
             better = self._judge(belief.posed, self.free(), rounds=2)
             if self._refusal(better) is None:
@@ -108,6 +110,10 @@ class Perception:
                 pool[:] = [posed for posed in pool if not self._is_accepted(posed)]
                 return True
         return False
+
+    def _exhausted(self, name: str) -> bool:
+        """Whether another search would find nothing new: of a learnt type all poses are in the pool, unless one of it was accepted since."""
+        return isinstance(self.indices[name], LearntIndex) and self.searched.get(name) == sum(_name(b) == name for b in self.accepted)
 
     def _covered(self) -> NDArray[np.bool_]:
         """(H, W) where accepted opaque objects stand in the ideal image."""
@@ -131,9 +137,8 @@ class Perception:
 
     def _judge(self, posed: Posed, free: NDArray[np.bool_], rounds: int = 2, skip: Belief | None = None) -> Belief:
         index = self.indices[posed.object_type.name]
-        allowed = index.allowed(self.data)
         hidden = self._hidden(posed, skip)
-        posed = settle(index, posed.camera_from_object, allowed, self.data, self.kb, free, hidden, rounds)
+        posed = index.settle(posed.camera_from_object, self.data, self.kb, free, hidden, rounds)
         hidden = self._hidden(posed, skip) if rounds else hidden
         ev = explanatory_value(posed.support(), self.dv)
         again = explanatory_value(posed.support(hidden), self.dv)
@@ -163,8 +168,8 @@ class Perception:
         if belief.ev_reconsidered is None or belief.ev_reconsidered <= 0.0:
             return f"ev {_round(belief.ev_reconsidered)} is not above 0"
         surplus = belief.surplus + self._harm(posed)
-        if surplus <= SIGNIFICANT:
-            return f"log-likelihood ratio {surplus:.1f} beyond what fixes a pose: no better than the luck of {MOST_PAIRS} tries"
+        if surplus <= belief.index.significant:
+            return f"log-likelihood ratio {surplus:.1f} beyond what fixes a pose: the luck of {exp(belief.index.significant):.2g} tries"
         return None
 
     def _excluded(self, posed: Posed) -> str | None:
@@ -219,21 +224,12 @@ class Perception:
         for other in self.accepted:
             if not any(other is b for b in replaced):
                 free[list(claims(other.posed))] = False
-        posed = settle(
-            belief.index,
-            belief.posed.camera_from_object,
-            belief.index.allowed(self.data),
-            self.data,
-            self.kb,
-            free,
-            None,
-            1,
-        )
+        posed = belief.index.settle(belief.posed.camera_from_object, self.data, self.kb, free, None, 1)
         if self._is_accepted(posed):
             return None
         ev, found = explanatory_value(posed.support(), self.dv), evidence(posed, self.data, self.kb)
         enough = int((posed.candidate & posed.detected).sum()) >= FEWEST
-        near = found.ratio > sum(b.worth for b in replaced) - SIGNIFICANT
+        near = found.ratio > sum(b.worth for b in replaced) - belief.index.significant
         return (
             Belief(posed, belief.index, found.ratio, found.surplus, ev, ev)
             if enough and ev is not None and near

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import networkx as nx
 
-from geometry.occlusion import CoarseRelation, PosedSurface, coarse_relation, converse
+from geometry.occlusion import CoarseRelation, PosedSurface, coarse_relation, converse, drawn
 from plogic.belief import Belief, Cycle
-from plogic.evidence import clutter_density, density, evidence, hit_rates, sigmas
+from plogic.evidence import clutter_density, evidence, hit_rates, match_density
 from plogic.expectation import hidden_by
+from plogic.lumped import lumped, told, types_told
 from plogic.measures.explanatory import explanatory_value
 from plogic.parts import part_facts
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
-from plogic.search.generate import generate
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Reading, Reconsider, Situation
 from plogic.trace import Trace
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from kb.cloud import KnowledgeBase
     from plogic.expectation import Posed
     from plogic.search.data import Data
-    from plogic.search.generate import TypeIndex
+    from plogic.search.indices import Index
 
 EVERY = 1000
 """Poses a type that ``unpruned`` refines and verifies: more than the search tells apart in one image."""
@@ -79,21 +79,21 @@ def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float
             exclusive=exclusive,
             relations=_relations(posed, [pair for pair in pairs if pair not in exclusive], data.camera),
             priors={t.name: kb.rates.prior.get(t.name, 0.5) for t in kb.types},
-            dv=dict(dv),
+            dv=types_told(dv, kb, hypotheses),
             rank={row.type: row.rank for row in cycle.attention},
             rules=kb.rules or "",
         ),
     )
 
 
-def unpruned(data: Data, kb: KnowledgeBase, indices: Sequence[TypeIndex], dv: Mapping[str, float], options: Options, most: int) -> Delta:
+def unpruned(data: Data, kb: KnowledgeBase, indices: Sequence[Index], dv: Mapping[str, float], options: Options, most: int) -> Delta:
     """Δh before anything is accepted or rejected: every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth."""
-    found = [_open_belief(posed, index, data, kb, dv) for index in indices for _, posed in generate(index, data, kb, refined=EVERY, verified=EVERY)]
+    found = [_open_belief(posed, index, data, kb, dv) for index in indices for _, posed in index.generate(data, kb, refined=EVERY, verified=EVERY)]
     best = sorted(found, key=lambda b: -b.worth)[:most]
     return delta_of(Cycle((), tuple(best), (), (), Trace()), data, kb, dv, options)
 
 
-def _open_belief(posed: Posed, index: TypeIndex, data: Data, kb: KnowledgeBase, dv: Mapping[str, float]) -> Belief:
+def _open_belief(posed: Posed, index: Index, data: Data, kb: KnowledgeBase, dv: Mapping[str, float]) -> Belief:
     found, ev = evidence(posed, data, kb), explanatory_value(posed.support(), dv)
     return Belief(posed, index, found.ratio, found.surplus, ev, ev)
 
@@ -122,7 +122,7 @@ def _hypothesis(
     dv: Mapping[str, float],
 ) -> HypothesisFact:
     others = [y for x, y in hiding if x == name]
-    near = density(posed.residual, sigmas(posed, kb))
+    near = match_density(posed, kb)
     hits = hit_rates(posed, kb)
     features = tuple(
         FeatureFact(
@@ -140,7 +140,7 @@ def _hypothesis(
             density=float(near[f]),
             hit_rate=float(hits[f]),
         )
-        for f, feature in enumerate(posed.object_type.features)
+        for f, feature in ((f, posed.object_type.features[f]) for f in told(posed))
     )
     return HypothesisFact(
         id=name,
@@ -148,7 +148,7 @@ def _hypothesis(
         camera_from_object=tuple(tuple(float(v) for v in row) for row in posed.camera_from_object),
         opaque=posed.object_type.opaque,
         group=group,
-        features=features,
+        features=features + lumped(posed, dv),
         parts=part_facts(posed.object_type),
     )
 
@@ -160,10 +160,12 @@ def _triple(row: NDArray[np.float64]) -> tuple[float, float, float]:
 def _relations(posed: Mapping[str, Posed], pairs: Sequence[tuple[str, str]], camera: Camera) -> tuple[PairFact, ...]:
     """The occlusion relation of each pair that can be present together, of the ordered pair that it holds of (§3.6)."""
     facts: list[PairFact] = []
+    surfaces = {name: _surface(posed[name]) for name in dict.fromkeys(name for pair in pairs for name in pair)}
+    images = {name: drawn(surface, camera) for name, surface in surfaces.items() if surface is not None}
     for x, y in pairs:
-        a, b = _surface(posed[x]), _surface(posed[y])
+        a, b = surfaces[x], surfaces[y]
         if a is not None and b is not None:
-            facts += pair_facts(coarse_relation(a, b, camera), x, y)
+            facts += pair_facts(coarse_relation(a, b, camera, images=(images[x], images[y])), x, y)
     return tuple(facts)
 
 

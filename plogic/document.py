@@ -1,7 +1,13 @@
-"""The whole ``interpretation/1`` document of one image (contract), from the typed parts."""
+"""The whole ``interpretation/1`` document of one image (contract), from the typed parts.
+
+Of learnt types it leaves out what no question needs, and says so: descriptors of appearances, features that are case B in every world
+(``left_out`` per hypothesis, and one feature that stands for those in the image, see ``plogic.lumped``), and with a vocabulary of words the
+causes of what nothing is matched to (``causes_else``: "noise").
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,13 +17,14 @@ from plogic.assets import image_asset, mesh_assets
 from plogic.expectation import hidden_by
 from plogic.factors.asking import together
 from plogic.interpretation import FORMAT, facts_of, hypothesis_document
-from plogic.measures.distinctiveness import instance_counts, probability_of_distinctiveness
+from plogic.lumped import OTHERS, left_out, looked_at, support_document
+from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.outlines import outline_rings
 from sensing.gamma_files import appearance_to_dict
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -46,6 +53,7 @@ def document_of(
     """Everything that ``worlds``, ``query``, ``explain``, ``report`` and ``program`` need."""
     situation = delta.situation
     counts = instance_counts(kb.types)
+    dv = distinctiveness(counts)
     return {
         "format": FORMAT,
         "reading": situation.reading,
@@ -54,17 +62,15 @@ def document_of(
         "kb": {"name": kb.name, "digest": kb.digest},
         "camera": camera_to_dict(gamma.camera),
         "appearances": [
-            {**appearance_to_dict(a), "clutter": fact.clutter}
+            {**appearance_to_dict(replace(a, descriptor=None)), "clutter": fact.clutter}
             for a, fact in zip(gamma.appearances, situation.appearances, strict=True)
         ],
-        "hypotheses": _hypotheses(delta, gamma, ranking) + _rejected(rejected, gamma),
-        "worlds": [
-            {"probability": w.probability, "present": list(w.present), "causes": dict(w.causes)} for w in ranking.worlds
-        ],
+        "hypotheses": _hypotheses(delta, gamma, ranking, dv) + _rejected(rejected, gamma, dv),
+        **_worlds(ranking, situation, short=kb.words is not None),
         "unlisted_mass": list(ranking.unlisted),
         "relations": relation_probabilities(situation),
         "facts": facts_of(situation),
-        "measures": {"dv": situation.dv, "p_dv": probability_of_distinctiveness(counts), "rank": situation.rank},
+        "measures": {"dv": situation.dv, "p_dv": _told(probability_of_distinctiveness(counts), situation.dv), "rank": situation.rank},
         "priors": situation.priors,
         "rules": situation.rules,
         "labels": {},
@@ -72,6 +78,24 @@ def document_of(
         | mesh_assets({b.posed.object_type.name: b.posed.object_type for b in delta.beliefs.values()}),
         "trace": trace,
     }
+
+
+def _worlds(ranking: Ranking, situation: Situation, *, short: bool) -> dict[str, Any]:
+    """The listed worlds; ``short``: an appearance that no feature is matched to is noise in all of them, and is not repeated."""
+    matched = {f.match for h in situation.hypotheses for f in h.features}
+    worlds = [
+        {
+            "probability": w.probability,
+            "present": list(w.present),
+            "causes": {a: cause for a, cause in w.causes.items() if a in matched or not short},
+        }
+        for w in ranking.worlds
+    ]
+    return {"worlds": worlds} | ({"causes_else": "noise"} if short else {})
+
+
+def _told(table: Mapping[str, float], names: Mapping[str, float]) -> dict[str, float]:
+    return {name: value for name, value in table.items() if name in names}
 
 
 def relation_probabilities(situation: Situation) -> list[dict[str, Any]]:
@@ -84,12 +108,12 @@ def relation_probabilities(situation: Situation) -> list[dict[str, Any]]:
     return sorted(rows, key=lambda row: (-row["probability"], row["relation"], row["args"]))
 
 
-def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking) -> list[dict[str, Any]]:
+def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, float]) -> list[dict[str, Any]]:
     facts = {h.id: h for h in delta.situation.hypotheses}
     return [
         {
             **hypothesis_document(facts[name], _cases(belief, _beside(name, delta))),
-            **_verdict(belief, gamma),
+            **_verdict(belief, gamma, dv),
             "probability": ranking.marginals[name],
         }
         for name, belief in delta.beliefs.items()
@@ -123,16 +147,14 @@ def _cases(belief: Belief, beside: Sequence[Belief]) -> Cases:
     rows = zip(
         posed.object_type.features, expected.tolist(), posed.detected.tolist(), posed.in_image.tolist(), strict=True
     )
-    return {f.name: (e, d, case_of(expected=e, detected=d) if inside else None) for f, e, d, inside in rows}
+    cases: Cases = {f.name: (e, d, case_of(expected=e, detected=d) if inside else None) for f, e, d, inside in rows}
+    return cases | {OTHERS: (False, False, "B")}
 
 
-def _verdict(belief: Belief, gamma: Gamma) -> dict[str, Any]:
+def _verdict(belief: Belief, gamma: Gamma, dv: Mapping[str, float]) -> dict[str, Any]:
     """What the cycle decided of one hypothesis, with its measures and outline."""
     posed, ev = belief.posed, belief.ev
-    support = {
-        name: {"expected_detected": c.A, "expected_missed": c.C, "hidden_missed": c.B, "hidden_detected": c.D}
-        for name, c in posed.support().items()
-    }
+    missing = left_out(posed)
     return {
         "label": posed.object_type.name,
         "status": belief.status,
@@ -141,13 +163,15 @@ def _verdict(belief: Belief, gamma: Gamma) -> dict[str, Any]:
         "p_ev": None if ev is None else probability_of_ev(ev),
         "ev_reconsidered": belief.ev_reconsidered,
         "log_likelihood_ratio": belief.worth,
-        "support": support,
+        "support": support_document(posed, dv),
+        **({} if missing is None else {"left_out": missing}),
         "outline": outline_rings(posed, gamma.camera),
     }
 
 
-def _rejected(rejected: Sequence[Belief], gamma: Gamma) -> list[dict[str, Any]]:
+def _rejected(rejected: Sequence[Belief], gamma: Gamma, dv: Mapping[str, float]) -> list[dict[str, Any]]:
     best = sorted(rejected, key=lambda b: -b.worth)[:LISTED_REJECTED]
+    ids = [a.id for a in gamma.appearances]
     return [
         {
             "id": f"r{i}",
@@ -157,8 +181,8 @@ def _rejected(rejected: Sequence[Belief], gamma: Gamma) -> list[dict[str, Any]]:
             "group": None,
             "probability": 0.0,
             "parts": [],
-            "features": [],
-            **_verdict(b, gamma),
+            "features": looked_at(b.posed, ids, dv),
+            **_verdict(b, gamma, dv),
         }
         for i, b in enumerate(best, 1)
     ]

@@ -29,12 +29,40 @@ def clutter_density(kb: KnowledgeBase, data: Data) -> NDArray[np.float64]:
 
 def sigmas(posed: Posed, kb: KnowledgeBase) -> NDArray[np.float64]:
     """Location noise (F,) of each feature, pixels."""
+    if posed.sigma is not None:
+        return posed.sigma
     return np.array([kb.rates.sigma_of(feature.type) for feature in posed.object_type.features])
 
 
-def hit_rates(posed: Posed, kb: KnowledgeBase) -> NDArray[np.float64]:
-    """h_F (F,) of each feature."""
+def match_density(posed: Posed, kb: KnowledgeBase) -> NDArray[np.float64]:
+    """N (F,) per pixel² of each feature's match, 0 where it has none; of a learnt type against clutter that looks as right, not any."""
+    near = density(posed.residual, sigmas(posed, kb))
+    return near if posed.likeness is None else near * posed.likeness
+
+
+def hit_rates(posed: Posed, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+    """h_F (F,) of each feature; of a learnt type the measured rates, times the share of them that holds in this image (``clarity``)."""
+    if posed.hit is not None:
+        return np.asarray(np.clip(posed.hit * clarity(posed, hidden), LEAST_HIT, MOST_HIT))
     return np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.features])
+
+
+CLEAR = 3.0
+"""The prior of clarity is ∝ clarity³: an instance of which little shows where much should is rarely one."""
+LEAST_CLEAR, LEAST_HIT, MOST_HIT = 0.04, 0.005, 0.98
+"""Least share of the measured hit rates that an image can keep; bounds of what remains."""
+
+
+def clarity(posed: Posed, hidden: NDArray[np.bool_] | None = None) -> float:
+    """Which share of the measured hit rates holds of this instance in this image: light, focus, noise and a changed print cost detections.
+
+    The most likely one: expected features that were detected, over the sum of their rates, in [``LEAST_CLEAR``, 1].
+    """
+    if posed.hit is None:
+        return 1.0
+    expected = posed.candidate if hidden is None else posed.candidate & ~hidden
+    hoped = float(posed.hit[expected].sum())
+    return float(np.clip((expected & posed.detected).sum() / hoped, LEAST_CLEAR, 1.0)) if hoped > 0.0 else 1.0
 
 
 FIXED_BY = 3
@@ -55,11 +83,10 @@ def evidence(posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.boo
     ``hidden`` (F,) are the features that accepted opaque objects hide: not expected.
     """
     expected = posed.candidate if hidden is None else posed.candidate & ~hidden
-    hit = hit_rates(posed, kb)
+    hit = hit_rates(posed, kb, hidden)
     found = expected & posed.detected
     clutter = clutter_density(kb, data)[posed.matches[found]]
-    gain = np.log(
-        (hit[found] * density(posed.residual[found], sigmas(posed, kb)[found]) + (1.0 - hit[found]) * clutter) / clutter
-    )
+    gain = np.log((hit[found] * match_density(posed, kb)[found] + (1.0 - hit[found]) * clutter) / clutter)
     ratio = float(gain.sum() + np.log(1.0 - hit[expected & ~posed.detected]).sum())
+    ratio += CLEAR * float(np.log(clarity(posed, hidden)))
     return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))

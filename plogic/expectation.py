@@ -29,7 +29,9 @@ class Posed:
     """One type at one pose. F features of the maximal object, in the type's order; A data of Γ.
 
     ``at`` (F, 3) metres, camera frame; ``uv`` (F, 2) pixels; ``in_image``, ``in_lobe``, ``self_hidden`` (F,); ``right`` (F, A) the data of
-    a type whose lobe holds the viewpoint; ``matches`` (F,) datum index or −1; ``residual`` (F,) pixels, NaN where unmatched.
+    a type whose lobe holds the viewpoint; ``matches`` (F,) datum index or −1; ``residual`` (F,) pixels, NaN where unmatched. Of a
+    learnt type ``hit`` (F,) is the measured rate of the lobes that hold the viewpoint, ``sigma`` (F,) the noise of places, pixels, and
+    ``likeness`` (F,) how much rarer what looks like the match is than clutter of its type; of any other these are None.
     """
 
     object_type: ObjectType
@@ -42,6 +44,9 @@ class Posed:
     right: NDArray[np.bool_]
     matches: NDArray[np.intp]
     residual: NDArray[np.float64]
+    hit: NDArray[np.float64] | None = None
+    sigma: NDArray[np.float64] | None = None
+    likeness: NDArray[np.float64] | None = None
 
     @property
     def candidate(self) -> NDArray[np.bool_]:
@@ -123,6 +128,21 @@ def matched(
         else np.full(len(matches), np.nan)
     )
     return replace(posed, matches=matches, residual=residual)
+
+
+def assigned(
+    matches: NDArray[np.intp], feature: NDArray[np.intp], datum: NDArray[np.intp], off: NDArray[np.float64], tolerance: float
+) -> None:
+    """The same assignment for few pairs (feature, datum), ``off`` pixels apart: fill ``matches`` (F,)."""
+    rows, row = np.unique(feature, return_inverse=True)
+    columns, column = np.unique(datum, return_inverse=True)
+    if not len(rows):
+        return
+    distance, possible = np.full((len(rows), len(columns)), 2.0 * tolerance), np.zeros((len(rows), len(columns)), bool)
+    distance[row, column], possible[row, column] = off, True
+    found = np.full(len(rows), -1, np.intp)
+    _assign(found, distance, possible, tolerance)
+    matches[rows[found >= 0]] = columns[found[found >= 0]]
 
 
 def _assign(matches: NDArray[np.intp], off: NDArray[np.float64], possible: NDArray[np.bool_], tolerance: float) -> None:

@@ -89,7 +89,8 @@ def _hypothesis(h: Mapping[str, Any]) -> HypothesisFact:
 
 
 def _feature(f: Mapping[str, Any]) -> FeatureFact:
-    known = {name: f[name] for name in FeatureFact.__dataclass_fields__}
+    known = {name: f[name] for name in FeatureFact.__dataclass_fields__ if name != "stands_for"}
+    known["stands_for"] = int(f.get("stands_for", 1))
     known |= {"at": tuple(f["at"]), "uv": tuple(f["uv"]), "hidden_by": tuple(f["hidden_by"])}
     return FeatureFact(**known)
 
@@ -102,6 +103,8 @@ def hypothesis_document(h: HypothesisFact, cases: Mapping[str, tuple[bool, bool,
         expected, detected, case = cases[feature["id"]]
         feature |= {"expected": expected, "detected": detected, "case": case}
         feature |= {key: list(feature[key]) for key in ("at", "uv", "hidden_by")}
+        if feature["stands_for"] == 1:
+            del feature["stands_for"]
     return row
 
 

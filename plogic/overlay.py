@@ -4,6 +4,10 @@ Small images are drawn at twice their scale. Circles stand where features are Ex
 not; filled when Detected (D8), dashed when not, so the four cases of §4.2 look different: A filled circle, B dashed
 square, C dashed circle, D filled square. One colour per hypothesis (Okabe and Ito's palette, told apart by colour-blind
 eyes); a strip below explains the marks.
+
+Where an accepted type is learnt, or Γ has more than ``MANY`` appearances, the same four cases are drawn as dots: a
+filled dot found, a hollow one missed, a small square unexpected, nothing where neither; and appearances that nothing
+claims, thousands in a photo, are left out.
 """
 
 from __future__ import annotations
@@ -26,6 +30,8 @@ LINE = 34
 """Height of one line of the legend, in pixels of the result."""
 NOTABLE = 6
 """At most so many features of one hypothesis are named: the rarest of its types, then cases D and C."""
+MANY = 500
+"""Appearances of a photo: of more than so many, none is drawn that nothing claims, and all marks are dots."""
 CASES = (
     ("A", "expected, detected", True, True),
     ("C", "expected, missed", True, False),
@@ -52,12 +58,36 @@ def overlay(document: dict[str, Any], image: NDArray[np.uint8] | None) -> NDArra
     picture = np.asarray(cv2.resize(ground, size, interpolation=cv2.INTER_CUBIC), np.uint8)
     pencil = Pencil(picture, scale)
     accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
+    if crowded(document):
+        draw_dots(pencil, accepted)
+        return np.concatenate([picture, _legend(picture.shape[1], accepted, [], dots=True)])
     _draw_hypotheses(pencil, accepted)
     kinds = sorted({a["type"] for a in document.get("appearances", [])})
     for a in document.get("appearances", []):
         pencil.sign(a["uv"], a["type"], kinds)
     _draw_names(pencil, accepted, [a["uv"] for a in document.get("appearances", [])])
-    return np.concatenate([picture, _legend(picture.shape[1], accepted, kinds)])
+    return np.concatenate([picture, _legend(picture.shape[1], accepted, kinds, dots=False)])
+
+
+def crowded(document: dict[str, Any]) -> bool:
+    """Whether full marks would cover the picture: an accepted type is learnt, or Γ is a photo's."""
+    accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
+    return len(document.get("appearances", [])) > MANY or any(f.get("stands_for", 1) > 1 for h in accepted for f in h.get("features", []))
+
+
+def draw_dots(pencil: Pencil, accepted: list[dict[str, Any]]) -> None:
+    """Outlines, then a dot for each feature by its case, then the names with their probabilities."""
+    for i, h in enumerate(accepted):
+        for ring in h.get("outline", []):
+            pencil.polygon(ring, colour_of(i), width=2)
+    for wanted in ("D", "C", "A"):
+        for i, h in enumerate(accepted):
+            for f in h.get("features", []):
+                if f.get("case") == wanted:
+                    pencil.dot(f["uv"], colour_of(i), circle=bool(f["expected"]), filled=wanted == "A")
+    taken: list[Box] = []
+    for i, h in enumerate(accepted):
+        _write_name(pencil, h, i, taken, f"{_name(h)}{_chance(h)}")
 
 
 def bgr(colour: str) -> Colour:
@@ -86,16 +116,7 @@ def _draw_names(pencil: Pencil, accepted: list[dict[str, Any]], signs: list[list
     """Write the hypotheses' names, then the notable features', each only where it covers no other name and no mark."""
     taken: list[Box] = []
     for i, h in enumerate(accepted):
-        points = [p for ring in h.get("outline", []) for p in ring] or [f["uv"] for f in h.get("features", [])]
-        if points:
-            us, v = [p[0] for p in points], min(p[1] for p in points)
-            _write(
-                pencil,
-                f"{h.get('label') or h['type']} {h['id']}",
-                ((min(us) + max(us)) / 2, v),
-                colour_of(i),
-                (taken, 0.75, True),
-            )
+        _write_name(pencil, h, i, taken)
     taken += [
         pencil.mark_box(f["uv"]) for h in accepted for f in h.get("features", []) if f.get("case") in ("A", "C", "D")
     ]
@@ -103,6 +124,17 @@ def _draw_names(pencil: Pencil, accepted: list[dict[str, Any]], signs: list[list
     for i, h in enumerate(accepted):
         for f in _notable(h.get("features", [])):
             _write(pencil, f["id"].rsplit("/", 1)[-1], tuple(f["uv"]), colour_of(i), (taken, 0.55, False))
+
+
+def _write_name(pencil: Pencil, h: dict[str, Any], i: int, taken: list[Box], text: str = "") -> None:
+    points = [p for ring in h.get("outline", []) for p in ring] or [f["uv"] for f in h.get("features", [])]
+    if points:
+        us, v = [p[0] for p in points], min(p[1] for p in points)
+        _write(pencil, text or _name(h), ((min(us) + max(us)) / 2, v), colour_of(i), (taken, 0.75, True))
+
+
+def _name(h: dict[str, Any]) -> str:
+    return f"{h.get('label') or h['type']} {h['id']}"
 
 
 def _write(
@@ -126,15 +158,20 @@ def _notable(features: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return [f for rank, _, f in sorted(keyed, key=lambda k: k[:2]) if rank < 9][:NOTABLE]
 
 
-def _legend(width: int, accepted: list[dict[str, Any]], kinds: list[str]) -> NDArray[np.uint8]:
+def _chance(h: dict[str, Any]) -> str:
+    p = h.get("probability")
+    return "" if p is None else f" {'>0.999' if 0.9995 < p < 1 else f'{p:.3f}'}"
+
+
+def _legend(width: int, accepted: list[dict[str, Any]], kinds: list[str], *, dots: bool) -> NDArray[np.uint8]:
     """Return the strip (lines, width, 3) that explains colours, cases and signs; it wraps."""
-    counts = {
-        letter: sum(f.get("case") == letter for h in accepted for f in h.get("features", [])) for letter, *_ in CASES
-    }
+    features = [f for h in accepted for f in h.get("features", [])]
+    counts = {letter: sum(f.get("stands_for", 1) for f in features if f.get("case") == letter) for letter, *_ in CASES}
     entries: list[tuple[str, Any]] = [
-        (f"{letter} {name}: {counts[letter]}", (circle, filled)) for letter, name, circle, filled in CASES
+        (f"{letter} {name}: {counts[letter]}", (circle, filled) if not dots else (circle, filled, letter, "dot"))
+        for letter, name, circle, filled in CASES
     ]
-    entries += [(f"{h.get('label') or h['type']} {h['id']}", colour_of(i)) for i, h in enumerate(accepted)]
+    entries += [(f"{_name(h)}{_chance(h) if dots else ''}", colour_of(i)) for i, h in enumerate(accepted)]
     entries += [(k.replace("_", " "), k) for k in kinds]
     strip = np.full((LINE * (3 + len(entries)), width, 3), 34, np.uint8)
     pencil, x, y = Pencil(strip, 1), 14.0, 12 + LINE / 2
@@ -151,6 +188,9 @@ def _entry(pencil: Pencil, place: tuple[float, float], text: str, key: Any, kind
     x, y = place
     if isinstance(key, str):
         pencil.sign(place, key, kinds)
+    elif len(key) == 4:
+        if key[2] != "B":
+            pencil.dot(place, GREY, circle=key[0], filled=key[2] == "A")
     elif len(key) == 2:
         pencil.feature(place, GREY, circle=key[0], filled=key[1])
     else:

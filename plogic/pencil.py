@@ -53,11 +53,23 @@ class Pencil:
         """Return the place in the drawn picture of an image point (integer = pixel centre in both)."""
         return (float(uv[0]) + 0.5) * self.scale - 0.5, (float(uv[1]) + 0.5) * self.scale - 0.5
 
-    def polygon(self, ring: Sequence[Place], colour: Colour) -> None:
+    def polygon(self, ring: Sequence[Place], colour: Colour, width: int = 3) -> None:
         """Draw a closed ring of image points."""
         points = np.array([self.at(p) for p in ring])
-        for paint, width in ((DARK, 6), (colour, 3)):
-            self._line(points, paint, width, closed=True)
+        for paint, wide in ((DARK, 2 * width), (colour, width)):
+            self._line(points, paint, wide, closed=True)
+
+    def dot(self, uv: Place, colour: Colour, *, circle: bool, filled: bool) -> None:
+        """Draw the small mark of one of many features: a disc, a ring, or (no circle) a small square."""
+        ring = _circle(3.4) if circle else _square(3)
+        centre = np.array(self.at(uv))
+        if filled:
+            for paint, grow in ((DARK, 1.3), (colour, 1.0)):
+                fixed = np.round((centre + grow * ring) * (1 << SHIFT)).astype(np.int32).reshape(-1, 1, 2)
+                cv2.fillPoly(self.picture, [fixed], paint, cv2.LINE_AA, SHIFT)
+        else:
+            for paint, width in ((DARK, 3), (colour, 1)):
+                self._line(centre + ring, paint, width)
 
     def feature(self, uv: Place, colour: Colour, *, circle: bool, filled: bool) -> None:
         """Draw the mark of one feature: circle or square, filled or dashed. What is neither stays small."""

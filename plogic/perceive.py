@@ -12,7 +12,7 @@ from plogic.document import document_of
 from plogic.errors import InconsistentError
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.search.data import data_of
-from plogic.search.generate import TypeIndex, type_index
+from plogic.search.indices import Index, index_of
 from plogic.stopwatch import Stopwatch
 from plogic.worlds import Ranking, ranked_worlds
 
@@ -36,7 +36,7 @@ class Perceiver:
     def __init__(self, kb: KnowledgeBase) -> None:
         self.kb = kb
         self.dv = distinctiveness(instance_counts(kb.types))
-        self.indices: dict[str, TypeIndex] = {t.name: type_index(t, self.dv) for t in kb.types if t.features}
+        self.indices: dict[str, Index] = {t.name: index_of(t, self.dv) for t in kb.types if t.features}
 
     def __call__(
         self,

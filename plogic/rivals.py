@@ -28,20 +28,23 @@ SHARED_CLAIMS = 0.5
 
 @lru_cache(maxsize=256)
 def _solid(surface: Surface) -> Solid:
-    """The volume of a type's surface, built once a type."""
+    """The volume of a type's closed surface, built once a type."""
     return Solid(surface.vertices, surface.triangles)
 
 
 def overlap(one: Posed, other: Posed) -> bool:
-    """A4: whether the two bodies share volume beyond what pose errors make of touching ones."""
+    """A4: whether the two bodies share volume beyond what pose errors make of touching ones; of one not closed, its convex hull."""
     a, b = one.object_type.surface, other.object_type.surface
     if a is None or b is None:
         return False
     apart = np.linalg.norm(_middle(one, a) - _middle(other, b))
     if apart >= 0.5 * (a.diameter + b.diameter):
         return False
-    volume = solid_overlap(_solid(a), one.camera_from_object, _solid(b), other.camera_from_object)
-    return bool(volume > SHARED_VOLUME * min(a.volume, b.volume))
+    first, second = a.solid, b.solid
+    if first is None or second is None:  # a flat one has no volume to share
+        return False
+    volume = solid_overlap(_solid(first), one.camera_from_object, _solid(second), other.camera_from_object)
+    return bool(volume > SHARED_VOLUME * min(first.volume, second.volume))
 
 
 def _middle(posed: Posed, surface: Surface) -> NDArray[np.float64]:

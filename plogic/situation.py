@@ -38,7 +38,8 @@ class FeatureFact:
     projection in pixels. ``in_image``, ``in_lobe`` and ``self_hidden`` (Behind its own host) are what geometry says of the hypothesis
     alone; ``hidden_by`` names the *other* hypotheses whose surface the line of sight meets first, transparent ones and rivals included (the
     rules sort these out). ``match`` is the appearance that the hypothesis' one fixed assignment gives it, with its ``residual`` in pixels and
-    ``density``, N(u; û, Σ) per pixel². ``hit_rate`` is h_F.
+    ``density``, N(u; û, Σ) per pixel². ``hit_rate`` is h_F. ``stands_for`` > 1: it sums up so many features in the image that are neither
+    expected nor detected in any world (case B), and ``dv`` is their sum (``plogic.lumped``).
     """
 
     id: str
@@ -54,6 +55,7 @@ class FeatureFact:
     residual: float | None = None
     density: float = 0.0
     hit_rate: float = 0.8
+    stands_for: int = 1
 
 
 @dataclass(frozen=True)

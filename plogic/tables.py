@@ -42,8 +42,10 @@ def worlds(document: dict[str, Any], limit: int = 10) -> Table:
         ("noise", "right"),
     )
     listed = document.get("worlds", [])
+    data = [a["id"] for a in document.get("appearances", [])] if document.get("causes_else") == "noise" else []
     for i, world in enumerate(listed[:limit], 1):
         causes = list(world.get("causes", {}).values())
+        causes += ["noise"] * sum(a not in world.get("causes", {}) for a in data)
         noise = causes.count("noise")
         who = ", ".join(names.get(h, h) for h in world["present"]) or "nothing known"
         table.add_row(str(i), chance(world["probability"]), Text(who), str(len(causes) - noise), str(noise))

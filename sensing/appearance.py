@@ -34,6 +34,7 @@ class Appearance:
         scale: Diameter in pixels, or None.
         score: The detector's own confidence in [0, 1], or None.
         arms: Directions of a junction's arms, radians, same convention as ``angle``, ascending in [0, 2π); empty for other types.
+        descriptor: Raw bytes of a keypoint's descriptor: 128 of SIFT, 32 of ORB; None where the detector gives none.
     """
 
     id: str
@@ -44,6 +45,7 @@ class Appearance:
     scale: float | None = None
     score: float | None = None
     arms: tuple[float, ...] = ()
+    descriptor: bytes | None = None
 
 
 @dataclass(frozen=True)

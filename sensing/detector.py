@@ -7,11 +7,13 @@ point of the group ``plogic.detectors`` whose object is a factory without argume
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import entry_points
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 from sensing.appearance import Appearance, Gamma
 from sensing.errors import DetectorError, ImageError
+from sensing.reported import made, reported, told
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.camera import Camera
+    from sensing.keypoints import WordIndex
 
 GROUP = "plogic.detectors"
 """The entry points' group."""
@@ -52,7 +55,33 @@ def _patches() -> Detector:
     return PatchDetector()
 
 
-_FACTORIES: dict[str, Callable[[], Detector]] = {"junction": _junctions, "patch": _patches}
+def _keypoints(name: Literal["sift", "orb"], words: WordIndex | None = None) -> Detector:
+    from sensing.keypoints import KeypointDetector
+
+    return KeypointDetector(name, words)
+
+
+def _markers(name: str) -> Detector:
+    from sensing.markers import MarkerDetector
+
+    return MarkerDetector(name)
+
+
+def _colour_blobs() -> Detector:
+    from sensing.colour_blobs import ColourBlobDetector
+
+    return ColourBlobDetector()
+
+
+_FACTORIES: dict[str, Callable[[], Detector]] = {
+    "junction": _junctions,
+    "patch": _patches,
+    "sift": partial(_keypoints, "sift"),
+    "orb": partial(_keypoints, "orb"),
+    "colour_blob": _colour_blobs,
+    **{name: partial(_markers, name) for name in ("aruco_4x4", "aruco_5x5", "aruco_6x6", "apriltag_36h11")},
+}
+_OF_KEYPOINTS: tuple[Literal["sift", "orb"], ...] = ("sift", "orb")
 
 
 def register(name: str, factory: Callable[[], Detector]) -> None:
@@ -72,37 +101,43 @@ def unregister(name: str) -> None:
         raise DetectorError(f"detector {name!r}: there is none of this name")
 
 
-def detectors() -> dict[str, Callable[[], Detector]]:
+def detectors(words: WordIndex | None = None) -> dict[str, Callable[[], Detector]]:
     """Every known detector's factory by name, in the order of names: the built-in, the registered, the installed.
+
+    Args:
+        words: The KB's visual words; the detector whose descriptors they hold then reports them as its types.
 
     Raises:
         DetectorError: An entry point does not load, or takes a name that is taken.
     """
     known = dict(_FACTORIES)
+    known |= {name: partial(_keypoints, name, words) for name in _OF_KEYPOINTS if words is not None and name in known}
     for point in entry_points(group=GROUP):
         if point.name in known:
             raise DetectorError(f"detector {point.name!r} of {point.value}: the name is taken")
         try:
             known[point.name] = point.load()
-        except (ImportError, AttributeError) as error:
-            raise DetectorError(f"detector {point.name!r} of {point.value} does not load: {error}") from error
+        except Exception as error:
+            raise DetectorError(f"detector {point.name!r} of {point.value} does not load: {told(error)}") from error
     return dict(sorted(known.items()))
 
 
-def detect(image_bgr: NDArray[np.uint8], camera: Camera, vocabulary: Collection[str]) -> Gamma:
+def detect(image_bgr: NDArray[np.uint8], camera: Camera, vocabulary: Collection[str], words: WordIndex | None = None) -> Gamma:
     """Γ of one image by every known detector that can report a type of ``vocabulary``; other types are left out.
 
     Ids are ``a1``, ``a2``, ... by detector, then v, then u: the same pixels give the same Γ. Places are rounded to 1e-4 px, angles to 1e-5.
+    With ``words``, the keypoint detector whose descriptors they hold names its appearances by them. A detector none of whose types is in
+    the vocabulary is not run.
 
     Raises:
         ImageError: The image is not (H, W, 3) uint8 or has another size than the camera's.
-        DetectorError: A detector does not load.
+        DetectorError: A detector does not load, fails, or reports what cannot be (outside the image, not finite).
     """
     _check(image_bgr, camera)
     wanted = frozenset(vocabulary)
-    chosen = [d for d in (factory() for factory in detectors().values()) if wanted & set(d.types)]
-    found = [_rounded(a) for d in chosen for a in d.detect(image_bgr) if a.type in wanted]
-    found.sort(key=lambda a: (a.detector, a.uv[1], a.uv[0], a.type))
+    known = {name: made(name, factory) for name, factory in detectors(words).items()}
+    found = [_rounded(a) for name, d in known.items() if not wanted.isdisjoint(d.types) for a in reported(name, d, image_bgr) if a.type in wanted]
+    found.sort(key=lambda a: (a.detector, a.uv[1], a.uv[0], a.type, a.angle or 0.0, a.scale or 0.0))
     return Gamma(camera, tuple(replace(a, id=f"a{i}") for i, a in enumerate(found, start=1)))
 
 

@@ -5,8 +5,8 @@
     PlogicError (geometry.errors)
     └── SensingError
         ├── GammaError      a gamma.json with mistakes: all of them, one line each
-        ├── ImageError      a file that is no 8-bit image, or an image of another size than its camera's
-        ├── DetectorError   no such detector, a name taken twice, a plug-in that does not load
+        ├── ImageError      a file that is no whole image of 8 or 16 bits, or an image of another size than its camera's
+        ├── DetectorError   no such detector, a name taken twice, a plug-in that does not load, fails, or reports what cannot be
         └── SceneError      a simulated scene that cannot be: no camera pose, a body without triangles, no room
 
 Messages state the place, the rule and the value. Only the command line turns one into an exit code.
@@ -35,11 +35,11 @@ class GammaError(SensingError):
 
 
 class ImageError(SensingError):
-    """An image that cannot be read, has a depth other than 8 bits, or does not fit its camera."""
+    """An image that cannot be read, is damaged, has floating-point pixels, or does not fit its camera."""
 
 
 class DetectorError(SensingError):
-    """A detector that is unknown, registered twice, or cannot be loaded."""
+    """A detector that is unknown, registered twice, cannot be loaded, fails, or reports what cannot be."""
 
 
 class SceneError(SensingError):

@@ -1,11 +1,13 @@
 """Γ as a file, ``gamma/1`` of the contract: read with every mistake at once, written whole or not at all.
 
-``{"format": "gamma/1", "camera": {...}, "appearances": [{"id", "type", "uv", "detector", "angle", "scale", "score", "arms"}]}``
-where angle, scale, score and arms are optional.
+``{"format": "gamma/1", "camera": {...}, "appearances": [{"id", "type", "uv", "detector", "angle", "scale", "score", "arms", "descriptor"}]}``
+where angle, scale, score, arms and descriptor (base64 of a keypoint's descriptor) are optional.
 """
 
 from __future__ import annotations
 
+import base64
+import binascii
 import json
 import sys
 from pathlib import Path
@@ -24,6 +26,10 @@ if TYPE_CHECKING:
 
 MAX_BYTES = 64 * 1024 * 1024
 MAX_APPEARANCES = 20_000
+MAX_DESCRIPTOR = 1024
+"""Bytes that a descriptor may have."""
+_DESCRIPTOR_BYTES = {"sift": 128, "orb": 32}
+"""Bytes of the descriptors whose type begins with this name: the type itself, and the words of such a vocabulary."""
 _Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 _Text = Annotated[str, Field(strict=True, min_length=1, max_length=200)]
 
@@ -38,6 +44,7 @@ class _AppearanceModel(BaseModel):
     scale: Annotated[_Number, Field(gt=0)] | None = None
     score: _Number | None = None
     arms: Annotated[list[_Number], Field(max_length=64)] = []
+    descriptor: Annotated[str, Field(strict=True)] | None = None
 
 
 class _GammaModel(BaseModel):
@@ -86,7 +93,8 @@ def appearance_to_dict(appearance: Appearance) -> dict[str, Any]:
     """One appearance with the contract's keys; optional ones only where there is a value."""
     a = appearance
     keys: dict[str, Any] = {"id": a.id, "type": a.type, "uv": list(a.uv), "detector": a.detector}
-    optional = {"angle": a.angle, "scale": a.scale, "score": a.score, "arms": list(a.arms) or None}
+    descriptor = None if a.descriptor is None else base64.b64encode(a.descriptor).decode()
+    optional = {"angle": a.angle, "scale": a.scale, "score": a.score, "arms": list(a.arms) or None, "descriptor": descriptor}
     return keys | {key: value for key, value in optional.items() if value is not None}
 
 
@@ -174,7 +182,25 @@ def _content_mistakes(data: object, camera: Camera | None, vocabulary: Collectio
             lines.append(f"appearances.{i}.type: {a_type!r} is no appearance type of the KB ({', '.join(sorted(vocabulary))})")
         if camera is not None and _outside(uv, camera):
             lines.append(f"appearances.{i}.uv: {uv} is outside the image of {camera.width}x{camera.height}")
+        wrong = _descriptor_mistake(a_type, row.get("descriptor"))
+        if wrong is not None:
+            lines.append(f"appearances.{i}.descriptor: {wrong}")
     return lines
+
+
+def _descriptor_mistake(a_type: object, text: object) -> str | None:
+    """What is wrong with a descriptor's text for an appearance of this type; a text that is no string is another mistake's business."""
+    if not isinstance(text, str):
+        return None
+    try:
+        size = len(base64.b64decode(text, validate=True))
+    except (binascii.Error, ValueError):  # ValueError: letters that are not ASCII
+        return f"is not base64: {text!r:.60}"
+    kind = a_type.split("_", 1)[0] if isinstance(a_type, str) else ""
+    wanted = _DESCRIPTOR_BYTES.get(kind)
+    if wanted is not None and size != wanted:
+        return f"has {size} bytes, and one of {a_type!r:.60} has {wanted}"
+    return None if 0 < size <= MAX_DESCRIPTOR else f"has {size} bytes, not 1 to {MAX_DESCRIPTOR}"
 
 
 def _outside(uv: object, camera: Camera) -> bool:
@@ -186,4 +212,5 @@ def _outside(uv: object, camera: Camera) -> bool:
 
 def _appearance(model: _AppearanceModel) -> Appearance:
     u, v = model.uv
-    return Appearance(model.id, model.type, (u, v), model.detector, model.angle, model.scale, model.score, tuple(model.arms))
+    descriptor = None if model.descriptor is None else base64.b64decode(model.descriptor)
+    return Appearance(model.id, model.type, (u, v), model.detector, model.angle, model.scale, model.score, tuple(model.arms), descriptor)

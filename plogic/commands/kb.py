@@ -18,7 +18,8 @@ def check_command(folder: str, *, as_json: bool) -> str:
     kb = kb_of(folder)
     lines = check_report(kb)
     if as_json:
-        return json.dumps({"format": "kb_check/1", "kb": kb.name, "digest": kb.digest, "report": lines})
+        warnings = [line.removeprefix("warning: ") for line in lines if line.startswith("warning: ")]
+        return json.dumps({"format": "kb_check/1", "kb": kb.name, "digest": kb.digest, "report": lines, "warnings": warnings})
     return "\n".join(lines)
 
 
@@ -46,7 +47,7 @@ def measures_command(folder: str, gamma: str | None, *, as_json: bool) -> str:
         document["ranks"] = _ranks(kb, gamma, dv)
     if as_json:
         return json.dumps(document)
-    texts = [plain_table("features of Σo", rows)]
+    texts = [plain_table("features of Σo", _words_in_one_row(rows, kb))]
     if "ranks" in document:
         texts.append(
             plain_table("object types by rank", document["ranks"])
@@ -54,13 +55,24 @@ def measures_command(folder: str, gamma: str | None, *, as_json: bool) -> str:
     return "\n".join(texts)
 
 
+def _words_in_one_row(rows: list[dict[str, Any]], kb: KnowledgeBase) -> list[dict[str, Any]]:
+    """The rows for people: those of visual words, hundreds of them, summed up with the range of their dv."""
+    names = set(kb.words.names) if kb.words is not None else set()
+    words, others = [row for row in rows if row["type"] in names], [row for row in rows if row["type"] not in names]
+    if not words:
+        return others
+    share, dv = sum(row["p_dv"] for row in words), [row["dv"] for row in words]
+    texts = f"{len(words)} visual words of {len(names)}", f"{min(dv):.3f} to {max(dv):.3f}"
+    return [*others, {"type": texts[0], "instances": sum(row["instances"] for row in words), "p_dv": share, "dv": texts[1]}]
+
+
 def _ranks(kb: KnowledgeBase, gamma: str, dv: dict[str, float]) -> list[dict[str, Any]]:
     from plogic.attention import attend
-    from plogic.search.generate import type_index
+    from plogic.search.indices import index_of
     from sensing.gamma_files import read_gamma
 
     types = [a.type for a in read_gamma(gamma, kb.appearance_types).appearances]
-    rows = attend([type_index(t, dv) for t in kb.types if t.features], types, kb)
+    rows = attend([index_of(t, dv) for t in kb.types if t.features], types, kb)
     return [{"type": r.type, "rank": r.rank, "excess": r.excess, "within_cell": r.within_cell} for r in rows]
 
 

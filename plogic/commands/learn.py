@@ -25,15 +25,16 @@ def learn_rates_command(
     from kb.cloud import Counts
     from plogic.commands.sources import kb_of
     from plogic.learning.em import expected_counts
-    from plogic.learning.estimates import added, counted, learnt, open_slots
+    from plogic.learning.estimates import added, counted, learnt, open_slots, without
     from plogic.learning.scenes import scene_folders
 
     kb = kb_of(kb_folder)
     file = None if options["dry_run"] else _file(kb_folder, kb)
     records = _records(scene_folders(scenes), kb, say)
-    observed = added(kb.rates.counts if options["add"] else Counts(), counted(records))
+    words = frozenset(kb.words.names if kb.words is not None else ())
+    observed = without(added(kb.rates.counts if options["add"] else Counts(), counted(records)), words)
     unknown = open_slots(records)
-    counts = expected_counts(unknown, observed, learnt(observed, kb.rates))
+    counts = without(expected_counts(unknown, observed, learnt(observed, kb.rates)), words)
     rates = learnt(counts, kb.rates)
     if file is not None:
         _write(file, rates)

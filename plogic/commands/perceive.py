@@ -98,14 +98,14 @@ def gamma_of(
     if not detectable(kb):
         raise InputError(f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types)}): give a Γ file instead")
     with clock.stage("detect"):
-        return detect(picture, camera, kb.appearance_types), picture
+        return detect(picture, camera, kb.appearance_types, kb.words), picture
 
 
 def detectable(kb: KnowledgeBase) -> bool:
     """Whether some registered detector reports a type of the KB's vocabulary."""
     from sensing.detector import detectors
 
-    return any(set(make().types) & set(kb.appearance_types) for make in detectors().values())
+    return any(set(make().types) & set(kb.appearance_types) for make in detectors(kb.words).values())
 
 
 def _write_all(

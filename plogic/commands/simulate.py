@@ -1,26 +1,73 @@
-"""``plogic simulate``: a settled scene, rendered, with its ground truth."""
+"""``plogic simulate``: a settled scene, rendered, with its ground truth; and such scenes as a BOP dataset."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+import click
 
 from plogic.commands.scenes import shapes_of
 from plogic.commands.sources import kb_of
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Sequence
 
+    from kb.cloud import KnowledgeBase
+    from sensing.simulated.body import TexturedMesh
+    from sensing.simulated.scene import Scene
 
-def simulate_command(kb_folder: str, number: int, decoys: int, seed: int, out: Path) -> None:
-    """Write image.png, camera.json and truth.json into a new folder; the types are drawn by the seed, every type once before any twice."""
-    import numpy as np
+BOP = click.option("--bop", type=click.Path(path_type=Path), help="New folder for scenes as a BOP dataset as well.")
+BOP_IMAGES = click.option(
+    "--bop-images", type=click.IntRange(1, 1000), default=1, show_default=True, help="Its images: scenes of this seed and the next."
+)
 
-    from sensing.simulated.scene import random_scene
+def simulate_command(
+    kb_folder: str, number: int, decoys: int, seed: int, out: Path, bop: Path | None = None, bop_images: int = 1
+) -> None:
+    """Write image.png, camera.json and truth.json into a new folder; the types are drawn by the seed, every type once before any twice.
+
+    With ``bop``, the scenes of this seed and the next become a BOP dataset in a folder of its own; the first is the same.
+    """
     from sensing.simulated.scene_files import write_scene
     from sensing.whole_files import check_new_folder
 
     check_new_folder(out)
-    shapes = shapes_of(kb_of(kb_folder))
+    if bop is not None:
+        _check_apart(out, bop)
+    kb = kb_of(kb_folder)
+    shapes = shapes_of(kb)
+    if bop is not None:
+        _write_bop(kb, shapes, [seed + i for i in range(bop_images)], number, decoys, bop)
+    write_scene(_scene(shapes, number, decoys, seed), out)
+
+
+def _scene(shapes: Sequence[tuple[str, TexturedMesh]], number: int, decoys: int, seed: int) -> Scene:
+    import numpy as np
+
+    from sensing.simulated.scene import random_scene
+
     rng = np.random.default_rng([seed, 1])
     order = [i for _ in range(number) for i in rng.permutation(len(shapes))][:number]
-    write_scene(random_scene([shapes[i] for i in order], seed, decoys=decoys), out)
+    return random_scene([shapes[i] for i in order], seed, decoys=decoys)
+
+
+def _write_bop(
+    kb: KnowledgeBase, shapes: Sequence[tuple[str, TexturedMesh]], seeds: Sequence[int], number: int, decoys: int, folder: Path
+) -> None:
+    from plogic.bop.model_files import Kind
+    from plogic.bop.write import write_dataset
+
+    kinds = [Kind(label, mesh, kb.type(label).symmetries) for label, mesh in shapes]
+    write_dataset((_scene(shapes, number, decoys, seed) for seed in seeds), kinds, folder)
+
+
+def _check_apart(out: Path, bop: Path) -> None:
+    """Both are new folders, and neither lies in the other."""
+    from plogic.errors import InputError
+    from sensing.whole_files import check_new_folder
+
+    a, b = out.resolve(), bop.resolve()
+    if a == b or a in b.parents or b in a.parents:
+        raise InputError(f"{bop}: is named for two outputs, or lies in the other")
+    check_new_folder(bop)

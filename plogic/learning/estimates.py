@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from kb.cloud import Counts
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from kb.cloud import Rates
     from plogic.learning.records import Record, Slot
@@ -47,6 +47,12 @@ def open_slots(records: Sequence[Record]) -> list[Slot]:
 def added(*counts: Counts) -> Counts:
     """The sum of counts, key by key."""
     return Counts(*(_sum([getattr(c, name) for c in counts]) for name in ("hit", "clutter", "prior")))
+
+
+def without(counts: Counts, names: Collection[str]) -> Counts:
+    """Counts but those of some features and appearances: of visual words, whose rates are measured in learning and whose names change with it."""
+    hit, clutter = ({name: pair for name, pair in table.items() if name not in names} for table in (counts.hit, counts.clutter))
+    return Counts(hit=hit, clutter=clutter, prior=counts.prior)
 
 
 def _sum(tables: Sequence[Pairs]) -> dict[str, tuple[float, float]]:

@@ -5,6 +5,7 @@ Vocabulary: a substitution θ, a partial injective map from features to appearan
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -50,3 +51,14 @@ def valuation(weights: NDArray[np.float64], substitution: Mapping[int, int]) -> 
 def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
     """Best valuation of a type over all legal θ (§5.3)."""
     return valuation(weights, best_substitution(weights, allowed))
+
+
+def rank_of_kinds(weights: NDArray[np.float64], kinds: Sequence[str], appearance_types: Sequence[str]) -> float:
+    """``rank`` where feature f is matched by appearances of the one type ``kinds[f]``: of each type the heaviest features, as many as there are."""
+    there = Counter(appearance_types)
+    matched = []
+    for f in np.argsort(-weights, kind="stable").tolist():
+        if there[kinds[f]]:
+            there[kinds[f]] -= 1
+            matched.append(f)
+    return valuation(weights, dict.fromkeys(matched, 0))

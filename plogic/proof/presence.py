@@ -14,6 +14,7 @@ from plogic.acceptance import cells, p_ev
 from plogic.contributions import contributions
 from plogic.dependence import Scene
 from plogic.likelihood import group_shares
+from plogic.lumped import OTHERS
 from plogic.measures.explanatory import case_of
 
 if TYPE_CHECKING:
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 LISTED = 8
 """Features, or data, that a line names; the rest is counted."""
+TYPES = 10
+"""Feature types that a line tells apart; visual words are more, and nobody knows them by name."""
 SAID = {"A": "expected and detected", "B": "neither expected nor detected", "C": "expected but not detected", "D": "detected but not expected"}
 
 
@@ -55,10 +58,10 @@ def _score(view: View) -> Iterator[str]:
     for f in seen:
         cell = cells(view.scene, view.h, f, view.present)
         by_case.setdefault(case_of(expected=bool(cell.expected[0]), detected=bool(cell.detected[0])), []).append(f)
-    good = len(by_case.get("A", ())) + len(by_case.get("B", ()))
+    good = _count([*by_case.get("A", ()), *by_case.get("B", ())])
     p = float(p_ev(view.scene, view.h, view.present)[0])
     weighted = "dv-weighted: undefined (0/0)" if np.isnan(p) else f"dv-weighted {p:.4g} = P(ev), ev = {2 * p - 1:.3g}"
-    yield f"  {good} of {len(seen)} features in the image are concordant, {weighted}"
+    yield f"  {good} of {_count(seen)} features in the image are concordant, {weighted}"
     for case, mark in (("A", "for"), ("B", "for"), ("C", "against"), ("D", "against")):
         if case in by_case:
             yield f"  {mark}: {SAID[case]}: {_by_type(by_case[case], name_all=case in 'CD')}"
@@ -67,14 +70,21 @@ def _score(view: View) -> Iterator[str]:
 
 def _by_type(features: list[FeatureFact], *, name_all: bool) -> str:
     """``1 apex, 5 corner, 12 patch``; with the features' names where they are few or speak against it."""
-    types: dict[str, list[str]] = {}
+    types: dict[str, list[FeatureFact]] = {}
     for f in sorted(features, key=lambda f: -f.dv):
-        types.setdefault(f.type, []).append(f.id)
+        types.setdefault(f.type, []).append(f)
+    if len(types) > TYPES:
+        return f"{_count(features)} features of {len(types)} types ({_listed([f.id for f in features if f.stands_for == 1])})"
     parts = []
-    for kind, names in types.items():
-        listed = f" ({_listed(names)})" if name_all or len(names) <= 2 else ""
-        parts.append(f"{len(names)} {kind}{listed}")
+    for kind, some in types.items():
+        names = [f.id for f in some if f.stands_for == 1]
+        listed = f" ({_listed(names)})" if names and (name_all or len(names) <= 2) else ""
+        parts.append(f"{_count(some)} {'others' if kind == OTHERS else kind}{listed}")
     return ", ".join(parts)
+
+
+def _count(features: Iterable[FeatureFact]) -> int:
+    return sum(f.stands_for for f in features)
 
 
 def _listed(names: Sequence[str]) -> str:

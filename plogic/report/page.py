@@ -16,7 +16,7 @@ from typing import Any
 
 from plogic.report.errors import ReportError
 
-SCRIPTS = ("model.js", "elements.js", "picture.js", "panels.js", "scene.js", "webgl.js", "canvas.js", "stage.js")
+SCRIPTS = ("model.js", "elements.js", "dots.js", "picture.js", "panels.js", "scene.js", "webgl.js", "canvas.js", "stage.js")
 """The parts of the script, in the order in which they build on each other."""
 
 

@@ -5,6 +5,7 @@ Vocabulary: ``Data``, A appearances; *ideal pixels*, the pinhole image of focal 
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Data:
-    """``ideal`` (A, 2) ideal pixels; ``types`` (A,) names; ``arms`` (A, K) screen angles, NaN where a junction has fewer."""
+    """``ideal`` (A, 2) ideal pixels; ``types`` (A,) names; ``arms`` (A, K) screen angles, NaN where a junction has fewer.
+
+    ``angle`` (A,) rad, ``scale`` (A,) pixels, NaN where the detector gives none; ``descriptors`` (A, D) uint8; ``described`` (A,) whether a
+    datum has place, angle, scale and descriptor: a keypoint.
+    """
 
     ids: tuple[str, ...]
     types: tuple[str, ...]
@@ -29,12 +34,26 @@ class Data:
     ideal: NDArray[np.float64]
     arms: NDArray[np.float64]
     camera: Camera
+    angle: NDArray[np.float64]
+    scale: NDArray[np.float64]
+    descriptors: NDArray[np.uint8]
+    described: NDArray[np.bool_]
 
     def only(self, keep: NDArray[np.bool_]) -> Data:
         """The appearances where ``keep`` (A,) holds."""
         index = np.flatnonzero(keep)
         names = tuple(self.ids[i] for i in index), tuple(self.types[i] for i in index)
-        return Data(*names, self.uv[index], self.ideal[index], self.arms[index], self.camera)
+        return Data(
+            *names,
+            self.uv[index],
+            self.ideal[index],
+            self.arms[index],
+            self.camera,
+            self.angle[index],
+            self.scale[index],
+            self.descriptors[index],
+            self.described[index],
+        )
 
 
 def centre_of(camera: Camera) -> NDArray[np.float64]:
@@ -51,4 +70,18 @@ def data_of(appearances: Sequence[Appearance], camera: Camera) -> Data:
         row[: len(appearance.arms)] = appearance.arms
     ideal = camera.normalised(uv) * camera.f + centre_of(camera)
     ids = tuple(a.id for a in appearances)
-    return Data(ids, tuple(a.type for a in appearances), uv, ideal, arms, camera)
+    angle = np.array([np.nan if a.angle is None else a.angle for a in appearances], dtype=float)
+    scale = np.array([np.nan if a.scale is None else a.scale for a in appearances], dtype=float)
+    descriptors, described = _descriptors(appearances)
+    described &= np.isfinite(angle) & (scale > 0.0)
+    return Data(ids, tuple(a.type for a in appearances), uv, ideal, arms, camera, angle, scale, descriptors, described)
+
+
+def _descriptors(appearances: Sequence[Appearance]) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
+    """(A, D) of the most frequent length D, and which appearances have one of it."""
+    lengths = Counter(len(a.descriptor) for a in appearances if a.descriptor)
+    width = min(lengths, key=lambda n: (-lengths[n], n), default=0)
+    described = np.array([bool(a.descriptor) and len(a.descriptor or b"") == width for a in appearances], dtype=bool)
+    empty = bytes(width)
+    whole = b"".join(a.descriptor if has and a.descriptor else empty for a, has in zip(appearances, described, strict=True))
+    return np.frombuffer(whole, np.uint8).reshape(len(appearances), width), described

@@ -6,6 +6,7 @@ Vocabulary: ``TypeIndex``, what is computed once a type: its view cells, its fea
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import log
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,7 @@ from plogic.search.extend import Posed as Candidates
 from plogic.search.extend import coarse_poses, extend
 from plogic.search.links import feature_links, linked_pairs
 from plogic.search.open_pairs import open_pairs
+from plogic.search.pairs import MOST_PAIRS
 from plogic.search.pose_votes import best_apart, pose_votes
 from plogic.search.projection import project_ideal
 from plogic.search.symmetry import permutations, unique_sets
@@ -70,6 +72,27 @@ class TypeIndex:
         """(F, A) the data of a type that the feature has in any of its lobes."""
         types = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.features]
         return compatible(types, data.types)
+
+    @property
+    def significant(self) -> float:
+        """What the log-likelihood ratio beyond what fixes a pose must exceed: the best of so many tries is good by luck."""
+        return log(MOST_PAIRS)
+
+    def generate(self, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None, **most: int) -> list[tuple[float, Posed]]:
+        """The poses that Γ suggests, matched, best first, with their evidence."""
+        return generate(self, data, kb, covered, **most)
+
+    def settle(
+        self,
+        pose: NDArray[np.float64],
+        data: Data,
+        kb: KnowledgeBase,
+        free: NDArray[np.bool_] | None = None,
+        hidden: NDArray[np.bool_] | None = None,
+        rounds: int = 2,
+    ) -> Posed:
+        """The type at a pose: matched, refined, and matched again."""
+        return settle(self, pose, self.allowed(data), data, kb, free, hidden, rounds)
 
 
 def type_index(object_type: ObjectType, dv: Mapping[str, float]) -> TypeIndex:
@@ -181,7 +204,7 @@ def _verified(
             poses.append(pose)
     first = [_matched_at(index, pose, allowed, maps, data, kb) for pose in poses]
     scored = [(evidence(p, data, kb, hidden).ratio, p) for p, hidden in _polished(index, first, allowed, maps, data, kb)]
-    return _distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
+    return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
 
 
 def _matched_at(
@@ -274,7 +297,8 @@ def same_place(object_type: ObjectType, one: NDArray[np.float64], other: NDArray
     return bool(rotation < SAME_ROTATION and translation < SAME_PLACE * distance)
 
 
-def _distinct(scored: list[tuple[float, Posed]], object_type: ObjectType) -> list[tuple[float, Posed]]:
+def distinct(scored: list[tuple[float, Posed]], object_type: ObjectType) -> list[tuple[float, Posed]]:
+    """The first of each heap of near-duplicates (§8)."""
     kept: list[tuple[float, Posed]] = []
     for worth, posed in scored:
         if not any(same_place(object_type, posed.camera_from_object, old.camera_from_object) for _, old in kept):
@@ -282,4 +306,4 @@ def _distinct(scored: list[tuple[float, Posed]], object_type: ObjectType) -> lis
     return kept
 
 
-__all__ = ["TypeIndex", "generate", "same_place", "settle", "type_index"]
+__all__ = ["TypeIndex", "distinct", "generate", "same_place", "settle", "type_index"]

@@ -81,15 +81,15 @@ def render(
 def visible_fractions(bodies: Sequence[Body], camera: Camera) -> tuple[float, ...]:
     """Per body: the share of its own picture (alone, within the image) that the others leave visible; 0 where it is not in the image."""
     with client() as (bullet, number), tempfile.TemporaryDirectory() as folder:
-        numbers = [_add(bullet, number, body, Light(), Path(folder) / f"{i}.png") for i, body in enumerate(bodies)]
-        together = _shoot(bullet, number, camera, 1, Light())[1]
+        numbers = [add_body(bullet, number, body, Light(), Path(folder) / f"{i}.png") for i, body in enumerate(bodies)]
+        together = shoot(bullet, number, camera, 1, Light())[1]
         places = [bullet.getBasePositionAndOrientation(n, physicsClientId=number) for n in numbers]
         fractions = []
         for own in numbers:
             for n, (at, quat) in zip(numbers, places, strict=True):
                 away = at if n == own else (0.0, 0.0, 1e4)
                 bullet.resetBasePositionAndOrientation(n, away, quat, physicsClientId=number)
-            alone = int((_shoot(bullet, number, camera, 1, Light())[1] == own).sum())
+            alone = int((shoot(bullet, number, camera, 1, Light())[1] == own).sum())
             fractions.append(int((together == own).sum()) / alone if alone else 0.0)
     return tuple(fractions)
 
@@ -99,11 +99,11 @@ def _draw_bodies(
 ) -> tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.float32]]:
     with client() as (bullet, number), tempfile.TemporaryDirectory() as folder:
         for i, body in enumerate(bodies):
-            _add(bullet, number, body, light, Path(folder) / f"{i}.png")
-        return _shoot(bullet, number, camera, supersample, light)
+            add_body(bullet, number, body, light, Path(folder) / f"{i}.png")
+        return shoot(bullet, number, camera, supersample, light)
 
 
-def _add(bullet: Any, number: int, body: Body, light: Light, texture_file: Path) -> int:  # noqa: ANN401 - pybullet is untyped
+def add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: Path) -> int:  # noqa: ANN401 - pybullet is untyped
     """Put one body into the client: every triangle has its own three vertices, so that facets are flat."""
     import cv2
 
@@ -129,7 +129,7 @@ def _add(bullet: Any, number: int, body: Body, light: Light, texture_file: Path)
     return placed
 
 
-def _shoot(
+def shoot(
     bullet: Any, number: int, camera: Camera, supersample: int, light: Light  # noqa: ANN401 - pybullet is untyped
 ) -> tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.float32]]:
     """Colour (h, w, 3) blue first, segmentation (h, w) by pybullet's body number, depth (h, w) metres, at the supersampled size."""

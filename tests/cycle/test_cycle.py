@@ -25,7 +25,7 @@ from synthetic import (
 from geometry.frames import look_at
 from plogic import cycle as cycle_module
 from plogic.attention import attend
-from plogic.cycle import FEWEST, SIGNIFICANT
+from plogic.cycle import FEWEST
 from plogic.delta import Options
 from plogic.expectation import hidden_by
 from plogic.perceive import ranked
@@ -108,7 +108,7 @@ def test_accepted_hypotheses_meet_their_conditions(hiding, apart):
         for belief in cycle.accepted:
             assert (belief.posed.candidate & belief.posed.detected).sum() >= FEWEST
             assert belief.ev_reconsidered > 0.0
-            assert belief.worth > SIGNIFICANT
+            assert belief.worth > belief.index.significant
 
 
 def test_the_trace_names_every_step(hiding):

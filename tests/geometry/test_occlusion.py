@@ -8,7 +8,7 @@ from geometry_bodies import CAMERA, LENS, at, bodies, box, bracket, posed, rando
 
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation
-from geometry.occlusion import PosedSurface, coarse_relation, coarse_relations, converse
+from geometry.occlusion import PosedSurface, coarse_relation, coarse_relations, converse, drawn
 from geometry.overlap import overlap_volume
 from geometry.rays import RayMesh
 from geometry.visible import visible_fraction
@@ -144,6 +144,11 @@ def test_all_pairs_at_once_are_the_pairs_one_by_one():
     found = coarse_relations(surfaces, CAMERA)
     assert len(found) == 6
     assert all(found[i, j] == coarse_relation(surfaces[i], surfaces[j], CAMERA) for i, j in found)
+
+
+def test_outlines_that_are_known_need_not_be_drawn_again():
+    x, y = posed(SMALL, at(0, 0, 3)), posed(SMALL, at(0.3, 0, 5))
+    assert coarse_relation(x, y, CAMERA, images=(drawn(x, CAMERA), drawn(y, CAMERA))) == coarse_relation(x, y, CAMERA) == "partially_occludes"
 
 
 def test_a_sliver_in_common_is_no_interior_within_the_tolerance():

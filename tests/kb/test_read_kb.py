@@ -169,9 +169,28 @@ def test_all_mistakes_of_all_files_are_said_in_order(tmp_path):
     ]
 
 
-def test_a_mesh_that_is_not_closed(tmp_path):
-    (line,) = mistakes(write_small(tmp_path, mesh=spoilt(MESH, "f 3 1 4\n", "")))
-    assert line.startswith(f"{OBJECT_FILE}:2:14: mesh.file: no closed surface: 3 edges in one facet only")
+def test_a_mesh_that_is_not_closed_is_usable_and_its_volume_is_the_hulls(tmp_path):
+    (tent,) = read_kb(write_small(tmp_path, mesh=spoilt(MESH, "f 3 1 4\n", ""))).types
+    assert not tent.surface.closed
+    assert tent.surface.faults == "3 edges in one facet only"
+    assert tent.surface.solid.closed
+    assert tent.surface.solid.volume == pytest.approx(3**1.5 / 12)
+
+
+def test_the_textured_mesh_is_what_is_rendered_and_part_of_the_digest(tmp_path):
+    plain = read_kb(write_small(tmp_path))
+    (tmp_path / "objects/tent/painted.obj").write_text(MESH)
+    text = spoilt(OBJECT, "units: cm}", "units: cm, textured: painted.obj}")
+    painted = read_kb(write_small(tmp_path, object=text))
+    assert (plain.types[0].mesh_file.name, painted.types[0].mesh_file.name) == ("mesh.obj", "painted.obj")
+    assert painted.types[0].mesh_scale == 0.01
+    (tmp_path / "objects/tent/texture.png").write_bytes(b"other paint")
+    assert len({plain.digest, painted.digest, read_kb(tmp_path).digest}) == 3
+
+
+def test_a_textured_mesh_that_is_missing(tmp_path):
+    (line,) = mistakes(write_small(tmp_path, object=spoilt(OBJECT, "units: cm}", "units: cm, textured: gone.obj}")))
+    assert line == f"{OBJECT_FILE}:2:45: mesh.textured: the mesh 'gone.obj' is missing"
 
 
 def test_a_file_that_is_no_mesh(tmp_path):

@@ -70,7 +70,8 @@ def test_a_registered_detector_is_used(middle):
 
 
 def test_a_name_is_taken_once(middle):
-    assert list(detectors()) == ["junction", "middle", "patch"]
+    assert list(detectors()) == sorted(detectors())
+    assert {"junction", "middle", "orb", "patch", "sift"} <= set(detectors())
     with pytest.raises(DetectorError, match="'middle': the name is taken"):
         register("middle", Middle)
     with pytest.raises(DetectorError, match="none of this name"):
@@ -102,3 +103,68 @@ def test_an_image_that_does_not_fit_its_camera_is_refused():
         detect(image, Camera(100, 200, camera(image).K, np.zeros(0)), EVERY)
     with pytest.raises(ImageError, match="uint8"):
         detect(image.astype(float), camera(image), EVERY)
+
+
+class Third:
+    """A third party's detector that reports, or raises, what it is given."""
+
+    name, types = "third", ("dot",)
+
+    def __init__(self, found):
+        self.found = found
+
+    def detect(self, _image_bgr):
+        """What it was given."""
+        if isinstance(self.found, Exception):
+            raise self.found
+        return self.found
+
+
+def dot(uv=(5.0, 5.0), **others):
+    return Appearance("", "dot", uv, "third", **others)
+
+
+@pytest.mark.parametrize(
+    ("found", "why"),
+    [
+        (ValueError("no\nsuch thing"), "failed on the image: ValueError: no such thing"),
+        (ZeroDivisionError(), "failed on the image: ZeroDivisionError"),
+        (None, "failed on the image: TypeError"),
+        (["dot"], "appearance 0 of 1: is no Appearance but a str"),
+        ([dot(), dot((200.0, 5.0))], r"appearance 1 of 2: uv \(200.0, 5.0\) is outside the image of 200x100"),
+        ([dot((np.nan, 5.0))], "not finite"),
+        ([dot(angle=np.inf)], "not finite"),
+        ([dot(arms=(0.1, np.nan))], "not finite"),
+        ([dot((1.0, "x"))], "has numbers that are none"),
+        ([dot((1.0, 2.0, 3.0))], "has numbers that are none"),
+        ([dot(scale=0.0)], "scale 0.0 is not above 0"),
+        ([dot(descriptor="abc")], "descriptor is no bytes but a str"),
+        ([Appearance("", "", (1.0, 1.0), "third")], "is no name"),
+    ],
+)
+def test_what_a_third_party_gets_wrong_is_one_line_that_names_it(found, why):
+    register("third", lambda: Third(found))
+    try:
+        with pytest.raises(DetectorError, match=f"^detector 'third': {why}|^detector 'third': appearance 0 of 1: .*{why}") as caught:
+            detect(np.full((100, 200, 3), 120, np.uint8), camera(np.zeros((100, 200))), {"dot"})
+    finally:
+        unregister("third")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("factory", [lambda: 1 / 0, object, type("T", (), {"types": "dot"})])
+def test_a_factory_that_makes_no_detector_is_one_line(factory):
+    register("third", factory)
+    try:
+        with pytest.raises(DetectorError, match=r"^detector 'third': ") as caught:
+            detect(np.full((100, 200, 3), 120, np.uint8), camera(np.zeros((100, 200))), {"dot"})
+    finally:
+        unregister("third")
+    assert "\n" not in str(caught.value)
+
+
+def test_every_built_in_detector_has_its_own_types_and_its_registered_name():
+    made = {name: factory() for name, factory in detectors().items()}
+    assert all(name == detector.name for name, detector in made.items())
+    every = [t for detector in made.values() for t in detector.types]
+    assert len(every) == len(set(every))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import base64
 import copy
 import io
 import json
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -54,12 +56,13 @@ some = st.builds(
     Appearance, st.just(""), st.sampled_from(["patch", "l_junction", "ein Wort"]),
     st.tuples(st.floats(0, 639), st.floats(0, 479)), st.sampled_from(["junction", "patch"]), st.none() | numbers,
     st.none() | st.floats(0.01, 100), st.none() | st.floats(0, 1), st.lists(st.floats(0, 6.28), max_size=4).map(tuple),
+    st.none() | st.binary(min_size=1, max_size=130),
 )  # fmt: skip
 
 
 @given(st.lists(some, max_size=6))
 def test_what_is_written_is_what_is_read(found):
-    named = tuple(Appearance(f"a{i}", a.type, a.uv, a.detector, a.angle, a.scale, a.score, a.arms) for i, a in enumerate(found))
+    named = tuple(replace(a, id=f"a{i}") for i, a in enumerate(found))
     again = gamma_from_text(json.dumps(gamma_to_dict(Gamma(CAMERA, named))))
     assert again.appearances == named
     assert np.array_equal(again.camera.K, CAMERA.K)
@@ -106,12 +109,31 @@ def test_an_empty_gamma_and_a_gamma_of_one_are_read():
         ("score", "high", "appearances.1.score"),
         ("arms", [0.1, math.nan], "appearances.1.arms.1"),
         ("scael", 3, "appearances.1.scael"),
+        ("descriptor", 3, "appearances.1.descriptor"),
+        ("descriptor", "not base64!", "appearances.1.descriptor"),
+        ("descriptor", "QUJ", "appearances.1.descriptor"),
+        ("descriptor", "ä" * 4, "appearances.1.descriptor"),
+        ("descriptor", "", "appearances.1.descriptor"),
+        ("descriptor", "QUJD" * 400, "appearances.1.descriptor"),
     ],
 )
 def test_each_mistake_is_one_line_that_states_its_place(key, value, place):
     (line,) = mistakes(setting(key, value))
     assert line.startswith(f"gamma.json: {place}: ")
     assert "\n" not in line
+
+
+@pytest.mark.parametrize(("a_type", "size"), [("sift", 128), ("sift_w0007", 128), ("orb", 32), ("orb_w0000", 32)])
+def test_a_keypoint_s_descriptor_has_its_detector_s_length(a_type, size):
+    document = copy.deepcopy(GOOD)
+    row = document["appearances"][1]
+    row |= {"type": a_type, "descriptor": base64.b64encode(bytes(range(size))).decode()}
+    assert gamma_from_dict(document).appearances[1].descriptor == bytes(range(size))
+    assert gamma_to_dict(gamma_from_dict(document))["appearances"][1] == row
+    row["descriptor"] = base64.b64encode(bytes(7)).decode()
+    assert mistakes(lambda d: d.update(document)) == [
+        f"gamma.json: appearances.1.descriptor: has 7 bytes, and one of {a_type!r} has {size}"
+    ]
 
 
 def test_a_duplicate_id_names_both_places():

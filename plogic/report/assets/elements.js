@@ -65,8 +65,10 @@ const SIGNS = {
   arrow_junction: 'M0,3.6V-3.4M-3,0L0,-3.4L3,0', t_junction: 'M-3.4,-3H3.4M0,-3V3.4', x_junction: 'M-3,-3L3,3M3,-3L-3,3', multi_junction: 'M-3.4,0H3.4M0,-3.4V3.4M-2.4,-2.4L2.4,2.4',
 };
 const OTHER = ['M0,-3.6L3.6,0L0,3.6L-3.6,0Z', 'M0,-3.4L3.2,2.6H-3.2Z', 'M-3.4,0H3.4M0,-3.4V3.4', 'M-3,-3L3,3M3,-3L-3,3'];
-const kinds = [...new Set(appearances.map((a) => String(a.type)))].sort();
+// Visual words are hundreds of types; for a reader they are one.
+const plain = (type) => String(type).replace(/^(sift|orb)_w\d+$/, '$1 keypoint');
+const kinds = [...new Set(appearances.map((a) => plain(a.type)))].sort();
 function sign(type) {
-  const d = Object.hasOwn(SIGNS, type) ? SIGNS[type] : OTHER[Math.max(0, kinds.indexOf(String(type))) % OTHER.length];
+  const d = Object.hasOwn(SIGNS, type) ? SIGNS[type] : OTHER[Math.max(0, kinds.indexOf(plain(type))) % OTHER.length];
   return [svg('path', {d, fill: 'none', stroke: '#14171a', 'stroke-width': 3.2, 'stroke-opacity': 0.7}), svg('path', {d, fill: 'none', stroke: '#fff', 'stroke-width': 1.5})];
 }

@@ -39,11 +39,15 @@ function drawCauses() {
     el('ul', {class: 'key'}, rows.map(([w, n]) => el('li', null, w, el('span', null, String(n)))), el('li', null, el('span', null, swatch('var(--line)'), 'noise'), el('span', null, String(left)))));
 }
 
+const sentence = (s) => String(s).charAt(0).toUpperCase() + String(s).slice(1).replace(/\.?$/, '.');
+const cellSums = (h) => Object.values(h.support || {}).map(numbers).reduce((sum, row) => sum.map((n, i) => n + row[i]), [0, 0, 0, 0]);
 const EVENT = {rank: 'Ranked', try: 'Tried', accept: 'Accepted', reject: 'Rejected', release: 'Released', reconsider: 'Reconsidered', noise: 'Noise', stable: 'Stable'};
 function card(h, number) {
   const look = () => { show({present: [h.id], causes: null, title: `Only ${label(h.id)} (${h.id}) is shown, as it was tried.`}); at('view').scrollIntoView({block: 'start'}); };
-  return el('div', {class: 'why'}, el('p', {class: 'top'}, who(h.id), number), h.why ? el('p', null, h.why) : null,
-    h.status === 'accepted' ? null : button('Show it alone', look, {'data-alone': h.id}));
+  const [a, c, , d] = cellSums(h), box = el('div', {class: 'why'}, el('p', {class: 'top'}, who(h.id), number), el('p', null, `Of ${plural(a + c, 'expected feature')} ${a} found, ${c} missed${d ? `; ${d} more found that it does not expect` : ''}.`),
+    h.why ? el('p', null, sentence(h.why)) : null, h.status === 'accepted' ? null : button('Show it alone', look, {'data-alone': h.id}));
+  if (h.status !== 'accepted') for (const [event, id] of [['pointerenter', h.id], ['pointerleave', null], ['focusin', h.id], ['focusout', null]]) box.addEventListener(event, () => hint(id));
+  return box;
 }
 function drawHypotheses() {
   const number = (h) => el('span', {class: 'p'}, chance(h.probability));
@@ -80,7 +84,7 @@ function drawMeasures() {
   put('support', hypotheses.length ? table('Support for each hypothesis', heads, fold(hypotheses.map((h) => el('tbody', null, supportRows(h))), 6, 'hypotheses', (b) => el('tbody', null, el('tr', null, el('td', {colspan: 9, class: 'fold'}, b))))) : el('p', {class: 'none'}, 'No hypothesis was made.'));
   const {dv = {}, p_dv: pdv = {}, rank = {}} = doc.measures, types = Object.keys(dv).sort((a, b) => dv[b] - dv[a] || (a < b ? -1 : 1));
   const heads2 = Object.assign(['Feature type', 'dv', 'P(dv)'], {names: 1}), heads3 = Object.assign(['Object type', 'rank'], {names: 1});
-  put('types', types.length ? table('How distinctive a feature type is', heads2, el('tbody', null, types.map((t) => el('tr', null, el('th', {scope: 'row'}, words(t)), el('td', null, fixed(dv[t], 3)), el('td', null, fixed(pdv[t], 3)))))) : []);
+  put('types', types.length ? table('How distinctive a feature type is', heads2, el('tbody', null, fold(types.map((t) => el('tr', null, el('th', {scope: 'row'}, words(t)), el('td', null, fixed(dv[t], 3)), el('td', null, fixed(pdv[t], 3)))), 14, 'feature types', (b) => el('tr', null, el('td', {colspan: 3, class: 'fold'}, b))))) : []);
   const ranked = Object.keys(rank).sort((a, b) => rank[b] - rank[a] || (a < b ? -1 : 1));
   put('ranks', ranked.length ? table('What drew attention first', heads3, el('tbody', null, ranked.map((t) => el('tr', null, el('th', {scope: 'row'}, t), el('td', null, fixed(rank[t], 3)))))) : []);
 }

@@ -17,35 +17,36 @@ function mark(uv, parts, tell, key) {
   return g;
 }
 
+const featureTell = (h, f, letter) => [`${f.id}`, `of ${label(h.id)} (${h.id}), ${words(f.type)}, case ${letter}.`, reason(h, f, state.shown)];
 function featureMark(h, f) {
   const c = caseOf(h, f, state.shown);
   const layer = c.expected ? 'expected' : 'hidden';
   if (!c.letter || !state.layers.has(layer)) return null;
-  const tell = [`${f.id}`, `of ${label(h.id)} (${h.id}), ${words(f.type)}, case ${c.letter}.`, reason(h, f, state.shown)];
-  const g = mark(f.uv, glyph(c.expected, c.detected, colour(h.id)), tell, [h.id, f.id]);
+  const g = mark(f.uv, glyph(c.expected, c.detected, colour(h.id)), featureTell(h, f, c.letter), [h.id, f.id]);
   g.setAttribute('data-case', c.letter);
   return g;
 }
 
-function appearanceMark(a) {
-  const cause = claimant(a.id, state.shown), raw = (state.shown.causes || {})[a.id];
+function appearanceTell(a) {
+  const cause = claimant(a.id, state.shown), raw = state.shown.causes ? state.shown.causes[a.id] || doc.causes_else : null;
   const because = cause ? `Explained by ${cause.f ? cause.f.id : 'a feature'} of ${label(cause.h.id)} (${cause.h.id}).`
     : raw === 'noise' ? 'Noise in this world: no object explains it.' : raw ? `Explained by ${raw}.` : 'Nothing here explains it.';
   const score = a.score != null ? `, score ${fixed(a.score, 2)}` : '';
-  return mark(a.uv, [svg('circle', {r: 5, fill: 'transparent'}), ...sign(a.type)], [`${a.id}`, `${words(a.type)}, found by ${a.detector || 'a detector'}${score}.`, because], [a.id]);
+  return [`${a.id}`, `${words(a.type)}, found by ${a.detector || 'a detector'}${score}.`, because];
 }
+const appearanceMark = (a) => mark(a.uv, [svg('circle', {r: 5, fill: 'transparent'}), ...sign(a.type)], appearanceTell(a), [a.id]);
 
-function outline(h) {
+function outline(h, faint) {
   const d = list(h.outline).map((ring) => 'M' + ring.map((p) => p.map(Number).join(',')).join('L') + 'Z').join('');
   const line = (extra) => svg('path', {d, fill: 'none', 'stroke-linejoin': 'round', 'vector-effect': 'non-scaling-stroke', ...extra});
-  return svg('g', {class: 'outline'}, line({stroke: '#14171a', 'stroke-opacity': 0.45, 'stroke-width': 4.5}), line({stroke: colour(h.id), 'stroke-width': 2.2}));
+  return svg('g', {class: 'outline'}, line({stroke: '#14171a', 'stroke-opacity': 0.45, 'stroke-width': 4.5}), line({stroke: colour(h.id), 'stroke-width': 2.2, 'stroke-dasharray': faint ? '5 4' : null}));
 }
 
 // Names go above the outlines, moved down until they are clear of each other.
 function names(shown, k) {
   const placed = [];
   return shown.map((h) => {
-    const points = list(h.outline).flat(), text = `${label(h.id)} ${h.id}`, half = text.length * 3.6 * k;
+    const points = list(h.outline).flat(), text = `${label(h.id)} ${h.id}${crowded && h.status === 'accepted' && h.probability != null ? ' ' + chance(h.probability) : ''}`, half = text.length * 4.1 * k;
     if (!points.length) return null;
     const us = points.map((p) => p[0]), u = Math.max(half + 4, Math.min(W - half - 4, (Math.min(...us) + Math.max(...us)) / 2));
     let v = Math.max(16 * k, Math.min(...points.map((p) => p[1])) - 16 * k);
@@ -61,21 +62,30 @@ function drawPicture() {
   const shown = state.shown.present.map((id) => byId.get(id)).filter(Boolean), on = (l) => state.layers.has(l);
   marks = [];
   const features = shown.flatMap((h) => list(h.features).map((f) => [h, f]));
-  const order = (wanted) => features.filter(([h, f]) => caseOf(h, f, state.shown).expected === wanted).map(([h, f]) => featureMark(h, f));
+  const order = (wanted) => crowded ? [] : features.filter(([h, f]) => caseOf(h, f, state.shown).expected === wanted).map(([h, f]) => featureMark(h, f));
   canvasSvg.replaceChildren(...[
     IMAGE ? svg('image', {href: IMAGE, x: -0.5, y: -0.5, width: W, height: H, preserveAspectRatio: 'none'}) : svg('rect', {x: -0.5, y: -0.5, width: W, height: H, fill: '#c9c7c0'}),
-    ...(on('outlines') ? shown.map(outline) : []), svg('g', {id: 'squares'}, order(false)), svg('g', {id: 'circles'}, order(true)),
-    svg('g', {id: 'signs'}, on('appearances') ? appearances.map(appearanceMark) : []),
-    svg('g', {id: 'names'}, on('labels') ? names(shown, pixel()) : []),
+    ...(on('outlines') ? shown.map((h) => outline(h)) : []), svg('g', {id: 'squares'}, order(false)), svg('g', {id: 'circles'}, order(true)),
+    svg('g', {id: 'signs'}, on('appearances') && !crowded ? appearances.map(appearanceMark) : []),
+    svg('g', {id: 'hint'}), svg('g', {id: 'names'}, on('labels') ? names(shown, pixel()) : []),
   ].filter(Boolean));
   focusable = Math.min(focusable, Math.max(0, marks.length - 1));
   if (marks.length) marks[focusable].g.setAttribute('tabindex', 0);
   resizeMarks();
+  if (crowded) gatherDots(features);
+  paintDots();
   showChosen();
   countCases(features);
 }
 
+// The outline of a hypothesis that is not shown, while a reader points at its row.
+function hint(id) {
+  const h = byId.get(id), layer = canvasSvg.querySelector('#hint');
+  if (layer) layer.replaceChildren(...(h ? [outline(h, true), ...names([h], pixel())].filter(Boolean) : []));
+}
+
 function resizeMarks() {
+  paintDots();
   const k = pixel(), small = k * (innerWidth < 560 ? 0.72 : 1);
   for (const m of marks) m.g.setAttribute('transform', `translate(${Number(m.uv[0])} ${Number(m.uv[1])}) scale(${small})`);
   const shown = state.shown.present.map((id) => byId.get(id)).filter(Boolean), layer = canvasSvg.querySelector('#names');
@@ -92,10 +102,10 @@ function showChosen() {
 const CASES = [['A', 1, 1, 'Found', 'expected, detected'], ['B', 0, 0, 'Rightly unseen', 'neither'],
   ['C', 1, 0, 'Missed', 'expected, not detected'], ['D', 0, 1, 'Unexpected', 'detected, not expected']];
 function countCases(features) {
-  const letters = features.map(([h, f]) => caseOf(h, f, state.shown).letter);
+  const count = (letter) => features.reduce((n, [h, f]) => n + (caseOf(h, f, state.shown).letter === letter ? f.stands_for || 1 : 0), 0);
   put('cases', CASES.map(([letter, e, d, name, means]) => el('div', {'data-case': letter},
-    icon(glyph(e, d, '#9aa0a6')),
-    el('dt', null, el('span', {class: 'id'}, letter), ' ' + name), el('dd', null, String(letters.filter((l) => l === letter).length)), el('small', null, means))));
+    crowded ? dotIcon(letter) : icon(glyph(e, d, '#9aa0a6')),
+    el('dt', null, el('span', {class: 'id'}, letter), ' ' + name), el('dd', null, String(count(letter))), el('small', null, means))));
 }
 
 function walk(event) {
@@ -111,10 +121,13 @@ function walk(event) {
 
 const icon = (...parts) => svg('svg', {viewBox: '-10 -10 20 20', width: 20, height: 20, 'aria-hidden': 'true'}, parts);
 const LAYERS = [['appearances', 'Appearances'], ['expected', 'Expected', true], ['hidden', 'Not expected', false], ['outlines', 'Outlines'], ['labels', 'Names']];
+const layer = (name, shown, text) => toggle(name, shown, text, (on) => { state.layers[on ? 'add' : 'delete'](name); changed('layers'); });
 function startPicture() {
   put('picture', canvasSvg);
-  put('layers', LAYERS.map(([name, text, form]) => toggle(name, true, [form == null ? null : icon(glyph(form, true, '#9aa0a6')), text], (on) => { state.layers[on ? 'add' : 'delete'](name); changed('layers'); })));
-  put('signs-key', kinds.map((k) => el('li', null, icon(sign(k)), words(k))));
+  startDots();
+  if (crowded) put('layers', [...DOTS.map(([name, text, on]) => layer(name, on, [dotIcon(name), text])), ...LAYERS.slice(3).map(([name, text]) => layer(name, true, [text]))]);
+  else put('layers', LAYERS.map(([name, text, form]) => layer(name, true, [form == null ? null : icon(glyph(form, true, '#9aa0a6')), text])));
+  put('signs-key', kinds.map((k) => el('li', null, icon(crowded ? dotIcon('appearances').firstChild : sign(k)), words(k), crowded ? el('span', {class: 'id'}, ` ${appearances.filter((a) => plain(a.type) === k).length}`) : null)));
   canvasSvg.addEventListener('keydown', walk);
   new ResizeObserver(resizeMarks).observe(canvasSvg);
   watchers.push((what) => (what === 'chosen' ? showChosen() : drawPicture()));

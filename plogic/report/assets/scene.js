@@ -4,7 +4,9 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2], cross = (a, b) =>
 const norm = (a) => Math.sqrt(dot(a, a)), unit = (a) => times(a, 1 / (norm(a) || 1)), mix = (a, b, t) => add(times(a, 1 - t), times(b, t));
 const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 const place = (T, p) => [0, 1, 2].map((i) => T[i][0] * p[0] + T[i][1] * p[1] + T[i][2] * p[2] + T[i][3]);
-const UP = doc.camera.T_world_camera ? unit(doc.camera.T_world_camera[2].slice(0, 3)) : [0, -1, 0];
+// A world that is the camera's own frame knows no up. A camera that looks straight down has its up as what is ahead.
+const GROUNDED = list(doc.camera.T_world_camera).flat().some((x, i) => x !== (i % 5 ? 0 : 1));
+const UP = GROUNDED ? unit(doc.camera.T_world_camera[2].slice(0, 3)) : [0, -1, 0], AHEAD = Math.abs(UP[2]) > 0.99 ? [0, -1, 0] : [0, 0, 1];
 const shape = {lines: true, features: true, picture: true};
 
 // The edges where two facets meet at an angle, from a mesh whose vertices may be doubled along texture seams.
@@ -27,7 +29,7 @@ function solid(h) {
     const points = mesh.vertices.map((p) => place(h.T_camera_object, p));
     posed.set(h.id, {points, facets: mesh.triangles, creases: creases(points, mesh.triangles)});
   }
-  return posed.get(h.id) || {points: list(h.features).map((f) => f.at), facets: [], creases: []};
+  return posed.get(h.id) || {points: list(h.features).map((f) => f.at).filter(Boolean), facets: [], creases: []};
 }
 
 function frustum(depth) {
@@ -38,7 +40,7 @@ function frustum(depth) {
 // The floor under everything: a grid of round steps that fades out, drawn only where the world's up is known.
 function floor(points, ink, lines) {
   const low = Math.min(...points.map((p) => dot(p, UP))), middle = points.reduce(add, [0, 0, 0]).map((c) => c / points.length);
-  const centre = add(middle, times(UP, low - dot(middle, UP))), x = unit(cross(UP, [0, 0, 1])), y = cross(UP, x);
+  const centre = add(middle, times(UP, low - dot(middle, UP))), x = unit(cross(UP, AHEAD)), y = cross(UP, x);
   const size = 1.6 * Math.max(...points.map((p) => norm(sub(p, middle)))), raw = size / 5, ten = 10 ** Math.floor(Math.log10(raw)), step = ten * (raw / ten > 5 ? 10 : raw / ten > 2 ? 5 : 2);
   const n = Math.ceil(size / step);
   for (let i = -n; i <= n; i++) for (const [a, b] of [[x, y], [y, x]]) for (let j = -n; j < n; j++) {
@@ -51,7 +53,7 @@ function floor(points, ink, lines) {
 function build(theme) {
   const shown = state.shown.present.map((id) => byId.get(id)).filter(Boolean), scene = {triangles: [], lines: [], points: [], picture: null};
   const all = shown.flatMap((h) => solid(h).points), deep = all.length ? Math.min(...all.map((p) => p[2])) : 1;
-  if (doc.camera.T_world_camera && all.length) floor(all, theme.ink, scene.lines);
+  if (GROUNDED && all.length) floor(all, theme.ink, scene.lines);
   for (const h of shown) {
     const s = solid(h), c = rgb(colour(h.id)), wall = mix(c, [1, 1, 1], 0.5);
     for (const f of s.facets) scene.triangles.push({p: f.map((i) => s.points[i]), c: [...wall, h.opaque === false ? 0.35 : 1]});
@@ -66,7 +68,7 @@ function build(theme) {
 
 function sight(h, f, c, scene, theme) {
   const k = caseOf(h, f, state.shown), chosen = state.chosen && state.chosen.key.join(' ') === h.id + ' ' + f.id;
-  if (!k.letter || !f.at) return;
+  if (!k.letter || !f.at || f.stands_for > 1) return;
   const paint = chosen ? theme.ink : mix(c, [0, 0, 0], 0.25);
   if (shape.lines && (k.expected || chosen)) scene.lines.push({p: [0, 0, 0], q: f.at, c: [...paint, chosen ? 1 : k.detected ? 0.42 : 0.16]});
   if (shape.features) scene.points.push({p: f.at, c: [...paint, 1], kind: (k.expected ? 0 : 2) + (k.detected ? 0 : 1), size: chosen ? 15 : k.expected || k.detected ? 9 : 6});
@@ -82,7 +84,7 @@ function resetEye(yaw = 0.95, pitch = 0.42, grow = 1) {
   Object.assign(eye, {yaw, pitch, distance: eye.far * 2.1 * grow});
 }
 function eyeAxes() {
-  const ahead = unit(sub([0, 0, 1], times(UP, UP[2]))), right = cross(ahead, UP), {yaw, pitch, distance} = eye;
+  const ahead = unit(sub(AHEAD, times(UP, dot(AHEAD, UP)))), right = cross(ahead, UP), {yaw, pitch, distance} = eye;
   const flat = add(times(ahead, -Math.cos(yaw)), times(right, Math.sin(yaw)));
   const back = unit(add(times(flat, Math.cos(pitch)), times(UP, Math.sin(pitch)))), x = unit(cross(UP, back));
   return {x, y: cross(back, x), z: back, at: add(eye.centre, times(back, distance))};

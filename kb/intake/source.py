@@ -1,0 +1,130 @@
+"""A mesh file, as somebody made it, to triangles with their paint.
+
+Vocabulary: ``Piece``, the triangles of one material, ``Piece(vertices, triangles, uv, picture)``; ``Source``, all pieces
+of a file in its own unit, with ``notes`` on what could not be had.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kb.errors import IntakeError
+from kb.intake.limits import FORMATS, MAX_FILE_BYTES, MAX_TRIANGLES
+from kb.intake.textures import textures_of
+from kb.mesh_files import meshes_of, triangles_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from kb.intake.picture import Picture
+    from kb.mesh_files import Placed
+
+GREY = (190, 190, 190)
+"""Red, green, blue of what has no colour of its own."""
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """``vertices`` (V, 3) in the file's unit, ``triangles`` (T, 3), and the paint: a ``picture`` with ``uv`` (V, 2), v upward, or
+    ``colours`` (V, 3) red, green, blue of the vertices, or one ``colour``.
+    """  # noqa: D205 - one object, one sentence
+
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    uv: NDArray[np.float64] | None = None
+    picture: Picture | None = None
+    colours: NDArray[np.uint8] | None = None
+    colour: tuple[int, int, int] = GREY
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """The ``pieces`` of one mesh, in one frame and unit; ``notes``: what was missing, a sentence each."""
+
+    pieces: tuple[Piece, ...]
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def whole(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """All vertices (V, 3) and triangles (T, 3)."""
+        starts = np.cumsum([0] + [len(piece.vertices) for piece in self.pieces])
+        triangles = [piece.triangles + start for piece, start in zip(self.pieces, starts, strict=False)]
+        return np.concatenate([piece.vertices for piece in self.pieces]), np.concatenate(triangles)
+
+    def moved(self, motion: NDArray[np.float64]) -> Source:
+        """The same by an affine ``motion`` (4, 4); a mirroring one turns the triangles over."""
+        turned = slice(None, None, -1 if np.linalg.det(motion[:3, :3]) < 0 else 1)
+        pieces = [
+            replace(p, vertices=p.vertices @ motion[:3, :3].T + motion[:3, 3], triangles=p.triangles[:, turned]) for p in self.pieces
+        ]
+        return Source(tuple(pieces), self.notes)
+
+
+def read_source(path: Path) -> Source:
+    """The triangles and paint of a mesh file.
+
+    Raises:
+        IntakeError: no such file, larger than the limits, of another format, no triangles, coordinates that are not finite.
+    """
+    _check_file(path)
+    meshes = _meshes(path)
+    number = sum(len(mesh.faces) for mesh, _ in meshes)
+    if not number:
+        raise IntakeError(f"{path}: holds no triangles")
+    if number > MAX_TRIANGLES:
+        raise IntakeError(f"{path}: has {number} triangles, more than the {MAX_TRIANGLES} that a mesh may have; simplify it first")
+    pictures, notes = textures_of(path)
+    pieces = tuple(_piece(mesh, placed, pictures) for mesh, placed in meshes if len(mesh.faces))
+    for piece in pieces:
+        if not np.isfinite(piece.vertices).all():
+            bad = int((~np.isfinite(piece.vertices).all(axis=1)).sum())
+            raise IntakeError(f"{path}: {bad} vertices have coordinates that are not finite (NaN or infinite)")
+    return Source(pieces, tuple(notes))
+
+
+def _check_file(path: Path) -> None:
+    if not path.is_file():
+        raise IntakeError(f"{path}: there is no such mesh file")
+    size = path.stat().st_size
+    if size > MAX_FILE_BYTES:
+        raise IntakeError(f"{path}: has {size} bytes, more than the {MAX_FILE_BYTES} that a mesh file may have")
+    if path.suffix.lower().lstrip(".") not in FORMATS:
+        raise IntakeError(f"{path}: is no mesh file that can be read; these can: {', '.join(FORMATS)}")
+
+
+def _meshes(path: Path) -> Placed:
+    """The triangle meshes of the file, each with its place in the file's scene."""
+    try:
+        return meshes_of(path)
+    except Exception as error:  # - trimesh's readers raise whatever their parsers do
+        if isinstance(error, ImportError) and path.suffix.lower() == ".dae":
+            raise IntakeError(f"{path}: reading COLLADA needs the package pycollada; or convert the mesh to OBJ or GLB") from None
+        raise IntakeError(f"{path}: is no mesh that can be read: {' '.join(str(error).split())[:200]}") from error
+
+
+def _piece(mesh: Any, placed: NDArray[np.float64], pictures: dict[str, Picture]) -> Piece:  # noqa: ANN401 - trimesh is untyped
+    """One of trimesh's meshes; ``pictures`` by name of material, '' for all."""
+    vertices, triangles = triangles_of(mesh, placed)
+    used, index = np.unique(triangles, return_inverse=True)  # what no triangle uses is none of the surface
+    triangles, number = index.reshape(-1, 3), len(vertices)
+    material = getattr(mesh.visual, "material", None)
+    picture = pictures.get(str(getattr(material, "name", "")), pictures.get(""))
+    uv = getattr(mesh.visual, "uv", None)
+    if picture is not None and uv is not None and len(uv) == number and np.isfinite(uv).all():
+        return Piece(vertices[used], triangles, np.array(uv, dtype=np.float64)[used], picture, colour=_colour(material))
+    seen = mesh.visual.vertex_colors if mesh.visual.kind == "vertex" else None
+    colours = None if seen is None else np.array(seen, dtype=np.uint8)[used, :3]
+    return Piece(vertices[used], triangles, colours=colours, colour=_colour(material))
+
+
+def _colour(material: Any) -> tuple[int, int, int]:  # noqa: ANN401 - trimesh is untyped
+    value = getattr(material, "main_color", None)
+    if value is None:
+        return GREY
+    red, green, blue = (int(x) for x in np.asarray(value).ravel()[:3])
+    return red, green, blue

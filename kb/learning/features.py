@@ -1,0 +1,156 @@
+"""From observations to a cloud: what was seen at one place of the surface is one feature; what looked alike, one lobe of it.
+
+The hit rate of a lobe is measured over all pictures whose viewpoint it holds, also those in which nothing was seen.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from kb.learning.views import PIXELS, directions, distance, spacing
+from kb.learnt import LearntCloud
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kb.learning.observations import Observations
+
+    Floats = NDArray[np.float64]
+
+SAME_PLACE = 1.6
+"""Pixels (of the coarser of two pictures) within which observations are of one place."""
+SAME_SIZE, SAME_UP = 0.3, 0.8
+"""Greatest logarithm of the ratio of sizes, least cosine between directions, of one feature."""
+ALIKE = {128: 200.0, 32: 45.0}
+"""Distance of descriptors within one lobe, by their bytes."""
+TOGETHER = 0.85
+"""Least cosine between directions of view within one lobe."""
+LEAST_SEEN = 3
+"""Pictures that must show a feature."""
+MOST = 2500
+"""Features of one type."""
+STEP = 1.25
+"""By this factor a lobe reaches nearer and farther than the pictures that showed it: about half way to the next."""
+
+
+class _Lobe(NamedTuple):
+    members: NDArray[np.intp]
+    axis: Floats
+    half_angle: float
+
+
+def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most: int = MOST) -> LearntCloud:
+    """The cloud of a type from what was seen of it from ``directions(count)``; its words are not assigned yet (all 0)."""
+    groups = [group for group in _places(seen) if len(group) >= LEAST_SEEN]
+    chosen = [groups[i] for i in sorted(_best(seen, groups, count)[:most], key=lambda i: int(groups[i][0]))]
+    lobes = [(f, lobe) for f, group in enumerate(chosen) for lobe in _lobes(seen, group, count)]
+    return LearntCloud(
+        **_feature_arrays(seen, chosen),
+        **_lobe_arrays(seen, lobes, diameter, f_ref, count),
+    )
+
+
+def _places(seen: Observations) -> list[NDArray[np.intp]]:
+    """Observations in groups, each about one place, size and direction; the surest first."""
+    from scipy.spatial import cKDTree
+
+    if not len(seen):
+        return []
+    tree, free = cKDTree(seen.at), np.ones(len(seen), bool)
+    reach = SAME_PLACE * seen.pixel
+    groups = []
+    for i in np.lexsort((np.arange(len(seen)), reach, -seen.hit)):
+        if not free[i]:
+            continue
+        near = np.array(sorted(tree.query_ball_point(seen.at[i], 2.0 * reach[i])), np.intp)
+        near = near[free[near]]
+        apart = np.linalg.norm(seen.at[near] - seen.at[i], axis=1)
+        one = (apart <= np.maximum(reach[near], reach[i])) & (np.abs(np.log(seen.size[near] / seen.size[i])) < SAME_SIZE)
+        one &= (seen.up[near] @ seen.up[i] > SAME_UP) | (near == i)
+        free[near[one]] = False
+        groups.append(near[one])
+    return groups
+
+
+def _best(seen: Observations, groups: list[NDArray[np.intp]], count: int) -> list[int]:
+    """All groups, in turns: the best from each direction, then the second best from each, and so on, so that no side is forgotten for another.
+
+    Best is what was seen most often, in pictures of all sizes and from all sides.
+    """
+    weight = np.array([seen.hit[group].sum() for group in groups])
+    turns = np.full(len(groups), len(groups))
+    for direction in range(count):
+        here = np.array([i for i, group in enumerate(groups) if (seen.view[group] == direction).any()], np.intp)
+        here = here[np.argsort(-weight[here], kind="stable")]
+        turns[here] = np.minimum(turns[here], np.arange(len(here)))
+    return [int(i) for i in np.lexsort((np.arange(len(groups)), -weight, turns))]
+
+
+def _lobes(seen: Observations, group: NDArray[np.intp], count: int) -> list[_Lobe]:
+    """One feature's observations by what they look like."""
+    lobes = []
+    left = group[np.argsort(-seen.hit[group], kind="stable")]
+    limit = ALIKE[seen.descriptor.shape[1]]
+    while len(left):
+        alike = _apart(seen.descriptor[left], seen.descriptor[left[0]]) < limit
+        alike &= seen.direction[left] @ seen.direction[left[0]] > TOGETHER
+        alike[0] = True
+        members = left[alike]
+        left = left[~alike]
+        axis = seen.direction[members].mean(axis=0)
+        axis = axis / np.linalg.norm(axis)
+        widest = float(np.arccos(np.clip(seen.direction[members] @ axis, -1.0, 1.0)).max())
+        lobes.append(_Lobe(members, axis, widest + 0.5 * spacing(count)))
+    return lobes
+
+
+def _apart(some: NDArray[np.float32], one: NDArray[np.float32]) -> Floats:
+    """Distances of mean descriptors; those of ORB are compared as bytes of bits."""
+    if some.shape[1] == 32:
+        bits = np.unpackbits(np.rint(some).astype(np.uint8) ^ np.rint(one).astype(np.uint8), axis=1)
+        return np.asarray(bits.sum(axis=1), np.float64)
+    return np.asarray(np.linalg.norm(some - one, axis=1), np.float64)
+
+
+def _feature_arrays(seen: Observations, groups: list[NDArray[np.intp]]) -> dict[str, Any]:
+    at = np.array([np.average(seen.at[g], axis=0, weights=seen.hit[g]) for g in groups]).reshape(-1, 3)
+    spread = [np.sqrt(((seen.at[g] - middle) ** 2).sum(axis=1).mean() / 2.0) for g, middle in zip(groups, at, strict=True)]
+    least = [0.3 * float(seen.pixel[g].min()) for g in groups]
+    normal = np.array([seen.normal[g].mean(axis=0) for g in groups]).reshape(-1, 3)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    outward = np.array([seen.direction[g].mean(axis=0) for g in groups]).reshape(-1, 3)
+    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    return {
+        "at": at,
+        "sigma": np.maximum(spread, least),
+        "normal": np.where(length > 1e-6, normal / np.maximum(length, 1e-6), outward),
+        "word": np.zeros(len(groups), np.int64),
+    }
+
+
+def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: float, f_ref: float, count: int) -> dict[str, Any]:
+    ranges = np.array([distance(pixels, diameter, f_ref) for pixels in PIXELS])
+    axis = np.array([lobe.axis for _, lobe in lobes]).reshape(-1, 3)
+    half = np.array([lobe.half_angle for _, lobe in lobes])
+    up = np.array([seen.up[lobe.members].mean(axis=0) for _, lobe in lobes]).reshape(-1, 3)
+    up -= (up * axis).sum(axis=1, keepdims=True) * axis
+    up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
+    nearest = np.array([seen.level[lobe.members].min() for _, lobe in lobes], int)
+    farthest = np.array([seen.level[lobe.members].max() for _, lobe in lobes], int)
+    pictures = (axis @ directions(count).T >= np.cos(half)[:, None]).sum(axis=1) * (farthest - nearest + 1)
+    hits = np.array([seen.hit[lobe.members].sum() for _, lobe in lobes])
+    descriptor = np.rint([seen.descriptor[lobe.members].mean(axis=0) for _, lobe in lobes])
+    return {
+        "feature": np.array([f for f, _ in lobes], np.int64),
+        "lobe_word": np.zeros(len(lobes), np.int64),
+        "descriptor": descriptor.astype(np.uint8).reshape(len(lobes), seen.descriptor.shape[1]),
+        "axis": axis,
+        "half_angle": half,
+        "r_min": ranges[nearest] / STEP,
+        "r_max": ranges[farthest] * STEP,
+        "hit": np.clip(hits / np.maximum(pictures, 1), 0.0, 1.0),
+        "up": up,
+        "size": np.array([np.exp(np.log(seen.size[lobe.members]).mean()) for _, lobe in lobes]),
+    }

@@ -1,0 +1,207 @@
+"""What the detector sees of an object from one direction: keypoints that come again in worse pictures, carried back to its surface.
+
+* ``Observations``: N of them as arrays; ``joined`` puts those of several views together
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from kb.learning.variants import side, variant
+from kb.learning.views import PIXELS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.learning.views import View
+
+    Floats = NDArray[np.float64]
+    Detect = Callable[[NDArray[np.uint8]], "Seen"]
+
+PICTURES = 4
+"""Pictures of each size, all different; the first is where keypoints are looked for again in the others."""
+OFTEN = 0.5
+"""Share of the other pictures in which a keypoint must come again: what comes less often is not expected (D7)."""
+NEAR, SIMILAR, TURNED = 2.0, 0.3, 0.35
+"""The same keypoint: within so many pixels (plus 8 % of its size), a logarithm of the ratio of sizes, radians."""
+ALIKE = {128: 280.0, 32: 60.0}
+"""... and with descriptors no farther apart, by their bytes: Euclid's distance of SIFT's, Hamming's of ORB's."""
+EDGE = 3
+"""Pixels of the large picture that a keypoint must keep from the outline, where depth is that of the background."""
+
+
+class Seen(Protocol):
+    """Keypoints of one picture, as ``sensing.keypoints`` gives them."""
+
+    @property
+    def uv(self) -> Floats:
+        """(N, 2) pixels."""
+
+    @property
+    def angle(self) -> Floats:
+        """(N,) radians."""
+
+    @property
+    def scale(self) -> Floats:
+        """(N,) pixels."""
+
+    @property
+    def descriptors(self) -> NDArray[np.uint8]:
+        """(N, D) bytes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """Metres, radians, the object's frame.
+
+    Attributes:
+        at: (N, 3) places on the surface.
+        normal: (N, 3) unit normals there, towards the viewpoint.
+        direction: (N, 3) unit vectors to the viewpoint.
+        up: (N, 3) unit: the keypoint's angle as a direction, perpendicular to ``direction``.
+        size: (N,) diameter in space.
+        pixel: (N,) how large a pixel was there, metres.
+        view: (N,) index of the direction.
+        level: (N,) index into ``PIXELS``.
+        hit: (N,) share of the other pictures in which it came again.
+        descriptor: (N, D) float32, its mean over the pictures.
+    """
+
+    at: Floats
+    normal: Floats
+    direction: Floats
+    up: Floats
+    size: Floats
+    pixel: Floats
+    view: NDArray[np.int64]
+    level: NDArray[np.int64]
+    hit: Floats
+    descriptor: NDArray[np.float32]
+
+    def __len__(self) -> int:
+        return len(self.at)
+
+
+def joined(several: Sequence[Observations]) -> Observations:
+    """All observations of at least one view, in order."""
+    return Observations(*(np.concatenate([getattr(one, f.name) for one in several]) for f in fields(Observations)))
+
+
+def observed(view: View, number: int, detect: Detect, seed: int = 0) -> Observations:
+    """What is seen from direction ``number`` at all sizes; the same arguments give the same observations."""
+    import cv2
+
+    inner = cv2.erode(view.mask.astype(np.uint8), np.ones((2 * EDGE + 1, 2 * EDGE + 1), np.uint8)) > 0
+    levels = []
+    for level, pixels in enumerate(PIXELS):
+        rng = np.random.default_rng([seed, number, level])
+        first, *others = [detect(variant(view, pixels, rng)) for _ in range(PICTURES)]
+        hit, uv, descriptor = _again(first, others)
+        levels.append(_on_surface(view, inner, pixels, first, uv, hit, descriptor, (number, level)))
+    return joined(levels)
+
+
+def _again(first: Seen, others: Sequence[Seen]) -> tuple[Floats, Floats, NDArray[np.float32]]:
+    """Share of the others in which each keypoint comes again, (N,); its mean place (N, 2) and descriptor (N, D)."""
+    hits = np.zeros(len(first.uv))
+    uv, descriptor = first.uv.copy(), first.descriptors.astype(np.float32)
+    for other in others:
+        mine, its = same(first, other)
+        hits[mine] += 1.0
+        uv[mine] += other.uv[its]
+        descriptor[mine] += other.descriptors[its]
+    return hits / max(len(others), 1), uv / (1.0 + hits)[:, None], (descriptor / (1.0 + hits)[:, None]).astype(np.float32)
+
+
+def same(one: Seen, other: Seen) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Indices of the keypoints of ``one`` that ``other`` has as well, and of which they are: the most alike of those that may be."""
+    from scipy.spatial import cKDTree
+
+    nothing = np.zeros(0, np.intp)
+    if not len(one.uv) or not len(other.uv):
+        return nothing, nothing
+    found = cKDTree(other.uv).query_ball_point(one.uv, NEAR + 0.08 * one.scale)
+    mine = np.repeat(np.arange(len(found)), [len(js) for js in found])
+    its = np.array([j for js in found for j in sorted(js)], np.intp)
+    turned = np.abs((other.angle[its] - one.angle[mine] + np.pi) % (2 * np.pi) - np.pi)
+    apart = differences(one.descriptors[mine], other.descriptors[its])
+    right = (np.abs(np.log(other.scale[its] / one.scale[mine])) < SIMILAR) & (turned < TURNED) & (apart < ALIKE[one.descriptors.shape[1]])
+    mine, its, apart = mine[right], its[right], apart[right]
+    order = np.lexsort((its, apart, mine))
+    firsts = np.unique(mine[order], return_index=True)[1]
+    return mine[order][firsts], its[order][firsts]
+
+
+def differences(some: NDArray[np.uint8], others: NDArray[np.uint8]) -> Floats:
+    """(N,) distances of descriptors (N, D) to their partners: Euclid's for 128 bytes, Hamming's for 32."""
+    if some.shape[1] == 32:
+        return np.asarray(np.unpackbits(some ^ others, axis=1).sum(axis=1), np.float64)
+    return np.asarray(np.linalg.norm(some.astype(np.float32) - others.astype(np.float32), axis=1), np.float64)
+
+
+def _on_surface(
+    view: View,
+    inner: NDArray[np.bool_],
+    pixels: float,
+    first: Seen,
+    uv: Floats,
+    hit: Floats,
+    descriptor: NDArray[np.float32],
+    number_level: tuple[int, int],
+) -> Observations:
+    """Carry keypoints of a picture back along their rays to the surface; those near the outline or seldom seen are left out."""
+    large = view.image.shape[0]
+    factor = large / side(view, pixels)
+    place = (uv + 0.5) * factor - 0.5
+    cell = np.clip(np.rint(place).astype(int), 0, large - 1)
+    good = inner[cell[:, 1], cell[:, 0]] & (hit >= OFTEN)
+    place, cell, f = place[good], cell[good], view.camera.f
+    here = _points(view, place, cell)
+    object_from_camera = view.camera.world_from_camera
+    assert object_from_camera is not None  # noqa: S101 - a view has one
+    R, viewpoint = object_from_camera[:3, :3], object_from_camera[:3, 3]
+    at = here @ R.T + viewpoint
+    direction = _unit(viewpoint - at)
+    angle = first.angle[good]
+    up = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))], axis=1) @ R.T
+    up = _unit(up - (up * direction).sum(axis=1, keepdims=True) * direction)
+    pixel = here[:, 2] * factor / f
+    number, level = number_level
+    return Observations(
+        at=at,
+        normal=_normals(view, cell) @ R.T,
+        direction=direction,
+        up=up,
+        size=first.scale[good] * pixel,
+        pixel=pixel,
+        view=np.full(len(at), number, np.int64),
+        level=np.full(len(at), level, np.int64),
+        hit=hit[good],
+        descriptor=descriptor[good],
+    )
+
+
+def _points(view: View, place: Floats, cell: NDArray[np.intp]) -> Floats:
+    """(N, 3) in the camera's frame: the ray of each place, as deep as the picture is there."""
+    rays = np.column_stack([view.camera.normalised(place), np.ones(len(place))])
+    return np.asarray(rays * view.depth[cell[:, 1], cell[:, 0]].astype(float)[:, None])
+
+
+def _normals(view: View, cell: NDArray[np.intp], reach: int = EDGE) -> Floats:
+    """(N, 3) unit normals in the camera's frame, towards it, from the depth to both sides."""
+    limit = view.image.shape[0] - 1
+    sides = []
+    for step in ((reach, 0), (-reach, 0), (0, reach), (0, -reach)):
+        there = np.clip(cell + np.array(step), 0, limit)
+        sides.append(_points(view, there.astype(float), there))
+    normal = _unit(np.cross(sides[0] - sides[1], sides[2] - sides[3]))
+    return np.asarray(np.where(normal[:, 2:] > 0, -normal, normal))
+
+
+def _unit(vectors: Floats) -> Floats:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12))

@@ -1,0 +1,84 @@
+"""What a KB's folder holds of learnt clouds and words, read with the mistakes met; and a learnt cloud as features of its type."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from kb.cloud import Feature
+from kb.errors import CloudError
+from kb.learnt import MAX_BYTES, LearntCloud, read_cloud
+from kb.lobes import LobeTable
+from kb.words import MAX_BYTES as MAX_WORDS
+from kb.words import Words, read_words
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from kb.folder import Folder
+    from kb.yaml_text import Document
+
+Kind = TypeVar("Kind")
+
+
+def words_of(place: Folder, document: Document) -> Words | None:
+    """The vocabulary that ``kb.yaml`` names; None where it names none, or with a mistake."""
+    return _read(place, document, place.root, "words", MAX_WORDS, read_words)
+
+
+def learnt_of(place: Folder, document: Document, folder: Path) -> LearntCloud | None:
+    """The learnt cloud that ``object.yaml`` names; None where it names none, or with a mistake."""
+    if isinstance(document.data, dict) and document.data.get("cloud") and (document.data.get("features") or document.data.get("parts")):
+        why = "a type is learnt or written by hand: with cloud there are no parts and no features"
+        place.mistakes.append(document.mistake(("cloud",), why, key=True))
+    return _read(place, document, folder, "cloud", MAX_BYTES, read_cloud)
+
+
+def _read(place: Folder, document: Document, folder: Path, key: str, limit: int, read: Callable[[bytes], Kind]) -> Kind | None:
+    entry = document.data.get(key) if isinstance(document.data, dict) else None
+    file = entry.get("file") if isinstance(entry, dict) else None
+    if not isinstance(file, str) or not file or "\0" in file:
+        return None
+    fault = place.fault(folder / file, limit)
+    if fault is not None:
+        place.mistakes.append(document.mistake((key, "file"), f"the file {file!r:.100} {fault}"))
+        return None
+    content = place.content(folder / file, limit)
+    try:
+        return None if content is None else read(content)
+    except CloudError as error:
+        place.mistakes.append(document.mistake((key, "file"), f"{file!r:.100} {error}"))
+        return None
+
+
+def check_words(place: Folder, document: Document, cloud: LearntCloud | None, words: Words | None) -> None:
+    """A learnt cloud needs the vocabulary that it was learnt with."""
+    if cloud is None:
+        return
+    if words is None:
+        place.mistakes.append(document.mistake(("cloud",), "the knowledge base has no words (kb.yaml: words): learn the type again", key=True))
+    elif words.detector != cloud.detector or max(cloud.word.max(initial=-1), cloud.lobe_word.max(initial=-1)) >= len(words.centroids):
+        place.mistakes.append(document.mistake(("cloud",), "was learnt with other words than kb.yaml names: learn the type again", key=True))
+
+
+def learnt_features(cloud: LearntCloud, words: Words) -> tuple[Feature, ...]:
+    """Features ``f0001``, ...: each of the type of its dominant word. Their appearances are in ``learnt_lobes``, as arrays."""
+    names, still = words.names, np.eye(3)
+    return tuple(Feature(f"f{i:04d}", names[word], at, still, ()) for i, (at, word) in enumerate(zip(cloud.at, cloud.word, strict=True), 1))
+
+
+def learnt_lobes(cloud: LearntCloud, words: Words) -> LobeTable:
+    """The lobes of a learnt cloud as those of any type."""
+    names = words.names
+    return LobeTable(
+        feature=cloud.feature.astype(np.intp),
+        types=tuple(names[word] for word in cloud.lobe_word),
+        at=cloud.at[cloud.feature],
+        axis=cloud.axis,
+        cos_half=np.cos(cloud.half_angle),
+        r_min=cloud.r_min,
+        r_max=cloud.r_max,
+        features=len(cloud.at),
+    )

@@ -1,0 +1,79 @@
+"""A learnt type in a few lines: how much there is of it, how surely it is seen, and from where enough of it is expected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kb.cones import even_directions
+from kb.lobes import in_lobe
+
+if TYPE_CHECKING:
+    from kb.cloud import ObjectType
+
+MANY = 20
+"""Expected features with which a type is found though most of them are missed."""
+DIRECTIONS, AT_A_TIME = 200, 20
+"""Viewpoints all around that are tried, and how many of them at a time."""
+
+
+@dataclass(frozen=True)
+class LearntSummary:
+    """``words``: different visual words of its appearances; ``hit`` and ``sigma`` (m): medians.
+
+    ``distance`` (m at the reference focal length): where it is looked at from all around; ``share`` of these viewpoints expects at least
+    ``MANY`` features; ``most``: how many the best of them expects.
+    """
+
+    detector: str
+    features: int
+    appearances: int
+    words: int
+    hit: float
+    sigma: float
+    distance: float
+    share: float
+    most: int
+
+    @property
+    def lines(self) -> tuple[str, str]:
+        """For people."""
+        first = f"learnt with {self.detector}: {self.features} features, {self.appearances} appearances, {self.words} visual words"
+        sure = f"hit rate {self.hit:.2f} and sigma {1000.0 * self.sigma:.2g} mm (medians)"
+        seen = f"{MANY} or more features are expected from {self.share:.0%} of the view sphere, {self.distance:.2g} m away"
+        return first, f"{sure}; {seen}"
+
+
+def learnt_summary(kind: ObjectType) -> LearntSummary:
+    """Of a type that has a learnt cloud."""
+    cloud = kind.learnt
+    assert cloud is not None  # noqa: S101 - the caller looks
+    if not len(cloud.feature):
+        return LearntSummary(cloud.detector, len(cloud.at), 0, 0, 0.0, 0.0, 0.0, 0.0, 0)
+    distance = float(np.median(np.sqrt(np.maximum(cloud.r_min, 1e-3 * cloud.r_max) * cloud.r_max)))
+    expected = _expected(kind, distance)
+    return LearntSummary(
+        cloud.detector,
+        len(cloud.at),
+        len(cloud.feature),
+        len(np.unique(cloud.lobe_word)),
+        float(np.median(cloud.hit)),
+        float(np.median(cloud.sigma)),
+        distance,
+        float((expected >= MANY).mean()),
+        int(expected.max()),
+    )
+
+
+def _expected(kind: ObjectType, distance: float) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    """(DIRECTIONS,) features with a lobe that holds the viewpoint: lobes were measured on the whole object, so it hides nothing more."""
+    table = kind.lobes
+    centre = kind.surface.centre if kind.surface is not None else table.at.mean(axis=0)
+    viewpoints = centre + distance * even_directions(DIRECTIONS)
+    counts = []
+    for start in range(0, DIRECTIONS, AT_A_TIME):
+        held = in_lobe(table, viewpoints[start : start + AT_A_TIME], 1.0)
+        counts += [len(np.unique(table.feature[row])) for row in held]
+    return np.array(counts)

@@ -1,0 +1,60 @@
+"""``plogic kb import``."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from plogic.errors import InputError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kb.intake.new_type import NewType
+
+
+def import_command(source: Path, folder: Path, units: str | None, *, as_json: bool) -> str:
+    """Make types from a URDF, an SDF, or a BOP models folder; all are made before the first is written.
+
+    Raises:
+        IntakeError: a file that no type can be made of. InputError: no such file, no KB, a type that exists. SensingError.
+    """
+    from plogic.commands.kb_types import check_kb, told, write_types
+
+    check_kb(folder)
+    if not source.exists():
+        raise InputError(f"{source}: there is no such file or folder")
+    types = _of_bop(source, folder, units) if source.is_dir() else [_of_robot(source, folder, units)]
+    write_types(folder, types)
+    return told(folder, types, "kb_import", as_json=as_json)
+
+
+def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
+    """One type of one description, its meshes merged in the zero pose. URDF and SDF are in metres."""
+    from kb.importing.sdf import sdf_visuals
+    from kb.importing.urdf import urdf_visuals
+    from kb.importing.visuals import merged
+    from kb.intake.new_type import new_type
+    from plogic.commands.kb_types import check_places
+
+    readers = {".urdf": urdf_visuals, ".sdf": sdf_visuals, ".world": sdf_visuals}
+    reader = readers.get(path.suffix.lower())
+    if reader is None:
+        raise InputError(f"{path}: is neither a .urdf nor an .sdf, nor a BOP models folder; a mesh comes with: plogic kb add NAME --mesh {path}")
+    stem = path.resolve().parent.name if path.stem == "model" else path.stem  # Gazebo's: NAME/model.sdf
+    name = re.sub(r"[^A-Za-z0-9_.-]", "_", stem).lstrip(".-") or "robot"
+    check_places(folder, [name])
+    return new_type(name, merged(path, reader(path)), units or "m", path)
+
+
+def _of_bop(models: Path, folder: Path, units: str | None) -> list[NewType]:
+    from kb.importing.bop_models import bop_models, bop_symmetries
+    from kb.intake.new_type import new_type
+    from kb.intake.source import read_source
+    from plogic.commands.kb_types import check_places
+
+    unit = units or "mm"
+    rows = bop_models(models)
+    check_places(folder, [name for name, _, _ in rows])
+    known = [bop_symmetries(entry, unit, f"{models / 'models_info.json'}: {name}") for name, _, entry in rows]
+    return [new_type(name, read_source(path), unit, path, turns) for (name, path, _), turns in zip(rows, known, strict=True)]

@@ -1,0 +1,233 @@
+"""``plogic kb learn NAME --photo FILE --points FILE``: an object type from one photo, laid onto its mesh by a few clicked points."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from plogic.commands.sources import kb_of
+from plogic.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from geometry.register import Registration
+    from kb.cloud import KnowledgeBase, ObjectType
+    from kb.intake.new_type import NewType
+    from kb.learning.photo import PaintedMesh
+    from kb.learnt import LearntCloud
+
+BY_PHOTO = "# painted with a photo by plogic kb learn --photo\n"
+"""The first line of a material that may be replaced by a better photo's."""
+PAINT = ("textured.obj", "textured.mtl", "texture.png")
+
+
+@dataclass(frozen=True)
+class Sources:
+    """``photo`` and ``points`` files; ``camera`` file, where its intrinsics are known; ``mesh`` file and ``units``, where the type is new."""
+
+    photo: Path
+    points: Path
+    camera: Path | None = None
+    mesh: Path | None = None
+    units: str | None = None
+
+
+def sources_of(options: dict[str, Any]) -> Sources | None:
+    """Take the options of a photo out of a command's; None without a photo. Raises InputError where some are given without the others."""
+    names = ("photo", "points", "camera", "mesh", "units")
+    given = {name: options.pop(name, None) for name in names}
+    if given["photo"] is None:
+        idle = [f"--{name}" for name in names if given[name] is not None]
+        if idle:
+            raise InputError(f"{', '.join(idle)}: only with --photo")
+        return None
+    if given["points"] is None:
+        raise InputError("--photo needs --points, a file of clicked correspondences: u, v in pixels, x, y, z of the object")
+    return Sources(**given)
+
+
+def learn_photo_command(kb_folder: str, names: Sequence[str], sources: Sources, options: dict[str, Any], *, say: Callable[[str], None]) -> str:
+    """Register, paint, learn, and only then write: the type (where it is new), its texture, its cloud and the words.
+
+    Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
+    """
+    from kb.learning.photo import on_shown
+
+    kb, new, kind = _the_type(kb_folder, names, sources, say)
+    found, mesh = _registered(kind, sources)
+    say(_told(kind, found, mesh))
+    with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:
+        files = _paint_files(mesh, sources.photo.name, kind.mesh_scale)
+        for name, data in files.items():
+            (Path(folder) / name).write_bytes(data)
+        from plogic.commands.kb_learn import learnt_of
+
+        cloud = learnt_of(replace(kind, mesh_file=Path(folder) / PAINT[0]), kb, options, say, partial(on_shown, mesh))
+    count = _write(kb_folder, new, kind.name, files, cloud, options["seed"])
+    return _answer(kb_folder, kind, found, mesh, cloud, count, as_json=options["as_json"])
+
+
+def _the_type(
+    kb_folder: str, names: Sequence[str], sources: Sources, say: Callable[[str], None]
+) -> tuple[KnowledgeBase, NewType | None, ObjectType]:
+    """The KB, the new type's files where it is new, and the type with its surface."""
+    if len(names) != 1:
+        raise InputError(f"--photo: name the one type that it shows, not {len(names)}")
+    kb = kb_of(kb_folder)
+    if kb.folder is None:
+        raise InputError(f"{kb.name}: has no folder to write to")
+    kind = next((kind for kind in kb.types if kind.name == names[0]), None)
+    if kind is None:
+        return (kb, *_new(kb_folder, names[0], sources))
+    if sources.mesh is not None:
+        say(f"{kind.name}: is there already, so --mesh is not read")
+    fault = _fault(kind)
+    if fault is not None:
+        raise InputError(f"{kind.name}: {fault}")
+    return kb, None, kind
+
+
+def _fault(kind: ObjectType) -> str | None:
+    """Why a type cannot be learnt from a photo."""
+    if kind.surface is None or kind.mesh_file is None:
+        return "has no mesh to lay the photo on"
+    if kind.features and kind.learnt is None:
+        return "its features were written by hand; learning would replace them: take them out of object.yaml first"
+    material = kind.mesh_file.parent / PAINT[1]
+    if material.exists() and not material.read_text(encoding="utf-8", errors="replace").startswith(BY_PHOTO):
+        return "has a texture of its own, which shows more of it than a photo: plogic kb learn without --photo"
+    return None
+
+
+def _new(kb_folder: str, name: str, sources: Sources) -> tuple[NewType, ObjectType]:
+    from kb.intake.new_type import new_type
+    from kb.intake.source import read_source
+    from plogic.commands.kb_types import check_places
+
+    if sources.mesh is None:
+        raise InputError(f"{name}: no such object type; add it with plogic kb add, or give --mesh and --units")
+    check_places(Path(kb_folder), [name])
+    new = new_type(name, read_source(sources.mesh), sources.units, sources.mesh)
+    if PAINT[0] in new.files:
+        raise InputError(f"{name}: {sources.mesh} has a texture of its own, which shows more than a photo: plogic kb add, then kb learn")
+    from plogic.commands.kb_new import new_command
+
+    with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:
+        draft = Path(folder) / "kb"
+        new_command(draft, "draft")
+        place = draft / "objects" / name
+        place.mkdir(parents=True)
+        for file, data in new.files.items():
+            (place / file).write_bytes(data)
+        return new, kb_of(str(draft)).type(name)
+
+
+def _registered(kind: ObjectType, sources: Sources) -> tuple[Registration, PaintedMesh]:
+    from geometry.camera_files import read_camera
+    from kb.learning.photo import painted, registered
+    from kb.learning.points import read_points
+    from sensing.images import read_image
+
+    assert kind.surface is not None  # noqa: S101 - _fault looked
+    points = read_points(sources.points)
+    photo = read_image(sources.photo)
+    size = photo.shape[1], photo.shape[0]
+    camera = None if sources.camera is None else read_camera(sources.camera, size=size)
+    if camera is not None and (camera.width, camera.height) != size:
+        raise InputError(f"{sources.camera}: is of {camera.width} x {camera.height} pixels, but {sources.photo} of {size[0]} x {size[1]}")
+    found = registered(points, size, kind.surface, camera)
+    return found, painted(kind.surface, photo, found.camera, found.camera_from_object)
+
+
+def _told(kind: ObjectType, found: Registration, mesh: PaintedMesh) -> str:
+    f = f"f = {found.camera.f:.0f} px" + (f" ± {found.f_error:.0f}" if found.f_error else "")
+    return f"{kind.name}: {f}, rms of the points {found.rms:.2f} px, the photo shows {_share(mesh):.0%} of the surface"
+
+
+def _share(mesh: PaintedMesh) -> float:
+    import numpy as np
+
+    corners = mesh.vertices[mesh.triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return float(area[mesh.shown].sum() / area.sum())
+
+
+def _paint_files(mesh: PaintedMesh, photo: str, metres_per_unit: float) -> dict[str, bytes]:
+    """The textured mesh in the unit of the type's own, its material and its picture."""
+    from kb.intake.picture import png
+
+    lines = ["mtllib textured.mtl", "usemtl painted"]
+    lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in (mesh.vertices / metres_per_unit).tolist()]
+    lines += [f"vt {u:.7g} {v:.7g}" for u, v in mesh.uv.tolist()]
+    lines += [f"f {a}/{a} {b}/{b} {c}/{c}" for a, b, c in (mesh.triangles + 1).tolist()]
+    named = photo.encode("ascii", "replace").decode().replace("\n", " ")
+    material = f"{BY_PHOTO}# {named}\nnewmtl painted\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {PAINT[2]}\n"
+    return {PAINT[0]: ("\n".join(lines) + "\n").encode(), PAINT[1]: material.encode(), PAINT[2]: png(mesh.texture).data}
+
+
+def _write(kb_folder: str, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearntCloud, seed: int) -> int:
+    """Everything, and how many words there are now."""
+    from kb.learning.words import worded
+    from plogic.commands.kb_learn import files_of, object_of
+    from plogic.commands.kb_types import write_types
+    from sensing.whole_files import write_files
+
+    kb = kb_of(kb_folder)
+    clouds = {kind.name: kind.learnt for kind in kb.types if kind.learnt is not None} | {name: cloud}
+    mixed = sorted({one.detector for one in clouds.values()})
+    if len(mixed) > 1:
+        raise InputError(f"{kb_folder}: clouds of {' and '.join(mixed)} cannot share one vocabulary: learn all types with one detector")
+    words, clouds = worded(clouds, seed)
+    if new is not None:
+        write_types(Path(kb_folder), [new])
+        kb = kb_of(kb_folder)
+    files = files_of(kb, words, clouds, {name})
+    assert kb.folder is not None  # noqa: S101 - _the_type looked
+    folder = next(folder for folder in sorted((kb.folder / "objects").iterdir()) if object_of(folder) == name)
+    text = files.get(folder / "object.yaml") or (folder / "object.yaml").read_bytes()
+    files[folder / "object.yaml"] = _textured(text, folder / "object.yaml")
+    write_files(files | {folder / file: data for file, data in paint.items()})
+    return len(words.centroids)
+
+
+def _textured(content: bytes, file: Path) -> bytes:
+    """An object.yaml whose ``mesh`` names the painted one as well; its other lines and comments stay."""
+    from kb.yaml_text import load
+
+    document = load(str(file), content)
+    mesh = document.data["mesh"]
+    if mesh.get("textured") == PAINT[0]:
+        return content
+    text = content.decode("utf-8-sig")
+    node = next(value for key, value in document.root.value if key.value == "mesh")  # type: ignore[union-attr]  # kb_of read it
+    start, end = node.start_mark, node.end_mark
+    lines = text.splitlines(keepends=True)
+    before = "".join(lines[: start.line]) + lines[start.line][: start.column]
+    after = lines[end.line][end.column :] + "".join(lines[end.line + 1 :]) if end.line < len(lines) else ""
+    entries = ", ".join(f"{key}: {json.dumps(value)}" for key, value in (mesh | {"textured": PAINT[0]}).items())
+    closing = "" if node.flow_style else "\n"
+    return f"{before}{{{entries}}}{closing}{after}".encode()
+
+
+def _answer(
+    kb_folder: str, kind: ObjectType, found: Registration, mesh: PaintedMesh, cloud: LearntCloud, words: int, *, as_json: bool
+) -> str:
+    from geometry.camera import camera_to_dict
+    from plogic.commands.kb_learn import row_of
+    from plogic.commands.printing import plain_table
+
+    row = row_of(kind.name, cloud) | {"shown": round(_share(mesh), 3), "f px": round(found.camera.f, 1), "± px": round(found.f_error, 1)}
+    row |= {"rms px": round(found.rms, 2)}
+    if not as_json:
+        return plain_table(f"learnt into {kb_folder}: {words} words in all", [row])
+    photo = {
+        "camera": camera_to_dict(found.camera),
+        "T_camera_object": found.camera_from_object.tolist(),
+        "residuals_px": [round(float(off), 3) for off in found.residuals],
+    }
+    return json.dumps({"format": "kb_learn/1", "kb": kb_folder, "words": words, "types": [row | {"photo": photo}]})

@@ -1,0 +1,107 @@
+"""What an interpretation need not tell feature by feature: the many features of a learnt type that this view leads nobody to expect.
+
+A type learnt from a mesh has up to 1,500 features, of which one view shows fifty. The others are case B in every world: not expected, since
+the hypothesis alone does not lead to expect them, and not detected, since nothing is matched to them. To P(ev) they give the sum of their
+dv, to the posterior nothing; so one feature named ``OTHERS`` that carries their sum stands for all of them, and every probability stays.
+Features outside the image count nowhere and are left out. Types written by hand are told in full.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from plogic.situation import FeatureFact
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase
+    from plogic.expectation import Posed
+    from plogic.situation import HypothesisFact
+
+OTHERS = "(others)"
+"""Id and type of the feature that stands for those that are not told; no name of a knowledge base has parentheses."""
+CELLS = {"A": "expected_detected", "C": "expected_missed", "B": "hidden_missed", "D": "hidden_detected"}
+
+
+def told(posed: Posed) -> list[int]:
+    """The features that are told one by one: all of a type written by hand; of a learnt one what is expected alone, or matched."""
+    if posed.object_type.learnt is None:
+        return list(range(len(posed.object_type.features)))
+    return np.flatnonzero(_notable(posed)).tolist()
+
+
+def lumped(posed: Posed, dv: Mapping[str, float]) -> tuple[FeatureFact, ...]:
+    """The one feature that stands for the others in the image; none where there are none."""
+    rest = np.flatnonzero(_rest(posed))
+    if not len(rest):
+        return ()
+    u, v = posed.uv[rest].mean(axis=0).tolist()
+    x, y, z = posed.at[rest].mean(axis=0).tolist()
+    weight = float(np.sum([dv[posed.object_type.features[f].type] for f in rest.tolist()]))
+    return (FeatureFact(OTHERS, OTHERS, (x, y, z), (u, v), weight, in_image=True, in_lobe=False, self_hidden=False, stands_for=len(rest)),)
+
+
+def left_out(posed: Posed) -> dict[str, int] | None:
+    """How many features are not told: those that ``OTHERS`` stands for, and those outside the image; None of a type written by hand."""
+    if posed.object_type.learnt is None:
+        return None
+    return {"in_image": int(_rest(posed).sum()), "outside_image": int((~_notable(posed) & ~posed.in_image).sum())}
+
+
+def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[HypothesisFact]) -> dict[str, float]:
+    """The table of dv without the visual words that no told feature has."""
+    if kb.words is None:
+        return dict(dv)
+    used = {f.type for h in hypotheses for f in h.features}
+    silent = set(kb.words.names) - used
+    return {name: value for name, value in dv.items() if name not in silent}
+
+
+def support_document(posed: Posed, dv: Mapping[str, float]) -> dict[str, Any]:
+    """The four cells for each feature type; of a learnt type one row for all its visual words, with the sums of their dv as ``weights``.
+
+    The rows are those of the hypothesis alone (``Posed.support``): counts and weights give its ev.
+    """
+    rows = posed.support()
+    if posed.object_type.learnt is None:
+        return {name: {cell: getattr(count, letter) for letter, cell in CELLS.items()} for name, count in rows.items()}
+    counts = {cell: sum(getattr(c, letter) for c in rows.values()) for letter, cell in CELLS.items()}
+    weights = {cell: float(sum(getattr(c, letter) * dv[name] for name, c in rows.items())) for letter, cell in CELLS.items()}
+    return {"visual words": {**counts, "weights": weights}}
+
+
+def looked_at(posed: Posed, ids: Sequence[str], dv: Mapping[str, float]) -> list[dict[str, Any]]:
+    """Of a rejected hypothesis of a learnt type, where its features were expected or found: to be looked at, nothing is computed from them."""
+    if posed.object_type.learnt is None:
+        return []
+    return [
+        {
+            "id": posed.object_type.features[f].name,
+            "type": posed.object_type.features[f].type,
+            "uv": np.round(posed.uv[f], 2).tolist(),
+            "in_image": bool(posed.in_image[f]),
+            "in_lobe": bool(posed.in_lobe[f]),
+            "self_hidden": bool(posed.self_hidden[f]),
+            "hidden_by": [],
+            "match": ids[posed.matches[f]] if posed.matches[f] >= 0 else None,
+            "expected": bool(posed.candidate[f]),
+            "detected": bool(posed.detected[f]),
+        }
+        for f in told(posed)
+    ] + [asdict(rest) | {"expected": False, "detected": False, "case": "B"} for rest in lumped(posed, dv)]
+
+
+def _notable(posed: Posed) -> NDArray[np.bool_]:
+    return np.asarray(posed.candidate | (posed.matches >= 0))
+
+
+def _rest(posed: Posed) -> NDArray[np.bool_]:
+    if posed.object_type.learnt is None:
+        return np.zeros(len(posed.uv), dtype=bool)
+    return np.asarray(~_notable(posed) & posed.in_image)

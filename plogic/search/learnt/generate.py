@@ -1,0 +1,145 @@
+"""Δh of a learnt type: every pair is a pose, poses vote, the best that are apart are refined on the pairs that agree, then settled."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.refine import refine_poses
+from plogic.evidence import evidence
+from plogic.search.generate import distinct, same_place
+from plogic.search.learnt.agreement import agreement, one_to_one, votes
+from plogic.search.learnt.pairs import SEEDS, pairs_of
+from plogic.search.learnt.settle import settle
+from plogic.search.learnt.single import plausible, single_poses
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase
+    from plogic.expectation import Posed
+    from plogic.search.data import Data
+    from plogic.search.learnt.index import LearntIndex
+    from plogic.search.learnt.pairs import Pairs
+
+    Floats = NDArray[np.float64]
+
+FEWEST = 4
+"""Pairs that must agree on a pose."""
+VOTE = (0.12, 3.0)
+"""Share of the diameter, and pixels, within which places agree in the vote: a single pair's pose is coarse."""
+TIGHTER = ((0.12, 3.0), (0.07, 3.0), (0.03, 3.0), (0.015, 2.5), (0.0, 3.0))
+"""The same in each round of refinement."""
+REFINED, VERIFIED = 40, 6
+"""Poses that are refined, and those of them that are settled, the best by votes and no two alike."""
+APART, TURNED = 0.12, 0.35
+"""Two poses are alike whose middles are nearer than this share of the distance and whose rotations differ by less, radians."""
+ROBUST = 2.0
+"""Pixels beyond which a pair weighs less."""
+
+
+def generate(
+    index: LearntIndex,
+    data: Data,
+    kb: KnowledgeBase,
+    covered: NDArray[np.bool_] | None = None,
+    *,
+    refined: int = REFINED,
+    verified: int = VERIFIED,
+) -> list[tuple[float, Posed]]:
+    """The settled poses with their log-likelihood ratios, best first.
+
+    ``covered`` (H, W) is where accepted objects stand: no matter here, since what they claim is not in ``data``.
+    """
+    del covered
+    pairs = pairs_of(index, data)
+    if len(pairs) < FEWEST:
+        return []
+    poses = single_poses(index, pairs.first(SEEDS), data)
+    if not len(poses):
+        return []
+    worth = votes(agreement(index, poses, pairs, data, *VOTE), pairs)
+    kept = poses[_apart(index, poses, worth, refined)]
+    best = _refined(index, kept, pairs, data)
+    best = _refined(index, np.concatenate([best[:verified], tilted(index, best[:verified], pairs, data)]), pairs, data) if len(best) else best
+    settled = [settle(index, pose, data, kb, rounds=2) for pose in _distinct_poses(index, best, verified)]
+    scored = [(evidence(posed, data, kb).ratio, posed) for posed in settled if _enough(posed)]
+    return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
+
+
+def _enough(posed: Posed) -> bool:
+    return int((posed.candidate & posed.detected).sum()) >= FEWEST
+
+
+def _apart(index: LearntIndex, poses: Floats, worth: Floats, most: int) -> list[int]:
+    """The best by votes, no two alike."""
+    middle = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
+    chosen: list[int] = []
+    for i in np.argsort(-worth, kind="stable"):
+        near = np.linalg.norm(middle[chosen] - middle[i], axis=1) < APART * np.linalg.norm(middle[i])
+        turned = np.einsum("hij,ij->h", poses[chosen][:, :3, :3], poses[i, :3, :3]) > 1.0 + 2.0 * np.cos(TURNED)
+        if not (near & turned).any():
+            chosen.append(int(i))
+            if len(chosen) == most:
+                break
+    return chosen
+
+
+def _refined(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Floats:
+    """Refined on the pairs that agree, ever more tightly; those with too few are dropped; best first."""
+    feature = index.cloud.feature[pairs.lobe]
+    points, uv = index.places[pairs.lobe], data.uv[pairs.datum]
+    for share, pixels in TIGHTER:
+        weights = _weights(index, poses, pairs, data, feature, share, pixels)
+        some = (weights > 0.0).sum(axis=1) >= FEWEST
+        poses, weights = poses[some], weights[some]
+        if not len(poses):
+            return poses
+        which = np.argsort(-weights, axis=1, kind="stable")[:, : int((weights > 0.0).sum(axis=1).max())]  # few pairs agree with a pose
+        used = np.take_along_axis(weights, which, axis=1)
+        poses = np.asarray(refine_poses(poses, points[which], uv[which], used, data.camera, huber=ROBUST)[0])
+        poses = poses[plausible(index, poses)]
+    weights = _weights(index, poses, pairs, data, feature, *TIGHTER[-1])
+    return poses[np.argsort(-weights.sum(axis=1), kind="stable")]
+
+
+def _weights(
+    index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, feature: NDArray[np.int64], share: float, pixels: float
+) -> Floats:
+    """(H, P) of the agreeing pairs, one a keypoint and one a feature."""
+    found = agreement(index, poses, pairs, data, share, pixels)
+    near = np.exp(-0.5 * (1.5 * np.where(np.isfinite(found.residual), found.residual, 0.0) / found.tolerance[:, None]) ** 2)
+    return one_to_one(np.where(np.isfinite(found.residual), pairs.weight * near, 0.0), pairs, feature)
+
+
+def tilted(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Floats:
+    """(H, 4, 4) the other pose of each that shows a flat side nearly alike: the side, mirrored in depth, and turned proper by its normal.
+
+    From afar a plane's tilt is known up to this (two branches of planar POSIT, §6.1); which of them holds, perspective and lobes decide.
+    """
+    feature = index.cloud.feature[pairs.lobe]
+    weights = _weights(index, poses, pairs, data, feature, *TIGHTER[-2]) + 1e-9
+    share = weights / weights.sum(axis=1, keepdims=True)
+    normal = share @ index.cloud.normal[feature]
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
+    own = share @ index.places[pairs.lobe]
+    middle = np.einsum("hij,hj->hi", poses[:, :3, :3], own) + poses[:, :3, 3]
+    sight = middle / np.linalg.norm(middle, axis=1, keepdims=True)
+    still = np.eye(3)
+    other = poses.copy()
+    other[:, :3, :3] = (
+        (still - 2.0 * sight[:, :, None] * sight[:, None]) @ poses[:, :3, :3] @ (still - 2.0 * normal[:, :, None] * normal[:, None])
+    )
+    other[:, :3, 3] = middle - np.einsum("hij,hj->hi", other[:, :3, :3], own)
+    return other
+
+
+def _distinct_poses(index: LearntIndex, poses: Floats, most: int) -> list[Floats]:
+    kept: list[Floats] = []
+    for pose in poses:
+        if not any(same_place(index.object_type, pose, old) for old in kept):
+            kept.append(pose)
+            if len(kept) == most:
+                break
+    return kept

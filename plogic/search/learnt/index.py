@@ -1,0 +1,114 @@
+"""A learnt type made ready for search: its appearances as arrays in single precision.
+
+* ``LearntIndex``: what ``TypeIndex`` is to a type that was written by hand; the cycle asks both the same questions
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import log
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.search.learnt.pairs import SEEDS, spread
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase, ObjectType
+    from kb.learnt import LearntCloud
+    from plogic.expectation import Posed
+    from plogic.search.data import Data
+
+    Floats = NDArray[np.float64]
+
+TRIED = 20.0 * SEEDS**3
+"""Poses that chance has tried: any three pairs fix one, of each of some 20 types. A hypothesis must beat clutter by more."""
+
+
+@dataclass(frozen=True, eq=False)
+class LearntIndex:
+    """``points`` (F, 3) metres; ``weights`` (F,) dv; ``cloud`` with its L appearances."""
+
+    object_type: ObjectType
+    cloud: LearntCloud
+    weights: Floats
+
+    @property
+    def points(self) -> Floats:
+        """(F, 3) metres, object frame."""
+        return self.cloud.at
+
+    @cached_property
+    def anchors(self) -> NDArray[np.intp]:
+        """All features: each is as good as any to start from."""
+        return np.arange(len(self.points))
+
+    @cached_property
+    def places(self) -> Floats:
+        """(L, 3) where each appearance's feature is."""
+        return self.cloud.at[self.cloud.feature]
+
+    @cached_property
+    def first(self) -> NDArray[np.intp]:
+        """(F + 1,) where each feature's appearances begin among the L."""
+        return np.searchsorted(self.cloud.feature, np.arange(len(self.points) + 1))
+
+    @cached_property
+    def descriptors(self) -> NDArray[np.float32]:
+        """(L, D) to be compared by Euclid's distance."""
+        return spread(self.cloud.descriptor)
+
+    @cached_property
+    def squares(self) -> NDArray[np.float32]:
+        """(L,) their squared lengths."""
+        return np.asarray((self.descriptors**2).sum(axis=1))
+
+    @cached_property
+    def centre(self) -> Floats:
+        """(3,) middle of the features, object frame."""
+        surface = self.object_type.surface
+        middle = surface.centre if surface is not None else (self.points.min(axis=0) + self.points.max(axis=0)) / 2.0
+        return np.asarray(middle, float)
+
+    @cached_property
+    def diameter(self) -> float:
+        """Metres across."""
+        surface = self.object_type.surface
+        return float(surface.diameter if surface is not None else np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    @property
+    def significant(self) -> float:
+        """What the log-likelihood ratio beyond what fixes a pose must exceed."""
+        return log(TRIED)
+
+    def generate(self, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None, **most: int) -> list[tuple[float, Posed]]:
+        """The poses that Γ suggests, matched, best first, with their evidence."""
+        from plogic.search.learnt.generate import generate
+
+        return generate(self, data, kb, covered, **most)
+
+    def settle(
+        self,
+        pose: Floats,
+        data: Data,
+        kb: KnowledgeBase,
+        free: NDArray[np.bool_] | None = None,
+        hidden: NDArray[np.bool_] | None = None,
+        rounds: int = 2,
+    ) -> Posed:
+        """Match (D7, D8), refine on the expected features that were detected, and match again, until nothing changes or ``rounds``."""
+        from plogic.search.learnt.settle import settle
+
+        return settle(self, pose, data, kb, free, hidden, rounds)
+
+
+def learnt_index(object_type: ObjectType, dv: Mapping[str, float]) -> LearntIndex:
+    """The index of a type with a learnt cloud; dv 0 throughout counts every feature alike."""
+    assert object_type.learnt is not None  # noqa: S101 - the caller looks
+    weights = np.array([dv[feature.type] for feature in object_type.features])
+    return LearntIndex(object_type, object_type.learnt, weights if weights.any() else np.ones(len(weights)))

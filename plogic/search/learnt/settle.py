@@ -1,0 +1,129 @@
+"""Expected and Detected of a learnt type at a pose (D7, D8): what its measured lobes say, and which keypoint each feature takes.
+
+Its own body hides nothing more: the lobes were measured on it. Which keypoints are of the right type, ``looks`` says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.frames import inverse, transform_points
+from geometry.refine import refine_poses
+from plogic.expectation import Posed, assigned
+from plogic.search.learnt.looks import likeness, right_pairs
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase
+    from plogic.search.data import Data
+    from plogic.search.learnt.index import LearntIndex
+
+    Floats = NDArray[np.float64]
+
+FEWEST = 4
+ROBUST = 1.5
+MEDIAN = 1.177
+"""Median of the distance of two normal errors of σ = 1."""
+NOISE = (0.3, 1.5)
+"""Bounds of the location noise, pixels."""
+
+
+def settle(
+    index: LearntIndex,
+    pose: Floats,
+    data: Data,
+    kb: KnowledgeBase,
+    free: NDArray[np.bool_] | None = None,
+    hidden: NDArray[np.bool_] | None = None,
+    rounds: int = 2,
+) -> Posed:
+    """Match, refine on the expected features that were detected, and match again, until nothing changes or ``rounds``."""
+    posed = matched(index, pose_of(index, pose, data, kb), data, kb, free, hidden)
+    for _ in range(rounds):
+        used = posed.candidate & posed.detected
+        used = used if hidden is None else used & ~hidden
+        if used.sum() < FEWEST:
+            break
+        uv = data.uv[np.maximum(posed.matches, 0)][None]
+        better = refine_poses(posed.camera_from_object[None], index.points[None], uv, used[None].astype(float), data.camera, huber=ROBUST)[0][0]
+        new = matched(index, pose_of(index, np.asarray(better), data, kb), data, kb, free, hidden)
+        stable = np.array_equal(new.matches, posed.matches)
+        posed = new
+        if stable:
+            break
+    return posed
+
+
+def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> Posed:
+    """What geometry says of the type at a pose; nothing is matched yet."""
+    camera, cloud = data.camera, index.cloud
+    at = transform_points(pose, index.points)
+    uv = camera.project(at)
+    held = lobes_held(index, pose, camera.f / kb.f_ref)
+    hit = np.zeros(len(at))
+    np.maximum.at(hit, cloud.feature[held], cloud.hit[held])
+    count = len(at)
+    return Posed(
+        object_type=index.object_type,
+        camera_from_object=pose,
+        at=at,
+        uv=uv,
+        in_image=camera.contains(uv),
+        in_lobe=np.bincount(cloud.feature[held], minlength=count) > 0,
+        self_hidden=np.zeros(count, bool),
+        right=np.zeros((count, 0), bool),
+        matches=np.full(count, -1, np.intp),
+        residual=np.full(count, np.nan),
+        hit=hit,
+    )
+
+
+def lobes_held(index: LearntIndex, pose: Floats, granularity: float) -> NDArray[np.intp]:
+    """Indices of the lobes that hold the viewpoint (§2.7)."""
+    cloud = index.cloud
+    line = inverse(pose)[:3, 3] - index.places
+    distance = np.linalg.norm(line, axis=1)
+    inside = (line * cloud.axis).sum(axis=1) >= np.cos(cloud.half_angle) * distance
+    return np.flatnonzero(inside & (distance >= cloud.r_min * granularity) & (distance <= cloud.r_max * granularity))
+
+
+def matched(
+    index: LearntIndex,
+    posed: Posed,
+    data: Data,
+    kb: KnowledgeBase,
+    free: NDArray[np.bool_] | None = None,
+    hidden: NDArray[np.bool_] | None = None,
+) -> Posed:
+    """The hypothesis' one assignment (D8): expected features first, then unexpected ones; one keypoint a feature, one feature a keypoint."""
+    expected = posed.candidate if hidden is None else posed.candidate & ~hidden
+    described = np.flatnonzero(data.described if free is None else data.described & free)
+    near = right_pairs(index, posed, data, np.flatnonzero(posed.in_image), described, kb.rates.match_tolerance)
+    feature, datum, held = near.feature, near.datum, near.held(lobes_held(index, posed.camera_from_object, data.camera.f / kb.f_ref))
+    off = np.linalg.norm(posed.uv[feature] - data.uv[datum], axis=1)
+    matches = np.full(len(posed.uv), -1, np.intp)
+    awaited = expected[feature] & held
+    assigned(matches, feature[awaited], datum[awaited], off[awaited], kb.rates.match_tolerance)
+    left = ~np.isin(datum, matches[matches >= 0]) & ~expected[feature] & posed.in_image[feature]
+    assigned(matches, feature[left], datum[left], off[left], kb.rates.match_tolerance)
+    residual = np.where(matches >= 0, np.linalg.norm(posed.uv - data.uv[np.maximum(matches, 0)], axis=1), np.nan) if len(data.ids) else posed.residual
+    used = expected & (matches >= 0)
+    return replace(
+        posed,
+        matches=matches,
+        residual=residual,
+        sigma=np.hypot(blur(residual[used]), index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)),
+        likeness=likeness(index, posed, matches, data, kb),
+    )
+
+
+def blur(residual: Floats) -> float:
+    """Location noise of this instance in this image, pixels, by the median of its matches' residuals (N,): sharp where the image is sharp.
+
+    A pose that is wrong but near has worse residuals than the right one, which only their own scale tells.
+    """
+    return float(np.clip(np.median(residual) / MEDIAN, *NOISE)) if len(residual) >= FEWEST else NOISE[1]

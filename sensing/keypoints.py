@@ -1,0 +1,169 @@
+"""Keypoints: places with a size, a direction and a descriptor, by OpenCV's SIFT and ORB (appearance types ``sift``, ``orb``, or words).
+
+* ``Keypoints``: what an image shows as arrays, ``Keypoints(uv=(N, 2), angle=(N,), scale=(N,), response=(N,), descriptors=(N, 128))``
+* ``KeypointDetector("sift")``: the same behind the protocol of a detector. With a vocabulary of visual words (``WordIndex``) an
+  appearance's type is the name of the word that is nearest to its descriptor, without one it is ``sift`` or ``orb``.
+
+Places are corrected to our convention (an integer is a pixel's centre): SIFT's first, doubled picture is made without OpenCV's bias of a
+quarter of a pixel, and what ORB finds in a smaller picture is mapped back between pixels' centres, not between their corners.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, Protocol
+
+import numpy as np
+
+from sensing.appearance import Appearance
+from sensing.errors import DetectorError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import cv2
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Bytes = NDArray[np.uint8]
+
+MOST = 4000
+"""Keypoints that one image gives at most, the strongest; those of several directions at one place count each."""
+CONTRAST = 0.01
+"""SIFT's contrast threshold as OpenCV counts it (divided by the layers of an octave). A quarter of OpenCV's own: an over-exposed or noisy
+photo of an object 150 pixels tall has few strong keypoints, and a false weak one costs little where acceptance rests on agreement."""
+FAST_LEVELS = 8.0
+"""ORB's contrast threshold: grey levels by which FAST's ring differs from its middle. OpenCV's own is 20; low for the same reason."""
+LAYERS, EDGE, SIGMA = 3, 10.0, 1.6
+SHRINK, LEVELS = 1.2, 8
+"""ORB's pyramid: each of 8 levels is 1.2 times smaller than the one before."""
+LEAST_SIDE = 8
+"""An image with a shorter side has no keypoints: no neighbourhood fits into it."""
+WIDTHS = {"sift": 128, "orb": 32}
+"""Bytes of a descriptor."""
+_HALF = {"sift": 0.015, "orb": 1e-4}
+"""The response whose score is one half."""
+
+
+class WordIndex(Protocol):
+    """A vocabulary of visual words, as far as a detector needs it."""
+
+    @property
+    def detector(self) -> str:
+        """Whose descriptors it holds: ``sift`` or ``orb``."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The words' names, which are appearance types."""
+
+    def nearest(self, descriptors: Bytes, /) -> NDArray[np.integer]:
+        """(N,) indices into ``names`` of the words nearest to (N, D) descriptors."""
+
+
+@dataclass(frozen=True)
+class Keypoints:
+    """N keypoints, the strongest first; a place with several directions is there once for each.
+
+    Attributes:
+        uv: (N, 2) places in pixels; an integer is a pixel's centre.
+        angle: (N,) radians in [0, 2π), clockwise on the screen from +x.
+        scale: (N,) diameters in pixels, OpenCV's ``size``.
+        response: (N,) strength in the detector's own unit, at least 0: SIFT's contrast, ORB's Harris measure.
+        descriptors: (N, 128) uint8 of SIFT or (N, 32) uint8 of ORB.
+    """
+
+    uv: Floats
+    angle: Floats
+    scale: Floats
+    response: Floats
+    descriptors: Bytes
+
+    def __len__(self) -> int:
+        return len(self.uv)
+
+    def chosen(self, which: NDArray[np.bool_] | NDArray[np.intp]) -> Keypoints:
+        """Those that a mask (N,) or indices (M,) name, in that order."""
+        return Keypoints(self.uv[which], self.angle[which], self.scale[which], self.response[which], self.descriptors[which])
+
+
+def keypoints(image: Bytes, name: str = "sift", *, contrast: float | None = None, most: int = MOST) -> Keypoints:
+    """Keypoints of an (H, W) or (H, W, 3) uint8 image, blue first; the same pixels give the same arrays.
+
+    Args:
+        image: The pixels. A constant or a tiny image (``LEAST_SIDE``) gives none.
+        name: ``sift`` or ``orb``.
+        contrast: The threshold in the detector's own unit: ``CONTRAST`` or ``FAST_LEVELS`` where it is None.
+        most: How many at most, by response.
+
+    Raises:
+        DetectorError: There is no such keypoint detector.
+    """
+    import cv2
+
+    if name not in WIDTHS:
+        raise DetectorError(f"keypoints: {name!r} is neither 'sift' nor 'orb'")
+    grey = np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), np.uint8) if image.ndim == 3 else image
+    if min(grey.shape) < LEAST_SIDE or grey.min() == grey.max() or most < 1:
+        return _arrays([], None, name, grey.shape)
+    finder = _sift(contrast, most) if name == "sift" else _orb(contrast, most)
+    found, descriptors = finder.detectAndCompute(np.ascontiguousarray(grey), None)
+    return _strongest(_arrays(found, None if descriptors is None else np.asarray(descriptors, np.uint8), name, grey.shape), most)
+
+
+def _sift(contrast: float | None, most: int) -> cv2.SIFT:
+    import cv2
+
+    return cv2.SIFT.create(most, LAYERS, CONTRAST if contrast is None else contrast, EDGE, SIGMA, cv2.CV_8U, True)  # noqa: FBT003 (positional in OpenCV 4 and 5)
+
+
+def _orb(contrast: float | None, most: int) -> cv2.ORB:
+    import cv2
+
+    return cv2.ORB.create(most, SHRINK, LEVELS, fastThreshold=round(FAST_LEVELS if contrast is None else contrast))
+
+
+def _arrays(found: Sequence[cv2.KeyPoint], descriptors: Bytes | None, name: str, shape: tuple[int, ...]) -> Keypoints:
+    """OpenCV's keypoints as arrays, angles in radians, places in our convention and inside the image of (height, width)."""
+    rows = np.array([(*k.pt, k.angle, k.size, k.response, k.octave) for k in found], dtype=np.float64).reshape(-1, 6)
+    uv = rows[:, :2] if name == "sift" else _between_centres(rows[:, :2], rows[:, 5], shape)
+    height, width = shape[:2]
+    uv = np.clip(uv, -0.5, (width - 0.5, height - 0.5))
+    angle = np.mod(np.radians(rows[:, 2]), 2 * np.pi)
+    described = np.zeros((0, WIDTHS[name]), np.uint8) if descriptors is None else descriptors
+    return Keypoints(uv, angle, rows[:, 3], np.maximum(rows[:, 4], 0), described)
+
+
+def _between_centres(pt: Floats, octave: Floats, shape: tuple[int, ...]) -> Floats:
+    """ORB's places: pixel x of a level is at (x + ½)·s − ½ of the image, s being the widths' (heights') true ratio, not at x · 1.2^octave."""
+    power = SHRINK ** octave[:, None]
+    size = np.array([shape[1], shape[0]], dtype=np.float64)
+    ratio = size / np.maximum(np.rint(size / power), 1)
+    return np.asarray((pt / power + 0.5) * ratio - 0.5)
+
+
+def _strongest(found: Keypoints, most: int) -> Keypoints:
+    """At most ``most`` by response, then v, u, angle and scale; of those with one place and one angle, the first alone."""
+    order = np.lexsort((found.scale, found.angle, found.uv[:, 0], found.uv[:, 1], -found.response))
+    found = found.chosen(order)
+    key = np.column_stack([np.round(found.uv, 2), np.round(found.angle, 3)])
+    first = np.unique(key, axis=0, return_index=True)[1]
+    return found.chosen(np.sort(first)[:most])
+
+
+class KeypointDetector:
+    """Reports keypoints with ``angle``, ``scale``, ``score`` (response over itself plus a typical one) and ``descriptor``."""
+
+    def __init__(self, name: Literal["sift", "orb"], words: WordIndex | None = None, contrast: float | None = None, most: int = MOST) -> None:
+        """A detector that names types by ``words``, or by its own name where they are None or another detector's; see ``keypoints``."""
+        self.name: str = name
+        self._words = words if words is not None and words.detector == name else None
+        self._contrast, self._most = contrast, most
+        self.types: tuple[str, ...] = (name,) if self._words is None else tuple(self._words.names)
+
+    def detect(self, image_bgr: Bytes) -> list[Appearance]:
+        """Keypoints of an (H, W, 3) uint8 image, the strongest first."""
+        found = keypoints(image_bgr, self.name, contrast=self._contrast, most=self._most)
+        word = self._words.nearest(found.descriptors) if self._words is not None and len(found) else np.zeros(len(found), np.intp)
+        score = found.response / (found.response + _HALF[self.name])
+        columns = zip(word, found.uv.tolist(), found.angle.tolist(), found.scale.tolist(), score.tolist(), found.descriptors, strict=True)
+        return [Appearance("", self.types[w], (u, v), self.name, a, s, q, descriptor=d.tobytes()) for w, (u, v), a, s, q, d in columns]

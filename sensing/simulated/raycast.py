@@ -1,0 +1,143 @@
+"""Bodies seen by rays instead of TinyRenderer: meshes of any size, textures without aliasing, rounded shading, cast shadows.
+
+Used for table-top scenes, whose packages carry fine print. What is learnt from pictures of another renderer is not flattered by it.
+
+* ``Cast``: what each ray met first, ``Caster(bodies).cast(eye, rays)``
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.rays import RayMesh
+from sensing.simulated.texture_pyramid import TexturePyramid
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from sensing.simulated.body import Body, TexturedMesh
+
+CREASE = 0.8
+"""Cosine between two facets that touch above which the surface is taken to be rounded there."""
+STEEPEST = 0.2
+"""Cosine below which a surface seen from the side is not blurred more."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cast:
+    """Per ray (N): the body (-1 none), its triangle among all, the distance in lengths of the ray, the point (N, 3) and normal (N, 3), world."""
+
+    body: NDArray[np.int64]
+    triangle: NDArray[np.int64]
+    depth: NDArray[np.float64]
+    point: NDArray[np.float64]
+    normal: NDArray[np.float64]
+
+
+class Caster:
+    """Bodies ready to be shot at, all in the world frame; at least one."""
+
+    def __init__(self, bodies: Sequence[Body]) -> None:
+        """Gather the triangles of all, with their texture coordinates and the normals of their corners."""
+        meshes = [body.mesh for body in bodies]
+        turns = [body.world_from_body[:3, :3] for body in bodies]
+        self._corners = np.concatenate([body.vertices_world[body.mesh.triangles] for body in bodies])
+        self._normals = np.concatenate([corner_normals(m) @ R.T for m, R in zip(meshes, turns, strict=True)])
+        self._uv = np.concatenate([_uv(m)[m.triangles] for m in meshes])
+        self._of = np.repeat(np.arange(len(bodies)), [len(m.triangles) for m in meshes])
+        self._paint = [_paint(m) for m in meshes]
+        self._texels = _texels_per_metre(self._corners, self._uv, np.array([p.size for p in self._paint])[self._of])
+        self._duals = _duals(self._corners)
+        self.mesh = RayMesh(self._corners.reshape(-1, 3), np.arange(self._corners.shape[0] * 3).reshape(-1, 3))
+
+    def cast(self, eye: NDArray[np.float64], rays: NDArray[np.float64]) -> Cast:
+        """What rays (N, 3) of any length from ``eye`` (3,) meet; a depth of inf, a zero normal and a NaN point for nothing."""
+        distance, triangle = self.mesh.first_triangle(eye[None], rays)
+        depth = distance / np.linalg.norm(rays, axis=1)
+        hit = triangle >= 0
+        some = np.where(hit, triangle, 0)
+        point = eye + np.where(hit, depth, np.nan)[:, None] * rays
+        normal = np.zeros_like(point)
+        normal[hit] = np.einsum("nc,ncx->nx", self._weights(point[hit], some[hit]), self._normals[some[hit]])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+        return Cast(np.where(hit, self._of[some], -1), triangle, depth, point, normal)
+
+    def colours(self, found: Cast, spread: NDArray[np.float64], steepness: NDArray[np.float64]) -> NDArray[np.float32]:
+        """(N, 3) paint of what was met, blue first, 0 to 255; black where nothing was.
+
+        ``spread`` (N,): metres between neighbouring rays there; ``steepness`` (N,): cosine between ray and normal.
+        """
+        colours = np.zeros((len(found.body), 3), np.float32)
+        for i, paint in enumerate(self._paint):
+            own = np.flatnonzero(found.body == i)
+            if len(own):
+                triangle = found.triangle[own]
+                uv = np.einsum("nc,ncx->nx", self._weights(found.point[own], triangle), self._uv[triangle])
+                footprint = self._texels[triangle] * spread[own] / np.sqrt(np.maximum(steepness[own], STEEPEST))
+                colours[own] = paint.at(uv, footprint)
+        return colours
+
+    def lit(self, points: NDArray[np.float64], to_lamp: NDArray[np.float64], lift: float = 1e-3) -> NDArray[np.bool_]:
+        """Whether nothing stands between points (N, 3), metres, and a lamp far away in the directions (N, 3)."""
+        return np.asarray(~np.isfinite(self.mesh.first_hit(points + lift * to_lamp, to_lamp)))
+
+    def _weights(self, points: NDArray[np.float64], triangle: NDArray[np.int64]) -> NDArray[np.float64]:
+        """(N, 3) barycentric coordinates of points in their triangles."""
+        along = np.einsum("nkx,nx->nk", self._duals[triangle], points - self._corners[triangle, 0])
+        return np.clip(np.c_[1 - along.sum(axis=1), along], 0, 1)
+
+
+def corner_normals(mesh: TexturedMesh) -> NDArray[np.float64]:
+    """(T, 3, 3) unit normals at the corners: the mean, by area, of those facets around that do not meet this one at an edge."""
+    a, b, c = np.moveaxis(mesh.corners, 1, 0)
+    area, facets = np.cross(b - a, c - a), mesh.normals
+    _, place = np.unique(np.round(mesh.vertices, 6), axis=0, return_inverse=True)
+    of_corner = np.asarray(place).reshape(-1)[mesh.triangles].reshape(-1)
+    order = np.argsort(of_corner, kind="stable")  # corners at one place follow one another
+    of_corner, facet = of_corner[order], order // 3
+    total = area[facet]
+    for step in range(1, len(order)):
+        near = of_corner[:-step] == of_corner[step:]
+        if not near.any():
+            break
+        one, other = (near.nonzero()[0] + k for k in (0, step))
+        smooth = (facets[facet[one]] * facets[facet[other]]).sum(axis=1) > CREASE
+        one, other = one[smooth], other[smooth]
+        total[one] += area[facet[other]]
+        total[other] += area[facet[one]]
+    normals = np.empty_like(total)
+    normals[order] = total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-15)
+    return normals.reshape(-1, 3, 3)
+
+
+def _uv(mesh: TexturedMesh) -> NDArray[np.float64]:
+    return np.zeros((len(mesh.vertices), 2)) if mesh.uv is None else np.asarray(mesh.uv)
+
+
+def _paint(mesh: TexturedMesh) -> TexturePyramid:
+    """The mesh's texture times its colour, or its colour alone."""
+    colour = np.array(mesh.colour[::-1])
+    texture = np.full((1, 1, 3), 255, np.uint8) if mesh.texture is None or mesh.uv is None else mesh.texture
+    return TexturePyramid(texture if np.allclose(colour, 1) else np.rint(texture * colour).astype(np.uint8))
+
+
+def _texels_per_metre(corners: NDArray[np.float64], uv: NDArray[np.float64], size: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(T,) how finely each triangle is painted."""
+    a, b = (uv[:, i] - uv[:, 0] for i in (1, 2))
+    painted = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) * size.prod(axis=1)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return np.sqrt(painted / np.maximum(area, 1e-12))
+
+
+def _duals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(T, 2, 3) vectors whose products with a point, seen from the first corner, are its weights on the other two."""
+    edges = corners[:, 1:] - corners[:, :1]
+    gram = edges @ edges.transpose(0, 2, 1)
+    determinant = gram[:, 0, 0] * gram[:, 1, 1] - gram[:, 0, 1] ** 2
+    adjugate = np.stack([np.stack([gram[:, 1, 1], -gram[:, 0, 1]], 1), np.stack([-gram[:, 0, 1], gram[:, 0, 0]], 1)], 1)
+    return np.asarray((adjugate / np.maximum(determinant, 1e-30)[:, None, None]) @ edges)

@@ -1,0 +1,100 @@
+"""Pictures of one body alone from all around, large and without light of their own: what learning a type looks at.
+
+* ``Turn``: one picture with its depth, ``Turn(image, mask, depth, camera, pixels=990.0)``
+"""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.camera import Camera
+from geometry.frames import inverse, look_at
+from sensing.simulated.body import Body
+from sensing.simulated.camera import add_body, shoot
+from sensing.simulated.client import client
+from sensing.simulated.lighting import Light
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from sensing.simulated.body import TexturedMesh
+
+FINER = 3
+"""Pictures are drawn so many times larger than the largest that is needed."""
+EVEN = Light(ambient=1.0, lamp=0.0, sky=0.0, back=0.0)
+UNIT = 1.0
+"""The body is drawn this large, metres, whatever its size: pybullet's clipping planes suit no dice and no buildings."""
+STEEP = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """One picture of the body before nothing.
+
+    ``image`` (S, S, 3) uint8, blue first; ``mask`` (S, S) where the body is; ``depth`` (S, S) metres along the optical axis; ``camera``,
+    whose ``world_from_camera`` is body_from_camera; ``pixels``: the body's diameter in the picture.
+    """
+
+    image: NDArray[np.uint8]
+    mask: NDArray[np.bool_]
+    depth: NDArray[np.float32]
+    camera: Camera
+    pixels: float
+
+
+def turned(mesh: TexturedMesh, viewpoints: Sequence[NDArray[np.float64]], pixels: float, margin: float, away: float) -> Iterator[Turn]:
+    """One picture a direction (3,) from the middle of the mesh's box; distances and depth are the mesh's own metres.
+
+    ``pixels``: the body's diameter, of which pictures are ``FINER`` times as many; ``margin``: the picture's side, and ``away``: the
+    viewpoint's distance, both in diameters.
+    """
+    middle, diameter = extent(mesh.vertices)
+    scale = UNIT / diameter
+    small = _scaled(mesh, middle, scale)
+    with client() as (bullet, number), tempfile.TemporaryDirectory() as folder:
+        add_body(bullet, number, Body(None, small, np.eye(4)), EVEN, Path(folder) / "texture.png")
+        for direction in viewpoints:
+            camera_from_body = look_at(np.asarray(direction, float) * away * UNIT, np.zeros(3), _upward(direction))
+            yield _taken(bullet, number, camera_from_body, (pixels, margin, away), (middle, scale))
+
+
+def extent(vertices: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """Middle (3,) of the box of vertices (V, 3), and the diameter of the ball around it that holds them all."""
+    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
+    return middle, 2.0 * float(np.linalg.norm(vertices - middle, axis=1).max())
+
+
+def _scaled(mesh: TexturedMesh, middle: NDArray[np.float64], scale: float) -> TexturedMesh:
+    return replace(mesh, vertices=(mesh.vertices - middle) * scale)
+
+
+def _upward(direction: NDArray[np.float64]) -> tuple[float, float, float]:
+    return (0.0, 0.0, 1.0) if abs(direction[2]) < STEEP else (0.0, 1.0, 0.0)
+
+
+def _taken(
+    bullet: Any,  # noqa: ANN401 - pybullet is untyped
+    number: int,
+    camera_from_body: NDArray[np.float64],
+    size: tuple[float, float, float],
+    place: tuple[NDArray[np.float64], float],
+) -> Turn:
+    (pixels, margin, away), (middle, scale) = size, place
+    side = round(pixels * margin)
+    colour, segmentation, depth = shoot(bullet, number, _camera(side, pixels * away, inverse(camera_from_body)), FINER, EVEN)
+    object_from_camera = inverse(camera_from_body)
+    object_from_camera[:3, 3] = object_from_camera[:3, 3] / scale + middle
+    camera = _camera(side * FINER, pixels * away * FINER, object_from_camera)
+    return Turn(np.ascontiguousarray(colour), segmentation >= 0, depth / np.float32(scale), camera, pixels * FINER)
+
+
+def _camera(side: int, f: float, world_from_camera: NDArray[np.float64]) -> Camera:
+    centre = (side - 1) / 2.0
+    return Camera(side, side, np.array([[f, 0, centre], [0, f, centre], [0, 0, 1]]), np.zeros(0), world_from_camera)

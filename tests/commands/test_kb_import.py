@@ -1,0 +1,149 @@
+"""``kb import`` through the console script: URDF, SDF and BOP."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from console import bytes_in, document, good, plogic
+from made_meshes import write_box
+
+from kb.read import read_kb
+
+URDF = """<?xml version="0.0" ?>
+<robot name="arm">
+  <material name="red"><color rgba="1 0 0 1"/></material>
+  <link name="base"><visual><origin xyz="0 0 1"/><geometry><mesh filename="package://arm/box.obj" scale="0.1 0.1 0.2"/></geometry></visual></link>
+  <link name="tip"><visual><geometry><box size="1 2 3"/></geometry><material name="red"/></visual></link>
+  <joint name="j" type="revolute"><parent link="base"/><child link="tip"/><origin xyz="10 0 0" rpy="0 0 1.5707963267948966"/></joint>
+</robot>
+"""
+SDF = """<sdf version="1.6"><world name="w"><model name="m"><pose>0 0 5 0 0 0</pose><link name="l"><pose>1 0 0 0 0 1.5707963267948966</pose>
+<visual name="v"><geometry><mesh><scale>1 2 3</scale><uri>model://thing/box.obj</uri></mesh></geometry></visual></link></model></world></sdf>
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A new knowledge base."""
+    good("kb", "new", tmp_path / "kb")
+    return tmp_path / "kb"
+
+
+def refused(folder, source):
+    """The one line on stderr of an import that must fail and write nothing."""
+    before = bytes_in(folder)
+    done = plogic("kb", "import", source, "--kb", folder)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert bytes_in(folder) == before
+    (line,) = done.stderr.splitlines()
+    return line
+
+
+def bounds(kind):
+    return np.array([kind.surface.vertices.min(axis=0), kind.surface.vertices.max(axis=0)])
+
+
+def test_a_urdf_is_one_type_in_its_zero_pose(tmp_path, folder):
+    write_box(tmp_path / "box.obj")
+    (tmp_path / "arm.urdf").write_text(URDF)
+    good("kb", "import", tmp_path / "arm.urdf", "--kb", folder)
+    (arm,) = read_kb(folder).types
+    assert arm.name == "arm"
+    assert bounds(arm) == pytest.approx(np.array([[0, -0.5, -1.5], [11, 0.5, 1.5]]))
+    assert arm.surface.volume == pytest.approx(6 + 0.002)
+
+
+def test_an_sdf_with_poses_and_scales(tmp_path, folder):
+    (tmp_path / "thing").mkdir()
+    write_box(tmp_path / "thing" / "box.obj")
+    (tmp_path / "thing" / "model.sdf").write_text(SDF)
+    assert document("kb", "import", tmp_path / "thing" / "model.sdf", "--kb", folder, "--json")["format"] == "kb_import/1"
+    (thing,) = read_kb(folder).types
+    assert thing.name == "thing"
+    assert bounds(thing) == pytest.approx(np.array([[-1, 0, 5], [1, 1, 8]]))
+
+
+BAD = {
+    "no xml": ("<robot", "is no XML"),
+    "another": ("<mujoco/>", "is no URDF"),
+    "entities": ('<!DOCTYPE x [<!ENTITY a "b">]><robot/>', "defines entities"),
+    "no shapes": ("<robot/>", "holds no visible shape"),
+    "no mesh": (URDF.replace("box.obj", "gone.obj").replace('<box size="1 2 3"/>', ""), "the mesh 'package://arm/gone.obj' is missing"),
+    "no number": (URDF.replace("10 0 0", "10 nan 0"), "xyz: must be 3 finite numbers, not '10 nan 0'"),
+    "no link": (URDF.replace('<child link="tip"', '<child link="top"'), "its child 'top' is no link"),
+    "circle": (URDF.replace("</robot>", '<joint name="k"><parent link="tip"/><child link="base"/></joint></robot>'), "run in a circle"),
+    "flat": (URDF.replace("1 2 3", "1 0 3"), "sizes of a box must be above 0"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_urdf_writes_nothing(tmp_path, folder, case):
+    content, said = BAD[case]
+    (tmp_path / "bad.urdf").write_text(content)
+    line = refused(folder, tmp_path / "bad.urdf")
+    assert line.startswith(f"plogic: {tmp_path / 'bad.urdf'}: ")
+    assert said in line
+
+
+def test_a_mesh_is_sent_to_kb_add(tmp_path, folder):
+    assert "plogic kb add NAME --mesh" in refused(folder, write_box(tmp_path / "box.obj"))
+    assert "there is no such file or folder" in refused(folder, tmp_path / "gone")
+
+
+INFO = {
+    "1": {"diameter": 374.2, "symmetries_discrete": [[-1, 0, 0, 100, 0, -1, 0, 200, 0, 0, 1, 0, 0, 0, 0, 1]]},
+    "2": {"symmetries_continuous": [{"axis": [0, 0, 2], "offset": [50, 50, 0]}]},
+}
+
+
+def bop(folder, info=INFO):
+    folder.mkdir()
+    for number in (1, 2, 10):
+        write_box(folder / "box.obj", (100, 200, 300)).rename(folder / "mesh.obj")
+        import trimesh
+
+        trimesh.load(folder / "mesh.obj").export(folder / f"obj_{number:06d}.ply")
+    (folder / "mesh.obj").unlink()
+    if info is not None:
+        (folder / "models_info.json").write_text(info if isinstance(info, str) else json.dumps(info))
+    return folder
+
+
+def test_bop_models_are_in_millimetres_and_keep_their_symmetries(tmp_path, folder):
+    good("kb", "import", bop(tmp_path / "models"), "--kb", folder)
+    types = read_kb(folder).types
+    assert [kind.name for kind in types] == ["obj_000001", "obj_000002", "obj_000010"]
+    assert np.ptp(types[0].surface.vertices, axis=0) == pytest.approx([0.1, 0.2, 0.3])
+    assert [len(kind.symmetries) for kind in types] == [2, 72, 1]
+    assert types[0].symmetries[1] @ [0, 0, 0, 1] == pytest.approx([0.1, 0.2, 0, 1])
+    assert types[1].symmetries[1] @ [0.05, 0.05, 0.3, 1] == pytest.approx([0.05, 0.05, 0.3, 1])
+
+
+def test_symmetries_of_six_digits_close(tmp_path, folder):
+    c, s = 0.964966, 0.262375
+    turn = [-c, s, 0, 0, s, c, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1]
+    other = [c, -s, 0, 0, -s, -c, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1]
+    good("kb", "import", bop(tmp_path / "models", {"1": {"symmetries_discrete": [turn, other]}}), "--kb", folder)
+    assert len(read_kb(folder).types[0].symmetries) == 4
+
+
+@pytest.mark.parametrize(
+    ("info", "said"),
+    [
+        ("{", "is no JSON"),
+        ("[]", "must map the models' numbers"),
+        ({"1": {"symmetries_discrete": [[1, 2]]}}, "must be 16 finite numbers"),
+        ({"1": {"symmetries_discrete": [[2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]]}}, "must be a rigid motion"),
+        ({"1": {"symmetries_continuous": [{"axis": [0, 0, 0]}]}}, "an axis must have a direction"),
+        ({"1": {"symmetries_continuous": [{"axis": [0, 0, 1]}, {"axis": [0, 1, 0]}]}}, "more than 400 motions"),
+    ],
+)
+def test_bad_models_info_writes_nothing(tmp_path, folder, info, said):
+    assert said in refused(folder, bop(tmp_path / "models", info))
+
+
+def test_a_folder_without_models(tmp_path, folder):
+    (tmp_path / "empty").mkdir()
+    assert "holds no obj_000001.ply" in refused(folder, tmp_path / "empty")

@@ -1,0 +1,186 @@
+"""``kb learn`` through the console script: a mesh to a recognised picture, and what it says where it cannot learn; with few, small views."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import cv2
+import numpy as np
+import pytest
+from console import bytes_in, good, plogic
+from made_meshes import write_box
+from painted_cube import CAMERA, picture, pose_towards, write_cube
+
+from geometry.frames import pose_error
+from kb.read import read_kb
+from sensing.simulated.meshes import read_mesh
+
+FEWER = """\
+import os
+import kb.learning.views as views
+count = int(os.environ.get("TEST_DIRECTIONS", "26"))
+views.PIXELS, views.DIRECTIONS = (160.0, 115.0, 80.0), count
+views.directions.__defaults__ = views.spacing.__defaults__ = (count,)
+"""
+"""Read by Python as it starts: the console script itself is as it is, its views are fewer and smaller."""
+MINE = "object: mine\nfeatures:\n  - {feature: f, type: apex, at: [0, 0, 0], appearances: []}\n"
+
+
+@pytest.fixture(scope="module")
+def surroundings(tmp_path_factory):
+    """Environment variables for the console script."""
+    folder = tmp_path_factory.mktemp("few")
+    (folder / "sitecustomize.py").write_text(FEWER)
+    return {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
+
+
+@pytest.fixture(scope="module")
+def learnt(tmp_path_factory, surroundings):
+    """A knowledge base in three commands, and what the last one said."""
+    folder = tmp_path_factory.mktemp("three")
+    good("kb", "new", folder / "kb")
+    good("kb", "add", "cube", "--mesh", write_cube(folder, 100.0), "--units", "cm", "--kb", folder / "kb")
+    done = plogic("kb", "learn", "--jobs", 1, "--kb", folder / "kb", **surroundings)
+    assert done.returncode == 0, done.stderr
+    return folder / "kb", done
+
+
+def refused(folder, *args, **env):
+    """The lines on stderr of a ``kb learn`` that must fail and change nothing."""
+    before = bytes_in(folder)
+    done = plogic("kb", "learn", *args, "--jobs", 1, "--kb", folder, **env)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert bytes_in(folder) == before
+    return done.stderr.splitlines()
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A new knowledge base."""
+    good("kb", "new", tmp_path / "kb")
+    return tmp_path / "kb"
+
+
+def test_the_cloud_and_its_words_are_in_the_folder(learnt):
+    folder, done = learnt
+    assert "cube" in done.stdout
+    assert "words" in done.stdout
+    assert "features" in done.stderr
+    assert (folder / "words.npz").is_file()
+    assert (folder / "objects" / "cube" / "cloud.npz").is_file()
+    kb = read_kb(folder)
+    cloud = kb.type("cube").learnt
+    assert len(cloud.at) > 100
+    assert np.abs(np.abs(cloud.at).max(axis=1) - 0.05).max() < 0.003  # the mesh came in cm
+    assert "no mistakes" in good("kb", "check", folder)
+
+
+def test_the_picture_of_it_is_recognised(learnt, tmp_path):
+    truth = pose_towards((1.0, -0.8, 0.7), 0.6, 0.5, (0.02, 0.01))
+    cv2.imwrite(str(tmp_path / "seen.png"), picture([truth]))
+    cv2.imwrite(str(tmp_path / "empty.png"), picture([]))
+    camera = {"width": CAMERA.width, "height": CAMERA.height, "K": CAMERA.K.tolist(), "dist": []}
+    (tmp_path / "camera.json").write_text(json.dumps(camera))
+    answers = []
+    for name in ("seen", "empty"):
+        good("perceive", tmp_path / f"{name}.png", "--camera", tmp_path / "camera.json", "--kb", learnt[0], "-o", tmp_path / f"{name}.json")
+        answers.append(json.loads((tmp_path / f"{name}.json").read_text()))
+    seen, empty = answers
+    assert empty["worlds"][0]["present"] == []
+    (present,) = seen["worlds"][0]["present"]
+    (found,) = [h for h in seen["hypotheses"] if h["id"] == present]
+    rotation, translation = pose_error(np.array(found["T_camera_object"]), truth)
+    assert found["type"] == "cube"
+    assert np.degrees(rotation) < 5.0
+    assert translation < 0.05 * 0.6
+
+
+def test_again_it_was_learnt_before_and_nothing_changes(learnt, surroundings):
+    folder, _ = learnt
+    before = bytes_in(folder)
+    done = plogic("kb", "learn", "cube", "--jobs", 1, "--json", "--kb", folder, **surroundings)
+    assert done.returncode == 0
+    assert "cube: was learnt before" in done.stderr
+    document = json.loads(done.stdout)
+    assert document["format"] == "kb_learn/1"
+    assert document["types"][0]["type"] == "cube"
+    assert bytes_in(folder) == before
+    assert refused(folder, **surroundings) == ["plogic: every type has features already; name those that are to be learnt again"]
+
+
+def test_a_cache_file_that_was_cut_off_is_learnt_anew(learnt, surroundings, tmp_path):
+    folder, _ = learnt
+    (file,) = (tmp_path.parent / surroundings["XDG_CACHE_HOME"] / "plogic" / "clouds").iterdir()
+    cache = tmp_path / "plogic" / "clouds"
+    cache.mkdir(parents=True)
+    (cache / file.name).write_bytes(file.read_bytes()[:-200])
+    copy = shutil.copytree(folder, tmp_path / "kb")
+    done = plogic("kb", "learn", "cube", "--jobs", 1, "--kb", copy, **surroundings | {"XDG_CACHE_HOME": str(tmp_path), "TEST_DIRECTIONS": "12"})
+    assert done.returncode == 0, done.stderr
+    assert "was learnt before" not in done.stderr
+    assert len(read_kb(copy).type("cube").learnt.at) > 20
+
+
+def test_a_cache_that_cannot_be_written_is_no_reason_to_fail(learnt, surroundings, tmp_path):
+    copy = shutil.copytree(learnt[0], tmp_path / "kb")
+    (tmp_path / "file").write_text("")
+    elsewhere = {"XDG_CACHE_HOME": str(tmp_path / "file"), "TEST_DIRECTIONS": "8"}
+    done = plogic("kb", "learn", "cube", "--jobs", 1, "--kb", copy, **surroundings | elsewhere)
+    assert done.returncode == 0, done.stderr
+    assert "cube: is not remembered for the next time" in done.stderr
+
+
+def test_a_mesh_without_texture_is_one_clear_line(folder, tmp_path):
+    good("kb", "add", "box", "--mesh", write_box(tmp_path / "box.obj"), "--units", "m", "--kb", folder)
+    (line,) = refused(folder)
+    assert line.startswith("plogic: box: its mesh has no texture")
+    assert "junctions" in line
+
+
+def test_a_texture_that_shows_nothing_is_one_clear_line(folder, tmp_path, surroundings):
+    write_cube(tmp_path)
+    cv2.imwrite(str(tmp_path / "cube.png"), np.full((8, 8, 3), 130, np.uint8))
+    good("kb", "add", "plain", "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", folder)
+    (line,) = refused(folder, **surroundings | {"TEST_DIRECTIONS": "4"})
+    assert line.startswith("plogic: plain: no keypoint of it comes again")
+
+
+def test_names_that_are_not_there_and_features_written_by_hand(folder):
+    (line,) = refused(folder, "cup", "jug")[:1]
+    assert "cup: no such object type; there are: none" in line
+    (folder / "objects" / "mine").mkdir()
+    (folder / "objects" / "mine" / "object.yaml").write_text(MINE.replace("apex", "any"))
+    (folder / "kb.yaml").write_text((folder / "kb.yaml").read_text())
+    lines = refused(folder, "mine", "cup")
+    assert any("cup: no such object type; there are: mine" in line for line in lines)
+    assert any("mine: its features were written by hand" in line for line in lines)
+
+
+def test_rates_of_words_are_not_learnt_from_scenes(learnt, tmp_path):
+    """Their names change when another type is learnt: kb.yaml must not hold them."""
+    copy, truth = shutil.copytree(learnt[0], tmp_path / "kb"), pose_towards((1.0, -0.8, 0.7), 0.6)
+    scene = tmp_path / "scene"
+    scene.mkdir()
+    cv2.imwrite(str(scene / "image.png"), picture([truth]))
+    (scene / "camera.json").write_text(json.dumps({"width": CAMERA.width, "height": CAMERA.height, "K": CAMERA.K.tolist(), "dist": []}))
+    there = {"label": "cube", "T_camera_object": truth.tolist()}
+    (scene / "truth.json").write_text(json.dumps({"format": "truth/1", "objects": [there]}))
+    good("kb", "learn-rates", scene, "--kb", copy)
+    assert "sift_w" not in (copy / "kb.yaml").read_text()
+    assert read_kb(copy).rates.prior["cube"] == pytest.approx(2 / 3, abs=0.01)
+    good("kb", "check", copy)
+
+
+def test_two_detectors_cannot_share_one_vocabulary(learnt, surroundings, tmp_path):
+    folder, _ = learnt
+    copy = shutil.copytree(folder, tmp_path / "kb")
+    write_cube(tmp_path)
+    good("kb", "add", "other", "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", copy)
+    (line,) = refused(copy, "other", "--detector", "orb", **surroundings)
+    assert "clouds of orb and sift cannot share one vocabulary" in line
+
+
+def test_what_is_added_can_be_rendered(learnt):
+    kind = read_kb(learnt[0]).type("cube")
+    assert read_mesh(kind.mesh_file, kind.mesh_scale).texture is not None

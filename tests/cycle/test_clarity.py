@@ -1,0 +1,147 @@
+"""Evidence of learnt types: the share of the measured hit rates that an image keeps, densities against chance, the formula of §8."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from math import exp, log, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "kb"))
+
+from learnt_scenes import gamma_at, one_sided, pose_before, ready
+from synthetic import camera_pose, data, posed_at, scene
+
+from plogic.attention import attend
+from plogic.evidence import (
+    FIXED_BY,
+    LEAST_CLEAR,
+    LEAST_HIT,
+    MOST_HIT,
+    clarity,
+    clutter_density,
+    density,
+    evidence,
+    hit_rates,
+    match_density,
+    sigmas,
+)
+from plogic.search.learnt.looks import AROUND, BY_CHANCE
+
+
+@pytest.fixture(scope="module")
+def thing():
+    return ready(one_sided(1, 30))
+
+
+@pytest.fixture(scope="module")
+def pose():
+    return pose_before(np.random.default_rng(5))
+
+
+def settled(thing, pose, shown, noise=0.3):
+    """A hypothesis whose appearances ``shown`` were detected."""
+    of = gamma_at(thing.cloud, shown, pose)
+    of.uv[:] += np.random.default_rng(0).normal(0, noise, of.uv.shape)
+    return thing.index.settle(pose, of, thing.kb, rounds=0), of
+
+
+@settings(max_examples=20, deadline=None, derandomize=True)
+@given(st.integers(0, 30))
+def test_clarity_is_what_was_found_of_what_was_hoped_for(count):
+    thing, pose = ready(one_sided(1, 30)), pose_before(np.random.default_rng(5))
+    posed, _ = settled(thing, pose, range(count))
+    expected, found = posed.candidate, posed.candidate & posed.detected
+    assert clarity(posed) == pytest.approx(min(1.0, max(LEAST_CLEAR, found.sum() / posed.hit[expected].sum())))
+    assert LEAST_CLEAR <= clarity(posed) <= 1.0
+    rates = hit_rates(posed, thing.kb)
+    assert ((rates >= LEAST_HIT) & (rates <= MOST_HIT)).all()
+    assert rates[expected] == pytest.approx(np.clip(posed.hit * clarity(posed), LEAST_HIT, MOST_HIT)[expected])
+
+
+def test_clarity_is_the_most_likely_share_where_all_rates_are_one(thing, pose):
+    posed, _ = settled(thing, pose, range(12))
+    posed = replace(posed, hit=np.full(30, 0.7))
+    found, shares = int((posed.candidate & posed.detected).sum()), np.linspace(0.01, 1, 2000)
+    likely = found * np.log(0.7 * shares) + (posed.candidate.sum() - found) * np.log(1 - 0.7 * shares)
+    assert clarity(posed) == pytest.approx(shares[likely.argmax()], abs=1e-3)
+
+
+def test_what_is_hidden_is_not_hoped_for(thing, pose):
+    posed, _ = settled(thing, pose, range(12))
+    hidden = np.arange(30) >= 12
+    assert clarity(posed, hidden) > clarity(posed)
+    assert clarity(posed, np.ones(30, bool)) == 1.0
+
+
+def test_types_written_by_hand_are_as_before():
+    rng = np.random.default_rng(3)
+    pose = camera_pose(rng)
+    posed = posed_at("t1", pose, data(scene(rng, {"t1": pose})))
+    from synthetic import towers
+
+    assert clarity(posed) == 1.0
+    assert hit_rates(posed, towers()).tolist() == [towers().rates.hit[f.type] for f in posed.object_type.features]
+    np.testing.assert_array_equal(match_density(posed, towers()), density(posed.residual, sigmas(posed, towers())))
+
+
+def test_a_match_of_a_keypoint_counts_against_clutter_that_looks_as_right(thing, pose):
+    """No other keypoint looks right here: then against the share of usual clutter that has the angle and the size."""
+    posed, _ = settled(thing, pose, range(20))
+    near = match_density(posed, thing.kb)
+    for f in range(30):
+        sigma = posed.sigma[f]
+        n = exp(-0.5 * (posed.residual[f] / sigma) ** 2) / (2 * pi * sigma**2)
+        assert near[f] == (0.0 if posed.matches[f] < 0 else pytest.approx(n / BY_CHANCE))
+
+
+def test_what_is_everywhere_around_says_little(thing, pose):
+    """Copies of a keypoint within reach, out of place: the match of its feature counts the less, the more there are; no other does."""
+    before, of = settled(thing, pose, range(20))
+    first = int(before.matches[0])
+    usual, counts = clutter_density(thing.kb, of)[first], []
+    assert first == 0
+    for copies in (1, 4):
+        rows = [*range(20), *[0] * copies]
+        crowd = gamma_at(thing.cloud, rows, pose)
+        crowd.uv[:20] = of.uv
+        crowd.uv[20:] += AROUND / 2 * np.column_stack([np.cos(np.arange(copies)), np.sin(np.arange(copies))])
+        posed = thing.index.settle(pose, crowd, thing.kb, rounds=0)
+        assert posed.matches.tolist() == before.matches.tolist()
+        counts.append(posed.likeness[0])
+        assert posed.likeness[0] == pytest.approx(usual / (copies / (pi * AROUND**2) + BY_CHANCE * usual))
+        assert posed.likeness[1:].tolist() == before.likeness[1:].tolist()
+    assert before.likeness[0] > counts[0] > counts[1]
+
+
+def test_the_ratio_is_the_sum_of_the_formulas(thing, pose):
+    posed, of = settled(thing, pose, range(20))
+    rates, near, gains, misses = hit_rates(posed, thing.kb), match_density(posed, thing.kb), [], []
+    for f in np.flatnonzero(posed.candidate):
+        clutter = thing.kb.rates.clutter.get(of.types[posed.matches[f]], 1.0) / (of.camera.width * of.camera.height)
+        gain = log((rates[f] * near[f] + (1 - rates[f]) * clutter) / clutter)
+        (gains if posed.matches[f] >= 0 else misses).append(gain if posed.matches[f] >= 0 else log(1 - rates[f]))
+    assert len(gains) > 10
+    assert evidence(posed, of, thing.kb).ratio == pytest.approx(sum(gains) + sum(misses))
+    assert evidence(posed, of, thing.kb).surplus == pytest.approx(sum(sorted(gains)[:-FIXED_BY]) + sum(misses))
+
+
+def test_more_detections_are_more_evidence(thing, pose):
+    ratios = [evidence(*settled(thing, pose, range(count)), thing.kb).ratio for count in (4, 10, 20, 30)]
+    assert ratios == sorted(ratios)
+
+
+def test_attention_goes_to_the_type_whose_words_are_there():
+    from random_cloud import random_words
+
+    words, mine = random_words(), [ready(one_sided(seed, 12, word=np.full(12, seed)), name=f"t{seed}") for seed in (1, 2)]
+    rows = attend([thing.index for thing in mine], [words.names[2]] * 12, replace(mine[0].kb, appearance_types=words.names))
+    assert [row.type for row in rows] == ["t2", "t1"]
+    assert rows[0].rank == pytest.approx(1.0)
+    assert rows[1].rank == 0.0
+    assert rows[0].within_cell == rows[0].rank

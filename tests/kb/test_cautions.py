@@ -1,0 +1,104 @@
+"""What is no mistake and yet matters: features that nothing sees, lobes that never meet, clouds in clouds."""
+
+from __future__ import annotations
+
+import pytest
+from made_meshes import write_box
+
+from kb.cautions import cautions
+from kb.read import read_kb
+from kb.shipped import shipped
+
+KB = "name: k\nappearance_types: [spot, dot]\n"
+FACES = {"left": ([0, 0.5, 0.5], [-1, 0, 0]), "right": ([1, 0.5, 0.5], [1, 0, 0]), "top": ([0.5, 0.5, 1], [0, 0, 1])}
+
+
+def feature(name, at, axis, kind="spot", half="60 deg", reach="[0.2, 30]"):
+    lobe = f"{{axis: {axis}, half_angle: {half}, range: {reach}}}"
+    return f"  - {{feature: {name}, type: {kind}, at: {at}, appearances: [{{type: {kind}, lobe: {lobe}}}]}}\n"
+
+
+def on_top(kind="spot", count=5, shift=0.0):
+    places = [(0.1, 0.1), (0.9, 0.15), (0.5, 0.7), (0.2, 0.9), (0.7, 0.4)][:count]
+    return "".join(feature(f"f{i}", [x + shift, y, 1], [0, 0, 1], kind if i else "dot") for i, (x, y) in enumerate(places))
+
+
+def read(folder, *, mesh=True, **types):
+    """A KB of unit cubes with these features."""
+    (folder / "kb.yaml").write_text(KB)
+    for name, features in types.items():
+        place = folder / "objects" / name
+        place.mkdir(parents=True)
+        write_box(place / "mesh.obj")
+        text = f"object: {name}\n" + ("mesh: {file: mesh.obj, units: m}\n" if mesh else "")
+        (place / "object.yaml").write_text(text + "features:\n" + features)
+    return read_kb(folder)
+
+
+def said(kb):
+    return list(cautions(kb))
+
+
+def test_a_good_type_is_not_warned_of(tmp_path):
+    assert said(read(tmp_path, cube=on_top())) == []
+    assert said(read_kb(shipped("towers"))) == []
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        feature("x", [0.5, 0.5, 1], [0, 0, -1], half="30 deg"),
+        feature("x", [0.5, 0.5, 0.5], [0, 0, 1], half="180 deg"),
+        feature("x", [0.5, 0.5, 1], [0, 0, -1], half="30 deg", reach="[0.1, 0.5]"),
+    ],
+    ids=["a lobe through the body", "a feature inside", "a lobe inside the body"],
+)
+def test_a_feature_that_no_viewpoint_sees(tmp_path, hidden):
+    (line,) = said(read(tmp_path, cube=on_top() + hidden))
+    assert line == "cube: no viewpoint sees x: the lobes lie inside or behind the type's own body"
+
+
+def test_without_a_surface_everything_is_seen(tmp_path):
+    assert said(read(tmp_path, mesh=False, cube=on_top() + feature("x", [0.5, 0.5, 1], [0, 0, -1]))) == []
+
+
+def test_lobes_that_never_meet(tmp_path):
+    apart = "".join(feature(name, at, axis, half="20 deg") for name, (at, axis) in FACES.items())
+    apart += feature("front", [0.5, 0, 0.5], [0, -1, 0], "dot", half="20 deg")
+    (line,) = said(read(tmp_path, cube=apart))
+    assert line.startswith("cube: its lobes never meet: no viewpoint was found that sees 4 features at once (1 at most)")
+
+
+def test_narrow_lobes_that_meet_are_found(tmp_path):
+    spots = [([0.4, 0.4, 1], [0.1, 0.1, 3]), ([0.6, 0.4, 1], [-0.1, 0.1, 3]), ([0.4, 0.6, 1], [0.1, -0.1, 3]), ([0.6, 0.6, 1], [-0.1, -0.1, 3])]
+    narrow = "".join(feature(f"f{i}", at, axis, "dot" if i else "spot", half="4 deg") for i, (at, axis) in enumerate(spots))
+    assert said(read(tmp_path, cube=narrow)) == []
+
+
+def test_few_features(tmp_path):
+    (line,) = said(read(tmp_path, cube=on_top(count=3)))
+    assert line == "cube: has 3 features, and a pose is taken from 4: it is never found"
+
+
+def test_one_sort_of_feature_has_no_dv(tmp_path):
+    (line,) = said(read(tmp_path, cube=on_top(kind="dot")))
+    assert "so that every dv is 0" in line
+
+
+def test_a_cloud_in_another(tmp_path):
+    more = on_top(shift=0.05) + feature("y", [0.5, 0.2, 1], [0, 0, 1])
+    assert said(read(tmp_path, small=on_top(), large=more)) == [
+        "small: its cloud is contained in that of large: wherever large stands, small fits as well"
+    ]
+
+
+def test_the_same_cloud_twice_is_said_once(tmp_path):
+    assert said(read(tmp_path, one=on_top(), two=on_top(shift=0.05))) == [
+        "one: its cloud is the same as that of two: nothing tells them apart"
+    ]
+
+
+def test_a_mirrored_cloud_is_another(tmp_path):
+    chiral = on_top() + feature("high", [0.3, 0.3, 1.4], [0, 0, 1])
+    mirrored = chiral.replace("[0.3, 0.3, 1.4]", "[0.3, 0.3, 0.6]")
+    assert said(read(tmp_path, mesh=False, one=chiral, two=mirrored)) == []

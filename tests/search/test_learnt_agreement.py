@@ -1,0 +1,148 @@
+"""Pairs of like descriptors, their agreement with poses, votes and one-to-one choice, each against a loop over all."""
+
+from math import acos, atan2, exp, hypot, inf, log, pi
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from learnt_scenes import gamma_at, one_sided, pose_before, ready, viewpoint
+from random_cloud import random_cloud
+
+from geometry.frames import transform_points
+from plogic.search.data import centre_of
+from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, one_to_one, screen_angle, votes
+from plogic.search.learnt.pairs import ALIKE, EACH, Pairs, pairs_of
+from plogic.search.learnt.pairs import spread as spread_out
+
+
+def pairs(datum, lobe, weight=None):
+    return Pairs(datum, lobe, np.zeros(len(datum)), np.ones(len(datum)) if weight is None else weight)
+
+
+def residual_by_hand(index, pose, lobe, datum, data, tolerance):
+    cloud, f = index.cloud, data.camera.f
+    place = cloud.at[cloud.feature[lobe]]
+    x, y, z = transform_points(pose, place[None])[0]
+    if z <= 1e-6:
+        return inf
+    u, v = data.ideal[datum] - centre_of(data.camera)
+    off = hypot(f * x / z - u, f * y / z - v)
+    line = viewpoint(pose) - place
+    aside = acos(np.clip(line @ cloud.axis[lobe] / np.linalg.norm(line), -1, 1))
+    if off > tolerance or aside >= min(cloud.half_angle[lobe] + ASIDE, GRAZING):
+        return inf
+    if abs(log(cloud.size[lobe] * f / z / data.scale[datum])) >= SIZES:
+        return inf
+    step = 1e-6 * (pose[:3, :3] @ cloud.up[lobe])
+    a, b = (np.array([p[0] / p[2], p[1] / p[2]]) for p in (np.array([x, y, z]), np.array([x, y, z]) + step))
+    turned = (atan2(*(b - a)[::-1]) - data.angle[datum] + pi) % (2 * pi) - pi
+    return off if abs(turned) < ANGLES else inf
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(st.integers(0, 999), st.floats(0.02, 0.3), st.floats(0.5, 6.0))
+def test_agreement_is_what_a_loop_over_poses_and_pairs_says(seed, share, pixels):
+    rng = np.random.default_rng(seed)
+    thing = ready(random_cloud(seed, 8, 16, half_angle=rng.uniform(0.2, 1.5, 16)))
+    truth = pose_before(rng)
+    data = gamma_at(thing.cloud, rng.integers(0, 16, 20), truth)
+    poses = np.stack([truth, *(pose_before(rng, rng.uniform(0.5, 1.2)) for _ in range(3)), truth @ np.diag([1.0, -1, -1, 1])])
+    lobes = np.concatenate([rng.integers(0, 16, 30), np.arange(16)])
+    some = pairs(rng.integers(0, 20, 46), lobes)
+    found = agreement(thing.index, poses, some, data, share, pixels)
+    for h, pose in enumerate(poses):
+        depth = transform_points(pose, thing.index.centre[None])[0, 2]
+        assert found.tolerance[h] == pytest.approx(share * thing.index.diameter * data.camera.f / depth + pixels)
+        for p in range(len(some)):
+            expected = residual_by_hand(thing.index, pose, lobes[p], some.datum[p], data, found.tolerance[h])
+            assert found.residual[h, p] == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_scene_agrees_with_its_own_pose_wholly():
+    thing, rng = ready(one_sided()), np.random.default_rng(1)
+    pose = pose_before(rng)
+    lobes = np.arange(24)
+    own = pairs(lobes, lobes)
+    found = agreement(thing.index, pose[None], own, gamma_at(thing.cloud, lobes, pose), 0.0, 1.0)
+    assert found.residual.max() < 0.01
+    assert votes(found, own)[0] == pytest.approx(24, abs=0.01)
+    for spoilt in ({"angle": 1.0}, {"scale": 2.0}, {"ideal": 30.0}):
+        data = gamma_at(thing.cloud, lobes, pose)
+        for name, much in spoilt.items():
+            getattr(data, name)[:] = getattr(data, name) * much if name == "scale" else getattr(data, name) + much
+        assert np.isinf(agreement(thing.index, pose[None], own, data, 0.0, 1.0).residual).all()
+
+
+def test_the_angle_on_the_screen_is_that_of_a_short_step():
+    rng = np.random.default_rng(2)
+    at, step = rng.uniform([-1, -1, 1], [1, 1, 4], (50, 3)), rng.normal(size=(50, 3))
+    there = at + 1e-7 * step
+    moved = there[:, :2] / there[:, 2:] - at[:, :2] / at[:, 2:]
+    np.testing.assert_allclose(screen_angle(step, at), np.arctan2(moved[:, 1], moved[:, 0]), atol=1e-5)
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(st.integers(0, 999), st.integers(1, 14))
+def test_votes_and_the_choice_of_one_each_are_those_of_loops(seed, count):
+    rng = np.random.default_rng(seed)
+    datum, feature = rng.integers(0, 5, count), rng.integers(0, 4, count)
+    some = pairs(datum, np.zeros(count, np.intp), rng.uniform(0.1, 1, count))
+    residual = np.where(rng.random((3, count)) < 0.4, inf, rng.uniform(0, 6, (3, count)))
+    found = Agreement(residual, rng.uniform(4, 8, 3))
+    off = residual / found.tolerance[:, None]
+    worth = [[some.weight[p] * exp(-2 * off[h, p] ** 2) for p in range(count)] for h in range(3)]
+    expected = [sum(max(row[p] for p in range(count) if datum[p] == d) for d in set(datum.tolist())) for row in worth]
+    np.testing.assert_allclose(votes(found, some), expected)
+    weights = rng.uniform(0.1, 1, (3, count)) * (rng.random((3, count)) < 0.7)
+    kept = one_to_one(weights, some, feature)
+    for h in range(3):
+        row = weights[h].copy()
+        for owner in (datum, feature):
+            row = np.array([w if w == max(row[q] for q in range(count) if owner[q] == owner[p]) else 0.0 for p, w in enumerate(row)])
+        assert kept[h].tolist() == row.tolist()
+        chosen = np.flatnonzero(kept[h])
+        assert len(set(datum[chosen].tolist())) == len(set(feature[chosen].tolist())) == len(chosen)
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(st.integers(0, 99), st.sampled_from([32, 128]))
+def test_pairs_are_the_most_alike_features_of_each_keypoint(seed, width):
+    rng = np.random.default_rng(seed)
+    base = rng.integers(0, 256, (4, width), np.uint8)
+    cloud = random_cloud(seed, 9, 20, width=width, descriptor=spoilt(rng, base[rng.integers(0, 4, 20)]))
+    thing = ready(cloud)
+    data = gamma_at(cloud, rng.integers(0, 20, 6), pose_before(rng))
+    data.described[2] = False
+    limit, found = ALIKE[256 if width == 32 else 128], pairs_of(thing.index, data)
+    apart = np.linalg.norm(spread_out(data.descriptors).astype(float)[:, None] - spread_out(cloud.descriptor)[None], axis=2)
+    apart[apart >= limit] = inf
+    apart[~data.described] = inf
+    order = np.argsort(np.argsort(apart, axis=0, kind="stable"), axis=0, kind="stable")
+    weight = np.where(apart < inf, np.exp(-0.5 * (np.minimum(apart, limit) / limit) ** 2) / (1 + 0.5 * order), 0.0)
+    for d in range(6):
+        mine = np.flatnonzero(found.datum == d)
+        best = [weight[d][cloud.feature == f].max(initial=0.0) for f in range(9)]
+        assert len(mine) == min(EACH, np.count_nonzero(best))
+        assert sorted(found.weight[mine]) == pytest.approx(sorted(best)[9 - len(mine) :], rel=1e-4)
+        np.testing.assert_allclose(found.weight[mine], weight[d, found.lobe[mine]], rtol=1e-4)
+        np.testing.assert_allclose(found.apart[mine], apart[d, found.lobe[mine]] * ALIKE[128] / limit, atol=1e-2)
+        assert len(set(cloud.feature[found.lobe[mine]].tolist())) == len(mine)
+    assert (np.diff(found.weight) <= 1e-12).all()
+    assert ((found.weight > 0) & (found.weight <= 1)).all()
+    assert found.first(2).weight.tolist() == found.weight[:2].tolist()
+
+
+def spoilt(rng, descriptors):
+    """The same with some noise: a few bits of 32 bytes, some grey levels of 128."""
+    if descriptors.shape[1] == 32:
+        return descriptors ^ np.packbits(rng.random((len(descriptors), 256)) < 0.1, axis=1)
+    return np.clip(descriptors + rng.normal(0, 15, descriptors.shape), 0, 255).astype(np.uint8)
+
+
+def test_descriptors_of_another_width_pair_with_nothing():
+    thing = ready(random_cloud())
+    data = gamma_at(random_cloud(width=32), range(6), pose_before(np.random.default_rng(0)))
+    assert len(pairs_of(thing.index, data)) == 0
+    assert thing.index.generate(data, thing.kb) == []
+    assert len(pairs_of(thing.index, gamma_at(thing.cloud, [], np.eye(4)))) == 0

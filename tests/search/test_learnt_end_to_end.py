@@ -1,0 +1,99 @@
+"""A painted cube, learnt from a few small pictures, is found in pictures that it was not learnt from; where it is not, nothing is."""
+
+import cv2
+import numpy as np
+import pytest
+from painted_cube import CAMERA, CORNER, cloud, paint, picture, pose_towards, seen, write_knowledge
+
+from geometry.frames import pose_error
+from kb.learnt import LearntCloud
+from kb.read import read_kb
+from plogic.perceive import Perceiver
+from sensing.appearance import Gamma
+from sensing.detector import detect
+
+
+@pytest.fixture(scope="module")
+def perceiver(tmp_path_factory):
+    return Perceiver(read_kb(write_knowledge(tmp_path_factory.mktemp("kb"), {"cube": cloud(seen())})))
+
+
+def gamma(perceiver, image):
+    return detect(image, CAMERA, perceiver.kb.appearance_types, perceiver.kb.words)
+
+
+def found(perceiver, image):
+    """camera_from_object of the hypotheses of the likeliest world."""
+    document = perceiver(gamma(perceiver, image))
+    by_id = {h["id"]: h for h in document["hypotheses"]}
+    return [np.array(by_id[name]["T_camera_object"]) for name in document["worlds"][0]["present"]]
+
+
+def errors(pose, truth):
+    rotation, translation = pose_error(pose, truth)
+    return np.degrees(rotation), translation / np.linalg.norm(truth[:3, 3])
+
+
+def test_learnt_types_are_ordinary_types(perceiver):
+    kind = perceiver.kb.type("cube")
+    assert isinstance(kind.learnt, LearntCloud)
+    assert len(kind.features) == len(kind.learnt.at) > 50
+    assert kind.lobes.types == tuple(perceiver.kb.words.names[w] for w in kind.learnt.lobe_word)
+    assert set(kind.lobes.types) <= set(perceiver.kb.appearance_types)
+    assert set(perceiver.kb.words.names) <= set(perceiver.kb.rates.clutter)
+
+
+@pytest.mark.parametrize(
+    ("direction", "distance", "roll", "aside"),
+    [
+        (CORNER, 0.60, 0.0, (0.0, 0.0)),
+        ((1.0, 0.5, 0.7), 0.55, 0.4, (0.03, -0.02)),
+        ((0.8, 1.0, 0.8), 0.70, 2.5, (-0.05, 0.03)),
+    ],
+)
+def test_a_cube_is_found_where_it_is(perceiver, direction, distance, roll, aside):
+    truth = pose_towards(direction, distance, roll, aside)
+    poses = found(perceiver, picture([truth], seed=3))
+    assert len(poses) == 1
+    degrees, share = errors(poses[0], truth)
+    assert degrees < 5.0
+    assert share < 0.05
+
+
+def test_two_of_a_type_are_both_found(perceiver):
+    truths = [pose_towards(CORNER, 0.6, 0.2, (-0.09, 0.0)), pose_towards((0.7, 0.8, 0.9), 0.6, -0.5, (0.1, 0.0))]
+    poses = found(perceiver, picture(truths))
+    assert len(poses) == 2
+    for truth in truths:
+        assert any(degrees < 5.0 and share < 0.05 for degrees, share in (errors(pose, truth) for pose in poses))
+
+
+def test_where_it_is_not_the_empty_world_is_on_top(perceiver):
+    rng = np.random.default_rng(0)
+    plain = picture([])
+    noise = rng.integers(0, 256, plain.shape, np.uint8)
+    print_of_others = paint(77)[: plain.shape[0], : plain.shape[1]].copy()
+    smooth = cv2.GaussianBlur(noise, (0, 0), 2.0)
+    for image in (plain, noise, smooth, print_of_others):
+        assert found(perceiver, image) == []
+    assert perceiver(Gamma(CAMERA, ()))["hypotheses"] == []
+
+
+def test_its_mirror_image_is_not_it(perceiver):
+    """Keypoints of a mirrored print lie where no turn of the cube has them."""
+    image = picture([pose_towards(CORNER, 0.6)])
+    assert found(perceiver, np.ascontiguousarray(image[:, ::-1])) == []
+
+
+def test_in_a_noisy_picture_it_is_there_or_missed_but_nowhere_else(perceiver):
+    truth = pose_towards(CORNER, 0.6)
+    for noise in (12.0, 30.0):
+        for pose in found(perceiver, picture([truth], noise=noise, seed=5)):
+            degrees, share = errors(pose, truth)
+            assert degrees < 5.0
+            assert share < 0.05
+
+
+def test_the_same_picture_gives_the_same_answer(perceiver):
+    image = picture([pose_towards(CORNER, 0.6, 0.3)], seed=1)
+    assert np.array_equal(found(perceiver, image), found(perceiver, image))
