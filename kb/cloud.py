@@ -105,6 +105,11 @@ class ObjectType:
         _freeze(self, symmetries=(-1, 4, 4))
 
     @cached_property
+    def kinds(self) -> tuple[str, ...]:
+        """The feature types of ``features``, one each."""
+        return tuple(feature.type for feature in self.features)
+
+    @cached_property
     def lobes(self) -> LobeTable:
         """The lobes of ``features`` as arrays."""
         return self.learnt_lobes or lobe_table(self.features)

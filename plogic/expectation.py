@@ -62,9 +62,10 @@ class Posed:
     def support(self, hidden: NDArray[np.bool_] | None = None) -> Support:
         """The four cases over the features in the image; ``hidden`` (F,) are those that accepted opaque objects hide (strict D7)."""
         expected = self.candidate & ~hidden if hidden is not None else self.candidate
-        cases = zip(expected, self.detected, strict=True)
-        named = zip(self.object_type.features, cases, self.in_image, strict=True)
-        return tally((f.type, case_of(expected=bool(e), detected=bool(d))) for f, (e, d), inside in named if inside)
+        rows = zip(expected.tolist(), self.detected.tolist(), strict=True)
+        cases = [case_of(expected=e, detected=d) for e, d in rows]
+        named = zip(self.object_type.kinds, cases, self.in_image.tolist(), strict=True)
+        return tally((kind, case) for kind, case, inside in named if inside)
 
 
 def pose_of(object_type: ObjectType, camera_from_object: NDArray[np.float64], data: Data, kb: KnowledgeBase) -> Posed:

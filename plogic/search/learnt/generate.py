@@ -31,10 +31,12 @@ VOTE = (0.12, 3.0)
 """Share of the diameter, and pixels, within which places agree in the vote: a single pair's pose is coarse."""
 TIGHTER = ((0.12, 3.0), (0.07, 3.0), (0.03, 3.0), (0.015, 2.5), (0.0, 3.0))
 """The same in each round of refinement."""
-REFINED, VERIFIED = 40, 6
+REFINED, VERIFIED = 24, 5
 """Poses that are refined, and those of them that are settled, the best by votes and no two alike."""
 APART, TURNED = 0.12, 0.35
 """Two poses are alike whose middles are nearer than this share of the distance and whose rotations differ by less, radians."""
+STEPS = 4
+"""Steps of a round of refinement: the next round goes on from there."""
 ROBUST = 2.0
 """Pixels beyond which a pair weighs less."""
 
@@ -98,7 +100,7 @@ def _refined(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Flo
             return poses
         which = np.argsort(-weights, axis=1, kind="stable")[:, : int((weights > 0.0).sum(axis=1).max())]  # few pairs agree with a pose
         used = np.take_along_axis(weights, which, axis=1)
-        poses = np.asarray(refine_poses(poses, points[which], uv[which], used, data.camera, huber=ROBUST)[0])
+        poses = np.asarray(refine_poses(poses, points[which], uv[which], used, data.camera, STEPS, huber=ROBUST)[0])
         poses = poses[plausible(index, poses)]
     weights = _weights(index, poses, pairs, data, feature, *TIGHTER[-1])
     return poses[np.argsort(-weights.sum(axis=1), kind="stable")]

@@ -20,6 +20,8 @@ ALIKE = {128: 300.0, 256: 8.5}
 """Farthest descriptors of a pair, by their length as vectors: of SIFT, and of ORB's bits (72 of them)."""
 EACH = 3
 """Features that a keypoint is paired with, the most alike."""
+NTH = 15
+"""Keypoints that an appearance is paired with, the most alike: of more, each would count an eighth at most."""
 MOST, SEEDS = 2500, 700
 """Pairs in all, the weightiest; those of them that poses are made of."""
 _BLOCK = 1024
@@ -75,9 +77,11 @@ def pairs_of(index: LearntIndex, data: Data) -> Pairs:
 
 
 def _best(index: LearntIndex, datum: NDArray[np.intp], lobe: NDArray[np.intp], apart: NDArray[np.float64]) -> Pairs:
-    order = np.lexsort((datum, apart, lobe))
+    order = np.argsort(lobe + apart / (2.0 * ALIKE[128]), kind="stable")
+    starts = np.searchsorted(lobe[order], np.arange(len(index.squares)))
+    place = np.arange(len(lobe)) - starts[lobe[order]]
+    order, place = order[place < NTH], place[place < NTH]
     datum, lobe, apart = datum[order], lobe[order], apart[order]
-    place = np.arange(len(lobe)) - np.searchsorted(lobe, lobe)
     weight = np.exp(-0.5 * (apart / ALIKE[128]) ** 2) / (1.0 + 0.5 * place)
     feature = index.cloud.feature[lobe]
     keep = _leading(np.lexsort((lobe, -weight, feature, datum)), datum * len(index.points) + feature, 1)
