@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 NOTE = "AR_VSD is not computed: the mean of the two is not the challenge's AR, and is not to be compared with one"
 
 
-@click.command()
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.argument("dataset", metavar="DATASET")
 @click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base; `towers` is shipped.")
 @click.option("-o", "--out", required=True, help="Results file (CSV) to write; `-` is stdout, and scores then go to stderr.")

@@ -15,7 +15,7 @@ UNITS = ["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
 KB = click.option("--kb", "kb_folder", required=True, type=click.Path(path_type=Path), help="Folder of the knowledge base.")
 
 
-@click.group()
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
 def kb() -> None:
     """Make, fill, check and show knowledge bases."""
 
