@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase
-    from plogic.search.generate import TypeIndex
     from plogic.search.indices import Index
+    from plogic.search.type_index import TypeIndex
 
 CELLS_TRIED = 24
 """View cells whose rank is taken for the tie-break, evenly over the sphere."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plogic.search.generate import same_place
+from plogic.search.alike import same_place
 
 if TYPE_CHECKING:
     from plogic.attention import Attention

@@ -15,6 +15,7 @@ from plogic.evidence import evidence
 from plogic.expectation import hidden_by
 from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import SHARED_CLAIMS, claims, overlap, shared_claims
+from plogic.search.indices import generate, settle, significant
 from plogic.search.learnt.index import LearntIndex
 from plogic.search.projection import project_ideal
 from plogic.trace import Trace
@@ -99,7 +100,7 @@ class Perception:
             if self.late():
                 break
             if not self._exhausted(row.type):
-                pool += [posed for _, posed in self.indices[row.type].generate(left, self.kb, covered)]
+                pool += [posed for _, posed in generate(self.indices[row.type], left, self.kb, covered)]
                 self.searched[row.type] = sum(_name(b) == row.type for b in self.accepted)
         judged = sorted(self._judged(pool), key=lambda b: -b.worth)
         pool[:] = [b.posed for b in judged[: max(POOL, POOL_OF_TYPE * len(self.indices))]]
@@ -138,7 +139,7 @@ class Perception:
     def _judge(self, posed: Posed, free: NDArray[np.bool_], rounds: int = 2, skip: Belief | None = None) -> Belief:
         index = self.indices[posed.object_type.name]
         hidden = self._hidden(posed, skip)
-        posed = index.settle(posed.camera_from_object, self.data, self.kb, free, hidden, rounds)
+        posed = settle(index, posed.camera_from_object, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
         hidden = self._hidden(posed, skip) if rounds else hidden
         ev = explanatory_value(posed.support(), self.dv)
         again = explanatory_value(posed.support(hidden), self.dv)
@@ -168,8 +169,8 @@ class Perception:
         if belief.ev_reconsidered is None or belief.ev_reconsidered <= 0.0:
             return f"ev {_round(belief.ev_reconsidered)} is not above 0"
         surplus = belief.surplus + self._harm(posed)
-        if surplus <= belief.index.significant:
-            return f"log-likelihood ratio {surplus:.1f} beyond what fixes a pose: the luck of {exp(belief.index.significant):.2g} tries"
+        if surplus <= significant(belief.index):
+            return f"log-likelihood ratio {surplus:.1f} beyond what fixes a pose: the luck of {exp(significant(belief.index)):.2g} tries"
         return None
 
     def _excluded(self, posed: Posed) -> str | None:
@@ -224,12 +225,12 @@ class Perception:
         for other in self.accepted:
             if not any(other is b for b in replaced):
                 free[list(claims(other.posed))] = False
-        posed = belief.index.settle(belief.posed.camera_from_object, self.data, self.kb, free, None, 1)
+        posed = settle(belief.index, belief.posed.camera_from_object, self.data, self.kb, free=free, rounds=1)
         if self._is_accepted(posed):
             return None
         ev, found = explanatory_value(posed.support(), self.dv), evidence(posed, self.data, self.kb)
         enough = int((posed.candidate & posed.detected).sum()) >= FEWEST
-        near = found.ratio > sum(b.worth for b in replaced) - belief.index.significant
+        near = found.ratio > sum(b.worth for b in replaced) - significant(belief.index)
         return (
             Belief(posed, belief.index, found.ratio, found.surplus, ev, ev)
             if enough and ev is not None and near

@@ -16,6 +16,7 @@ from plogic.lumped import lumped, told, types_told
 from plogic.measures.explanatory import explanatory_value
 from plogic.parts import part_facts
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
+from plogic.search.indices import generate
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Reading, Reconsider, Situation
 from plogic.trace import Trace
 
@@ -88,7 +89,7 @@ def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float
 
 def unpruned(data: Data, kb: KnowledgeBase, indices: Sequence[Index], dv: Mapping[str, float], options: Options, most: int) -> Delta:
     """Δh before anything is accepted or rejected: every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth."""
-    found = [_open_belief(posed, index, data, kb, dv) for index in indices for _, posed in index.generate(data, kb, refined=EVERY, verified=EVERY)]
+    found = [_open_belief(posed, index, data, kb, dv) for index in indices for _, posed in generate(index, data, kb, refined=EVERY, verified=EVERY)]
     best = sorted(found, key=lambda b: -b.worth)[:most]
     return delta_of(Cycle((), tuple(best), (), (), Trace()), data, kb, dv, options)
 

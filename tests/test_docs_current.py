@@ -14,7 +14,7 @@ from plogic.dependence import LARGEST_BLOCK, MOST_OCCLUDERS
 from plogic.evidence import FIXED_BY
 from plogic.perceive import SMOOTHED
 from plogic.rivals import SHARED_CLAIMS, SHARED_VOLUME
-from plogic.search.generate import SAME_PLACE, SAME_ROTATION
+from plogic.search.alike import SAME_PLACE, SAME_ROTATION
 from plogic.search.pairs import MOST_PAIRS
 from plogic.search.view_cells import CELLS
 from plogic.vocabulary import VOCABULARY

@@ -17,8 +17,8 @@ from plogic.expectation import Posed, hidden_by, matched, pose_of
 from plogic.learning.records import Record, Sighting, Slot
 from plogic.learning.truth import read_truth
 from plogic.measures.valuation import compatible
+from plogic.search.alike import same_place
 from plogic.search.data import Data, data_of
-from plogic.search.generate import same_place
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -169,7 +169,7 @@ def cycle_of(gamma, end=None):
 def posed_at(name, pose, of):
     """The hypothesis that a type stands at a pose, with its own matching, no polish."""
     index = perceiver().indices[name]
-    return settle(index, pose, index.allowed(of), of, towers(), rounds=0)
+    return settle(index, pose, of, towers(), rounds=0)
 
 
 def belief_at(name, pose, of, status="accepted"):

@@ -31,6 +31,7 @@ from plogic.evidence import (
     match_density,
     sigmas,
 )
+from plogic.search.indices import settle
 from plogic.search.learnt.looks import AROUND, BY_CHANCE
 
 
@@ -48,7 +49,7 @@ def settled(thing, pose, shown, noise=0.3):
     """A hypothesis whose appearances ``shown`` were detected."""
     of = gamma_at(thing.cloud, shown, pose)
     of.uv[:] += np.random.default_rng(0).normal(0, noise, of.uv.shape)
-    return thing.index.settle(pose, of, thing.kb, rounds=0), of
+    return settle(thing.index, pose, of, thing.kb, rounds=0), of
 
 
 @settings(max_examples=20, deadline=None, derandomize=True)
@@ -111,7 +112,7 @@ def test_what_is_everywhere_around_says_little(thing, pose):
         crowd = gamma_at(thing.cloud, rows, pose)
         crowd.uv[:20] = of.uv
         crowd.uv[20:] += AROUND / 2 * np.column_stack([np.cos(np.arange(copies)), np.sin(np.arange(copies))])
-        posed = thing.index.settle(pose, crowd, thing.kb, rounds=0)
+        posed = settle(thing.index, pose, crowd, thing.kb, rounds=0)
         assert posed.matches.tolist() == before.matches.tolist()
         counts.append(posed.likeness[0])
         assert posed.likeness[0] == pytest.approx(usual / (copies / (pi * AROUND**2) + BY_CHANCE * usual))

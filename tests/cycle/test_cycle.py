@@ -30,7 +30,8 @@ from plogic.delta import Options
 from plogic.expectation import hidden_by
 from plogic.perceive import ranked
 from plogic.rivals import claims, overlap
-from plogic.search.generate import same_place
+from plogic.search.alike import same_place
+from plogic.search.indices import significant
 from plogic.stopwatch import Stopwatch
 from sensing.appearance import Appearance, Gamma
 
@@ -108,7 +109,7 @@ def test_accepted_hypotheses_meet_their_conditions(hiding, apart):
         for belief in cycle.accepted:
             assert (belief.posed.candidate & belief.posed.detected).sum() >= FEWEST
             assert belief.ev_reconsidered > 0.0
-            assert belief.worth > belief.index.significant
+            assert belief.worth > significant(belief.index)
 
 
 def test_the_trace_names_every_step(hiding):

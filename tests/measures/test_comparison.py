@@ -30,7 +30,7 @@ from plogic.measures.distinctiveness import distinctiveness, distinctiveness_ove
 from plogic.measures.explanatory import explanatory_value
 from plogic.measures.shanahan import shanahan_values
 from plogic.search.data import data_of
-from plogic.search.generate import type_index
+from plogic.search.type_index import type_index
 from plogic.worlds import ranked_worlds
 
 TRUTHS = [("t1", 8000), ("t2", 8001), ("t1", 8002), ("t2", 8003)]

@@ -11,6 +11,7 @@ from random_cloud import random_cloud
 
 from geometry.frames import transform_points
 from plogic.search.data import centre_of
+from plogic.search.indices import generate
 from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, one_to_one, screen_angle, votes
 from plogic.search.learnt.pairs import ALIKE, EACH, Pairs, pairs_of
 from plogic.search.learnt.pairs import spread as spread_out
@@ -144,5 +145,5 @@ def test_descriptors_of_another_width_pair_with_nothing():
     thing = ready(random_cloud())
     data = gamma_at(random_cloud(width=32), range(6), pose_before(np.random.default_rng(0)))
     assert len(pairs_of(thing.index, data)) == 0
-    assert thing.index.generate(data, thing.kb) == []
+    assert generate(thing.index, data, thing.kb) == []
     assert len(pairs_of(thing.index, gamma_at(thing.cloud, [], np.eye(4)))) == 0

@@ -13,6 +13,7 @@ from random_cloud import random_cloud
 from geometry.frames import pose_error, transform_points
 from kb.lobes import in_lobe
 from plogic.search.data import data_of
+from plogic.search.indices import generate, settle
 from plogic.search.learnt.agreement import ANGLES, SIZES, screen_angle
 from plogic.search.learnt.looks import LOOSER
 from plogic.search.learnt.pairs import ALIKE
@@ -116,7 +117,7 @@ def test_settling_moves_a_pose_to_where_its_features_are():
         data.uv[:] += rng.normal(0, 0.2, data.uv.shape)
         start = truth.copy()
         start[:3, 3] += rng.normal(0, 0.001, 3)
-        posed = thing.index.settle(start, data, thing.kb)
+        posed = settle(thing.index, start, data, thing.kb)
         assert (posed.matches == np.arange(30)).mean() > 0.9
         rotation, translation = pose_error(posed.camera_from_object, truth)
         errors.append((np.degrees(rotation), translation))
@@ -136,11 +137,11 @@ def test_what_is_claimed_already_is_not_taken_again():
     thing, pose = ready(one_sided()), pose_before(np.random.default_rng(8))
     data = gamma_at(thing.cloud, range(24), pose)
     free = np.arange(24) % 3 > 0
-    posed = thing.index.settle(pose, data, thing.kb, free)
+    posed = settle(thing.index, pose, data, thing.kb, free=free)
     assert set(posed.matches.tolist()) == {-1, *np.flatnonzero(free).tolist()}
-    nothing = thing.index.settle(pose, data, thing.kb, np.zeros(24, bool))
+    nothing = settle(thing.index, pose, data, thing.kb, free=np.zeros(24, bool))
     assert (nothing.matches == -1).all()
-    assert (thing.index.settle(pose, data.only(np.zeros(24, bool)), thing.kb).matches == -1).all()
+    assert (settle(thing.index, pose, data.only(np.zeros(24, bool)), thing.kb).matches == -1).all()
 
 
 def test_the_pose_is_found_among_clutter_and_the_evidence_says_so():
@@ -150,11 +151,11 @@ def test_the_pose_is_found_among_clutter_and_the_evidence_says_so():
     clutter = [keypoint_of(random_cloud(7, 60, 60), lobe, pose_before(rng), number=100 + lobe) for lobe in range(60)]
     rows = [keypoint_of(thing.cloud, lobe, truth, number=lobe) for lobe in range(0, 40, 2)]
     data = data_of([*rows, *(a for a in clutter if np.isfinite(a.uv).all())], CAMERA)
-    found = thing.index.generate(data, thing.kb)
+    found = generate(thing.index, data, thing.kb)
     assert found == sorted(found, key=lambda pair: -pair[0])
     ratio, posed = found[0]
     rotation, translation = pose_error(posed.camera_from_object, truth)
     assert ratio > 50
     assert np.degrees(rotation) < 0.5
     assert translation < 0.005
-    assert thing.index.generate(data_of(clutter, CAMERA), thing.kb) == [] or thing.index.generate(data_of(clutter, CAMERA), thing.kb)[0][0] < 20
+    assert generate(thing.index, data_of(clutter, CAMERA), thing.kb) == [] or generate(thing.index, data_of(clutter, CAMERA), thing.kb)[0][0] < 20

@@ -8,11 +8,12 @@ import numpy as np
 
 from geometry.refine import refine_poses
 from plogic.evidence import evidence
-from plogic.search.generate import distinct, same_place
+from plogic.search.alike import distinct, same_place
 from plogic.search.learnt.agreement import agreement, one_to_one, votes
 from plogic.search.learnt.pairs import SEEDS, pairs_of
 from plogic.search.learnt.settle import settle
 from plogic.search.learnt.single import plausible, single_poses
+from plogic.search.settling import FEWEST
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-FEWEST = 4
-"""Pairs that must agree on a pose."""
 VOTE = (0.12, 3.0)
 """Share of the diameter, and pixels, within which places agree in the vote: a single pair's pose is coarse."""
 TIGHTER = ((0.12, 3.0), (0.07, 3.0), (0.03, 3.0), (0.015, 2.5), (0.0, 3.0))
@@ -41,20 +40,8 @@ ROBUST = 2.0
 """Pixels beyond which a pair weighs less."""
 
 
-def generate(
-    index: LearntIndex,
-    data: Data,
-    kb: KnowledgeBase,
-    covered: NDArray[np.bool_] | None = None,
-    *,
-    refined: int = REFINED,
-    verified: int = VERIFIED,
-) -> list[tuple[float, Posed]]:
-    """The settled poses with their log-likelihood ratios, best first.
-
-    ``covered`` (H, W) is where accepted objects stand: no matter here, since what they claim is not in ``data``.
-    """
-    del covered
+def generate(index: LearntIndex, data: Data, kb: KnowledgeBase, *, refined: int = REFINED, verified: int = VERIFIED) -> list[tuple[float, Posed]]:
+    """The settled poses with their log-likelihood ratios, best first; ``refined``, ``verified``: how many poses go that far."""
     pairs = pairs_of(index, data)
     if len(pairs) < FEWEST:
         return []

@@ -7,27 +7,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import log
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.search.learnt.pairs import SEEDS, spread
+from plogic.search.learnt.pairs import spread
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
-    from kb.cloud import KnowledgeBase, ObjectType
+    from kb.cloud import ObjectType
     from kb.learnt import LearntCloud
-    from plogic.expectation import Posed
-    from plogic.search.data import Data
 
     Floats = NDArray[np.float64]
 
-TRIED = 20.0 * SEEDS**3
-"""Poses that chance has tried: any three pairs fix one, of each of some 20 types. A hypothesis must beat clutter by more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,31 +75,6 @@ class LearntIndex:
         """Metres across."""
         surface = self.object_type.surface
         return float(surface.diameter if surface is not None else np.linalg.norm(np.ptp(self.points, axis=0)))
-
-    @property
-    def significant(self) -> float:
-        """What the log-likelihood ratio beyond what fixes a pose must exceed."""
-        return log(TRIED)
-
-    def generate(self, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None, **most: int) -> list[tuple[float, Posed]]:
-        """The poses that Γ suggests, matched, best first, with their evidence."""
-        from plogic.search.learnt.generate import generate
-
-        return generate(self, data, kb, covered, **most)
-
-    def settle(
-        self,
-        pose: Floats,
-        data: Data,
-        kb: KnowledgeBase,
-        free: NDArray[np.bool_] | None = None,
-        hidden: NDArray[np.bool_] | None = None,
-        rounds: int = 2,
-    ) -> Posed:
-        """Match (D7, D8), refine on the expected features that were detected, and match again, until nothing changes or ``rounds``."""
-        from plogic.search.learnt.settle import settle
-
-        return settle(self, pose, data, kb, free, hidden, rounds)
 
 
 def learnt_index(object_type: ObjectType, dv: Mapping[str, float]) -> LearntIndex:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.frames import inverse, transform_points
-from geometry.refine import refine_poses
 from plogic.expectation import Posed, assigned
 from plogic.search.learnt.looks import likeness, right_pairs
+from plogic.search.settling import FEWEST, polished, settled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-FEWEST = 4
 ROBUST = 1.5
 MEDIAN = 1.177
 """Median of the distance of two normal errors of σ = 1."""
@@ -41,21 +40,15 @@ def settle(
     hidden: NDArray[np.bool_] | None = None,
     rounds: int = 2,
 ) -> Posed:
-    """Match, refine on the expected features that were detected, and match again, until nothing changes or ``rounds``."""
-    posed = matched(index, pose_of(index, pose, data, kb), data, kb, free, hidden)
-    for _ in range(rounds):
-        used = posed.candidate & posed.detected
-        used = used if hidden is None else used & ~hidden
-        if used.sum() < FEWEST:
-            break
-        uv = data.uv[np.maximum(posed.matches, 0)][None]
-        better = refine_poses(posed.camera_from_object[None], index.points[None], uv, used[None].astype(float), data.camera, huber=ROBUST)[0][0]
-        new = matched(index, pose_of(index, np.asarray(better), data, kb), data, kb, free, hidden)
-        stable = np.array_equal(new.matches, posed.matches)
-        posed = new
-        if stable:
-            break
-    return posed
+    """The type at a pose: matched (D7, D8), refined, and matched again."""
+
+    def match(pose: Floats) -> Posed:
+        return matched(index, pose_of(index, pose, data, kb), data, kb, free, hidden)
+
+    def better(posed: Posed) -> Floats | None:
+        return polished(posed, index.points, np.ones(len(index.points)), data, hidden, ROBUST)
+
+    return settled(pose, match, better, rounds)
 
 
 def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> Posed:

@@ -1,0 +1,50 @@
+"""How a pose settles: match, refine on what was matched, match again (§7)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.refine import refine_poses
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from plogic.expectation import Posed
+    from plogic.search.data import Data
+
+    Floats = NDArray[np.float64]
+
+FEWEST = 4
+"""Matches that a pose is refined on."""
+
+
+def settled(pose: Floats, match: Callable[[Floats], Posed], better: Callable[[Posed], Floats | None], rounds: int) -> Posed:
+    """Match, refine, and match again, until nothing changes or ``rounds``; ``better`` gives a better pose, or None."""
+    posed = match(pose)
+    for _ in range(rounds):
+        refined = better(posed)
+        if refined is None:
+            break
+        new = match(refined)
+        stable = np.array_equal(new.matches, posed.matches)
+        posed = new
+        if stable:
+            break
+    return posed
+
+
+def polished(posed: Posed, points: Floats, precision: Floats, data: Data, hidden: NDArray[np.bool_] | None, robust: float) -> Floats | None:
+    """Least squares (4, 4) on the expected features that were detected, or None where they are fewer than ``FEWEST``.
+
+    ``points`` (F, 3) m, object frame; ``precision`` (F,) 1/pixel²; a residual beyond ``robust`` pixels weighs less.
+    """
+    used = posed.candidate & posed.detected
+    used = used if hidden is None else used & ~hidden
+    if used.sum() < FEWEST:
+        return None
+    uv = data.uv[np.maximum(posed.matches, 0)][None]
+    return np.asarray(refine_poses(posed.camera_from_object[None], points[None], uv, used[None] * precision, data.camera, huber=robust)[0][0])
