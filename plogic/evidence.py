@@ -48,7 +48,8 @@ def hit_rates(posed: Posed, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None 
 
 
 CLEAR = 3.0
-"""The prior of clarity is ∝ clarity³: an instance of which little shows where much should is rarely one."""
+"""The prior of clarity is ∝ clarity³: an instance of which little shows where much should is rarely one. It counts in what is accepted; the
+program has the scaled hit rates, and no prior of them."""
 LEAST_CLEAR, LEAST_HIT, MOST_HIT = 0.04, 0.005, 0.98
 """Least share of the measured hit rates that an image can keep; bounds of what remains."""
 

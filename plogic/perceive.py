@@ -36,6 +36,7 @@ class Perceiver:
     def __init__(self, kb: KnowledgeBase) -> None:
         self.kb = kb
         self.dv = distinctiveness(instance_counts(kb.types))
+        self.width = kb.words.centroids.shape[1] if kb.words is not None else 128
         self.indices: dict[str, Index] = {t.name: index_of(t, self.dv) for t in kb.types if t.features}
 
     def __call__(
@@ -58,7 +59,7 @@ class Perceiver:
         self, gamma: Gamma, options: Options, clock: Stopwatch
     ) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
         """Δh with its facts, what was rejected, and the trace."""
-        data = data_of(gamma.appearances, gamma.camera)
+        data = data_of(gamma.appearances, gamma.camera, self.width)
         with clock.stage("rank"):
             attention = attend(list(self.indices.values()), data.types, self.kb)
         with clock.stage("search"):

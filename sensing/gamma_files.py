@@ -19,6 +19,7 @@ from geometry.camera import Camera, camera_from_dict, camera_to_dict
 from geometry.errors import CameraError
 from sensing.appearance import Appearance, Gamma
 from sensing.errors import GammaError
+from sensing.keypoints import WIDTHS
 from sensing.whole_files import write_whole
 
 if TYPE_CHECKING:
@@ -28,8 +29,6 @@ MAX_BYTES = 64 * 1024 * 1024
 MAX_APPEARANCES = 20_000
 MAX_DESCRIPTOR = 1024
 """Bytes that a descriptor may have."""
-_DESCRIPTOR_BYTES = {"sift": 128, "orb": 32}
-"""Bytes of the descriptors whose type begins with this name: the type itself, and the words of such a vocabulary."""
 _Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 _Text = Annotated[str, Field(strict=True, min_length=1, max_length=200)]
 
@@ -189,7 +188,10 @@ def _content_mistakes(data: object, camera: Camera | None, vocabulary: Collectio
 
 
 def _descriptor_mistake(a_type: object, text: object) -> str | None:
-    """What is wrong with a descriptor's text for an appearance of this type; a text that is no string is another mistake's business."""
+    """What is wrong with a descriptor's text for an appearance of this type: a keypoint detector's name, or a word of it.
+
+    A text that is no string is another mistake's business.
+    """
     if not isinstance(text, str):
         return None
     try:
@@ -197,7 +199,7 @@ def _descriptor_mistake(a_type: object, text: object) -> str | None:
     except (binascii.Error, ValueError):  # ValueError: letters that are not ASCII
         return f"is not base64: {text!r:.60}"
     kind = a_type.split("_", 1)[0] if isinstance(a_type, str) else ""
-    wanted = _DESCRIPTOR_BYTES.get(kind)
+    wanted = WIDTHS.get(kind)
     if wanted is not None and size != wanted:
         return f"has {size} bytes, and one of {a_type!r:.60} has {wanted}"
     return None if 0 < size <= MAX_DESCRIPTOR else f"has {size} bytes, not 1 to {MAX_DESCRIPTOR}"

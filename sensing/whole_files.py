@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sensing.errors import SensingError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -84,23 +85,31 @@ def _rename(temporary: Path, path: Path) -> None:
         raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
 
 
-def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write a new folder with ``files`` (name → bytes), whole or not at all.
+@contextmanager
+def new_folder(folder: Path) -> Iterator[Path]:
+    """A folder to write into that becomes ``folder`` at the end, and is removed where anything goes wrong.
 
     Raises:
-        SensingError: The folder exists and is not empty, or cannot be written.
+        SensingError: ``folder`` exists and is not empty, or cannot be written.
     """
     check_new_folder(folder)
+    made: Path | None = None
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
+        made = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
+        yield made
+        made.chmod(0o755)
+        made.replace(folder)
+        made = None
     except OSError as error:
         raise SensingError(f"{folder}: cannot be written: {error.strerror}") from None
-    try:
+    finally:
+        if made is not None:
+            shutil.rmtree(made, ignore_errors=True)
+
+
+def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write a new folder with ``files`` (name → bytes), whole or not at all; raises SensingError as ``new_folder`` does."""
+    with new_folder(folder) as made:
         for name, data in files.items():
-            (temporary / name).write_bytes(data)
-        temporary.chmod(0o755)
-        temporary.replace(folder)
-    except OSError as error:
-        shutil.rmtree(temporary, ignore_errors=True)
-        raise SensingError(f"{folder}: cannot be written: {error.strerror}") from None
+            (made / name).write_bytes(data)

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geometry.frames import transform_points
 from plogic.bench.claims import Claim, report
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from geometry.camera import Camera
     from kb.cloud import KnowledgeBase
@@ -68,29 +69,16 @@ def run(*, seed: int, quick: bool = False, as_json: bool = False, say: Callable[
 
 
 def learnt(folder: Path, seed: int, *, quick: bool, say: Callable[[str], None]) -> KnowledgeBase:
-    """A knowledge base of the box from its photo and, unless ``quick``, the YCB types that are there."""
+    """A knowledge base of the box from its photo and, unless ``quick``, the YCB types. Raises InputError where these are not there."""
     from kb.read import read_kb
-    from plogic.commands.kb_add import add_command
-    from plogic.commands.kb_learn import learn_command
-    from plogic.commands.kb_learn_photo import Sources, learn_photo_command
-    from plogic.commands.kb_new import new_command
-
-    new_command(folder, None)
-    options: dict[str, Any] = {"detector": "sift", "jobs": 2, "seed": seed, "as_json": False}
-    meshes = {} if quick else _ycb()
-    for name, mesh in meshes.items():
-        add_command(name, mesh, "m", folder, as_json=False)
-    if meshes:
-        learn_command(str(folder), list(meshes), options, say=say)
-    sources = Sources(DATA / "photo.jpg", MARKS / "photo_points.yaml", None, DATA / "box.ply", "cm")
-    learn_photo_command(str(folder), ["box"], sources, options, say=say)
-    return read_kb(folder)
-
-
-def _ycb() -> Mapping[str, Path]:
+    from plogic.bench.recognition_kb import LEARNING, learn_into
     from plogic.bench.recognition_scenes import ycb_meshes
+    from plogic.commands.kb_learn_photo import Sources, learn_photo_command
 
-    return ycb_meshes()
+    learn_into(folder, {} if quick else ycb_meshes(), say, seed)
+    sources = Sources(DATA / "photo.jpg", MARKS / "photo_points.yaml", None, DATA / "box.ply", "cm")
+    learn_photo_command(str(folder), ["box"], sources, {**LEARNING, "seed": seed}, say=say)
+    return read_kb(folder)
 
 
 def answered(kb: KnowledgeBase, say: Callable[[str], None]) -> list[Answer]:
@@ -135,8 +123,7 @@ def _best(beliefs: Sequence[Belief]) -> float:
 
 
 def _distances(box: Belief, camera: Camera, places: Sequence[Any], pixels: Sequence[Any]) -> tuple[float, ...]:
-    pose = box.posed.camera_from_object
-    uv = camera.project(np.array(places) @ pose[:3, :3].T + pose[:3, 3])
+    uv = camera.project(transform_points(box.posed.camera_from_object, places))
     return tuple(np.linalg.norm(uv - np.array(pixels), axis=1).tolist())
 
 

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from geometry.camera import Camera
     from plogic.bench.recognition_peer import Learnt
 
+LEARNING: Mapping[str, Any] = {"detector": "sift", "jobs": 2, "as_json": False}
+"""What ``kb learn`` is asked for besides the seed."""
 Recognise = Callable[["NDArray[np.uint8]", "Camera"], list[Found]]
 """(H, W, 3) uint8 image, blue first, and its camera without a pose in, accepted objects out."""
 
@@ -37,20 +39,20 @@ class Ours:
 def ours(meshes: Mapping[str, Path], folder: Path, say: Callable[[str], None]) -> Ours:
     """Learn the types into a new knowledge base in ``folder``. Raises InputError where it cannot be learnt."""
     from kb.read import read_kb
-    from plogic.perceive import Perceiver
+    from plogic.commands.bop import look_of
 
     learn_into(folder, meshes, say)
     kb = read_kb(folder)
-    clouds = {t.name: getattr(t, "learnt", None) for t in kb.types}
-    missing = [name for name, cloud in clouds.items() if cloud is None]
+    clouds = {t.name: t.learnt for t in kb.types if t.learnt is not None}
+    missing = [t.name for t in kb.types if t.learnt is None]
     if missing:
         raise InputError(f"bench recognition: nothing was learnt of {', '.join(missing)}")
-    perceiver = Perceiver(kb)
-    return Ours(lambda image, camera: recognised(kb, perceiver, image, camera), {name: c for name, c in clouds.items() if c is not None})
+    look = look_of(kb)
+    return Ours(lambda image, camera: [Found(name, np.array(pose), sure) for name, pose, sure in look(image, camera)], clouds)
 
 
-def learn_into(folder: Path, meshes: Mapping[str, Path], say: Callable[[str], None]) -> None:
-    """``plogic kb new``, and ``kb add`` and ``kb learn`` of every mesh (metres): the newcomer's path."""
+def learn_into(folder: Path, meshes: Mapping[str, Path], say: Callable[[str], None], seed: int = 0) -> None:
+    """``plogic kb new``, and ``kb add`` and ``kb learn`` of every mesh (metres), if any: the newcomer's path."""
     from plogic.commands.kb_add import add_command
     from plogic.commands.kb_learn import learn_command
     from plogic.commands.kb_new import new_command
@@ -59,19 +61,5 @@ def learn_into(folder: Path, meshes: Mapping[str, Path], say: Callable[[str], No
     for name, mesh in meshes.items():
         say(f"adding {name}")
         add_command(name, mesh, "m", folder, as_json=False)
-    learn_command(str(folder), list(meshes), {"detector": "sift", "jobs": 2, "seed": 0, "as_json": True}, say=say)
-
-
-def recognised(kb: Any, perceiver: Any, image: NDArray[np.uint8], camera: Camera) -> list[Found]:  # noqa: ANN401 - the lead's types
-    """The accepted hypotheses of what the perceiver makes of one picture."""
-    from plogic.delta import Options
-    from plogic.stopwatch import Stopwatch
-    from sensing.detector import detect
-
-    gamma = detect(image, camera, kb.appearance_types, getattr(kb, "words", None))
-    document = perceiver(gamma, Options(), image, Stopwatch())
-    return [
-        Found(h["type"], np.array(h["T_camera_object"]), float(h.get("probability", 1.0)))
-        for h in document["hypotheses"]
-        if h["status"] == "accepted"
-    ]
+    if meshes:
+        learn_command(str(folder), list(meshes), {**LEARNING, "seed": seed}, say=say)

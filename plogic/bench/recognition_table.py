@@ -42,7 +42,7 @@ class Verdict:
 
     def mine(self, types: Collection[str], answers: Sequence[Answer] | None = None) -> Tally:
         """Our counts of these types."""
-        return _total(self.answers if answers is None else answers, types, lambda a: a.found)
+        return _total(self.answers if answers is None else answers, types, _ours)
 
     def peers(self, types: Collection[str], setting: Setting) -> Tally:
         """The peer's."""

@@ -33,7 +33,7 @@ def mssd(estimates: ArrayLike, truths: ArrayLike, points: ArrayLike, symmetries:
     cloud, own = _points(points), _poses(symmetries)
 
     def one(estimate: NDArray[np.float64], truth: NDArray[np.float64]) -> float:
-        return min(float(_lengths(_moved(estimate - truth @ part, cloud)).max(axis=1).min()) for part in _parts(own, len(cloud)))
+        return min(float(np.linalg.norm(_moved(estimate - truth @ part, cloud), axis=-1).max(axis=1).min()) for part in _parts(own, len(cloud)))
 
     return _each(one, estimates, truths)
 
@@ -49,7 +49,7 @@ def mspd(
         if not np.isfinite(seen).all():
             return np.inf
         parts = (_projected(_moved(truth @ part, cloud), matrix) for part in _parts(own, len(cloud)))
-        return min(float(np.nan_to_num(_lengths(seen - part), nan=np.inf).max(axis=1).min()) for part in parts)
+        return min(float(np.nan_to_num(np.linalg.norm(seen - part, axis=-1), nan=np.inf).max(axis=1).min()) for part in parts)
 
     return _each(one, estimates, truths)
 
@@ -57,7 +57,7 @@ def mspd(
 def add(estimates: ArrayLike, truths: ArrayLike, points: ArrayLike) -> NDArray[np.float64]:
     """ADD (...) of poses (..., 4, 4) for ``points`` (N, 3)."""
     cloud = _points(points)
-    return _each(lambda estimate, truth: float(_lengths(_moved((estimate - truth)[None], cloud)).mean()), estimates, truths)
+    return _each(lambda estimate, truth: float(np.linalg.norm(_moved((estimate - truth)[None], cloud), axis=-1).mean()), estimates, truths)
 
 
 def add_s(estimates: ArrayLike, truths: ArrayLike, points: ArrayLike) -> NDArray[np.float64]:
@@ -83,10 +83,6 @@ def _projected(points: NDArray[np.float64], K: NDArray[np.float64]) -> NDArray[n
     """Pixels (B, N, 2) of points (B, N, 3) in the camera frame; NaN where z is not positive."""
     depth = np.where(points[..., 2:] > 0, points[..., 2:], np.nan)
     return np.asarray((points / depth) @ K[:2].T)
-
-
-def _lengths(arrows: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(np.sqrt((arrows * arrows).sum(axis=-1)))
 
 
 def _parts(rows: NDArray[np.float64], each: int) -> list[NDArray[np.float64]]:

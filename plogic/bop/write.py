@@ -9,7 +9,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
@@ -20,9 +19,9 @@ from plogic.bop.gt_info import gt_info, silhouette
 from plogic.bop.json_files import MM
 from plogic.bop.matching import VISIBLE
 from plogic.bop.model_files import Kind, model_info, ply
-from plogic.bop.new_folder import new_folder
 from plogic.errors import InputError
-from sensing.simulated.scene_files import png
+from sensing.simulated.scene_files import json_bytes, png
+from sensing.whole_files import new_folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -144,15 +143,15 @@ def _targets(truths: Mapping[int, list[Entry]], infos: Mapping[int, list[Entry]]
 
 def _put_models(place: Path, kinds: Sequence[Kind]) -> None:
     for i, kind in enumerate(kinds, 1):
-        textured = kind.mesh.texture is not None and kind.mesh.uv is not None
-        _put(place / f"obj_{i:06d}.ply", ply(kind.mesh, f"obj_{i:06d}.png" if textured else None))
-        if kind.mesh.texture is not None and textured:
-            _put(place / f"obj_{i:06d}.png", png(kind.mesh.texture))
+        paint = None if kind.mesh.uv is None else kind.mesh.texture
+        _put(place / f"obj_{i:06d}.ply", ply(kind.mesh, None if paint is None else f"obj_{i:06d}.png"))
+        if paint is not None:
+            _put(place / f"obj_{i:06d}.png", png(paint))
     _put_json(place / "models_info.json", {i: model_info(kind) for i, kind in enumerate(kinds, 1)})
 
 
 def _put_json(path: Path, document: object) -> None:
-    _put(path, (json.dumps(document, indent=1) + "\n").encode())
+    _put(path, json_bytes(document))
 
 
 def _put(path: Path, data: bytes) -> None:

@@ -5,7 +5,6 @@ Vocabulary: ``Data``, A appearances; *ideal pixels*, the pinhole image of focal 
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -61,8 +60,8 @@ def centre_of(camera: Camera) -> NDArray[np.float64]:
     return np.array([(camera.width - 1) / 2.0, (camera.height - 1) / 2.0])
 
 
-def data_of(appearances: Sequence[Appearance], camera: Camera) -> Data:
-    """Pack appearances into arrays, undistorting their places."""
+def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 128) -> Data:
+    """Pack appearances into arrays, undistorting their places; ``width``: bytes of those descriptors that the KB's words are made of."""
     uv = np.array([a.uv for a in appearances], dtype=float).reshape(-1, 2)
     most = max((len(a.arms) for a in appearances), default=0)
     arms = np.full((len(appearances), most), np.nan)
@@ -72,16 +71,7 @@ def data_of(appearances: Sequence[Appearance], camera: Camera) -> Data:
     ids = tuple(a.id for a in appearances)
     angle = np.array([np.nan if a.angle is None else a.angle for a in appearances], dtype=float)
     scale = np.array([np.nan if a.scale is None else a.scale for a in appearances], dtype=float)
-    descriptors, described = _descriptors(appearances)
-    described &= np.isfinite(angle) & (scale > 0.0)
+    described = np.array([len(a.descriptor or b"") == width for a in appearances], dtype=bool) & np.isfinite(angle) & (scale > 0.0)
+    whole = b"".join((a.descriptor or b"") if has else bytes(width) for a, has in zip(appearances, described, strict=True))
+    descriptors = np.frombuffer(whole, np.uint8).reshape(len(appearances), width)
     return Data(ids, tuple(a.type for a in appearances), uv, ideal, arms, camera, angle, scale, descriptors, described)
-
-
-def _descriptors(appearances: Sequence[Appearance]) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
-    """(A, D) of the most frequent length D, and which appearances have one of it."""
-    lengths = Counter(len(a.descriptor) for a in appearances if a.descriptor)
-    width = min(lengths, key=lambda n: (-lengths[n], n), default=0)
-    described = np.array([bool(a.descriptor) and len(a.descriptor or b"") == width for a in appearances], dtype=bool)
-    empty = bytes(width)
-    whole = b"".join(a.descriptor if has and a.descriptor else empty for a, has in zip(appearances, described, strict=True))
-    return np.frombuffer(whole, np.uint8).reshape(len(appearances), width), described

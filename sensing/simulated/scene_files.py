@@ -33,8 +33,12 @@ def write_scene(scene: Scene, folder: str | Path, supersample: int = 3) -> None:
     """
     image = scene.photograph(supersample).image
     documents = {"camera.json": camera_to_dict(scene.camera), "truth.json": truth_to_dict(scene)}
-    files = {name: (json.dumps(document, indent=1) + "\n").encode() for name, document in documents.items()}
-    write_folder(Path(folder), {"image.png": png(image), **files})
+    write_folder(Path(folder), {"image.png": png(image), **{name: json_bytes(document) for name, document in documents.items()}})
+
+
+def json_bytes(document: object) -> bytes:
+    """The document as the bytes of a JSON file."""
+    return (json.dumps(document, indent=1) + "\n").encode()
 
 
 def png(image: NDArray[np.uint8]) -> bytes:

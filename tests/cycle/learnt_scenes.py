@@ -67,7 +67,7 @@ def keypoint_of(cloud, lobe, pose, camera=CAMERA, number=0):
 
 def gamma_at(cloud, lobes, pose, camera=CAMERA):
     """The keypoints of these appearances as data, in this order."""
-    return data_of([keypoint_of(cloud, lobe, pose, camera, i) for i, lobe in enumerate(lobes)], camera)
+    return data_of([keypoint_of(cloud, lobe, pose, camera, i) for i, lobe in enumerate(lobes)], camera, cloud.descriptor.shape[1])
 
 
 def one_sided(seed=0, features=24, **changed):

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import gamma_at, one_sided, pose_before, ready, viewpoint
+from learnt_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before, ready, viewpoint
 from random_cloud import random_cloud
 
 from geometry.frames import transform_points
-from plogic.search.data import centre_of
+from plogic.search.data import centre_of, data_of
 from plogic.search.indices import generate
 from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, one_to_one, screen_angle, votes
 from plogic.search.learnt.pairs import ALIKE, EACH, Pairs, pairs_of
@@ -143,7 +143,9 @@ def spoilt(rng, descriptors):
 
 def test_descriptors_of_another_width_pair_with_nothing():
     thing = ready(random_cloud())
-    data = gamma_at(random_cloud(width=32), range(6), pose_before(np.random.default_rng(0)))
+    others = [keypoint_of(random_cloud(width=32), lobe, pose_before(np.random.default_rng(0)), number=lobe) for lobe in range(6)]
+    data = data_of(others, CAMERA)
+    assert not data.described.any()
     assert len(pairs_of(thing.index, data)) == 0
     assert generate(thing.index, data, thing.kb) == []
     assert len(pairs_of(thing.index, gamma_at(thing.cloud, [], np.eye(4)))) == 0

@@ -56,8 +56,7 @@ def spread(descriptors: NDArray[np.uint8]) -> NDArray[np.float32]:
 def pairs_of(index: LearntIndex, data: Data) -> Pairs:
     """At most ``EACH`` features a keypoint, by their most similar appearance, and ``MOST`` pairs."""
     described = np.flatnonzero(data.described)
-    width = index.cloud.descriptor.shape[1]
-    if not len(described) or data.descriptors.shape[1] != width or not len(index.squares):
+    if not len(described) or not len(index.squares):
         return Pairs(np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0), np.zeros(0))
     some = spread(data.descriptors[described])
     limit = ALIKE[some.shape[1]]

@@ -101,7 +101,7 @@ def matched(
     matches = np.full(len(posed.uv), -1, np.intp)
     awaited = expected[feature] & held
     assigned(matches, feature[awaited], datum[awaited], off[awaited], kb.rates.match_tolerance)
-    left = ~np.isin(datum, matches[matches >= 0]) & ~expected[feature] & posed.in_image[feature]
+    left = ~np.isin(datum, matches[matches >= 0]) & ~expected[feature]
     assigned(matches, feature[left], datum[left], off[left], kb.rates.match_tolerance)
     residual = np.where(matches >= 0, np.linalg.norm(posed.uv - data.uv[np.maximum(matches, 0)], axis=1), np.nan) if len(data.ids) else posed.residual
     used = expected & (matches >= 0)
