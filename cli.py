@@ -181,13 +181,15 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **b
     "--limit", type=Number(0.0, min_open=True), default=60.0, show_default=True, help="Seconds of a stock run (`worlds`), or the peer (`recognition`)"
 )
 @click.option("--quick", is_flag=True, help="Small sizes of `worlds`, few scenes of `recognition`, the box alone.")
+@click.option("--picture", type=click.Path(path_type=Path), help="JPEG of `box`: a frame at the right and at a wrong focal length.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @AS_JSON
-def bench(name: str, scenes: int, limit: float, quick: bool, seed: int, as_json: bool) -> None:
+def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | None, seed: int, as_json: bool) -> None:
     """Run one of the project's own benchmarks; it ends with its claims."""
     from importlib import import_module
 
-    options: dict[str, Any] = {"scenes": scenes} if name == "towers" else {"quick": quick} if name == "box" else {"limit": limit, "quick": quick}
+    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": {"quick": quick, "picture": picture}}
+    options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
     text, met = import_module(f"plogic.bench.{name}").run(seed=seed, **options, as_json=as_json, say=_say)
     _out(text)
     sys.exit(0 if met else 1)

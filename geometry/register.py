@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from geometry.arrays import Floats, last_axes
 from geometry.camera import NEAREST, Camera
 from geometry.errors import GeometryError
-from geometry.frames import from_rotation_translation
+from geometry.frames import from_rotation_translation, transform_points
 from geometry.refine import refine_poses
 
 FEWEST, FEWEST_UNKNOWN = 4, 6
@@ -25,6 +25,8 @@ UNSURE = 0.05
 """Greatest standard error of the focal length, as its share, were all clicks as good as ``CLICK``: beyond, the points lie too flat to tell it."""
 FLAT = 1e-3
 """Points whose second extent is below this share of their first lie on a line."""
+
+NOWHERE = "no pose has all points before the camera and on their pixels"
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,21 +59,19 @@ def register(points: ArrayLike, uv: ArrayLike, size: tuple[int, int], camera: Ca
     """
     objects, seen = _checked(points, uv, FEWEST_UNKNOWN if camera is None else FEWEST)
     if camera is not None:
-        pose, cost = _posed(objects, seen, camera)
-        return _registration(objects, seen, camera, pose, cost, 0.0)
+        return _registration(objects, seen, camera, _posed(objects, seen, camera)[0], 0.0)
     low, high, count = FOCAL_LENGTHS
     tried = [centred_camera(size, f) for f in np.geomspace(low, high, count) * max(size)]
     found = [(*_posed(objects, seen, some), some) for some in tried]
     pose, cost, start = min(found, key=lambda one: one[1])
     if not np.isfinite(cost):
-        return _registration(objects, seen, start, pose, cost, 0.0)
+        raise GeometryError(NOWHERE)
     f, pose, least, error = _refined(objects, seen, start, pose)
     if not least < UNSURE * f:
         told = f"{f:.0f} +- {error:.0f} px" if np.isfinite(error) and 0 < f < 1e6 else "any would do"
         rule = "give the camera, or points on faces that differ more in direction, or clearly nearer and farther"
         raise GeometryError(f"the points do not fix the focal length ({told}): {rule}")
-    best = centred_camera(size, f)
-    return _registration(objects, seen, best, pose, 0.0, error)
+    return _registration(objects, seen, centred_camera(size, f), pose, error)
 
 
 def centred_camera(size: tuple[int, int], f: float) -> Camera:
@@ -148,7 +148,7 @@ def _refined(objects: Floats, seen: Floats, camera: Camera, pose: Floats) -> tup
 
     def off(x: Floats) -> Floats:
         f, moved = at(x)
-        placed = objects @ moved[:3, :3].T + moved[:3, 3]
+        placed = transform_points(moved, objects)
         return np.asarray((placed[:, :2] / np.maximum(placed[:, 2:], NEAREST) * f + centre - seen).ravel())
 
     answer = least_squares(off, np.zeros(7), method="lm", x_scale=1.0)
@@ -161,9 +161,11 @@ def _refined(objects: Floats, seen: Floats, camera: Camera, pose: Floats) -> tup
     return f, best, f * CLICK * error, f * noise * error
 
 
-def _registration(objects: Floats, seen: Floats, camera: Camera, pose: Floats, cost: float, error: float) -> Registration:
-    placed = objects @ pose[:3, :3].T + pose[:3, 3]
-    if not np.isfinite(cost) or not (placed[:, 2] > NEAREST).all():
-        raise GeometryError("no pose has all points before the camera and on their pixels")
+def _registration(objects: Floats, seen: Floats, camera: Camera, pose: Floats, error: float) -> Registration:
+    placed = transform_points(pose, objects)
+    if not (placed[:, 2] > NEAREST).all():
+        raise GeometryError(NOWHERE)
     residuals = np.linalg.norm(camera.project(placed) - seen, axis=1)
+    if not np.isfinite(residuals).all():
+        raise GeometryError(NOWHERE)
     return Registration(camera, pose, residuals, float(np.sqrt((residuals**2).mean())), error)

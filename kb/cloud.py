@@ -105,9 +105,11 @@ class ObjectType:
         _freeze(self, symmetries=(-1, 4, 4))
 
     @cached_property
-    def kinds(self) -> tuple[str, ...]:
-        """The feature types of ``features``, one each."""
-        return tuple(feature.type for feature in self.features)
+    def kind_codes(self) -> tuple[tuple[str, ...], NDArray[np.intp]]:
+        """The different feature types of ``features`` in alphabetical order, and (F,) which of them each has."""
+        names = tuple(sorted({feature.type for feature in self.features}))
+        place = {name: i for i, name in enumerate(names)}
+        return names, np.array([place[feature.type] for feature in self.features], np.intp)
 
     @cached_property
     def lobes(self) -> LobeTable:
@@ -169,6 +171,13 @@ class KnowledgeBase:
     digest: str
     folder: Path | None = None
     words: Words | None = None
+
+    @cached_property
+    def sought(self) -> tuple[str, ...]:
+        """Those of ``appearance_types`` that some feature may look like, and all words: what a detector is asked for. Others would be noise."""
+        used = {name for kind in self.types for name in kind.lobes.types}
+        used.update(self.words.names if self.words is not None else ())
+        return tuple(name for name in self.appearance_types if name in used)
 
     def type(self, name: str) -> ObjectType:
         """The type of a name; raises KeyError."""

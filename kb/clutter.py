@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 LAMBDA = 1.0
 """Clutter appearances an image, per appearance type of the vocabulary, on the average."""
-KEYPOINTS = 1500.0
+KEYPOINTS = 4000.0
 """Keypoints of clutter an image, of all visual words together."""
 LEAST = 0.01
 """Share of that average that an appearance type has at least, though no feature looks like it."""

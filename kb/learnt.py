@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +31,8 @@ _SHAPES: dict[str, tuple[str, tuple[int, ...], str]] = {
     "half_angle": ("L", (), "f"), "r_min": ("L", (), "f"), "r_max": ("L", (), "f"), "hit": ("L", (), "f"), "up": ("L", (3,), "f"),
     "size": ("L", (), "f"),
 }  # fmt: skip
+_OPTIONAL: dict[str, tuple[str, tuple[int, ...], str]] = {"part": ("F", (), "i")}
+"""What files of types without parts do not have."""
 _KINDS = {"f": np.float64, "i": np.int64, "u": np.uint8}
 
 
@@ -53,6 +55,7 @@ class LearntCloud:
         hit: (L,) how often the detector reported it within the lobe, measured.
         up: (L, 3) unit, perpendicular to the axis: what the keypoint's angle is on the screen, as a direction in space.
         size: (L,) the keypoint's diameter in space.
+        part: (F,) which object of its type's tree the feature belongs to (``kb.tree.object_nodes``); 0, the whole, where there are no parts.
     """
 
     at: Floats
@@ -69,10 +72,13 @@ class LearntCloud:
     hit: Floats
     up: Floats
     size: Floats
+    part: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
 
     def __post_init__(self) -> None:
         counts = {"F": len(self.at), "L": len(self.feature)}
-        for name, (rows, shape, kind) in _SHAPES.items():
+        if not len(self.part):
+            object.__setattr__(self, "part", np.zeros(counts["F"], np.int64))
+        for name, (rows, shape, kind) in (_SHAPES | _OPTIONAL).items():
             array = np.array(getattr(self, name), dtype=_KINDS[kind])
             if array.size or -1 not in shape:
                 array = array.reshape(counts[rows], *shape)
@@ -86,10 +92,10 @@ class LearntCloud:
 
 
 def cloud_bytes(cloud: LearntCloud) -> bytes:
-    """The file's contents, the same for the same cloud. Floats are kept in single precision, indices in 32 bits."""
-    memory = io.BytesIO()
+    """The file's contents, the same for the same cloud. Floats are kept in single precision, indices in 32 bits; no parts, no array of them."""
+    memory, shapes = io.BytesIO(), _SHAPES | (_OPTIONAL if cloud.part.any() else {})
     with zipfile.ZipFile(memory, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, (_, _, kind) in _SHAPES.items():
+        for name, (_, _, kind) in shapes.items():
             packed = io.BytesIO()
             np.save(packed, getattr(cloud, name).astype({"f": "<f4", "i": "<i4", "u": "u1"}[kind]), allow_pickle=False)
             archive.writestr(zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0)), packed.getvalue(), zipfile.ZIP_DEFLATED)
@@ -103,7 +109,7 @@ def read_cloud(content: bytes) -> LearntCloud:
         CloudError: It is not a learnt cloud, or a number in it cannot be.
     """
     try:
-        arrays = read_arrays(content, _SHAPES, MAX_BYTES)
+        arrays = read_arrays(content, _SHAPES, MAX_BYTES, _OPTIONAL)
     except CloudError as error:
         raise CloudError(f"is no learnt cloud: {error}") from None
     _check(arrays)
@@ -114,7 +120,7 @@ def _check(arrays: dict[str, NDArray[Any]]) -> None:
     counts = {"F": len(np.atleast_1d(arrays["at"])), "L": len(np.atleast_1d(arrays["feature"]))}
     if counts["L"] > MAX_LOBES:
         raise CloudError(f"has {counts['L']} appearances; {MAX_LOBES} are the most")
-    for name, (rows, shape, kind) in _SHAPES.items():
+    for name, (rows, shape, kind) in (_SHAPES | {name: _OPTIONAL[name] for name in _OPTIONAL if name in arrays}).items():
         array = arrays[name]
         right = array.ndim == 1 + len(shape) and array.shape[0] == counts[rows] and (not shape or shape[0] in (-1, array.shape[1]))
         if not right or array.dtype.kind != kind or (kind == "u" and array.dtype != np.uint8):
@@ -131,7 +137,7 @@ def _check_indices(arrays: dict[str, NDArray[Any]], features: int) -> None:
     feature = np.asarray(arrays["feature"], np.int64)
     if len(feature) and not (feature.min() >= 0 and feature.max() < features and (np.diff(feature) >= 0).all()):
         raise CloudError(f"feature: must be in order and below {features}")
-    for name in ("word", "lobe_word"):
+    for name in ("word", "lobe_word", *(name for name in _OPTIONAL if name in arrays)):
         if np.asarray(arrays[name], np.int64).min(initial=0) < 0:
             raise CloudError(f"{name}: must not be below 0")
 

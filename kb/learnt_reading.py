@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from kb.branches import nodes
 from kb.cloud import Feature
 from kb.errors import CloudError
 from kb.learnt import MAX_BYTES, LearntCloud, read_cloud
@@ -14,7 +15,7 @@ from kb.words import MAX_BYTES as MAX_WORDS
 from kb.words import Words, read_words
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from kb.folder import Folder
@@ -30,8 +31,9 @@ def words_of(place: Folder, document: Document) -> Words | None:
 
 def learnt_of(place: Folder, document: Document, folder: Path) -> LearntCloud | None:
     """The learnt cloud that ``object.yaml`` names; None where it names none, or with a mistake."""
-    if isinstance(document.data, dict) and document.data.get("cloud") and (document.data.get("features") or document.data.get("parts")):
-        why = "a type is learnt or written by hand: with cloud there are no parts and no features"
+    by_hand = isinstance(document.data, dict) and any(kind != "object" for _, kind, _ in nodes(document.data))
+    if by_hand and document.data.get("cloud"):
+        why = "a type is learnt or written by hand: with cloud there are no features, of the whole or of a part"
         place.mistakes.append(document.mistake(("cloud",), why, key=True))
     return _read(place, document, folder, "cloud", MAX_BYTES, read_cloud)
 
@@ -63,10 +65,23 @@ def check_words(place: Folder, document: Document, cloud: LearntCloud | None, wo
         place.mistakes.append(document.mistake(("cloud",), "was learnt with other words than kb.yaml names: learn the type again", key=True))
 
 
-def learnt_features(cloud: LearntCloud, words: Words) -> tuple[Feature, ...]:
-    """Features ``f0001``, ...: each of the type of its dominant word. Their appearances are in ``learnt_lobes``, as arrays."""
+def check_parts(place: Folder, document: Document, cloud: LearntCloud | None) -> None:
+    """A learnt cloud names no part that the type does not have."""
+    objects = sum(1 for _, kind, _ in nodes(document.data) if kind == "object")
+    if cloud is not None and cloud.part.max(initial=0) >= objects:
+        what = f"knows {cloud.part.max()} parts, where there are {objects - 1}: learn the type again"
+        place.mistakes.append(document.mistake(("cloud",), what, key=True))
+
+
+def learnt_features(cloud: LearntCloud, words: Words, parts: Sequence[str] = ("",)) -> tuple[Feature, ...]:
+    """Features ``f0001``, ..., or ``lid/f0001``, each of the type of its dominant word; ``parts``: the objects of the type's tree.
+
+    Their appearances are in ``learnt_lobes``, as arrays.
+    """
     names, still = words.names, np.eye(3)
-    return tuple(Feature(f"f{i:04d}", names[word], at, still, ()) for i, (at, word) in enumerate(zip(cloud.at, cloud.word, strict=True), 1))
+    heads = [f"{part}/" if part else "" for part in parts]
+    rows = zip(cloud.at, cloud.word, cloud.part.tolist(), strict=True)
+    return tuple(Feature(f"{heads[part]}f{i:04d}", names[word], at, still, ()) for i, (at, word, part) in enumerate(rows, 1))
 
 
 def learnt_lobes(cloud: LearntCloud, words: Words) -> LobeTable:

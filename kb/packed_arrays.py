@@ -20,13 +20,17 @@ _PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _FAULTS = (zipfile.BadZipFile, zlib.error, LookupError, ValueError, TypeError, EOFError, OSError, RuntimeError, MemoryError, OverflowError)
 
 
-def read_arrays(content: bytes, names: Iterable[str], most: int) -> dict[str, NDArray[Any]]:
-    """The arrays of these names. Raises CloudError where one is missing or no plain array, or all unpack to more than ``most`` bytes."""
+def read_arrays(content: bytes, names: Iterable[str], most: int, optional: Iterable[str] = ()) -> dict[str, NDArray[Any]]:
+    """The arrays of these names, and those of ``optional`` that are there.
+
+    Raises CloudError where one is missing or no plain array, or all unpack to more than ``most`` bytes.
+    """
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             if sum(item.file_size for item in archive.infolist()) > most:
                 raise CloudError(f"unpacks to more than {most} bytes")
-            return {name: _array(archive, f"{name}.npy") for name in names}
+            there = set(archive.namelist())
+            return {name: _array(archive, f"{name}.npy") for name in (*names, *(name for name in optional if f"{name}.npy" in there))}
     except _FAULTS as error:
         raise CloudError(str(error).splitlines()[0] if str(error) else type(error).__name__) from None
 

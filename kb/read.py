@@ -12,13 +12,13 @@ from kb.clutter import clutter_prior, word_clutter
 from kb.cross import cross_mistakes
 from kb.errors import KBErrors, Mistake, SurfaceError
 from kb.folder import MAX_MESH_BYTES, Folder
-from kb.learnt_reading import check_words, learnt_features, learnt_lobes, learnt_of, words_of
+from kb.learnt_reading import check_parts, check_words, learnt_features, learnt_lobes, learnt_of, words_of
 from kb.model_mistakes import checked, without
 from kb.quantities import LENGTHS
 from kb.schema import KBModel, ObjectModel
 from kb.surface import Surface, surface_from_mesh
 from kb.symmetries import motions
-from kb.tree import build_tree, features_of, tree_mistakes
+from kb.tree import build_tree, features_of, object_nodes, tree_mistakes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -65,6 +65,7 @@ def read_kb(folder: Path | str) -> KnowledgeBase:
     rules, words = _rules(place), words_of(place, document)
     for item in objects:
         check_words(place, item.document, item.learnt, words)
+        check_parts(place, item.document, item.learnt)
     wrong += cross_mistakes(document, model, [item.document for item in objects], complete=len(objects) == len(files))
     mistakes = list(dict.fromkeys(place.mistakes + wrong))
     if mistakes or model is None:
@@ -166,7 +167,7 @@ def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
     features, all_features = features_of(tree)
     lobes = None
     if item.learnt is not None and words is not None:
-        features = all_features = learnt_features(item.learnt, words)
+        features = all_features = learnt_features(item.learnt, words, object_nodes(tree))
         lobes = learnt_lobes(item.learnt, words)
     return ObjectType(
         name=model.object,

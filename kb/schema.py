@@ -1,134 +1,13 @@
 """What an author writes: the models of ``kb.yaml`` and ``object.yaml``, and their JSON Schemas.
 
-Vocabulary: ``KBModel(name="towers", ...)``, ``ObjectModel(object="t1", ...)``. Unknown keys are mistakes. Quantities are ``'100 deg'``,
-``'0.2 m'``, or plain numbers in SI units.
+Vocabulary: ``KBModel(name="towers", ...)``, ``ObjectModel(object="t1", ...)``. Unknown keys are mistakes.
 """
 
-from __future__ import annotations
+from typing import Annotated, Any, Literal, Self
 
-import math
-from typing import Annotated, Any, Literal
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
-
-from kb import quantities
-
-MAX_NAME = 200
-"""Most characters of a name."""
-UNIT = 1e-9
-"""A direction whose length is this near to 1 is left as it is, so that what was written comes back the same."""
-
-
-def _shape(kind: str, example: str) -> WithJsonSchema:
-    either = [{"type": "number"}, {"type": "string", "examples": [example]}]
-    return WithJsonSchema({"anyOf": either, "description": f"{kind}, a plain number being SI"})
-
-
-def _name(value: object) -> str:
-    if not isinstance(value, str) or not value.strip() or len(value) > MAX_NAME or set(value) & set("/#\n\t"):
-        raise ValueError(f"must be a name without '/' and '#', not {value!r:.60}")
-    return value
-
-
-def _text(value: object) -> str:
-    if not isinstance(value, str) or not value:
-        raise ValueError(f"must be a text, not {value!r:.60}")
-    return value
-
-
-def _items(value: object, size: int) -> list[Any]:
-    if not isinstance(value, list) or len(value) != size:
-        raise ValueError(f"must be a list of {size}, not {value!r:.60}")
-    return value
-
-
-def _direction(value: object) -> tuple[float, ...]:
-    numbers = [quantities.number(item) for item in _items(value, 3)]
-    largest = max(abs(item) for item in numbers)
-    if not largest:
-        raise ValueError("must be a direction, not the zero vector")
-    scale = math.hypot(*(item / largest for item in numbers))
-    if abs(largest * scale - 1) < UNIT:
-        return tuple(numbers)
-    return tuple(item / largest / scale for item in numbers)
-
-
-def _place(value: object) -> tuple[float, ...]:
-    return tuple(quantities.length(item) for item in _items(value, 3))
-
-
-def _quaternion(value: object) -> tuple[float, ...]:
-    numbers = tuple(quantities.number(item) for item in _items(value, 4))
-    if not math.isclose(math.hypot(*numbers), 1.0, abs_tol=1e-3):
-        raise ValueError(f"must be of length 1, not {math.hypot(*numbers):.4g}")
-    return numbers
-
-
-def _half_angle(value: object) -> float:
-    size = quantities.angle(value)
-    if not 0 < size <= math.pi + 1e-9:
-        raise ValueError(f"must be above 0 and at most 180 deg, not {math.degrees(size):.6g} deg")
-    return min(size, math.pi)
-
-
-def _range(value: object) -> tuple[float, ...]:
-    low, high = (quantities.length(item) for item in _items(value, 2))
-    if not 0 <= low < high:
-        raise ValueError(f"must be [nearest, farthest] with 0 <= nearest < farthest, not [{low:g} m, {high:g} m]")
-    return low, high
-
-
-def _share(value: object) -> float:
-    share = quantities.number(value)
-    if not 0 < share < 1:
-        raise ValueError(f"must be above 0 and below 1, not {share:g}")
-    return share
-
-
-def _positive(value: object) -> float:
-    size = quantities.number(value)
-    if size <= 0:
-        raise ValueError(f"must be above 0, not {size:g}")
-    return size
-
-
-def _flag(value: object) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError(f"must be true or false, not {value!r:.60}")  # noqa: TRY004 - pydantic wants a ValueError
-    return value
-
-
-def _fold(value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not 2 <= value <= 360:
-        raise ValueError(f"must be a whole number from 2 to 360, not {value!r:.60}")
-    return value
-
-
-_TRIPLE = {"type": "array", "minItems": 3, "maxItems": 3}
-_MEASURE = {"type": ["number", "string"]}
-_OPEN = {"type": "number", "exclusiveMinimum": 0}
-
-Name = Annotated[str, BeforeValidator(_name), WithJsonSchema({"type": "string", "pattern": "^[^/#\n\t]+$"})]
-Text = Annotated[str, BeforeValidator(_text)]
-Place = Annotated[tuple[float, ...], BeforeValidator(_place), WithJsonSchema({**_TRIPLE, "items": _MEASURE})]
-Direction = Annotated[tuple[float, ...], BeforeValidator(_direction), WithJsonSchema({**_TRIPLE, "items": {"type": "number"}})]
-Quaternion = Annotated[
-    tuple[float, ...],
-    BeforeValidator(_quaternion),
-    WithJsonSchema({"type": "array", "minItems": 4, "maxItems": 4, "items": {"type": "number"}}),
-]
-Angle = Annotated[float, BeforeValidator(quantities.angle), _shape("an angle", "90 deg")]
-HalfAngle = Annotated[float, BeforeValidator(_half_angle), _shape("an angle, at most 180 deg", "60 deg")]
-Range = Annotated[
-    tuple[float, ...],
-    BeforeValidator(_range),
-    WithJsonSchema({"type": "array", "minItems": 2, "maxItems": 2, "items": _MEASURE}),
-]
-Share = Annotated[float, BeforeValidator(_share), WithJsonSchema({**_OPEN, "exclusiveMaximum": 1})]
-Positive = Annotated[float, BeforeValidator(_positive), WithJsonSchema(_OPEN)]
-Flag = Annotated[bool, BeforeValidator(_flag)]
-Fold = Annotated[int, BeforeValidator(_fold), WithJsonSchema({"type": "integer", "minimum": 2, "maximum": 360})]
-Units = Annotated[str, BeforeValidator(quantities.unit_of_length), WithJsonSchema({"enum": list(quantities.LENGTHS)})]
+from kb.schema_values import Angle, Direction, Flag, Fold, HalfAngle, Name, Pair, Place, Positive, Quaternion, Range, Share, Text, Units
 
 
 class Model(BaseModel):
@@ -150,10 +29,10 @@ class AppearanceModel(Model):
 
     type: Name = Field(description="The appearance's type, one of the KB's appearance_types: what a detector reports.")
     lobe: LobeModel | None = Field(None, description="From where it is seen. May be absent only above other appearances.")
-    appearances: list[AppearanceModel] = Field([], description="Appearances that this one is made of.")
+    appearances: list["AppearanceModel"] = Field([], description="Appearances that this one is made of.")
 
     @model_validator(mode="after")
-    def _seen_from_somewhere(self) -> AppearanceModel:
+    def _seen_from_somewhere(self) -> Self:
         if self.lobe is None and not self.appearances:
             raise ValueError("missing key 'lobe': from where the appearance is seen")
         return self
@@ -168,7 +47,7 @@ class RotationModel(Model):
     )
 
     @model_validator(mode="after")
-    def _one_form(self) -> RotationModel:
+    def _one_form(self) -> Self:
         if (self.quat_xyzw is None) == (self.euler_xyz is None):
             raise ValueError("must be either quat_xyzw or euler_xyz")
         return self
@@ -182,7 +61,7 @@ class FeatureModel(Model):
     at: Place = Field(description="Its place in its parent's frame, m.")
     rotation: RotationModel | None = Field(None, description="Its frame, turned against its parent's.")
     arms: list[Direction] = Field([], description="Directions, in its frame, of the surface's edges that meet here.")
-    features: list[FeatureModel] = Field([], description="A compound's features; then it has no appearances of its own.")
+    features: list["FeatureModel"] = Field([], description="A compound's features; then it has no appearances of its own.")
     appearances: list[AppearanceModel] = Field([], description="The ways it looks, each with its viewpoints.")
 
 
@@ -193,7 +72,7 @@ class PartModel(Model):
     type: Name | None = Field(None, description="Its type; its name, if not given.")
     at: Place = Field((0.0, 0.0, 0.0), description="Its place in its parent's frame, m.")
     rotation: RotationModel | None = Field(None, description="Its frame, turned against its parent's.")
-    parts: list[PartModel] = Field([], description="Its parts.")
+    parts: list["PartModel"] = Field([], description="Its parts.")
     features: list[FeatureModel] = Field([], description="Its features.")
 
 
@@ -221,7 +100,7 @@ class SymmetryModel(Model):
     at: Place = Field((0.0, 0.0, 0.0), description="A point that the axis runs through; for a single motion, the shift.")
 
     @model_validator(mode="after")
-    def _one_form(self) -> SymmetryModel:
+    def _one_form(self) -> Self:
         if (self.axis is None) == (self.quat_xyzw is None):
             raise ValueError("must have either axis or quat_xyzw")
         if (self.fold is not None) + self.continuous != (self.axis is not None):
@@ -238,7 +117,7 @@ class ObjectModel(Model):
     symmetries: list[SymmetryModel] = Field([], description="Motions of its frame that change nothing.")
     parts: list[PartModel] = Field([], description="Its parts; or else features (A1).")
     features: list[FeatureModel] = Field([], description="Its features, if it has no parts.")
-    cloud: FileModel | None = Field(None, description="Its learnt features (`plogic kb learn`), if it has neither parts nor features.")
+    cloud: FileModel | None = Field(None, description="Its learnt features (`plogic kb learn`), each of its nearest part; none by hand.")
 
 
 class DetectorModel(Model):
@@ -249,20 +128,6 @@ class DetectorModel(Model):
     sigma: Positive = Field(1.0, description="Location noise, pixels.")
     sigmas: dict[Name, Positive] = Field({}, description="Location noise per feature type, pixels, where it is not sigma.")
     match_tolerance: Positive = Field(4.0, description="How far from its predicted place a feature may be found, px (D8).")
-
-
-def _pair(value: object) -> tuple[float, ...]:
-    part, whole = (quantities.number(item) for item in _items(value, 2))
-    if not (part >= 0 and whole >= 0):
-        raise ValueError(f"must be [n, of], neither below 0, not {value!r:.60}")
-    return part, whole
-
-
-Pair = Annotated[
-    tuple[float, ...],
-    BeforeValidator(_pair),
-    WithJsonSchema({"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number", "minimum": 0}}),
-]
 
 
 class CountsModel(Model):

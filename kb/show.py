@@ -11,13 +11,14 @@ import numpy as np
 from geometry.frames import transform_points
 from kb.cautions import MOST_NAMED, cautions
 from kb.learnt_summary import learnt_summary
+from kb.tree import object_nodes
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     import networkx as nx
 
-    from kb.cloud import KnowledgeBase, Lobe, ObjectType
+    from kb.cloud import Feature, KnowledgeBase, Lobe, ObjectType
 
 CLOSE = 0.01
 """A symmetry may move the surface's vertices by this share of its diameter."""
@@ -73,6 +74,8 @@ def _more(number: int) -> str:
 def _type_notes(kind: ObjectType) -> Iterator[str]:
     if kind.surface is None:
         yield "has no mesh, so it hides nothing"
+    if len(object_nodes(kind.tree)) > 1 and "" in learnt_counts(kind):
+        yield "its learnt features belong to none of its parts: learn it again"
     for feature in kind.features if kind.learnt is None else ():
         if not feature.appearances:
             yield f"{feature.name} has no appearance, so it is never expected"
@@ -94,7 +97,7 @@ def _moved(kind: ObjectType) -> list[float]:
 
 def tree_text(kb: KnowledgeBase) -> str:
     """The trees of all types: a line for each object and feature, one for all the appearances of a feature."""
-    return "\n".join(line for kind in kb.types for line in (*_tree_lines(kind.tree, "", kind.name, ""), *_learnt_lines(kind))) + "\n"
+    return "\n".join(line for kind in kb.types for line in (*_tree_lines(kind, "", kind.name, ""), *_learnt_lines(kind))) + "\n"
 
 
 def _learnt_lines(kind: ObjectType) -> list[str]:
@@ -102,14 +105,27 @@ def _learnt_lines(kind: ObjectType) -> list[str]:
     return [f"  {line}" for line in learnt_summary(kind).lines] if kind.learnt is not None else []
 
 
-def _tree_lines(tree: nx.DiGraph, node: str, label: str, indent: str) -> Iterator[str]:
-    row = tree.nodes[node]
+def _tree_lines(kind: ObjectType, node: str, label: str, indent: str) -> Iterator[str]:
+    tree, row = kind.tree, kind.tree.nodes[node]
     place = f" at {_row(row['at'])}" if node else ""
     sort = "" if row["type"] == label else f": {row['type']}"
-    yield f"{indent}{row['kind']} {label}{sort}{place}{_looks(tree, node)}"
+    yield f"{indent}{row['kind']} {label}{sort}{place}{_looks(tree, node)}{_learnt_count(kind, node)}"
     for part in tree.successors(node):
         if tree.nodes[part]["kind"] != "appearance":
-            yield from _tree_lines(tree, part, part.rsplit("/", 1)[-1], f"{indent}  ")
+            yield from _tree_lines(kind, part, part.rsplit("/", 1)[-1], f"{indent}  ")
+
+
+def _learnt_count(kind: ObjectType, node: str) -> str:
+    number = learnt_counts(kind).get(node, 0)
+    return f", {_count(number, 'learnt feature')}" if node and number else ""
+
+
+def learnt_counts(kind: ObjectType) -> dict[str, int]:
+    """How many learnt features each object of a type's tree has for its own, by the objects' paths."""
+    if kind.learnt is None:
+        return {}
+    nodes = object_nodes(kind.tree)
+    return {nodes[part]: number for part, number in sorted(Counter(kind.learnt.part.tolist()).items())}
 
 
 def _looks(tree: nx.DiGraph, node: str) -> str:
@@ -120,6 +136,45 @@ def _looks(tree: nx.DiGraph, node: str) -> str:
 
 def _row(values: Iterable[float]) -> str:
     return "[" + ", ".join(f"{value + 0.0:.4g}" for value in values) + "]"
+
+
+def part_rows(kind: ObjectType) -> list[dict[str, Any]]:
+    """The whole and each object that is a part of it: ``{"name": "roof", "under": 0, "counts": {"apex": 1}}``.
+
+    ``under`` is the index of the part above, None for the whole; ``counts`` the Feature nodes of each type, those of its own parts left out.
+    """
+    objects = _objects(kind)
+    counts: list[Counter[str]] = [Counter() for _ in objects]
+    for part, feature in zip(_parts_of(kind, kind.all_features), kind.all_features, strict=True):
+        counts[part][feature.type] += 1
+    return [
+        {"name": node.rsplit("/", 1)[-1] or kind.name, "under": _above(kind, node, objects), "counts": dict(sorted(own.items()))}
+        for node, own in zip(objects, counts, strict=True)
+    ]
+
+
+def part_of_features(kind: ObjectType) -> list[int]:
+    """The index in ``part_rows`` of the part that each of ``kind.features`` belongs to."""
+    return _parts_of(kind, kind.features)
+
+
+def _objects(kind: ObjectType) -> dict[str, int]:
+    return {node: index for index, node in enumerate(object_nodes(kind.tree))}
+
+
+def _above(kind: ObjectType, node: str, objects: dict[str, int]) -> int | None:
+    return next((objects[above] for above in kind.tree.predecessors(node)), None)
+
+
+def _parts_of(kind: ObjectType, features: Iterable[Feature]) -> list[int]:
+    """A learnt feature is in no tree: its path names its part, or nothing, the whole."""
+    objects = _objects(kind)
+
+    def part(node: str) -> int:
+        above = next(iter(kind.tree.predecessors(node)), "") if node in kind.tree else node.rpartition("/")[0]
+        return objects[above] if above in objects else part(above)
+
+    return [part(feature.name) for feature in features]
 
 
 def tree_document(kb: KnowledgeBase) -> dict[str, Any]:
@@ -152,8 +207,12 @@ def _type_document(kind: ObjectType) -> dict[str, Any]:
         "surface": {"facets": len(surface.triangles), "volume": surface.volume} if surface else None,
         "features": feature_counts(kind),
         "learnt": asdict(learnt_summary(kind)) if kind.learnt is not None else None,
-        "nodes": [_node_document(kind.tree, node) for node in kind.tree],
+        "nodes": [_node_document(kind.tree, node) | _own_features(kind, node) for node in kind.tree],
     }
+
+
+def _own_features(kind: ObjectType, node: str) -> dict[str, int]:
+    return {} if kind.learnt is None else {"learnt_features": learnt_counts(kind).get(node, 0)}
 
 
 def _node_document(tree: nx.DiGraph, node: str) -> dict[str, Any]:

@@ -139,6 +139,11 @@ def schema(tree: nx.DiGraph, node: str) -> tuple[str, object, str, list[str]]:
     return node, v, row["type"], list(tree.successors(node))
 
 
+def object_nodes(tree: nx.DiGraph) -> list[str]:
+    """The maximal object and its parts that are objects, in the description's order."""
+    return [node for node, row in tree.nodes(data=True) if row["kind"] == "object"]
+
+
 def is_atom(tree: nx.DiGraph, node: str) -> bool:
     """D2: is true if the node has no sub-parts; appearances are none (A3)."""
     return all(tree.nodes[part]["kind"] == "appearance" for part in tree.successors(node))

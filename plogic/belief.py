@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class Belief:
     """One hypothesis: its geometry and matching, its evidence, ev before and after reconsideration, and a verdict.
 
-    ``worth`` is its log-likelihood ratio against clutter, ``surplus`` the same without the three best matches (which any pose has).
+    ``worth`` is its log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     """
 
     posed: Posed

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import exp
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -170,7 +169,7 @@ class Perception:
             return f"ev {_round(belief.ev_reconsidered)} is not above 0"
         surplus = belief.surplus + self._harm(posed)
         if surplus <= significant(belief.index):
-            return f"log-likelihood ratio {surplus:.1f} beyond what fixes a pose: the luck of {exp(significant(belief.index)):.2g} tries"
+            return f"log-likelihood ratio {surplus:.1f} beyond what any pose has; {significant(belief.index):.1f} is demanded"
         return None
 
     def _excluded(self, posed: Posed) -> str | None:

@@ -7,10 +7,11 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 import networkx as nx
+import numpy as np
 
 from geometry.occlusion import CoarseRelation, PosedSurface, coarse_relation, converse, drawn
 from plogic.belief import Belief, Cycle
-from plogic.evidence import clutter_density, evidence, hit_rates, match_density
+from plogic.evidence import as_counted, clutter_density, evidence
 from plogic.expectation import hidden_by
 from plogic.lumped import lumped, told, types_told
 from plogic.measures.explanatory import explanatory_value
@@ -23,7 +24,6 @@ from plogic.trace import Trace
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from geometry.camera import Camera
@@ -66,7 +66,8 @@ def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float
     rivals = exclusive | {pair for pair, share in shared.items() if share > 0.0}
     hiding = {(x, y): hidden_by(posed[x], posed[y]) for x in names for y in names if x != y}
     group = _groups(posed, exclusive)
-    hypotheses = tuple(_hypothesis(name, posed[name], group[name], hiding, data, kb, dv) for name in names)
+    rates = {name: as_counted(belief.posed, data, kb, _hidden(name, beliefs, hiding, exclusive)) for name, belief in beliefs.items()}
+    hypotheses = tuple(_hypothesis(name, posed[name], group[name], hiding, rates[name], data, dv) for name in names)
     return Delta(
         beliefs,
         Situation(
@@ -113,18 +114,35 @@ def _groups(posed: Mapping[str, Posed], exclusive: frozenset[tuple[str, str]]) -
     return {name: f"i{i}" for i, members in enumerate(components, 1) for name in members}
 
 
+def _hidden(
+    name: str,
+    beliefs: Mapping[str, Belief],
+    hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
+    exclusive: frozenset[tuple[str, str]],
+) -> NDArray[np.bool_]:
+    """(F,) the features that accepted opaque hypotheses hide, those aside that cannot be present together with this one.
+
+    So the cycle judges an accepted one: what it does not expect is no sign that the image is unclear.
+    """
+    mask = np.zeros(len(beliefs[name].posed.uv), dtype=bool)
+    for other, belief in beliefs.items():
+        together = other != name and (name, other) not in exclusive and (other, name) not in exclusive
+        if together and belief.status == "accepted" and belief.posed.object_type.opaque:
+            mask |= hiding[name, other]
+    return mask
+
+
 def _hypothesis(
     name: str,
     posed: Posed,
     group: str,
     hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
+    rates: tuple[NDArray[np.float64], NDArray[np.float64]],
     data: Data,
-    kb: KnowledgeBase,
     dv: Mapping[str, float],
 ) -> HypothesisFact:
     others = [y for x, y in hiding if x == name]
-    near = match_density(posed, kb)
-    hits = hit_rates(posed, kb)
+    hits, near = rates
     features = tuple(
         FeatureFact(
             id=feature.name,

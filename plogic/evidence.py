@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.freedom import log_share
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -21,10 +23,11 @@ def density(residual: NDArray[np.float64], sigma: NDArray[np.float64] | float) -
     return np.asarray(np.nan_to_num(value, nan=0.0))
 
 
-def clutter_density(kb: KnowledgeBase, data: Data) -> NDArray[np.float64]:
-    """F (A,) per pixel² of each datum: the expected number of clutter appearances of its type over the image's area."""
+def clutter_density(kb: KnowledgeBase, data: Data, which: NDArray[np.intp] | None = None) -> NDArray[np.float64]:
+    """F (N,) per pixel² of some data, or of all: the expected number of clutter appearances of its type over the image's area."""
     area = float(data.camera.width * data.camera.height)
-    return np.array([kb.rates.clutter.get(name, 1.0) / area for name in data.types])
+    types = data.types if which is None else [data.types[i] for i in which]
+    return np.array([kb.rates.clutter.get(name, 1.0) / area for name in types])
 
 
 def sigmas(posed: Posed, kb: KnowledgeBase) -> NDArray[np.float64]:
@@ -47,11 +50,43 @@ def hit_rates(posed: Posed, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None 
     return np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.features])
 
 
-CLEAR = 3.0
-"""The prior of clarity is ∝ clarity³: an instance of which little shows where much should is rarely one. It counts in what is accepted; the
+CLEAR = 8.0
+"""The prior of clarity is ∝ clarity⁸: an instance of which little shows where much should is rarely one. It counts in what is accepted; the
 program has the scaled hit rates, and no prior of them."""
 LEAST_CLEAR, LEAST_HIT, MOST_HIT = 0.04, 0.005, 0.98
 """Least share of the measured hit rates that an image can keep; bounds of what remains."""
+CROWDED = 3.0
+"""Pixels (standard deviation) within which expected features of a learnt type are found or missed together."""
+ALONG, BENT = 10.0, 0.2
+"""The same along a line across which both turn, pixels, and how much they may differ in that, radians: one line of clutter is right for all."""
+
+
+def counted(posed: Posed) -> NDArray[np.float64]:
+    """(F,) for how much of an independent observation each expected feature counts: of a learnt type, one over those that go with it.
+
+    What stands together in the image comes from the same print, and what stands along one line from the same edge: found or missed together.
+    """
+    shares = np.ones(len(posed.uv))
+    expected = np.flatnonzero(posed.candidate)
+    if posed.turn is None or not len(expected):
+        return shares
+    from scipy.spatial import cKDTree
+
+    uv, turn = posed.uv[expected], posed.turn[expected]
+    one, other = cKDTree(uv).query_pairs(3.0 * max(ALONG, CROWDED), output_type="ndarray").T
+    apart, bent = uv[other] - uv[one], (turn[other] - turn[one] + np.pi / 2) % np.pi - np.pi / 2
+    mean = turn[one] + bent / 2.0
+    across = apart[:, 0] * np.cos(mean) + apart[:, 1] * np.sin(mean)
+    square = (apart**2).sum(axis=1)
+    crowd = np.exp(-0.5 * square / CROWDED**2)
+    line = np.exp(-0.5 * ((across / CROWDED) ** 2 + (square - across**2) / ALONG**2 + (bent / BENT) ** 2))
+    together = np.bincount(np.concatenate([one, other]), np.tile(np.maximum(crowd, line), 2), len(expected))
+    shares[expected] = 1.0 / (1.0 + together)
+    return shares
+
+
+def _expected(posed: Posed, hidden: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+    return posed.candidate if hidden is None else posed.candidate & ~hidden
 
 
 def clarity(posed: Posed, hidden: NDArray[np.bool_] | None = None) -> float:
@@ -61,9 +96,27 @@ def clarity(posed: Posed, hidden: NDArray[np.bool_] | None = None) -> float:
     """
     if posed.hit is None:
         return 1.0
-    expected = posed.candidate if hidden is None else posed.candidate & ~hidden
-    hoped = float(posed.hit[expected].sum())
-    return float(np.clip((expected & posed.detected).sum() / hoped, LEAST_CLEAR, 1.0)) if hoped > 0.0 else 1.0
+    expected, shares = _expected(posed, hidden), counted(posed)
+    hoped = float((shares * posed.hit)[expected].sum())
+    return float(np.clip(shares[expected & posed.detected].sum() / hoped, LEAST_CLEAR, 1.0)) if hoped > 0.0 else 1.0
+
+
+def as_counted(
+    posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Hit rates (F,) and densities (F,) of features that each say as much as they are ``counted``: what the program is told.
+
+    With a share w of an observation, 1 − h becomes (1 − h)^w, and what a match says, (h·N + f − h·f) / f, that to the power of w.
+    """
+    hit, near = hit_rates(posed, kb, hidden), match_density(posed, kb)
+    if posed.hit is None:
+        return hit, near
+    shares, found = counted(posed), posed.detected
+    less = 1.0 - (1.0 - hit) ** shares
+    clutter = clutter_density(kb, data, posed.matches[found])
+    says = ((hit[found] * near[found] + (1.0 - hit[found]) * clutter) / clutter) ** shares[found]
+    near[found] = np.maximum(says - 1.0 + less[found], 0.0) * clutter / less[found]
+    return less, near
 
 
 FIXED_BY = 3
@@ -72,22 +125,29 @@ FIXED_BY = 3
 
 @dataclass(frozen=True)
 class Evidence:
-    """``ratio``: the log-likelihood ratio of presence against clutter; ``surplus``: what is left without the ``FIXED_BY`` best matches."""
+    """``ratio``: the log-likelihood ratio of presence against clutter at this pose; ``surplus``: what is left of it besides what any pose has.
+
+    Of a type written by hand that is what is left without the ``FIXED_BY`` best matches; of a learnt one, whose matches say much more than
+    their places, the ratio at all poses together (``freedom``).
+    """
 
     ratio: float
     surplus: float
 
 
 def evidence(posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> Evidence:
-    """Σ over E∧D of ln((h·N + f − h·f) / f), in densities, plus Σ over E∧¬D of ln(1 − h) (§8).
+    """Σ over E∧D of ln((h·N + f − h·f) / f), in densities, plus Σ over E∧¬D of ln(1 − h) (§8), each as much as it is ``counted``.
 
     ``hidden`` (F,) are the features that accepted opaque objects hide: not expected.
     """
-    expected = posed.candidate if hidden is None else posed.candidate & ~hidden
+    expected, shares = _expected(posed, hidden), counted(posed)
     hit = hit_rates(posed, kb, hidden)
     found = expected & posed.detected
-    clutter = clutter_density(kb, data)[posed.matches[found]]
-    gain = np.log((hit[found] * match_density(posed, kb)[found] + (1.0 - hit[found]) * clutter) / clutter)
-    ratio = float(gain.sum() + np.log(1.0 - hit[expected & ~posed.detected]).sum())
+    clutter = clutter_density(kb, data, posed.matches[found])
+    gain = shares[found] * np.log((hit[found] * match_density(posed, kb)[found] + (1.0 - hit[found]) * clutter) / clutter)
+    ratio = float(gain.sum() + (shares * np.log(1.0 - hit))[expected & ~posed.detected].sum())
+    if posed.hit is None:
+        return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))
     ratio += CLEAR * float(np.log(clarity(posed, hidden)))
-    return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))
+    precision = shares[found] / sigmas(posed, kb)[found] ** 2
+    return Evidence(ratio, ratio + log_share(posed.at[found], precision, posed.middle, data.camera))

@@ -14,7 +14,7 @@ from scipy.optimize import linear_sum_assignment
 from geometry.behind import behind
 from geometry.frames import inverse, transform_points
 from kb.lobes import in_lobe
-from plogic.measures.explanatory import Support, case_of, tally
+from plogic.measures.explanatory import Support, tally
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,8 +30,9 @@ class Posed:
 
     ``at`` (F, 3) metres, camera frame; ``uv`` (F, 2) pixels; ``in_image``, ``in_lobe``, ``self_hidden`` (F,); ``right`` (F, A) the data of
     a type whose lobe holds the viewpoint; ``matches`` (F,) datum index or −1; ``residual`` (F,) pixels, NaN where unmatched. Of a
-    learnt type ``hit`` (F,) is the measured rate of the lobes that hold the viewpoint, ``sigma`` (F,) the noise of places, pixels, and
-    ``likeness`` (F,) how much rarer what looks like the match is than clutter of its type; of any other these are None.
+    learnt type ``hit`` (F,) is the measured rate of the lobes that hold the viewpoint, ``turn`` (F,) the screen angle that they make expect,
+    ``sigma`` (F,) the noise of places, pixels, and ``likeness`` (F,) how much rarer what looks like the match is than clutter of its type; of any
+    other these are None.
     """
 
     object_type: ObjectType
@@ -45,6 +46,7 @@ class Posed:
     matches: NDArray[np.intp]
     residual: NDArray[np.float64]
     hit: NDArray[np.float64] | None = None
+    turn: NDArray[np.float64] | None = None
     sigma: NDArray[np.float64] | None = None
     likeness: NDArray[np.float64] | None = None
 
@@ -55,6 +57,14 @@ class Posed:
         return self.in_image & self.in_lobe & ~hidden
 
     @property
+    def middle(self) -> NDArray[np.float64]:
+        """(3,) middle of the object, camera frame: of its surface, or of its features where it has none."""
+        surface = self.object_type.surface
+        if surface is None:
+            return np.asarray((self.at.min(axis=0) + self.at.max(axis=0)) / 2.0)
+        return transform_points(self.camera_from_object, surface.centre[None])[0]
+
+    @property
     def detected(self) -> NDArray[np.bool_]:
         """(F,) D8."""
         return self.matches >= 0
@@ -62,10 +72,9 @@ class Posed:
     def support(self, hidden: NDArray[np.bool_] | None = None) -> Support:
         """The four cases over the features in the image; ``hidden`` (F,) are those that accepted opaque objects hide (strict D7)."""
         expected = self.candidate & ~hidden if hidden is not None else self.candidate
-        rows = zip(expected.tolist(), self.detected.tolist(), strict=True)
-        cases = [case_of(expected=e, detected=d) for e, d in rows]
-        named = zip(self.object_type.kinds, cases, self.in_image.tolist(), strict=True)
-        return tally((kind, case) for kind, case, inside in named if inside)
+        names, kind = self.object_type.kind_codes
+        inside = self.in_image
+        return tally(names, kind[inside], expected[inside], self.detected[inside])
 
 
 def pose_of(object_type: ObjectType, camera_from_object: NDArray[np.float64], data: Data, kb: KnowledgeBase) -> Posed:

@@ -1,6 +1,6 @@
 """What an interpretation need not tell feature by feature: the many features of a learnt type that this view leads nobody to expect.
 
-A type learnt from a mesh has up to 2,500 features, of which one view shows fifty. The others are case B in every world: not expected, since
+A type learnt from a mesh has up to 4,000 features, of which one view shows a hundred. The others are case B in every world: not expected, since
 the hypothesis alone does not lead to expect them, and not detected, since nothing is matched to them. To P(ev) they give the sum of their
 dv, to the posterior nothing; so one feature named ``OTHERS`` that carries their sum stands for all of them, and every probability stays.
 Features outside the image count nowhere and are left out. Types written by hand are told in full.

@@ -12,7 +12,7 @@ from plogic.document import document_of
 from plogic.errors import InconsistentError
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.search.data import data_of
-from plogic.search.indices import Index, index_of
+from plogic.search.indices import Index, indices_of
 from plogic.stopwatch import Stopwatch
 from plogic.worlds import Ranking, ranked_worlds
 
@@ -37,7 +37,7 @@ class Perceiver:
         self.kb = kb
         self.dv = distinctiveness(instance_counts(kb.types))
         self.width = kb.words.centroids.shape[1] if kb.words is not None else 128
-        self.indices: dict[str, Index] = {t.name: index_of(t, self.dv) for t in kb.types if t.features}
+        self.indices: dict[str, Index] = indices_of(kb, self.dv)
 
     def __call__(
         self,

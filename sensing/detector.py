@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.camera import Camera
-    from sensing.keypoints import WordIndex
+    from sensing.keypoint_detector import WordIndex
 
 GROUP = "plogic.detectors"
 """The entry points' group."""
@@ -56,7 +56,7 @@ def _patches() -> Detector:
 
 
 def _keypoints(name: Literal["sift", "orb"], words: WordIndex | None = None) -> Detector:
-    from sensing.keypoints import KeypointDetector
+    from sensing.keypoint_detector import KeypointDetector
 
     return KeypointDetector(name, words)
 

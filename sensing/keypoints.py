@@ -1,8 +1,6 @@
 """Keypoints: places with a size, a direction and a descriptor, by OpenCV's SIFT and ORB (appearance types ``sift``, ``orb``, or words).
 
 * ``Keypoints``: what an image shows as arrays, ``Keypoints(uv=(N, 2), angle=(N,), scale=(N,), response=(N,), descriptors=(N, 128))``
-* ``KeypointDetector("sift")``: the same behind the protocol of a detector. With a vocabulary of visual words (``WordIndex``) an
-  appearance's type is the name of the word that is nearest to its descriptor, without one it is ``sift`` or ``orb``.
 
 Places are corrected to our convention (an integer is a pixel's centre): SIFT's first, doubled picture is made without OpenCV's bias of a
 quarter of a pixel, and what ORB finds in a smaller picture is mapped back between pixels' centres, not between their corners.
@@ -11,11 +9,10 @@ quarter of a pixel, and what ORB finds in a smaller picture is mapped back betwe
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sensing.appearance import Appearance
 from sensing.errors import DetectorError
 
 if TYPE_CHECKING:
@@ -41,23 +38,6 @@ LEAST_SIDE = 8
 """An image with a shorter side has no keypoints: no neighbourhood fits into it."""
 WIDTHS = {"sift": 128, "orb": 32}
 """Bytes of a descriptor."""
-_HALF = {"sift": 0.015, "orb": 1e-4}
-"""The response whose score is one half."""
-
-
-class WordIndex(Protocol):
-    """A vocabulary of visual words, as far as a detector needs it."""
-
-    @property
-    def detector(self) -> str:
-        """Whose descriptors it holds: ``sift`` or ``orb``."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The words' names, which are appearance types."""
-
-    def nearest(self, descriptors: Bytes, /) -> NDArray[np.integer]:
-        """(N,) indices into ``names`` of the words nearest to (N, D) descriptors."""
 
 
 @dataclass(frozen=True)
@@ -98,16 +78,33 @@ def keypoints(image: Bytes, name: str = "sift", *, contrast: float | None = None
     Raises:
         DetectorError: There is no such keypoint detector.
     """
-    import cv2
-
     if name not in WIDTHS:
         raise DetectorError(f"keypoints: {name!r} is neither 'sift' nor 'orb'")
-    grey = np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), np.uint8) if image.ndim == 3 else image
+    grey = grey_of(image)
     if min(grey.shape) < LEAST_SIDE or grey.min() == grey.max() or most < 1:
         return _arrays([], None, name, grey.shape)
     finder = _sift(contrast, most) if name == "sift" else _orb(contrast, most)
     found, descriptors = finder.detectAndCompute(np.ascontiguousarray(grey), None)
     return _strongest(_arrays(found, None if descriptors is None else np.asarray(descriptors, np.uint8), name, grey.shape), most)
+
+
+def grey_of(image: Bytes) -> Bytes:
+    """(H, W) uint8 of an (H, W) or (H, W, 3) image, blue first."""
+    import cv2
+
+    return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), np.uint8) if image.ndim == 3 else image
+
+
+def sift_at(grey: Bytes, uv: Floats, angle: Floats, scale: Floats, response: Floats) -> Keypoints:
+    """SIFT's descriptors of an (H, W) image at N given places, (N, 2) pixels, angles (radians), diameters (pixels) and responses."""
+    import cv2
+
+    if not len(uv):
+        return _arrays([], None, "sift", grey.shape)
+    rows = zip(uv.tolist(), scale.tolist(), np.degrees(angle % (2 * np.pi)).tolist(), response.tolist(), strict=True)
+    places = [cv2.KeyPoint(u, v, size, turn, strength, 0) for (u, v), size, turn, strength in rows]
+    found, descriptors = _sift(None, 0).compute(np.ascontiguousarray(grey), places)
+    return _arrays(found, np.asarray(descriptors, np.uint8), "sift", grey.shape)
 
 
 def _sift(contrast: float | None, most: int) -> cv2.SIFT:
@@ -148,22 +145,3 @@ def _strongest(found: Keypoints, most: int) -> Keypoints:
     key = np.column_stack([np.round(found.uv, 2), np.round(found.angle, 3)])
     first = np.unique(key, axis=0, return_index=True)[1]
     return found.chosen(np.sort(first)[:most])
-
-
-class KeypointDetector:
-    """Reports keypoints with ``angle``, ``scale``, ``score`` (response over itself plus a typical one) and ``descriptor``."""
-
-    def __init__(self, name: Literal["sift", "orb"], words: WordIndex | None = None, contrast: float | None = None, most: int = MOST) -> None:
-        """A detector that names types by ``words``, or by its own name where they are None or another detector's; see ``keypoints``."""
-        self.name: str = name
-        self._words = words if words is not None and words.detector == name else None
-        self._contrast, self._most = contrast, most
-        self.types: tuple[str, ...] = (name,) if self._words is None else tuple(self._words.names)
-
-    def detect(self, image_bgr: Bytes) -> list[Appearance]:
-        """Keypoints of an (H, W, 3) uint8 image, the strongest first."""
-        found = keypoints(image_bgr, self.name, contrast=self._contrast, most=self._most)
-        word = self._words.nearest(found.descriptors) if self._words is not None and len(found) else np.zeros(len(found), np.intp)
-        score = found.response / (found.response + _HALF[self.name])
-        columns = zip(word, found.uv.tolist(), found.angle.tolist(), found.scale.tolist(), score.tolist(), found.descriptors, strict=True)
-        return [Appearance("", self.types[w], (u, v), self.name, a, s, q, descriptor=d.tobytes()) for w, (u, v), a, s, q, d in columns]

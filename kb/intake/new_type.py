@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from kb.errors import IntakeError
 from kb.intake.limits import MAX_FILE_BYTES
 from kb.intake.paint import painted_files
+from kb.intake.parts import pieces_of
 from kb.intake.ply import ply_bytes
 from kb.intake.repair import Repaired, repaired
 from kb.intake.shape_symmetries import Turn, turns_of
@@ -64,17 +65,18 @@ def new_type(name: str, source: Source, units: str | None, origin: Path, symmetr
         raise IntakeError(f"{origin}: {error}") from error
     files, paint = painted_files(source, scale)
     turns = [] if symmetries else turns_of(mended.surface)
-    text = _object_text(name, origin.name, units or "m", list(symmetries), turns, textured=bool(files))
+    parts = [str(piece) for piece in pieces_of(mended.surface)]
+    text = _object_text(name, origin.name, units or "m", list(symmetries), turns, parts, textured=bool(files))
     files = {"object.yaml": text.encode(), "mesh.ply": ply_bytes(mended.surface)} | files
     large = [name for name, data in files.items() if len(data) > MAX_FILE_BYTES]
     if large:
         raise IntakeError(f"{origin}: would make a {large[0]} of more than the {MAX_FILE_BYTES} bytes that are read; simplify the mesh first")
-    document = _document(name, mended, paint, files, [str(turn) for turn in turns], list(symmetries))
+    document = _document(name, mended, paint, files, [str(turn) for turn in turns], list(symmetries)) | {"parts": len(parts)}
     return NewType(name, files, document, tuple(_lines(document, mended)), source.notes)
 
 
 def _object_text(
-    name: str, origin: str, units: str, known: list[str], turns: list[Turn], *, textured: bool
+    name: str, origin: str, units: str, known: list[str], turns: list[Turn], parts: list[str], *, textured: bool
 ) -> str:
     paint = ", textured: textured.obj" if textured else ""
     lines = [f"# Made from {_plain(origin)}, in {units}; its frame is kept, its unit is the metre.", f"object: {_quoted(name)}"]
@@ -84,7 +86,11 @@ def _object_text(
     elif turns:
         lines += ["# The shape alone has these symmetries. Most textures break them; where yours does not, uncomment those that hold:"]
         lines += ["# symmetries:", *(f"#   - {turn}" for turn in turns)]
-    lines += ["features: []  # by hand, or from the mesh: plogic kb learn"]
+    if parts:
+        lines += ["parts:  # the mesh's pieces; rename them. Their features: by hand, or from the mesh: plogic kb learn"]
+        lines += [f"  - {part}" for part in parts]
+    else:
+        lines += ["features: []  # by hand, or from the mesh: plogic kb learn"]
     return EDITOR_LINE + "\n".join(lines) + "\n"
 
 
@@ -135,6 +141,7 @@ def _lines(document: dict[str, Any], mended: Repaired) -> list[str]:
         *_simplified(mended),
         f"  closed, {surface.volume:.4g} m3" if surface.closed else _open(mended),
         f"  texture: {document['texture']}" if document["texture"] != "none" else NO_TEXTURE,
+        *([f"  parts: {document['parts']} pieces, a part each in object.yaml"] if document["parts"] else []),
         *_symmetries(document),
     ]
 

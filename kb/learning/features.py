@@ -1,6 +1,7 @@
 """From observations to a cloud: what was seen at one place of the surface is one feature; what looked alike, one lobe of it.
 
-The hit rate of a lobe is measured over all pictures whose viewpoint it holds, also those in which nothing was seen.
+The hit rate of a lobe is measured over all pictures whose viewpoint it holds, also those in which nothing was seen; over as many as a cone of
+its size holds on average, where it holds fewer: a lobe around the one direction that showed it was not seen from beside it.
 """
 
 from __future__ import annotations
@@ -9,7 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from kb.learning.views import PIXELS, directions, distance, spacing
+from kb.cones import even_directions, spacing
+from kb.learning.views import PIXELS, distance
 from kb.learnt import LearntCloud
 
 if TYPE_CHECKING:
@@ -29,10 +31,12 @@ TOGETHER = 0.85
 """Least cosine between directions of view within one lobe."""
 LEAST_SEEN = 3
 """Pictures that must show a feature."""
-MOST = 2500
+MOST = 4000
 """Features of one type."""
-STEP = 1.25
-"""By this factor a lobe reaches nearer and farther than the pictures that showed it: about half way to the next."""
+BEYOND = 0.8
+"""So much of the angle between neighbouring directions a lobe reaches beyond those that showed it."""
+STEP, END = 1.25, 1.5
+"""By this factor a lobe reaches nearer and farther than the pictures that showed it: about half way to the next; END where there is no next."""
 
 
 class _Lobe(NamedTuple):
@@ -42,7 +46,7 @@ class _Lobe(NamedTuple):
 
 
 def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most: int = MOST) -> LearntCloud:
-    """The cloud of a type from what was seen of it from ``directions(count)``; its words are not assigned yet (all 0)."""
+    """The cloud of a type from what was seen of it from ``even_directions(count)``; its words are not assigned yet (all 0)."""
     groups = [group for group in _places(seen) if len(group) >= LEAST_SEEN]
     chosen = [groups[i] for i in sorted(_best(seen, groups, count)[:most], key=lambda i: int(groups[i][0]))]
     lobes = [(f, lobe) for f, group in enumerate(chosen) for lobe in _lobes(seen, group, count)]
@@ -102,7 +106,7 @@ def _lobes(seen: Observations, group: NDArray[np.intp], count: int) -> list[_Lob
         axis = seen.direction[members].mean(axis=0)
         axis = axis / np.linalg.norm(axis)
         widest = float(np.arccos(np.clip(seen.direction[members] @ axis, -1.0, 1.0)).max())
-        lobes.append(_Lobe(members, axis, widest + 0.5 * spacing(count)))
+        lobes.append(_Lobe(members, axis, widest + BEYOND * spacing(count)))
     return lobes
 
 
@@ -139,7 +143,8 @@ def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: f
     up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
     nearest = np.array([seen.level[lobe.members].min() for _, lobe in lobes], int)
     farthest = np.array([seen.level[lobe.members].max() for _, lobe in lobes], int)
-    pictures = (axis @ directions(count).T >= np.cos(half)[:, None]).sum(axis=1) * (farthest - nearest + 1)
+    held = (axis @ even_directions(count).T >= np.cos(half)[:, None]).sum(axis=1)
+    pictures = np.maximum(held, count * (1.0 - np.cos(half)) / 2.0) * (farthest - nearest + 1)
     hits = np.array([seen.hit[lobe.members].sum() for _, lobe in lobes])
     descriptor = np.rint([seen.descriptor[lobe.members].mean(axis=0) for _, lobe in lobes])
     return {
@@ -148,8 +153,8 @@ def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: f
         "descriptor": descriptor.astype(np.uint8).reshape(len(lobes), seen.descriptor.shape[1]),
         "axis": axis,
         "half_angle": half,
-        "r_min": ranges[nearest] / STEP,
-        "r_max": ranges[farthest] * STEP,
+        "r_min": ranges[nearest] / np.where(nearest == 0, END, STEP),
+        "r_max": ranges[farthest] * np.where(farthest == len(PIXELS) - 1, END, STEP),
         "hit": np.clip(hits / np.maximum(pictures, 1), 0.0, 1.0),
         "up": up,
         "size": np.array([np.exp(np.log(seen.size[lobe.members]).mean()) for _, lobe in lobes]),

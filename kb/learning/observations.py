@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from kb.learning.variants import side, variant
+from kb.learning.variants import size_of, variant
 from kb.learning.views import PIXELS
 
 if TYPE_CHECKING:
@@ -21,13 +21,16 @@ if TYPE_CHECKING:
     from kb.learning.views import View
 
     Floats = NDArray[np.float64]
-    Detect = Callable[[NDArray[np.uint8]], "Seen"]
+    Detect = Callable[[NDArray[np.uint8], int], "Seen"]
+    """Of a picture; the number is how many pixels lie between points along an edge."""
 
 PICTURES = 4
 """Pictures of each size, all different; the first is where keypoints are looked for again in the others."""
 OFTEN = 0.5
 """Share of the other pictures in which a keypoint must come again: what comes less often is not expected (D7)."""
-NEAR, SIMILAR, TURNED = 2.0, 0.3, 0.35
+SPARSE, DENSE = 9, 5
+"""Pixels between points along an edge: of those that become features, and of those among which they are looked for, as at run time."""
+NEAR, SIMILAR, TURNED = 3.0, 0.3, 0.35
 """The same keypoint: within so many pixels (plus 8 % of its size), a logarithm of the ratio of sizes, radians."""
 ALIKE = {128: 280.0, 32: 60.0}
 """... and with descriptors no farther apart, by their bytes: Euclid's distance of SIFT's, Hamming's of ORB's."""
@@ -100,7 +103,7 @@ def observed(view: View, number: int, detect: Detect, seed: int = 0) -> Observat
     levels = []
     for level, pixels in enumerate(PIXELS):
         rng = np.random.default_rng([seed, number, level])
-        first, *others = [detect(variant(view, pixels, rng)) for _ in range(PICTURES)]
+        first, *others = [detect(variant(view, pixels, rng), SPARSE if i == 0 else DENSE) for i in range(PICTURES)]
         hit, uv, descriptor = _again(first, others)
         levels.append(_on_surface(view, inner, pixels, first, uv, hit, descriptor, (number, level)))
     return joined(levels)
@@ -155,9 +158,9 @@ def _on_surface(
     number_level: tuple[int, int],
 ) -> Observations:
     """Carry keypoints of a picture back along their rays to the surface; those near the outline or seldom seen are left out."""
-    large = view.image.shape[0]
-    factor = large / side(view, pixels)
-    place = (uv + 0.5) * factor - 0.5
+    large = np.array(view.image.shape[1::-1])
+    factors = large / np.array(size_of(view, pixels))
+    place = (uv + 0.5) * factors - 0.5
     cell = np.clip(np.rint(place).astype(int), 0, large - 1)
     good = inner[cell[:, 1], cell[:, 0]] & (hit >= OFTEN)
     place, cell, f = place[good], cell[good], view.camera.f
@@ -170,7 +173,7 @@ def _on_surface(
     angle = first.angle[good]
     up = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))], axis=1) @ R.T
     up = _unit(up - (up * direction).sum(axis=1, keepdims=True) * direction)
-    pixel = here[:, 2] * factor / f
+    pixel = here[:, 2] * factors.mean() / f
     number, level = number_level
     return Observations(
         at=at,
@@ -194,7 +197,7 @@ def _points(view: View, place: Floats, cell: NDArray[np.intp]) -> Floats:
 
 def _normals(view: View, cell: NDArray[np.intp], reach: int = EDGE) -> Floats:
     """(N, 3) unit normals in the camera's frame, towards it, from the depth to both sides."""
-    limit = view.image.shape[0] - 1
+    limit = np.array(view.image.shape[1::-1]) - 1
     sides = []
     for step in ((reach, 0), (-reach, 0), (0, reach), (0, -reach)):
         there = np.clip(cell + np.array(step), 0, limit)

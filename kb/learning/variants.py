@@ -17,18 +17,19 @@ BLUR, NOISE = (0.4, 1.1), (2.0, 8.0)
 """Ranges of the blur's and the noise's standard deviation: pixels, grey levels."""
 
 
-def side(view: View, pixels: float) -> int:
-    """Side of the picture in which the object's diameter is so many pixels."""
-    return round(view.image.shape[0] * pixels / view.pixels)
+def size_of(view: View, pixels: float) -> tuple[int, int]:
+    """Width and height of the picture in which the object's diameter is so many pixels."""
+    height, width = view.image.shape[:2]
+    return max(1, round(width * pixels / view.pixels)), max(1, round(height * pixels / view.pixels))
 
 
 def variant(view: View, pixels: float, rng: np.random.Generator) -> NDArray[np.uint8]:
-    """(s, s, 3) uint8: the view, ``pixels`` large, before a random background, under random light, with blur and noise."""
+    """(h, w, 3) uint8: the view, ``pixels`` large, before a random background, under random light, with blur and noise."""
     import cv2
 
-    size = side(view, pixels)
-    whole = np.asarray(cv2.resize(view.image * view.mask[..., None], (size, size), interpolation=cv2.INTER_AREA), np.float32)
-    share = np.asarray(cv2.resize(view.mask.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA))[..., None]
+    size = size_of(view, pixels)
+    whole = np.asarray(cv2.resize(view.image * view.mask[..., None], size, interpolation=cv2.INTER_AREA), np.float32)
+    share = np.asarray(cv2.resize(view.mask.astype(np.float32), size, interpolation=cv2.INTER_AREA))[..., None]
     own = np.clip(whole / 255.0 / np.maximum(share, 1e-3), 0.0, 1.0) ** rng.uniform(*GAMMA) * (255.0 * rng.uniform(*GAIN))
     picture = np.clip(share * own + (1.0 - share) * _background(size, rng), 0.0, 255.0)
     picture = np.asarray(cv2.GaussianBlur(picture, (0, 0), rng.uniform(*BLUR)))
@@ -36,11 +37,12 @@ def variant(view: View, pixels: float, rng: np.random.Generator) -> NDArray[np.u
     return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
 
 
-def _background(size: int, rng: np.random.Generator) -> NDArray[np.float32]:
-    """Coarse and fine spots, so that no keypoint at the outline comes twice."""
+def _background(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
+    """(h, w, 3) coarse and fine spots, so that no keypoint at the outline comes twice."""
     import cv2
 
-    coarse = rng.normal(128.0, 60.0, (size // 16 + 2, size // 16 + 2, 3)).astype(np.float32)
-    fine = rng.normal(0.0, 25.0, (size // 3 + 2, size // 3 + 2, 3)).astype(np.float32)
-    spots = cv2.resize(coarse, (size, size), interpolation=cv2.INTER_CUBIC) + cv2.resize(fine, (size, size), interpolation=cv2.INTER_LINEAR)
-    return np.clip(np.asarray(spots, np.float32), 0.0, 255.0)
+    (width, height), spots = size, np.zeros((size[1], size[0], 3), np.float32)
+    for cell, mean, spread, smooth in ((16, 128.0, 60.0, cv2.INTER_CUBIC), (3, 0.0, 25.0, cv2.INTER_LINEAR)):
+        some = rng.normal(mean, spread, (height // cell + 2, width // cell + 2, 3)).astype(np.float32)
+        spots += np.asarray(cv2.resize(some, size, interpolation=smooth), np.float32)
+    return np.clip(spots, 0.0, 255.0)

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from geometry.camera import Camera
@@ -20,8 +19,8 @@ PIXELS = (330.0, 230.0, 160.0, 110.0, 75.0)
 """How large the object's diameter is in the pictures, pixels: what cameras see of a thing on a table and a room away."""
 AWAY = 5.0
 """Distance of the viewpoints in diameters of the object."""
-MARGIN = 1.25
-"""Side of a picture in diameters of the object."""
+MARGIN = 0.125
+"""What is left around the object in a picture, in its diameters."""
 
 
 class View(Protocol):
@@ -29,15 +28,15 @@ class View(Protocol):
 
     @property
     def image(self) -> NDArray[np.uint8]:
-        """(S, S, 3), blue first."""
+        """(H, W, 3), blue first."""
 
     @property
     def mask(self) -> NDArray[np.bool_]:
-        """(S, S) where the object is."""
+        """(H, W) where the object is."""
 
     @property
     def depth(self) -> NDArray[np.float32]:
-        """(S, S) metres along the optical axis where the object is."""
+        """(H, W) metres along the optical axis where the object is."""
 
     @property
     def camera(self) -> Camera:
@@ -46,19 +45,6 @@ class View(Protocol):
     @property
     def pixels(self) -> float:
         """The object's diameter in this picture, pixels."""
-
-
-def directions(count: int = DIRECTIONS) -> NDArray[np.float64]:
-    """(count, 3) unit vectors spread evenly over the sphere, a spiral of equal areas (Fibonacci's)."""
-    i = np.arange(count) + 0.5
-    z = 1.0 - 2.0 * i / count
-    turn, radius = np.pi * (1.0 + np.sqrt(5.0)) * i, np.sqrt(1.0 - z**2)
-    return np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
-
-
-def spacing(count: int = DIRECTIONS) -> float:
-    """The angle between neighbours, radians."""
-    return float(np.sqrt(4.0 * np.pi / count))
 
 
 def distance(pixels: float, diameter: float, f: float) -> float:

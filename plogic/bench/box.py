@@ -53,14 +53,23 @@ class Answer:
     seconds: float
 
 
-def run(*, seed: int, quick: bool = False, as_json: bool = False, say: Callable[[str], None], **_: object) -> tuple[str, bool]:
-    """Learn, look at every frame, judge. Raises InputError where the types cannot be learnt."""
+def run(
+    *, seed: int, quick: bool = False, picture: Path | None = None, as_json: bool = False, say: Callable[[str], None], **_: object
+) -> tuple[str, bool]:
+    """Learn, look at every frame, judge; draw the frame of the greatest drop into ``picture``.
+
+    Raises InputError where the types cannot be learnt, SensingError where the picture cannot be written.
+    """
     absent = [str(place) for place in (DATA / "photo.jpg", MARKS / "frame_corners.json") if not place.is_file()]
     if absent:
         return f"bench box: skipped, as {absent[0]} is not there", True
     with tempfile.TemporaryDirectory(prefix="plogic-box-") as folder:
         kb = learnt(Path(folder) / "kb", seed, quick=quick, say=say)
         answers = answered(kb, say)
+        if picture is not None:
+            from sensing.whole_files import write_whole
+
+            write_whole(picture, drawn(kb, max(answers, key=lambda answer: answer.ev - answer.wrong_ev).frame))
     low, high = drop(answers)
     text, met = report("box", [_row(answer) for answer in answers], claims(answers), as_json=as_json)
     if as_json:
@@ -110,10 +119,31 @@ def seen(kb: KnowledgeBase, perceiver: Perceiver, frame: Path, camera: Camera) -
     from sensing.detector import detect
     from sensing.images import read_image
 
-    gamma = detect(read_image(frame), camera, kb.appearance_types, kb.words)
+    gamma = detect(read_image(frame), camera, kb.sought, kb.words)
     delta, rejected, _ = perceiver.delta(gamma, Options(reading="posterior"), Stopwatch())
     accepted = sorted((b for b in delta.beliefs.values() if b.status == "accepted"), key=lambda b: -b.worth)
     return [*delta.beliefs.values(), *rejected], accepted
+
+
+def drawn(kb: KnowledgeBase, frame: str) -> bytes:
+    """A JPEG: what is expected of the box in a frame, found and missed, at the right focal length and at the wrong one beside it."""
+    import cv2
+
+    from geometry.register import centred_camera
+    from plogic.delta import Options
+    from plogic.overlay import overlay
+    from plogic.perceive import Perceiver
+    from sensing.detector import detect
+    from sensing.images import read_image
+
+    image, perceiver, halves = read_image(DATA / frame), Perceiver(kb), []
+    for f in (F, F * WRONG):
+        gamma = detect(image, centred_camera(SIZE, f), kb.sought, kb.words)
+        halves.append(overlay(perceiver(gamma, Options(reading="posterior"), image), image))
+    height = max(len(half) for half in halves)
+    whole = np.hstack([np.pad(half, ((0, height - len(half)), (0, 0), (0, 0)), mode="edge") for half in halves])
+    small = cv2.resize(whole, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+    return bytes(cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, 85])[1].tobytes())
 
 
 def _best(beliefs: Sequence[Belief]) -> float:

@@ -93,7 +93,7 @@ def look_of(kb: KnowledgeBase) -> Look:
     perceiver = Perceiver(kb)
 
     def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
-        document = perceiver(detect(image, camera, kb.appearance_types, kb.words))
+        document = perceiver(detect(image, camera, kb.sought, kb.words))
         accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
         return [(h["type"], h["T_camera_object"], h["probability"]) for h in accepted]
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
+from plogic.commands.kb_page import type_of
 from plogic.commands.sources import kb_of
 
 if TYPE_CHECKING:
@@ -23,14 +25,15 @@ def check_command(folder: str, *, as_json: bool) -> str:
     return "\n".join(lines)
 
 
-def show_command(folder: str, *, as_json: bool) -> str:
-    """The trees, the counts and dv."""
+def show_command(folder: str, name: str | None = None, *, as_json: bool) -> str:
+    """The trees, of one type where it is named; the counts and dv, which are about all types."""
     from kb.show import tree_document, tree_text
 
     kb = kb_of(folder)
+    shown = kb if name is None else replace(kb, types=(type_of(kb, name),))
     if as_json:
-        return json.dumps({**tree_document(kb), "format": "kb_show/1"})
-    return tree_text(kb) + "\n\n" + measures_command(folder, None, as_json=False)
+        return json.dumps({**tree_document(shown), "format": "kb_show/1"})
+    return tree_text(shown) + "\n\n" + measures_command(folder, None, as_json=False)
 
 
 def measures_command(folder: str, gamma: str | None, *, as_json: bool) -> str:
@@ -68,11 +71,11 @@ def _words_in_one_row(rows: list[dict[str, Any]], kb: KnowledgeBase) -> list[dic
 
 def _ranks(kb: KnowledgeBase, gamma: str, dv: dict[str, float]) -> list[dict[str, Any]]:
     from plogic.attention import attend
-    from plogic.search.indices import index_of
+    from plogic.search.indices import indices_of
     from sensing.gamma_files import read_gamma
 
     types = [a.type for a in read_gamma(gamma, kb.appearance_types).appearances]
-    rows = attend([index_of(t, dv) for t in kb.types if t.features], types, kb)
+    rows = attend(list(indices_of(kb, dv).values()), types, kb)
     return [{"type": r.type, "rank": r.rank, "excess": r.excess, "within_cell": r.within_cell} for r in rows]
 
 

@@ -37,7 +37,7 @@ def kb_new(folder: Path, name: str | None) -> None:
 @KB
 @AS_JSON
 def kb_add(name: str, mesh: Path, units: str | None, kb_folder: Path, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
-    """Make the object type NAME from a mesh, repaired, with its texture kept for rendering."""
+    """Make the object type NAME from a mesh, repaired, its pieces as parts, with its texture kept for rendering."""
     from plogic.commands.kb_add import add_command
 
     _out(add_command(name, mesh, units, kb_folder, as_json=as_json))
@@ -56,7 +56,10 @@ def kb_add(name: str, mesh: Path, units: str | None, kb_folder: Path, as_json: b
 @click.option("--units", type=click.Choice(UNITS), help="Unit of that mesh.")
 @AS_JSON
 def kb_learn(names: tuple[str, ...], kb_folder: Path, **options: Any) -> None:  # noqa: ANN401 - click hands over options
-    """Learn the features of types NAME from their textured meshes, all without features where none is named; or of one from a photo."""
+    """Learn the features of types NAME from their textured meshes, all without features where none is named; or of one from a photo.
+
+    The turns of a shape that its texture keeps are written into object.yaml as symmetries, unless some are stated there.
+    """
     from plogic.commands.kb_learn import learn_command
     from plogic.commands.kb_learn_photo import learn_photo_command, sources_of
 
@@ -91,12 +94,21 @@ def kb_check(folder: str, as_json: bool) -> None:  # noqa: FBT001 - click hands 
 
 @kb.command("show")
 @click.argument("folder")
+@click.argument("name", metavar="[TYPE]", required=False)
+@click.option("--html", metavar="FILE", help="Write a page that shows TYPE in 3D instead; `-` is stdout.")
 @AS_JSON
-def kb_show(folder: str, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
-    """Show the trees of parts, the counts and dv."""
+def kb_show(folder: str, name: str | None, html: str | None, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
+    """Show the trees of parts, of all types or of TYPE, the counts and dv; or TYPE in 3D, with its features and their lobes."""
+    if html is not None:
+        if as_json:
+            raise click.UsageError("--html and --json do not go together")
+        from plogic.commands.kb_page import page_command
+
+        page_command(folder, name, html, say=_say, write=_out)
+        return
     from plogic.commands.kb import show_command
 
-    _out(show_command(folder, as_json=as_json))
+    _out(show_command(folder, name, as_json=as_json))
 
 
 @kb.command("measures")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import tempfile
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -56,67 +55,74 @@ def learn_photo_command(kb_folder: str, names: Sequence[str], sources: Sources, 
 
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
     """
-    from kb.learning.photo import on_shown
+    from kb.learning.parts import with_parts
+    from plogic.commands.kb_learn_cache import learnt_of
 
-    kb, new, kind = _the_type(kb_folder, names, sources, say)
+    kb, new, kind = _the_type(kb_folder, names, sources, options["detector"], say)
     found, mesh = _registered(kind, sources)
     say(_told(kind, found, mesh))
     with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:
         files = _paint_files(mesh, sources.photo.name, kind.mesh_scale)
         for name, data in files.items():
             (Path(folder) / name).write_bytes(data)
-        from plogic.commands.kb_learn import learnt_of
-
-        cloud = learnt_of(replace(kind, mesh_file=Path(folder) / PAINT[0]), kb, options, say, partial(on_shown, mesh))
-    count = _write(kb_folder, new, kind.name, files, cloud, options["seed"])
+        cloud = with_parts(kind, learnt_of(replace(kind, mesh_file=Path(folder) / PAINT[0]), kb, options, say, mesh))
+    count = _write(Path(kb_folder), new, kind.name, files, cloud, options["seed"])
     return _answer(kb_folder, kind, found, mesh, cloud, count, as_json=options["as_json"])
 
 
 def _the_type(
-    kb_folder: str, names: Sequence[str], sources: Sources, say: Callable[[str], None]
+    kb_folder: str, names: Sequence[str], sources: Sources, detector: str, say: Callable[[str], None]
 ) -> tuple[KnowledgeBase, NewType | None, ObjectType]:
     """The KB, the new type's files where it is new, and the type with its surface."""
+    from plogic.commands.kb_learn import check_detector
+    from plogic.commands.kb_types import check_own, type_folders
+
     if len(names) != 1:
         raise InputError(f"--photo: name the one type that it shows, not {len(names)}")
     kb = kb_of(kb_folder)
-    if kb.folder is None:
-        raise InputError(f"{kb.name}: has no folder to write to")
+    folder = check_own(kb_folder)
+    check_detector(kb_folder, kb, detector, names)
     kind = next((kind for kind in kb.types if kind.name == names[0]), None)
     if kind is None:
-        return (kb, *_new(kb_folder, names[0], sources))
+        return (kb, *_new(folder, names[0], sources))
     if sources.mesh is not None:
         say(f"{kind.name}: is there already, so --mesh is not read")
-    fault = _fault(kind)
+    fault = _fault(kind, type_folders(folder)[kind.name])
     if fault is not None:
         raise InputError(f"{kind.name}: {fault}")
     return kb, None, kind
 
 
-def _fault(kind: ObjectType) -> str | None:
-    """Why a type cannot be learnt from a photo."""
+def _fault(kind: ObjectType, folder: Path) -> str | None:
+    """Why a type, described in ``folder``, cannot be learnt from a photo."""
+    from plogic.commands.kb_learn import BY_HAND
+    from sensing.simulated.meshes import read_mesh
+
     if kind.surface is None or kind.mesh_file is None:
         return "has no mesh to lay the photo on"
     if kind.features and kind.learnt is None:
-        return "its features were written by hand; learning would replace them: take them out of object.yaml first"
-    material = kind.mesh_file.parent / PAINT[1]
-    if material.exists() and not material.read_text(encoding="utf-8", errors="replace").startswith(BY_PHOTO):
+        return BY_HAND
+    material = folder / PAINT[1]
+    if material.is_file() and material.read_text(encoding="utf-8", errors="replace").startswith(BY_PHOTO):
+        return None
+    if material.exists() or read_mesh(kind.mesh_file).texture is not None:
         return "has a texture of its own, which shows more of it than a photo: plogic kb learn without --photo"
     return None
 
 
-def _new(kb_folder: str, name: str, sources: Sources) -> tuple[NewType, ObjectType]:
-    from kb.intake.new_type import new_type
+def _new(kb_folder: Path, name: str, sources: Sources) -> tuple[NewType, ObjectType]:
+    from kb.intake.new_type import check_name, new_type
     from kb.intake.source import read_source
+    from plogic.commands.kb_new import new_command
     from plogic.commands.kb_types import check_places
 
     if sources.mesh is None:
         raise InputError(f"{name}: no such object type; add it with plogic kb add, or give --mesh and --units")
-    check_places(Path(kb_folder), [name])
+    check_name(name)
+    check_places(kb_folder, [name])
     new = new_type(name, read_source(sources.mesh), sources.units, sources.mesh)
     if PAINT[0] in new.files:
         raise InputError(f"{name}: {sources.mesh} has a texture of its own, which shows more than a photo: plogic kb add, then kb learn")
-    from plogic.commands.kb_new import new_command
-
     with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:
         draft = Path(folder) / "kb"
         new_command(draft, "draft")
@@ -132,6 +138,7 @@ def _registered(kind: ObjectType, sources: Sources) -> tuple[Registration, Paint
     from kb.learning.photo import painted, registered
     from kb.learning.points import read_points
     from sensing.images import read_image
+    from sensing.simulated.camera import MAX_TRIANGLES
 
     assert kind.surface is not None  # noqa: S101 - _fault looked
     points = read_points(sources.points)
@@ -141,7 +148,11 @@ def _registered(kind: ObjectType, sources: Sources) -> tuple[Registration, Paint
     if camera is not None and (camera.width, camera.height) != size:
         raise InputError(f"{sources.camera}: is of {camera.width} x {camera.height} pixels, but {sources.photo} of {size[0]} x {size[1]}")
     found = registered(points, size, kind.surface, camera)
-    return found, painted(kind.surface, photo, found.camera, found.camera_from_object)
+    mesh = painted(kind.surface, photo, found.camera, found.camera_from_object)
+    if len(mesh.triangles) > MAX_TRIANGLES:
+        what = f"cut as finely as a photo needs, its mesh has {len(mesh.triangles)} triangles, more than the {MAX_TRIANGLES} that can be rendered"
+        raise InputError(f"{kind.name}: {what}: simplify the mesh, as plogic kb add does")
+    return found, mesh
 
 
 def _told(kind: ObjectType, found: Registration, mesh: PaintedMesh) -> str:
@@ -170,48 +181,27 @@ def _paint_files(mesh: PaintedMesh, photo: str, metres_per_unit: float) -> dict[
     return {PAINT[0]: ("\n".join(lines) + "\n").encode(), PAINT[1]: material.encode(), PAINT[2]: png(mesh.texture).data}
 
 
-def _write(kb_folder: str, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearntCloud, seed: int) -> int:
+def _write(kb_folder: Path, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearntCloud, seed: int) -> int:
     """Everything, and how many words there are now."""
     from kb.learning.words import worded
-    from plogic.commands.kb_learn import files_of, object_of
-    from plogic.commands.kb_types import write_types
+    from kb.yaml_text import load
+    from plogic.commands.kb_learn import files_of
+    from plogic.commands.kb_learn_lines import with_entry
+    from plogic.commands.kb_types import type_folders, write_types
     from sensing.whole_files import write_files
 
-    kb = kb_of(kb_folder)
-    clouds = {kind.name: kind.learnt for kind in kb.types if kind.learnt is not None} | {name: cloud}
-    mixed = sorted({one.detector for one in clouds.values()})
-    if len(mixed) > 1:
-        raise InputError(f"{kb_folder}: clouds of {' and '.join(mixed)} cannot share one vocabulary: learn all types with one detector")
+    clouds = {kind.name: kind.learnt for kind in kb_of(str(kb_folder)).types if kind.learnt is not None} | {name: cloud}
     words, clouds = worded(clouds, seed)
     if new is not None:
-        write_types(Path(kb_folder), [new])
-        kb = kb_of(kb_folder)
-    files = files_of(kb, words, clouds, {name})
-    assert kb.folder is not None  # noqa: S101 - _the_type looked
-    folder = next(folder for folder in sorted((kb.folder / "objects").iterdir()) if object_of(folder) == name)
-    text = files.get(folder / "object.yaml") or (folder / "object.yaml").read_bytes()
-    files[folder / "object.yaml"] = _textured(text, folder / "object.yaml")
-    write_files(files | {folder / file: data for file, data in paint.items()})
+        write_types(kb_folder, [new])
+    files = files_of(kb_folder, words, clouds)
+    folder = type_folders(kb_folder)[name]
+    file = folder / "object.yaml"
+    content = files.get(file) or file.read_bytes()
+    mesh = load(str(file), content).data["mesh"] | {"textured": PAINT[0]}
+    files[file] = with_entry(file, content, "mesh", mesh)
+    write_files(files | {folder / own: data for own, data in paint.items()})
     return len(words.centroids)
-
-
-def _textured(content: bytes, file: Path) -> bytes:
-    """An object.yaml whose ``mesh`` names the painted one as well; its other lines and comments stay."""
-    from kb.yaml_text import load
-
-    document = load(str(file), content)
-    mesh = document.data["mesh"]
-    if mesh.get("textured") == PAINT[0]:
-        return content
-    text = content.decode("utf-8-sig")
-    node = next(value for key, value in document.root.value if key.value == "mesh")  # type: ignore[union-attr]  # kb_of read it
-    start, end = node.start_mark, node.end_mark
-    lines = text.splitlines(keepends=True)
-    before = "".join(lines[: start.line]) + lines[start.line][: start.column]
-    after = lines[end.line][end.column :] + "".join(lines[end.line + 1 :]) if end.line < len(lines) else ""
-    entries = ", ".join(f"{key}: {json.dumps(value)}" for key, value in (mesh | {"textured": PAINT[0]}).items())
-    closing = "" if node.flow_style else "\n"
-    return f"{before}{{{entries}}}{closing}{after}".encode()
 
 
 def _answer(

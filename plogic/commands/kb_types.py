@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plogic.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     from kb.intake.new_type import NewType
 
@@ -20,11 +20,33 @@ def check_kb(folder: Path) -> None:
         raise InputError(f"{folder}: holds no kb.yaml; make a knowledge base with: plogic kb new {folder}")
 
 
+def check_own(kb_folder: str) -> Path:
+    """The folder of a KB that is there to be changed. Raises InputError for one that is shipped with plogic."""
+    folder = Path(kb_folder)
+    if not (folder / "kb.yaml").exists():
+        raise InputError(f"{kb_folder}: is shipped with plogic: copy its folder, and change the copy")
+    return folder
+
+
 def check_places(folder: Path, names: Sequence[str]) -> None:
-    """Raise InputError for the first name that is a type of the KB already, before the work is done."""
-    for name in names:
-        if (folder / "objects" / name).exists():
-            raise InputError(f"{folder / 'objects' / name}: exists already; remove it first, or choose another name")
+    """Raise InputError for all the names that are types of the KB already, before the work is done."""
+    there = type_folders(folder)
+    taken = [place for name in names if (place := there.get(name, folder / "objects" / name)).exists()]
+    if taken:
+        raise InputError("\n".join(f"{place}: exists already; remove it first, or choose another name" for place in taken))
+
+
+def type_folders(folder: Path) -> dict[str, Path]:
+    """Where each type of a KB's folder is described, by the name that its object.yaml states; what cannot be read is left out."""
+    from kb.yaml_text import load
+
+    found = {}
+    for file in sorted((folder / "objects").glob("[!.]*/object.yaml")):
+        data = load(file.name, file.read_bytes()).data if file.is_file() else None
+        name = data.get("object") if isinstance(data, dict) else None
+        if isinstance(name, str):
+            found[name] = file.parent
+    return found
 
 
 def write_types(folder: Path, types: Sequence[NewType]) -> None:

@@ -98,7 +98,7 @@ def gamma_of(
     if not detectable(kb):
         raise InputError(f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types)}): give a Γ file instead")
     with clock.stage("detect"):
-        return detect(picture, camera, kb.appearance_types, kb.words), picture
+        return detect(picture, camera, kb.sought, kb.words), picture
 
 
 def detectable(kb: KnowledgeBase) -> bool:

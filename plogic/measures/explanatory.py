@@ -17,8 +17,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
 
 Case = Literal["A", "B", "C", "D"]
 
@@ -43,13 +47,12 @@ class Cells:
 Support = dict[str, Cells]
 
 
-def tally(cases: Iterable[tuple[str, Case]]) -> Support:
-    """Count ``(feature type, case)`` pairs into cells, types in alphabetical order."""
-    counts: dict[str, dict[str, int]] = {}
-    for name, case in cases:
-        cell = counts.setdefault(name, dict.fromkeys("ACBD", 0))
-        cell[case] += 1
-    return {name: Cells(**counts[name]) for name in sorted(counts)}
+def tally(names: Sequence[str], kind: NDArray[np.intp], expected: NDArray[np.bool_], detected: NDArray[np.bool_]) -> Support:
+    """Count the cases of F features into the cells of their types: ``kind`` (F,) are indices into ``names``, which are in alphabetical order."""
+    column = np.where(expected, np.where(detected, 0, 1), np.where(detected, 3, 2))
+    counts = np.bincount(kind * 4 + column, minlength=4 * len(names)).reshape(-1, 4)
+    some = np.flatnonzero(counts.any(axis=1))
+    return {names[i]: Cells(*cells) for i, cells in zip(some.tolist(), counts[some].tolist(), strict=True)}
 
 
 def explanatory_value(support: Mapping[str, Cells], dv: Mapping[str, float]) -> float | None:

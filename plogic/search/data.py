@@ -6,6 +6,7 @@ Vocabulary: ``Data``, A appearances; *ideal pixels*, the pinhole image of focal 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
+    from scipy.spatial import cKDTree
 
     from geometry.camera import Camera
     from sensing.appearance import Appearance
@@ -24,7 +26,7 @@ class Data:
     """``ideal`` (A, 2) ideal pixels; ``types`` (A,) names; ``arms`` (A, K) screen angles, NaN where a junction has fewer.
 
     ``angle`` (A,) rad, ``scale`` (A,) pixels, NaN where the detector gives none; ``descriptors`` (A, D) uint8; ``described`` (A,) whether a
-    datum has place, angle, scale and descriptor: a keypoint.
+    datum has place, angle, scale and descriptor: a keypoint. ``rows`` (A,) are their indices in ``whole``, of which these are some.
     """
 
     ids: tuple[str, ...]
@@ -37,6 +39,24 @@ class Data:
     scale: NDArray[np.float64]
     descriptors: NDArray[np.uint8]
     described: NDArray[np.bool_]
+    part_of: tuple[Data, NDArray[np.intp]] | None = None
+
+    @property
+    def whole(self) -> Data:
+        """All of Γ."""
+        return self if self.part_of is None else self.part_of[0]
+
+    @property
+    def rows(self) -> NDArray[np.intp]:
+        """(A,) where these are in ``whole``."""
+        return np.arange(len(self.ids)) if self.part_of is None else self.part_of[1]
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """All data by their places ``uv``."""
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.uv)
 
     def only(self, keep: NDArray[np.bool_]) -> Data:
         """The appearances where ``keep`` (A,) holds."""
@@ -52,6 +72,7 @@ class Data:
             self.scale[index],
             self.descriptors[index],
             self.described[index],
+            (self.whole, self.rows[index]),
         )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from plogic.search import generate as by_hand
 from plogic.search.learnt import generate as learnt
 from plogic.search.learnt.index import LearntIndex, learnt_index
-from plogic.search.learnt.pairs import SEEDS
+from plogic.search.learnt.lexicon import lexicon_of
 from plogic.search.learnt.settle import settle as settle_learnt
 from plogic.search.pairs import MOST_PAIRS
 from plogic.search.type_index import TypeIndex, type_index
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from plogic.search.data import Data
 
 Index: TypeAlias = TypeIndex | LearntIndex
-TYPES = 20.0
-"""Learnt types that an image is searched for, about."""
+SURE = 5.0
+"""Logarithm of the odds by which a learnt type must explain its data better than clutter does, all its poses together: 150 to 1."""
 
 
 def index_of(object_type: ObjectType, dv: Mapping[str, float]) -> Index:
@@ -33,12 +33,19 @@ def index_of(object_type: ObjectType, dv: Mapping[str, float]) -> Index:
     return learnt_index(object_type, dv) if object_type.learnt is not None else type_index(object_type, dv)
 
 
-def significant(index: Index) -> float:
-    """What a log-likelihood ratio must exceed, beyond what fixes a pose: the best of so many tries is good by luck.
+def indices_of(kb: KnowledgeBase, dv: Mapping[str, float]) -> dict[str, Index]:
+    """The indices of all types that have features; the learnt ones share one lexicon."""
+    clouds = {t.name: t.learnt for t in kb.types if t.learnt is not None and t.features}
+    lexicon = lexicon_of(clouds, kb.words.centroids) if clouds and kb.words is not None else None
+    return {t.name: learnt_index(t, dv, lexicon) if t.learnt is not None else type_index(t, dv) for t in kb.types if t.features}
 
-    Tries: the pairs of appearances; or, of a learnt type, any three of its pairs, which fix a pose.
+
+def significant(index: Index) -> float:
+    """What a log-likelihood ratio must exceed, beyond what any pose has.
+
+    Of a type written by hand: the best of so many tries, the pairs of appearances, is good by luck. Of a learnt one that is counted already.
     """
-    return log(TYPES * SEEDS**3) if isinstance(index, LearntIndex) else log(MOST_PAIRS)
+    return SURE if isinstance(index, LearntIndex) else log(MOST_PAIRS)
 
 
 def generate(index: Index, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None, **most: int) -> list[tuple[float, Posed]]:

@@ -22,9 +22,18 @@ FEWEST = 4
 """Matches that a pose is refined on."""
 
 
-def settled(pose: Floats, match: Callable[[Floats], Posed], better: Callable[[Posed], Floats | None], rounds: int) -> Posed:
-    """Match, refine, and match again, until nothing changes or ``rounds``; ``better`` gives a better pose, or None."""
-    posed = match(pose)
+def settled(
+    pose: Floats,
+    match: Callable[[Floats], Posed],
+    better: Callable[[Posed], Floats | None],
+    rounds: int,
+    worth: Callable[[Posed], float] | None = None,
+) -> Posed:
+    """Match, refine, and match again, until nothing changes or ``rounds``; ``better`` gives a better pose, or None.
+
+    With ``worth``, the one of greatest worth on the way: a pose that fits its matches better may still explain less.
+    """
+    posed = best = match(pose)
     for _ in range(rounds):
         refined = better(posed)
         if refined is None:
@@ -32,9 +41,10 @@ def settled(pose: Floats, match: Callable[[Floats], Posed], better: Callable[[Po
         new = match(refined)
         stable = np.array_equal(new.matches, posed.matches)
         posed = new
+        best = posed if worth is None or worth(posed) >= worth(best) else best
         if stable:
             break
-    return posed
+    return best
 
 
 def polished(posed: Posed, points: Floats, precision: Floats, data: Data, hidden: NDArray[np.bool_] | None, robust: float) -> Floats | None:

@@ -38,7 +38,7 @@ STEEP = 0.95
 class Turn:
     """One picture of the body before nothing.
 
-    ``image`` (S, S, 3) uint8, blue first; ``mask`` (S, S) where the body is; ``depth`` (S, S) metres along the optical axis; ``camera``,
+    ``image`` (H, W, 3) uint8, blue first; ``mask`` (H, W) where the body is; ``depth`` (H, W) metres along the optical axis; ``camera``,
     whose ``world_from_camera`` is body_from_camera; ``pixels``: the body's diameter in the picture.
     """
 
@@ -52,8 +52,8 @@ class Turn:
 def turned(mesh: TexturedMesh, viewpoints: Sequence[NDArray[np.float64]], pixels: float, margin: float, away: float) -> Iterator[Turn]:
     """One picture a direction (3,) from the middle of the mesh's box; distances and depth are the mesh's own metres.
 
-    ``pixels``: the body's diameter, of which pictures are ``FINER`` times as many; ``margin``: the picture's side, and ``away``: the
-    viewpoint's distance, both in diameters.
+    ``pixels``: the body's diameter, of which pictures are ``FINER`` times as many; ``margin``: what is left around the body, and ``away``:
+    the viewpoint's distance, both in diameters.
     """
     middle, diameter = extent(mesh.vertices)
     scale = UNIT / diameter
@@ -87,12 +87,31 @@ def _taken(
     place: tuple[NDArray[np.float64], float],
 ) -> Turn:
     (pixels, margin, away), (middle, scale) = size, place
-    side = round(pixels * margin)
+    side = round(pixels * (1.0 + 2.0 * margin))
     colour, segmentation, depth = shoot(bullet, number, _camera(side, pixels * away, inverse(camera_from_body)), FINER, EVEN)
     object_from_camera = inverse(camera_from_body)
     object_from_camera[:3, 3] = object_from_camera[:3, 3] / scale + middle
     camera = _camera(side * FINER, pixels * away * FINER, object_from_camera)
-    return Turn(np.ascontiguousarray(colour), segmentation >= 0, depth / np.float32(scale), camera, pixels * FINER)
+    mask = segmentation >= 0
+    window = _around(mask, round(margin * pixels * FINER))
+    colour, mask, depth = (np.ascontiguousarray(values[window]) for values in (colour, mask, depth / np.float32(scale)))
+    return Turn(colour, mask, depth, _cut(camera, window), pixels * FINER)
+
+
+def _around(mask: NDArray[np.bool_], margin: int) -> tuple[slice, slice]:
+    """Rows and columns of the body's box and a margin; all where there is no body."""
+    spans = [np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0)]
+    if not len(spans[0]):
+        return slice(0, mask.shape[0]), slice(0, mask.shape[1])
+    ends = [(max(0, int(some[0]) - margin), min(size, int(some[-1]) + margin + 1)) for some, size in zip(spans, mask.shape, strict=True)]
+    return slice(*ends[0]), slice(*ends[1])
+
+
+def _cut(camera: Camera, window: tuple[slice, slice]) -> Camera:
+    """The camera of a part of its picture, which no lens distorts."""
+    rows, columns = window
+    K = camera.K - np.array([[0, 0, columns.start], [0, 0, rows.start], [0, 0, 0]])
+    return Camera(columns.stop - columns.start, rows.stop - rows.start, K, np.zeros(0), camera.world_from_camera)
 
 
 def _camera(side: int, f: float, world_from_camera: NDArray[np.float64]) -> Camera:

@@ -169,6 +169,8 @@ def test_a_name_that_is_taken_or_none(tmp_path, folder):
     mesh = write_box(tmp_path / "b.obj")
     good("kb", "add", "b", "--mesh", mesh, "--units", "m", "--kb", folder)
     assert "exists already" in refused(folder, "b", "--mesh", mesh, "--units", "m")
+    (folder / "objects" / "b").rename(folder / "objects" / "elsewhere")
+    assert "elsewhere: exists already" in refused(folder, "b", "--mesh", mesh, "--units", "m"), "a type's name is in its object.yaml"
     assert "is no name for a type" in refused(folder, "../b", "--mesh", mesh, "--units", "m")
     (tmp_path / "empty").mkdir()
     assert "holds no kb.yaml; make a knowledge base with" in refused(tmp_path / "empty", "b", "--mesh", mesh, "--units", "m")

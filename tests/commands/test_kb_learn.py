@@ -9,11 +9,14 @@ import cv2
 import numpy as np
 import pytest
 from console import bytes_in, good, plogic
-from made_meshes import write_box
+from made_meshes import obj_text, write_box
 from painted_cube import CAMERA, picture, pose_towards, write_cube
 
 from geometry.frames import pose_error
 from kb.read import read_kb
+from plogic.commands.kb_learn import files_of
+from plogic.errors import InputError
+from sensing.simulated.camera import MAX_TRIANGLES
 from sensing.simulated.meshes import read_mesh
 
 FEWER = """\
@@ -21,7 +24,6 @@ import os
 import kb.learning.views as views
 count = int(os.environ.get("TEST_DIRECTIONS", "26"))
 views.PIXELS, views.DIRECTIONS = (160.0, 115.0, 80.0), count
-views.directions.__defaults__ = views.spacing.__defaults__ = (count,)
 """
 """Read by Python as it starts: the console script itself is as it is, its views are fewer and smaller."""
 MINE = "object: mine\nfeatures:\n  - {feature: f, type: apex, at: [0, 0, 0], appearances: []}\n"
@@ -184,3 +186,62 @@ def test_two_detectors_cannot_share_one_vocabulary(learnt, surroundings, tmp_pat
 def test_what_is_added_can_be_rendered(learnt):
     kind = read_kb(learnt[0]).type("cube")
     assert read_mesh(kind.mesh_file, kind.mesh_scale).texture is not None
+
+
+def test_a_cloud_and_words_go_where_the_folder_says(learnt, surroundings, tmp_path):
+    copy = shutil.copytree(learnt[0], tmp_path / "kb")
+    place = copy / "objects" / "cube"
+    for folder, file, old, new in [(copy, "kb.yaml", "words.npz", "vocabulary.npz"), (place, "object.yaml", "cloud.npz", "points.npz")]:
+        (folder / old).rename(folder / new)
+        (folder / file).write_text((folder / file).read_text().replace(old, new))
+    (copy / "vocabulary.npz").write_bytes((learnt[0] / "words.npz").read_bytes())
+    before = bytes_in(copy)
+    done = plogic("kb", "learn", "cube", "--jobs", 1, "--seed", 3, "--kb", copy, **surroundings | {"TEST_DIRECTIONS": "12"})
+    assert done.returncode == 0, done.stderr
+    after = bytes_in(copy)
+    assert after.keys() == before.keys()
+    assert {name for name in after if after[name] != before[name]} == {"vocabulary.npz", "objects/cube/points.npz"}
+    assert "no mistakes" in good("kb", "check", copy)
+
+
+def test_two_types_cannot_share_a_file(tmp_path):
+    from random_cloud import random_cloud, random_words
+
+    for name in ("a", "b"):
+        (tmp_path / "objects" / name).mkdir(parents=True)
+        (tmp_path / "objects" / name / "object.yaml").write_text(f"object: {name}\ncloud: {{file: ../both.npz}}\n")
+    (tmp_path / "kb.yaml").write_text("name: some\nappearance_types: []\n")
+    with pytest.raises(InputError, match=r"b/object.yaml: names .*both.npz for its cloud, which another file names too"):
+        files_of(tmp_path, random_words(), {"a": random_cloud(1), "b": random_cloud(2)})
+
+
+def test_meshes_that_cannot_be_rendered_are_all_told_at_once(folder, tmp_path):
+    count = MAX_TRIANGLES + 1
+    corners = np.random.default_rng(0).uniform(0, 1, (count + 2, 3))
+    fan = np.column_stack([np.zeros(count, int), np.arange(1, count + 1), np.arange(2, count + 2)])
+    text = obj_text(corners, fan, corners[:, :2], "textured.mtl").replace("usemtl paint", "usemtl painted")
+    write_cube(tmp_path)
+    for name in ("fine", "finer"):
+        good("kb", "add", name, "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", folder)
+        (folder / "objects" / name / "textured.obj").write_text(text)
+    good("kb", "add", "box", "--mesh", write_box(tmp_path / "box.obj"), "--units", "m", "--kb", folder)
+    good("kb", "add", "torn", "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", folder)
+    (folder / "objects" / "torn" / "texture.png").write_bytes(b"\x89PNG nothing")
+    lines = refused(folder, "cup")
+    assert [line.split(":")[1].strip() for line in lines] == ["cup"], "what was not named is not looked at"
+    lines = refused(folder)
+    assert sorted(line.split(":")[1].strip() for line in lines) == ["box", "fine", "finer", "torn"]
+    for line in lines:
+        assert ("textured.obj has 40001 triangles, more than the 40000 that can be rendered: simplify" in line) == ("fine" in line)
+
+
+def test_a_shipped_knowledge_base_is_not_changed(tmp_path, folder):
+    write_cube(tmp_path)
+    (tmp_path / "points.csv").write_text("1,2,3,4,5\n")
+    photo = ("--photo", tmp_path / "cube.png", "--points", tmp_path / "points.csv", "--mesh", tmp_path / "cube.obj", "--units", "m")
+    for words in (("t1",), ("new", *photo)):
+        done = plogic("kb", "learn", *words, "--kb", "towers", cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (1, "plogic: towers: is shipped with plogic: copy its folder, and change the copy\n")
+    assert not (tmp_path / "towers").exists()
+    (line,) = plogic("kb", "learn", "../..", *photo, "--kb", folder).stderr.splitlines()
+    assert line.startswith("plogic: '../..' is no name for a type")

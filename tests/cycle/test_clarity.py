@@ -19,18 +19,20 @@ from synthetic import camera_pose, data, posed_at, scene
 
 from plogic.attention import attend
 from plogic.evidence import (
-    FIXED_BY,
+    CLEAR,
     LEAST_CLEAR,
     LEAST_HIT,
     MOST_HIT,
     clarity,
     clutter_density,
+    counted,
     density,
     evidence,
     hit_rates,
     match_density,
     sigmas,
 )
+from plogic.freedom import log_share
 from plogic.search.indices import settle
 from plogic.search.learnt.looks import AROUND, BY_CHANCE
 
@@ -58,7 +60,8 @@ def test_clarity_is_what_was_found_of_what_was_hoped_for(count):
     thing, pose = ready(one_sided(1, 30)), pose_before(np.random.default_rng(5))
     posed, _ = settled(thing, pose, range(count))
     expected, found = posed.candidate, posed.candidate & posed.detected
-    assert clarity(posed) == pytest.approx(min(1.0, max(LEAST_CLEAR, found.sum() / posed.hit[expected].sum())))
+    shares = counted(posed)
+    assert clarity(posed) == pytest.approx(min(1.0, max(LEAST_CLEAR, shares[found].sum() / (shares * posed.hit)[expected].sum())))
     assert LEAST_CLEAR <= clarity(posed) <= 1.0
     rates = hit_rates(posed, thing.kb)
     assert ((rates >= LEAST_HIT) & (rates <= MOST_HIT)).all()
@@ -68,9 +71,10 @@ def test_clarity_is_what_was_found_of_what_was_hoped_for(count):
 def test_clarity_is_the_most_likely_share_where_all_rates_are_one(thing, pose):
     posed, _ = settled(thing, pose, range(12))
     posed = replace(posed, hit=np.full(30, 0.7))
-    found, shares = int((posed.candidate & posed.detected).sum()), np.linspace(0.01, 1, 2000)
-    likely = found * np.log(0.7 * shares) + (posed.candidate.sum() - found) * np.log(1 - 0.7 * shares)
-    assert clarity(posed) == pytest.approx(shares[likely.argmax()], abs=1e-3)
+    worth, tried = counted(posed), np.linspace(0.01, 1, 2000)
+    found, missed = (worth[posed.candidate & some].sum() for some in (posed.detected, ~posed.detected))
+    likely = found * np.log(0.7 * tried) + missed * np.log(1 - 0.7 * tried)
+    assert clarity(posed) == pytest.approx(tried[likely.argmax()], abs=1e-3)
 
 
 def test_what_is_hidden_is_not_hoped_for(thing, pose):
@@ -121,15 +125,39 @@ def test_what_is_everywhere_around_says_little(thing, pose):
 
 
 def test_the_ratio_is_the_sum_of_the_formulas(thing, pose):
+    """Each feature as much as it is counted, and the prior of clarity; the surplus is that times the share of poses that fit."""
     posed, of = settled(thing, pose, range(20))
-    rates, near, gains, misses = hit_rates(posed, thing.kb), match_density(posed, thing.kb), [], []
+    rates, near, shares, gains, misses = hit_rates(posed, thing.kb), match_density(posed, thing.kb), counted(posed), [], []
     for f in np.flatnonzero(posed.candidate):
+        if posed.matches[f] < 0:
+            misses.append(shares[f] * log(1 - rates[f]))
+            continue
         clutter = thing.kb.rates.clutter.get(of.types[posed.matches[f]], 1.0) / (of.camera.width * of.camera.height)
-        gain = log((rates[f] * near[f] + (1 - rates[f]) * clutter) / clutter)
-        (gains if posed.matches[f] >= 0 else misses).append(gain if posed.matches[f] >= 0 else log(1 - rates[f]))
+        gains.append(shares[f] * log((rates[f] * near[f] + (1 - rates[f]) * clutter) / clutter))
     assert len(gains) > 10
-    assert evidence(posed, of, thing.kb).ratio == pytest.approx(sum(gains) + sum(misses))
-    assert evidence(posed, of, thing.kb).surplus == pytest.approx(sum(sorted(gains)[:-FIXED_BY]) + sum(misses))
+    assert shares.min() < 1.0
+    found = evidence(posed, of, thing.kb)
+    assert found.ratio == pytest.approx(sum(gains) + sum(misses) + CLEAR * log(clarity(posed)))
+    used = posed.candidate & posed.detected
+    freedom = log_share(posed.at[used], shares[used] / posed.sigma[used] ** 2, posed.middle, of.camera)
+    assert found.surplus == pytest.approx(found.ratio + freedom)
+    assert freedom < -10.0
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(st.integers(0, 2**30 - 1))
+def test_what_is_hidden_says_nothing_also_to_freedom(bits):
+    thing, pose = ready(one_sided(1, 30)), pose_before(np.random.default_rng(5))
+    posed, of = settled(thing, pose, range(20))
+    hidden = np.array([bits >> f & 1 for f in range(30)], bool)
+    rates, near, shares = hit_rates(posed, thing.kb, hidden), match_density(posed, thing.kb), counted(posed)
+    used = posed.candidate & posed.detected & ~hidden
+    clutter = clutter_density(thing.kb, of, posed.matches[used])
+    gain = shares[used] * np.log((rates[used] * near[used] + (1 - rates[used]) * clutter) / clutter)
+    miss = (shares * np.log(1 - rates))[posed.candidate & ~posed.detected & ~hidden]
+    found = evidence(posed, of, thing.kb, hidden)
+    assert found.ratio == pytest.approx(gain.sum() + miss.sum() + CLEAR * log(clarity(posed, hidden)))
+    assert found.surplus - found.ratio == pytest.approx(log_share(posed.at[used], (shares / posed.sigma**2)[used], posed.middle, of.camera))
 
 
 def test_more_detections_are_more_evidence(thing, pose):

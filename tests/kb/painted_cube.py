@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 from made_meshes import QUADS, obj_text, split_box
 
 from geometry.camera import Camera
 from geometry.frames import look_at
+from kb.cones import even_directions
 from kb.learning import features, observations
-from kb.learning.views import AWAY, MARGIN, directions
+from kb.learning.views import AWAY, MARGIN
 from kb.learning.words import worded
 from kb.learnt import cloud_bytes
 from kb.words import words_bytes
-from sensing.keypoints import keypoints
+from sensing.keypoint_detector import described
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Sensor, render
 from sensing.simulated.lighting import Light
@@ -90,15 +91,19 @@ def sizes(pixels=PIXELS):
 
 
 def seen_of(mesh, viewpoints, detector="sift", seed=0):
-    """What learning sees of a mesh from these directions, by their numbers among ``directions(COUNT)``."""
-    detect, numbers = partial(keypoints, name=detector), list(viewpoints)
-    views = turned(mesh, [directions(COUNT)[i] for i in numbers], observations.PIXELS[0], MARGIN, AWAY)
+    """What learning sees of a mesh from these directions, by their numbers among ``even_directions(COUNT)``."""
+    numbers = list(viewpoints)
+    views = turned(mesh, [even_directions(COUNT)[i] for i in numbers], observations.PIXELS[0], MARGIN, AWAY)
+
+    def detect(image, cell):
+        return described(image, detector, cell=cell)
+
     return observations.joined([observations.observed(view, i, detect, seed) for i, view in zip(numbers, views, strict=True)])
 
 
 def facing(direction, within):
     """Numbers of the directions that are at most so far (degrees) from this one."""
-    near = directions(COUNT) @ (np.asarray(direction) / np.linalg.norm(direction)) >= np.cos(np.radians(within))
+    near = even_directions(COUNT) @ (np.asarray(direction) / np.linalg.norm(direction)) >= np.cos(np.radians(within))
     return np.flatnonzero(near).tolist()
 
 

@@ -87,7 +87,7 @@ class Here:
 
 
 def test_command_learns_what_the_photo_shows(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr("plogic.commands.kb_learn.ProcessPoolExecutor", Here)
+    monkeypatch.setattr("plogic.commands.kb_learn_look.ProcessPoolExecutor", Here)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr("kb.learning.views.DIRECTIONS", 16)
     monkeypatch.setattr("kb.learning.views.PIXELS", (230.0, 160.0))

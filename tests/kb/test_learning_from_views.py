@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from painted_cube import CORNER, COUNT, F_REF, PIXELS, SIDE, cloud, cube, facing, seen, seen_of, sizes
 
-from kb.learning.features import LEAST_SEEN, STEP, _lobes, _places, cloud_of
+from kb.cones import even_directions, spacing
+from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of
 from kb.learning.observations import EDGE, OFTEN, joined
 from kb.learning.variants import variant
-from kb.learning.views import directions, distance, spacing
+from kb.learning.views import AWAY, MARGIN, distance
 from kb.learnt import cloud_bytes, read_cloud
 from sensing.simulated.turntable import turned
 
@@ -38,7 +39,7 @@ def test_observations_are_unit_and_perpendicular_and_of_the_size_of_things():
     np.testing.assert_allclose(some.pixel * np.array(PIXELS)[some.level] / diameter, 1.0, atol=0.13)  # nearer or farther than the middle
     assert ((some.size > some.pixel) & (some.size < diameter)).all()
     assert ((some.hit >= OFTEN) & (some.hit <= 1)).all()
-    near = (some.direction * directions(COUNT)[some.view]).sum(axis=1)
+    near = (some.direction * even_directions(COUNT)[some.view]).sum(axis=1)
     assert (near > np.cos(np.arctan(0.5 / 4.5))).all()
 
 
@@ -68,28 +69,33 @@ def test_features_are_where_they_were_seen_and_their_lobes_hold_who_saw_them():
         assert len(mine) == len(lobes)
         for row, lobe in zip(mine, lobes, strict=True):
             assert (some.direction[lobe.members] @ here.axis[row] >= np.cos(here.half_angle[row])).all()
-            seen_at = [distance(PIXELS[level], SIDE * 3**0.5, F_REF) for level in some.level[lobe.members]]
-            assert here.r_min[row] == pytest.approx(min(seen_at) / STEP)
-            assert here.r_max[row] == pytest.approx(max(seen_at) * STEP)
+            levels = some.level[lobe.members].tolist()
+            nearest, farthest = (distance(PIXELS[level], SIDE * 3**0.5, F_REF) for level in (min(levels), max(levels)))
+            assert here.r_min[row] == pytest.approx(nearest / (END if min(levels) == 0 else STEP))
+            assert here.r_max[row] == pytest.approx(farthest * (END if max(levels) == len(PIXELS) - 1 else STEP))
             assert here.size[row] == pytest.approx(np.exp(np.log(some.size[lobe.members]).mean()))
 
 
 def test_the_cloud_is_one_that_can_be_read():
     here = cloud(seen())
     assert ((here.hit > 0) & (here.hit <= 1)).all()
-    assert (here.half_angle >= spacing(COUNT) / 2).all()
+    assert (here.half_angle >= BEYOND * spacing(COUNT)).all()
     assert np.abs((here.up * here.axis).sum(axis=1)).max() < 1e-9
     assert len(read_cloud(cloud_bytes(here)).at) == len(here.at)
 
 
 def test_a_hit_rate_is_what_was_found_of_the_pictures_that_could_have_shown_it():
-    """Also those of directions within the lobe that saw nothing, and of sizes between the largest and the smallest that did."""
+    """Also those of directions within the lobe that saw nothing, and of sizes between the largest and the smallest that did.
+
+    A lobe that holds fewer directions than a cone of its size holds on average counts as many as that.
+    """
     some, here, row = seen(), cloud(seen()), 0
     for group in sorted((g for g in _places(some) if len(g) >= LEAST_SEEN), key=lambda g: int(g[0])):
         for lobe in _lobes(some, group, COUNT):
             levels = some.level[lobe.members].tolist()
-            could = [i for i, d in enumerate(directions(COUNT)) if d @ here.axis[row] >= np.cos(here.half_angle[row])]
-            found = some.hit[lobe.members].sum() / (len(could) * (max(levels) - min(levels) + 1))
+            could = [i for i, d in enumerate(even_directions(COUNT)) if d @ here.axis[row] >= np.cos(here.half_angle[row])]
+            average = COUNT * (1 - np.cos(here.half_angle[row])) / 2
+            found = some.hit[lobe.members].sum() / (max(len(could), average) * (max(levels) - min(levels) + 1))
             assert here.hit[row] == pytest.approx(min(1.0, found))
             row += 1
     assert row == len(here.hit)
@@ -159,21 +165,11 @@ def test_the_most_seen_features_are_kept_in_order():
 
 
 def test_a_variant_shows_the_object_before_a_background_that_is_never_the_same():
-    view = next(iter(turned(cube(), [directions(COUNT)[FEW[0]]], PIXELS[0], 1.25, 5.0)))
+    view = next(iter(turned(cube(), [even_directions(COUNT)[FEW[0]]], PIXELS[0], MARGIN, AWAY)))
     one, again = (variant(view, PIXELS[1], np.random.default_rng(1)) for _ in range(2))
     other = variant(view, PIXELS[1], np.random.default_rng(2))
     assert one.dtype == np.uint8
-    assert one.shape == (round(view.image.shape[0] * PIXELS[1] / view.pixels),) * 2 + (3,)
+    assert one.shape == (*(round(side * PIXELS[1] / view.pixels) for side in view.image.shape[:2]), 3)
     assert np.array_equal(one, again)
     assert np.abs(one[:5].astype(int) - other[:5]).mean() > 20
     assert EDGE < view.mask.sum() < view.mask.size
-
-
-def test_directions_are_spread_evenly():
-    for count in (1, 12, 80):
-        some = directions(count)
-        np.testing.assert_allclose(np.linalg.norm(some, axis=1), 1.0)
-        if count > 1:
-            nearest = np.sort(np.arccos(np.clip(some @ some.T, -1, 1)), axis=1)[:, 1]
-            assert nearest.min() > 0.6 * spacing(count)
-            assert nearest.max() < 1.2 * spacing(count)

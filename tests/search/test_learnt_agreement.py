@@ -1,4 +1,4 @@
-"""Pairs of like descriptors, their agreement with poses, votes and one-to-one choice, each against a loop over all."""
+"""The agreement of pairs with poses, votes and one-to-one choice, each against a loop over all."""
 
 from math import acos, atan2, exp, hypot, inf, log, pi
 
@@ -13,8 +13,10 @@ from geometry.frames import transform_points
 from plogic.search.data import centre_of, data_of
 from plogic.search.indices import generate
 from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, one_to_one, screen_angle, votes
-from plogic.search.learnt.pairs import ALIKE, EACH, Pairs, pairs_of
-from plogic.search.learnt.pairs import spread as spread_out
+from plogic.search.learnt.pairs import Pairs, pairs_of
+
+SINGLE = 5e-4
+"""Pixels: a place in the image, of some hundred pixels, in single precision after a rotation and a division."""
 
 
 def pairs(datum, lobe, weight=None):
@@ -57,7 +59,7 @@ def test_agreement_is_what_a_loop_over_poses_and_pairs_says(seed, share, pixels)
         assert found.tolerance[h] == pytest.approx(share * thing.index.diameter * data.camera.f / depth + pixels)
         for p in range(len(some)):
             expected = residual_by_hand(thing.index, pose, lobes[p], some.datum[p], data, found.tolerance[h])
-            assert found.residual[h, p] == pytest.approx(expected, abs=1e-6)
+            assert found.residual[h, p] == pytest.approx(expected, abs=SINGLE)
 
 
 def test_a_scene_agrees_with_its_own_pose_wholly():
@@ -104,41 +106,6 @@ def test_votes_and_the_choice_of_one_each_are_those_of_loops(seed, count):
         assert kept[h].tolist() == row.tolist()
         chosen = np.flatnonzero(kept[h])
         assert len(set(datum[chosen].tolist())) == len(set(feature[chosen].tolist())) == len(chosen)
-
-
-@settings(max_examples=15, deadline=None, derandomize=True)
-@given(st.integers(0, 99), st.sampled_from([32, 128]))
-def test_pairs_are_the_most_alike_features_of_each_keypoint(seed, width):
-    rng = np.random.default_rng(seed)
-    base = rng.integers(0, 256, (4, width), np.uint8)
-    cloud = random_cloud(seed, 9, 20, width=width, descriptor=spoilt(rng, base[rng.integers(0, 4, 20)]))
-    thing = ready(cloud)
-    data = gamma_at(cloud, rng.integers(0, 20, 6), pose_before(rng))
-    data.described[2] = False
-    limit, found = ALIKE[256 if width == 32 else 128], pairs_of(thing.index, data)
-    apart = np.linalg.norm(spread_out(data.descriptors).astype(float)[:, None] - spread_out(cloud.descriptor)[None], axis=2)
-    apart[apart >= limit] = inf
-    apart[~data.described] = inf
-    order = np.argsort(np.argsort(apart, axis=0, kind="stable"), axis=0, kind="stable")
-    weight = np.where(apart < inf, np.exp(-0.5 * (np.minimum(apart, limit) / limit) ** 2) / (1 + 0.5 * order), 0.0)
-    for d in range(6):
-        mine = np.flatnonzero(found.datum == d)
-        best = [weight[d][cloud.feature == f].max(initial=0.0) for f in range(9)]
-        assert len(mine) == min(EACH, np.count_nonzero(best))
-        assert sorted(found.weight[mine]) == pytest.approx(sorted(best)[9 - len(mine) :], rel=1e-4)
-        np.testing.assert_allclose(found.weight[mine], weight[d, found.lobe[mine]], rtol=1e-4)
-        np.testing.assert_allclose(found.apart[mine], apart[d, found.lobe[mine]] * ALIKE[128] / limit, atol=1e-2)
-        assert len(set(cloud.feature[found.lobe[mine]].tolist())) == len(mine)
-    assert (np.diff(found.weight) <= 1e-12).all()
-    assert ((found.weight > 0) & (found.weight <= 1)).all()
-    assert found.first(2).weight.tolist() == found.weight[:2].tolist()
-
-
-def spoilt(rng, descriptors):
-    """The same with some noise: a few bits of 32 bytes, some grey levels of 128."""
-    if descriptors.shape[1] == 32:
-        return descriptors ^ np.packbits(rng.random((len(descriptors), 256)) < 0.1, axis=1)
-    return np.clip(descriptors + rng.normal(0, 15, descriptors.shape), 0, 255).astype(np.uint8)
 
 
 def test_descriptors_of_another_width_pair_with_nothing():

@@ -11,7 +11,8 @@ from sensing.appearance import Gamma
 from sensing.detector import detect
 from sensing.errors import DetectorError
 from sensing.gamma_files import gamma_from_dict, gamma_to_dict
-from sensing.keypoints import LEAST_SIDE, MOST, WIDTHS, KeypointDetector, keypoints
+from sensing.keypoint_detector import KeypointDetector
+from sensing.keypoints import LEAST_SIDE, MOST, WIDTHS, keypoints
 
 BOTH = pytest.mark.parametrize("name", ["sift", "orb"])
 

@@ -6,11 +6,11 @@ from painted_cube import SIDE, cube
 
 from geometry.frames import inverse, transform_points
 from geometry.rays import RayMesh
-from kb.learning.views import directions
+from kb.cones import even_directions
 from sensing.simulated.body import TexturedMesh
 from sensing.simulated.turntable import FINER, extent, turned
 
-PIXELS, MARGIN, AWAY = 90.0, 1.25, 5.0
+PIXELS, MARGIN, AWAY = 90.0, 0.125, 5.0
 
 
 def pictures(mesh, viewpoints):
@@ -26,7 +26,7 @@ def tetrahedron(size=0.2):
 def test_depth_is_where_rays_meet_the_mesh(mesh):
     diameter, rays = extent(mesh.vertices)[1], RayMesh(mesh.vertices, mesh.triangles)
     rng = np.random.default_rng(0)
-    for turn in pictures(mesh, directions(5)):
+    for turn in pictures(mesh, even_directions(5)):
         assert turn.pixels == FINER * PIXELS
         v, u = np.nonzero(turn.mask)
         some = rng.choice(len(u), 200, replace=False)
@@ -53,7 +53,7 @@ def between(depth, uv):
 def test_visible_points_of_the_mesh_project_to_their_own_depth(mesh):
     diameter, rays, checked = extent(mesh.vertices)[1], RayMesh(mesh.vertices, mesh.triangles), 0
     middle = mesh.corners.mean(axis=1)
-    for turn in pictures(mesh, directions(6)):
+    for turn in pictures(mesh, even_directions(6)):
         viewpoint = turn.camera.world_from_camera[:3, 3]
         towards = viewpoint - middle
         steep = (mesh.normals * towards).sum(axis=1) > 0.25 * np.linalg.norm(towards, axis=1)
@@ -63,24 +63,28 @@ def test_visible_points_of_the_mesh_project_to_their_own_depth(mesh):
     assert checked > 6
 
 
-def test_the_body_fills_the_picture_and_no_more():
-    for turn in pictures(cube(), directions(9)):
-        side = turn.image.shape[0]
-        assert turn.image.shape == (side, side, 3)
-        assert turn.mask.shape == turn.depth.shape == (side, side)
-        assert turn.camera.width == turn.camera.height == side
-        assert side == FINER * round(PIXELS * MARGIN)
+@pytest.mark.parametrize("margin", [0.0, 0.03, MARGIN, 1.25])
+def test_the_body_and_its_margin_fill_the_picture_and_no_more(margin):
+    seen = set()
+    for turn in turned(cube(), even_directions(9), PIXELS, margin, AWAY):
+        height, width = turn.mask.shape
+        assert turn.image.shape == (height, width, 3)
+        assert turn.depth.shape == (height, width)
+        assert (turn.camera.width, turn.camera.height) == (width, height)
         v, u = np.nonzero(turn.mask)
-        assert min(u.min(), v.min()) > 0
-        assert max(u.max(), v.max()) < side - 1
+        left = np.array([u.min(), v.min(), width - 1 - u.max(), height - 1 - v.max()])
+        assert (left <= round(margin * turn.pixels)).all()
+        assert (left > margin * turn.pixels - 1 - 0.01 * turn.pixels).all()  # a corner near the viewpoint looks a little larger
         assert max(np.ptp(u), np.ptp(v)) > 0.5 * turn.pixels
         distance = np.linalg.norm(turn.camera.world_from_camera[:3, 3])
         assert distance == pytest.approx(AWAY * SIDE * 3**0.5)
+        seen.add((height, width))
+    assert len(seen) > 3
 
 
 @pytest.mark.parametrize("side", [0.01, 1.0, 50.0])
 def test_dice_and_buildings_give_the_same_picture(side):
-    viewpoints = [*directions(3), np.array([0.0, 0, 1]), np.array([0.0, 0, -1])]
+    viewpoints = [*even_directions(3), np.array([0.0, 0, 1]), np.array([0.0, 0, -1])]
     for one, other in zip(pictures(cube(), viewpoints), pictures(cube(side), viewpoints), strict=True):
         assert (one.mask != other.mask).mean() < 1e-3
         assert np.abs(one.image.astype(int) - other.image).mean() < 0.1

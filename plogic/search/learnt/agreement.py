@@ -41,15 +41,15 @@ def agreement(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share
     """Of poses (H, 4, 4); a pair agrees in place within ``share`` of the object's diameter on the screen plus ``pixels``."""
     f, lobe, datum = data.camera.f, pairs.lobe, pairs.datum
     R, t = poses[:, :3, :3], poses[:, :3, 3]
-    places, ideal = index.places[lobe], data.ideal[datum] - centre_of(data.camera)
-    x, y, z = (R[:, axis] @ places.T + t[:, axis, None] for axis in range(3))
-    depth = np.maximum(z, 1e-6)
-    residual = np.hypot(x / depth * f - ideal[:, 0], y / depth * f - ideal[:, 1])
+    places, ideal = index.places[lobe].astype(np.float32), (data.ideal[datum] - centre_of(data.camera)).astype(np.float32)
+    x, y, z = (R[:, axis].astype(np.float32) @ places.T + t[:, axis, None].astype(np.float32) for axis in range(3))
+    pixels_a_metre = np.float32(f) / np.maximum(z, np.float32(1e-6))
+    residual = np.hypot(x * pixels_a_metre - ideal[:, 0], y * pixels_a_metre - ideal[:, 1])
     tolerance = share * index.diameter * f / np.maximum(R[:, 2] @ index.centre + t[:, 2], 1e-6) + pixels
     h, p = np.nonzero((residual <= tolerance[:, None]) & (z > 1e-6))
     at = np.column_stack([x[h, p], y[h, p], z[h, p]])
     right = _right(index, R[h], t[h], at, (lobe[p], data.scale[datum[p]], data.angle[datum[p]]), f)
-    result = np.full(residual.shape, np.inf)
+    result = np.full(residual.shape, np.inf, np.float32)
     result[h[right], p[right]] = residual[h[right], p[right]]
     return Agreement(result, tolerance)
 

@@ -34,6 +34,8 @@ REFINED, VERIFIED = 24, 5
 """Poses that are refined, and those of them that are settled, the best by votes and no two alike."""
 APART, TURNED = 0.12, 0.35
 """Two poses are alike whose middles are nearer than this share of the distance and whose rotations differ by less, radians."""
+HOPELESS = -20.0
+"""What a pose explains beyond chance before it is settled may be so little, and no less: settling adds a few nats, not twenty."""
 STEPS = 4
 """Steps of a round of refinement: the next round goes on from there."""
 ROBUST = 2.0
@@ -52,7 +54,9 @@ def generate(index: LearntIndex, data: Data, kb: KnowledgeBase, *, refined: int 
     kept = poses[_apart(index, poses, worth, refined)]
     best = _refined(index, kept, pairs, data)
     best = _refined(index, np.concatenate([best[:verified], tilted(index, best[:verified], pairs, data)]), pairs, data) if len(best) else best
-    settled = [settle(index, pose, data, kb, rounds=2) for pose in _distinct_poses(index, best, verified)]
+    seen = [settle(index, pose, data, kb, rounds=0) for pose in _distinct_poses(index, best, verified)]
+    hopeful = [posed for posed in seen if _enough(posed) and evidence(posed, data, kb).surplus > HOPELESS]
+    settled = [settle(index, posed.camera_from_object, data, kb, rounds=2) for posed in hopeful]
     scored = [(evidence(posed, data, kb).ratio, posed) for posed in settled if _enough(posed)]
     return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
 
@@ -63,15 +67,17 @@ def _enough(posed: Posed) -> bool:
 
 def _apart(index: LearntIndex, poses: Floats, worth: Floats, most: int) -> list[int]:
     """The best by votes, no two alike."""
-    middle = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
+    order = np.argsort(-worth, kind="stable")
+    R, middle = poses[order, :3, :3], poses[order, :3, :3] @ index.centre + poses[order, :3, 3]
+    limits, turns = (APART * np.linalg.norm(middle, axis=1)) ** 2, R.reshape(len(R), 9)
+    left = np.ones(len(order), bool)
     chosen: list[int] = []
-    for i in np.argsort(-worth, kind="stable"):
-        near = np.linalg.norm(middle[chosen] - middle[i], axis=1) < APART * np.linalg.norm(middle[i])
-        turned = np.einsum("hij,ij->h", poses[chosen][:, :3, :3], poses[i, :3, :3]) > 1.0 + 2.0 * np.cos(TURNED)
-        if not (near & turned).any():
-            chosen.append(int(i))
-            if len(chosen) == most:
-                break
+    while left.any() and len(chosen) < most:
+        i = int(left.argmax())
+        chosen.append(int(order[i]))
+        near = ((middle - middle[i]) ** 2).sum(axis=1) < limits
+        left &= ~(near & (turns @ turns[i] > 1.0 + 2.0 * np.cos(TURNED)))
+        left[i] = False
     return chosen
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.search.learnt.pairs import spread
+from plogic.search.learnt.lexicon import Lexicon, lexicon_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-
 @dataclass(frozen=True, eq=False)
 class LearntIndex:
-    """``points`` (F, 3) metres; ``weights`` (F,) dv; ``cloud`` with its L appearances."""
+    """``points`` (F, 3) metres; ``weights`` (F,) dv; ``cloud`` with its L appearances; ``lexicon`` where they are looked up."""
 
     object_type: ObjectType
     cloud: LearntCloud
     weights: Floats
+    lexicon: Lexicon
 
     @property
     def points(self) -> Floats:
@@ -49,21 +49,6 @@ class LearntIndex:
         return self.cloud.at[self.cloud.feature]
 
     @cached_property
-    def first(self) -> NDArray[np.intp]:
-        """(F + 1,) where each feature's appearances begin among the L."""
-        return np.searchsorted(self.cloud.feature, np.arange(len(self.points) + 1))
-
-    @cached_property
-    def descriptors(self) -> NDArray[np.float32]:
-        """(L, D) to be compared by Euclid's distance."""
-        return spread(self.cloud.descriptor)
-
-    @cached_property
-    def squares(self) -> NDArray[np.float32]:
-        """(L,) their squared lengths."""
-        return np.asarray((self.descriptors**2).sum(axis=1))
-
-    @cached_property
     def centre(self) -> Floats:
         """(3,) middle of the features, object frame."""
         surface = self.object_type.surface
@@ -77,8 +62,9 @@ class LearntIndex:
         return float(surface.diameter if surface is not None else np.linalg.norm(np.ptp(self.points, axis=0)))
 
 
-def learnt_index(object_type: ObjectType, dv: Mapping[str, float]) -> LearntIndex:
-    """The index of a type with a learnt cloud; dv 0 throughout counts every feature alike."""
-    assert object_type.learnt is not None  # noqa: S101 - the caller looks
+def learnt_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> LearntIndex:
+    """The index of a type with a learnt cloud; dv 0 throughout counts every feature alike. Without a lexicon it has one of its own."""
+    cloud = object_type.learnt
+    assert cloud is not None  # noqa: S101 - the caller looks
     weights = np.array([dv[feature.type] for feature in object_type.features])
-    return LearntIndex(object_type, object_type.learnt, weights if weights.any() else np.ones(len(weights)))
+    return LearntIndex(object_type, cloud, weights if weights.any() else np.ones(len(weights)), lexicon or lexicon_of({object_type.name: cloud}))

@@ -9,13 +9,15 @@ appearance.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.frames import inverse
 from plogic.evidence import clutter_density
-from plogic.search.learnt.agreement import ANGLES, SIZES, screen_angle
-from plogic.search.learnt.pairs import ALIKE, spread
+from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, screen_angle
+from plogic.search.learnt.lexicon import FARTHEST, spread
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,10 +30,12 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
-LOOSER = 1.1
+LOOSER = 1.22
 """Descriptors may be this much farther apart where the pose says what to look for than where nothing is known."""
 AROUND = 50.0
 """Pixels around a match within which clutter that looks right is counted."""
+SAME = 10.0
+"""Pixels around a match within which what looks right is the same thing, seen again at another point of its edge."""
 BY_CHANCE = 0.06
 """Chance that a keypoint of clutter has the angle (0.6 rad either way of 2π) and the size (a factor of 1.6 either way) that a pose demands."""
 
@@ -52,36 +56,44 @@ class RightPairs:
         return by
 
 
-def right_pairs(index: LearntIndex, posed: Posed, data: Data, features: Indices, described: Indices, reach: float) -> RightPairs:
-    """Of some features and some keypoints (both increasing), those within ``reach`` pixels of where the feature is that look right."""
-    from scipy.spatial import cKDTree
+def right_pairs(index: LearntIndex, posed: Posed, data: Data, features: Indices, free: NDArray[np.bool_], reach: float) -> RightPairs:
+    """Of some features (increasing) and the keypoints that are ``free`` (A,), those within ``reach`` pixels of where the feature is that look right.
 
-    nothing = np.zeros(0, np.intp)
-    if not len(features) or not len(described):
-        return RightPairs(nothing, nothing, nothing, nothing)
-    found = cKDTree(data.uv[described]).query_ball_point(posed.uv[features], reach, return_sorted=True)
+    A feature looks as it does from about this viewpoint: only by lobes whose axis is not far from it.
+    """
+    lobes = lobes_about(index, posed.camera_from_object)
+    first = np.searchsorted(index.cloud.feature[lobes], np.arange(len(index.points) + 1))
+    features = features[np.diff(first)[features] > 0]
+    found = data.tree.query_ball_point(posed.uv[features], reach, return_sorted=True) if len(features) else []
     feature = np.repeat(features, [len(some) for some in found])
-    datum = described[np.concatenate([np.asarray(some, np.intp) for some in found])]
-    count = np.diff(index.first)[feature]
-    lobe = np.repeat(index.first[feature], count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    datum = np.fromiter(chain.from_iterable(found), np.intp)
+    some = free[datum]
+    feature, datum = feature[some], datum[some]
+    count = np.diff(first)[feature]
+    place = np.repeat(first[feature], count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     pair = np.repeat(np.arange(len(feature)), count)
-    right = _right(index, posed, data, lobe, datum[pair])
+    right = _right(index, posed, data, lobes, place, datum[pair])
     some, pair = np.unique(pair[right], return_inverse=True)
-    return RightPairs(feature[some], datum[some], np.asarray(pair, np.intp), lobe[right])
+    return RightPairs(feature[some], datum[some], np.asarray(pair, np.intp), lobes[place[right]])
 
 
-def _right(index: LearntIndex, posed: Posed, data: Data, lobe: Indices, datum: Indices) -> NDArray[np.bool_]:
-    """(N,) whether a keypoint looks as an appearance would at this pose."""
-    at = posed.at[index.cloud.feature[lobe]]
-    size = index.cloud.size[lobe] * data.camera.f / np.maximum(at[:, 2], 1e-6)
-    right = np.abs(np.log(size / data.scale[datum])) < SIZES
-    turned = screen_angle(index.cloud.up[lobe] @ posed.camera_from_object[:3, :3].T, at) - data.angle[datum]
-    right &= np.abs((turned + np.pi) % (2.0 * np.pi) - np.pi) < ANGLES
-    some = np.flatnonzero(right)
-    if len(some):
-        mine = index.descriptors[lobe[some]]
-        right[some] = np.linalg.norm(mine - spread(data.descriptors[datum[some]]), axis=1) < LOOSER * ALIKE[mine.shape[1]]
-    return np.asarray(right)
+def lobes_about(index: LearntIndex, pose: Floats) -> Indices:
+    """Indices of the lobes that hold the viewpoint, or would if they were wider by ``ASIDE``."""
+    line = inverse(pose)[:3, 3] - index.places
+    wide = np.cos(np.minimum(index.cloud.half_angle + ASIDE, GRAZING))
+    return np.flatnonzero((line * index.cloud.axis).sum(axis=1) >= wide * np.linalg.norm(line, axis=1))
+
+
+def _right(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, place: Indices, datum: Indices) -> Indices:
+    """Which of N pairs look right: of an appearance of this pose, ``place`` (N,) in ``lobes``, and a keypoint ``datum`` (N,)."""
+    at = posed.at[index.cloud.feature[lobes]]
+    size = np.log(index.cloud.size[lobes] * data.camera.f / np.maximum(at[:, 2], 1e-6))
+    turn = screen_angle(index.cloud.up[lobes] @ posed.camera_from_object[:3, :3].T, at)
+    right = np.flatnonzero(np.abs(size[place] - np.log(data.scale[datum])) < SIZES)
+    turned = turn[place[right]] - data.angle[datum[right]]
+    right = right[np.abs((turned + np.pi) % (2.0 * np.pi) - np.pi) < ANGLES]
+    mine, its = (spread(some) for some in (index.cloud.descriptor[lobes[place[right]]], data.descriptors[datum[right]]))
+    return np.asarray(right[((mine - its) ** 2).sum(axis=1) < (LOOSER * FARTHEST[mine.shape[1]]) ** 2])
 
 
 def likeness(index: LearntIndex, posed: Posed, matches: Indices, data: Data, kb: KnowledgeBase) -> Floats:
@@ -93,8 +105,9 @@ def likeness(index: LearntIndex, posed: Posed, matches: Indices, data: Data, kb:
     result = np.ones(len(matches))
     found = np.flatnonzero(matches >= 0)
     if len(found):
-        wide = right_pairs(index, posed, data, found, np.flatnonzero(data.described), AROUND)
-        others = np.bincount(wide.feature[wide.datum != matches[wide.feature]], minlength=len(matches))[found]
-        usual = clutter_density(kb, data)[matches[found]]
+        wide = right_pairs(index, posed, data, found, data.described, AROUND)
+        apart = np.linalg.norm(data.uv[wide.datum] - data.uv[matches[wide.feature]], axis=1)
+        others = np.bincount(wide.feature[apart > SAME], minlength=len(matches))[found]
+        usual = clutter_density(kb, data, matches[found])
         result[found] = usual / (others / (np.pi * AROUND**2) + BY_CHANCE * usual)
     return result

@@ -10,29 +10,32 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.search.learnt.lexicon import FARTHEST
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.search.data import Data
     from plogic.search.learnt.index import LearntIndex
 
-ALIKE = {128: 300.0, 256: 8.5}
-"""Farthest descriptors of a pair, by their length as vectors: of SIFT, and of ORB's bits (72 of them)."""
 EACH = 3
 """Features that a keypoint is paired with, the most alike."""
-NTH = 15
-"""Keypoints that an appearance is paired with, the most alike: of more, each would count an eighth at most."""
+NTH = 8
+"""Keypoints that an appearance is paired with, the most alike."""
+CLOSE, OFF = 120.0, 100.0
+"""Descriptors no farther apart are as good as equal; of those farther apart fewer are right, by a bell of this width. As measured."""
 MOST, SEEDS = 2500, 700
-"""Pairs in all, the weightiest; those of them that poses are made of."""
-_BLOCK = 1024
+"""Pairs in all; those of them that poses are made of."""
+CELL = 64.0
+"""Pixels: half of the pairs are taken in turns from cells of the image this wide, so that no textured floor drowns an object."""
 
 
 @dataclass(frozen=True)
 class Pairs:
-    """P keypoints and appearances that look alike, the weightiest first.
+    """P keypoints and appearances that look alike: half of them the weightiest, half of them the weightiest of each part of the image.
 
-    ``weight`` (P,) in (0, 1]: 1 for the keypoint of the image that looks most like the appearance, half for the third, and so on. What
-    looks like much else in the image says little: a corner of a letter is anywhere in print.
+    ``weight`` (P,) in (0, 1], about as the odds that a pair is right: 1 for the keypoint of the image that looks most like the appearance, a
+    third for the second, and so on. What looks like much else in the image says little: a corner of a letter is anywhere in print.
     """
 
     datum: NDArray[np.intp]
@@ -44,49 +47,42 @@ class Pairs:
         return len(self.datum)
 
     def first(self, count: int) -> Pairs:
-        """The weightiest."""
+        """The first of them, again half and half."""
         return Pairs(self.datum[:count], self.lobe[:count], self.apart[:count], self.weight[:count])
-
-
-def spread(descriptors: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """(N, D) as vectors whose distance is Euclid's (SIFT) or the root of Hamming's (ORB)."""
-    return np.unpackbits(descriptors, axis=1).astype(np.float32) if descriptors.shape[1] == 32 else descriptors.astype(np.float32)
 
 
 def pairs_of(index: LearntIndex, data: Data) -> Pairs:
     """At most ``EACH`` features a keypoint, by their most similar appearance, and ``MOST`` pairs."""
-    described = np.flatnonzero(data.described)
-    if not len(described) or not len(index.squares):
-        return Pairs(np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0), np.zeros(0))
-    some = spread(data.descriptors[described])
-    limit = ALIKE[some.shape[1]]
-    rows, lobes, squares = [], [], []
-    for start in range(0, len(some), _BLOCK):
-        block = some[start : start + _BLOCK]
-        apart = block @ index.descriptors.T
-        apart *= -2.0
-        apart += index.squares
-        near, lobe = np.nonzero(apart < (limit**2 - (block**2).sum(axis=1))[:, None])
-        rows.append(near + start)
-        lobes.append(lobe)
-        squares.append(apart[near, lobe] + (block[near] ** 2).sum(axis=1))
-    row, lobe = np.concatenate(rows), np.concatenate(lobes)
-    distance = np.sqrt(np.maximum(np.concatenate(squares), 0.0)).astype(np.float64) * (ALIKE[128] / limit)
-    return _best(index, described[row], lobe, distance)
+    return _best(index, data, *index.lexicon.alike(index.object_type.name, data))
 
 
-def _best(index: LearntIndex, datum: NDArray[np.intp], lobe: NDArray[np.intp], apart: NDArray[np.float64]) -> Pairs:
-    order = np.argsort(lobe + apart / (2.0 * ALIKE[128]), kind="stable")
-    starts = np.searchsorted(lobe[order], np.arange(len(index.squares)))
+def _best(index: LearntIndex, data: Data, datum: NDArray[np.intp], lobe: NDArray[np.intp], apart: NDArray[np.float64]) -> Pairs:
+    order = np.argsort(lobe + apart / (2.0 * FARTHEST[128]), kind="stable")
+    starts = np.searchsorted(lobe[order], np.arange(len(index.places)))
     place = np.arange(len(lobe)) - starts[lobe[order]]
     order, place = order[place < NTH], place[place < NTH]
     datum, lobe, apart = datum[order], lobe[order], apart[order]
-    weight = np.exp(-0.5 * (apart / ALIKE[128]) ** 2) / (1.0 + 0.5 * place)
+    weight = np.exp(-0.5 * (np.maximum(apart - CLOSE, 0.0) / OFF) ** 2) / (1.0 + place) ** 1.5
     feature = index.cloud.feature[lobe]
     keep = _leading(np.lexsort((lobe, -weight, feature, datum)), datum * len(index.points) + feature, 1)
     keep = _leading(keep[np.lexsort((lobe[keep], -weight[keep], datum[keep]))], datum, EACH)
-    best = keep[np.lexsort((lobe[keep], datum[keep], -weight[keep]))[:MOST]]
+    keep = keep[np.lexsort((lobe[keep], datum[keep], -weight[keep]))]
+    best = keep[_fairly(data.uv[datum[keep]])[:MOST]]
     return Pairs(datum[best], lobe[best], apart[best], weight[best])
+
+
+def _fairly(uv: NDArray[np.float64]) -> NDArray[np.intp]:
+    """(N,) order of pairs at places (N, 2), the weightiest first: by turns the weightiest left and the next cell's weightiest left.
+
+    The cells' turns: the first of every cell of the image, then the second of every one, and so on.
+    """
+    column, row = np.floor(uv / CELL).astype(np.intp).T + 1
+    cell = row * (column.max(initial=0) + 1) + column
+    order = np.argsort(cell, kind="stable")
+    turn, place = np.empty(len(uv), np.intp), np.empty(len(uv), np.intp)
+    turn[order] = np.arange(len(uv)) - np.searchsorted(cell[order], cell[order])
+    place[np.argsort(turn, kind="stable")] = np.arange(len(uv))
+    return np.argsort(np.minimum(2 * np.arange(len(uv)), 2 * place + 1), kind="stable")
 
 
 def _leading(order: NDArray[np.intp], owner: NDArray[np.intp], most: int) -> NDArray[np.intp]:

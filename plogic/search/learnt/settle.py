@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.frames import inverse, transform_points
+from plogic.evidence import counted, evidence
 from plogic.expectation import Posed, assigned
+from plogic.search.learnt.agreement import screen_angle
 from plogic.search.learnt.looks import likeness, right_pairs
 from plogic.search.settling import FEWEST, polished, settled
 
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
 ROBUST = 1.5
 MEDIAN = 1.177
 """Median of the distance of two normal errors of σ = 1."""
-NOISE = (0.3, 1.5)
+NOISE = (0.3, 2.0)
 """Bounds of the location noise, pixels."""
 
 
@@ -46,9 +48,9 @@ def settle(
         return matched(index, pose_of(index, pose, data, kb), data, kb, free, hidden)
 
     def better(posed: Posed) -> Floats | None:
-        return polished(posed, index.points, np.ones(len(index.points)), data, hidden, ROBUST)
+        return polished(posed, index.points, precision(posed), data, hidden, ROBUST)
 
-    return settled(pose, match, better, rounds)
+    return settled(pose, match, better, rounds, lambda posed: evidence(posed, data, kb, hidden).ratio)
 
 
 def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> Posed:
@@ -57,9 +59,11 @@ def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> 
     at = transform_points(pose, index.points)
     uv = camera.project(at)
     held = lobes_held(index, pose, camera.f / kb.f_ref)
-    hit = np.zeros(len(at))
-    np.maximum.at(hit, cloud.feature[held], cloud.hit[held])
     count = len(at)
+    best = held[np.lexsort((cloud.hit[held], cloud.feature[held]))]  # of each feature the lobe of the greatest rate comes last
+    hit, turn = np.zeros(count), np.zeros(count)
+    hit[cloud.feature[best]] = cloud.hit[best]
+    turn[cloud.feature[best]] = screen_angle(cloud.up[best] @ pose[:3, :3].T, at[cloud.feature[best]])
     return Posed(
         object_type=index.object_type,
         camera_from_object=pose,
@@ -72,6 +76,7 @@ def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> 
         matches=np.full(count, -1, np.intp),
         residual=np.full(count, np.nan),
         hit=hit,
+        turn=turn,
     )
 
 
@@ -94,7 +99,7 @@ def matched(
 ) -> Posed:
     """The hypothesis' one assignment (D8): expected features first, then unexpected ones; one keypoint a feature, one feature a keypoint."""
     expected = posed.candidate if hidden is None else posed.candidate & ~hidden
-    described = np.flatnonzero(data.described if free is None else data.described & free)
+    described = data.described if free is None else data.described & free
     near = right_pairs(index, posed, data, np.flatnonzero(posed.in_image), described, kb.rates.match_tolerance)
     feature, datum, held = near.feature, near.datum, near.held(lobes_held(index, posed.camera_from_object, data.camera.f / kb.f_ref))
     off = np.linalg.norm(posed.uv[feature] - data.uv[datum], axis=1)
@@ -112,6 +117,12 @@ def matched(
         sigma=np.hypot(blur(residual[used]), index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)),
         likeness=likeness(index, posed, matches, data, kb),
     )
+
+
+def precision(posed: Posed) -> Floats:
+    """(F,) 1/pixel² of each match's place, as much as it is counted; what lies far off for this noise is likely another's."""
+    assert posed.sigma is not None  # noqa: S101 - of a learnt type it was measured
+    return np.nan_to_num(counted(posed) / (posed.sigma**2 + 0.25 * posed.residual**2))
 
 
 def blur(residual: Floats) -> float:

@@ -1,0 +1,128 @@
+"""All learnt types' appearances by visual word: of a keypoint only those of its nearest words are looked at, for all types at once.
+
+* ``Lexicon``: the L appearances of all types; ``alike(name, data)`` says which of one type look like which keypoint
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from kb.learnt import LearntCloud
+    from plogic.search.data import Data
+
+    Indices = NDArray[np.intp]
+
+FARTHEST = {128: 270.0, 256: 7.65}
+"""Farthest descriptors that look alike, by their length as vectors: of SIFT, and of ORB's bits (58 of them)."""
+WORDS = 8
+"""Words of a keypoint whose appearances are looked at, the nearest."""
+_BLOCK = 2048
+
+
+class Alike(NamedTuple):
+    """N pairs that look alike: ``datum`` (N,), ``lobe`` (N,), ``apart`` (N,) the distance of the descriptors in SIFT's measure."""
+
+    datum: Indices
+    lobe: Indices
+    apart: NDArray[np.float64]
+
+
+def spread(descriptors: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """(N, D) as vectors whose distance is Euclid's (SIFT) or the root of Hamming's (ORB)."""
+    return np.unpackbits(descriptors, axis=1).astype(np.float32) if descriptors.shape[1] == 32 else descriptors.astype(np.float32)
+
+
+@dataclass(eq=False)
+class Lexicon:
+    """Appearances in the order of their words.
+
+    Attributes:
+        names: (T,) the types.
+        words: (W, D) float32, the words as vectors; one word holds all where there is no vocabulary.
+        starts: (W + 1,) where each word's appearances begin among the L.
+        descriptors: (L, D) uint8.
+        owner: (L,) index of the type, in 16 bits, which sort fast.
+        lobe: (L,) index among the type's own appearances.
+    """
+
+    names: tuple[str, ...]
+    words: NDArray[np.float32]
+    starts: Indices
+    descriptors: NDArray[np.uint8]
+    owner: NDArray[np.uint16]
+    lobe: Indices
+
+    def __post_init__(self) -> None:
+        self._last: tuple[Data, dict[str, Alike]] | None = None
+
+    def alike(self, name: str, data: Data) -> Alike:
+        """The pairs of one type that look alike; those of all types and all of Γ are found at the first question about it."""
+        if self._last is None or self._last[0] is not data.whole:
+            self._last = (data.whole, self._all(data.whole))
+        found = self._last[1][name]
+        place = np.full(len(data.whole.ids), -1, np.intp)
+        place[data.rows] = np.arange(len(data.ids))
+        here = place[found.datum] >= 0
+        return Alike(place[found.datum[here]], found.lobe[here], found.apart[here])
+
+    def _all(self, data: Data) -> dict[str, Alike]:
+        described = np.flatnonzero(data.described)
+        vectors = spread(data.descriptors[described])
+        row, at, apart = self._within(vectors) if len(described) and len(self.lobe) else (np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0))
+        order = np.argsort(self.owner[at], kind="stable")
+        row, at, apart = row[order], at[order], apart[order]
+        ends = np.searchsorted(self.owner[at], np.arange(len(self.names) + 1))
+        return {
+            name: Alike(described[row[a:b]], self.lobe[at[a:b]], apart[a:b]) for name, a, b in zip(self.names, ends[:-1], ends[1:], strict=True)
+        }
+
+    def _within(self, vectors: NDArray[np.float32]) -> tuple[Indices, Indices, NDArray[np.float64]]:
+        """Rows of ``vectors`` (N, D), places in the lexicon, and distances, of all pairs that look alike and share a word."""
+        word, row = self._sorted_by_word(vectors)
+        ends = np.searchsorted(word, np.arange(len(self.words) + 1))
+        own = (vectors**2).sum(axis=1)
+        limit = FARTHEST[vectors.shape[1]]
+        rows, places, squares = [], [], []
+        for w in np.flatnonzero((np.diff(ends) > 0) & (np.diff(self.starts) > 0)):
+            first, last = self.starts[w], self.starts[w + 1]
+            mine = spread(self.descriptors[first:last])
+            square = (mine**2).sum(axis=1)
+            for start in range(ends[w], ends[w + 1], _BLOCK):
+                some = row[start : min(start + _BLOCK, ends[w + 1])]
+                apart = own[some][:, None] - 2.0 * (vectors[some] @ mine.T) + square
+                near, place = np.nonzero(apart < limit**2)
+                rows.append(some[near])
+                places.append(place + first)
+                squares.append(apart[near, place])
+        nothing = np.zeros(0, np.intp)
+        distance = np.sqrt(np.maximum(np.concatenate([*squares, np.zeros(0)]), 0.0)) * (FARTHEST[128] / limit)
+        return np.concatenate([*rows, nothing]), np.concatenate([*places, nothing]), distance
+
+    def _sorted_by_word(self, vectors: NDArray[np.float32]) -> tuple[Indices, Indices]:
+        """Words and rows of (N, D) vectors, each row with its ``WORDS`` nearest words, by word."""
+        count = min(WORDS, len(self.words))
+        squares = (self.words**2).sum(axis=1)
+        blocks = [squares - 2.0 * (vectors[i : i + _BLOCK] @ self.words.T) for i in range(0, len(vectors), _BLOCK)]
+        nearest = np.concatenate([np.argpartition(block, count - 1, axis=1)[:, :count] for block in blocks]).ravel()
+        order = np.argsort(nearest, kind="stable")
+        return nearest[order], np.repeat(np.arange(len(vectors)), count)[order]
+
+
+def lexicon_of(clouds: Mapping[str, LearntCloud], words: NDArray[np.uint8] | None = None) -> Lexicon:
+    """Of types' clouds, at least one; ``words`` (W, D) bytes are the vocabulary's, which the clouds' words are indices of."""
+    sizes = [len(cloud.feature) for cloud in clouds.values()]
+    descriptors = np.concatenate([cloud.descriptor for cloud in clouds.values()])
+    word = np.concatenate([cloud.lobe_word for cloud in clouds.values()]) if words is not None else np.zeros(sum(sizes), np.int64)
+    order = np.argsort(word, kind="stable")
+    centres = np.zeros((1, 8 * 32 if descriptors.shape[1] == 32 else 128), np.float32) if words is None else spread(words)
+    owner, lobe = np.repeat(np.arange(len(sizes), dtype=np.uint16), sizes), np.concatenate([np.arange(size) for size in sizes])
+    starts = np.searchsorted(word[order], np.arange(len(centres) + 1))
+    return Lexicon(tuple(clouds), centres, starts, descriptors[order], owner[order], lobe[order])

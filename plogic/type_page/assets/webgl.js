@@ -1,0 +1,100 @@
+// Drawing with WebGL: the surface from buffers that stay, points and lobes anew each time.
+const SOLID = ['attribute vec3 p;attribute vec3 n;attribute vec2 t;uniform mat4 m;uniform vec3 e;varying vec2 u;varying float l;void main(){gl_Position=m*vec4(p,1.);u=t;l=abs(dot(n,e));}',
+  'precision mediump float;varying vec2 u;varying float l;uniform sampler2D x;uniform vec4 c;uniform float k;void main(){vec3 o=mix(c.rgb*(.62+.38*l),texture2D(x,u).rgb*(.85+.17*l),k);gl_FragColor=vec4(o*c.a,c.a);}'];
+const PLAIN = ['attribute vec3 p;attribute vec4 c;attribute float s;uniform mat4 m;uniform float b;varying vec4 v;varying float w;void main(){gl_Position=m*vec4(p,1.);gl_Position.z-=b*gl_Position.w;gl_PointSize=s;v=c;w=s;}',
+  'precision mediump float;varying vec4 v;varying float w;uniform float d;void main(){vec4 o=v;if(d>.5){float r=length(gl_PointCoord*2.-1.);if(r>1.)discard;if(d>1.5&&r>.78)o=vec4(1.);else if(v.a>.9&&r>(d>1.5?.6:.86-1./w))o=vec4(.07,.08,.1,1.);o.a*=clamp((1.-r)*w*.5,0.,1.);}gl_FragColor=vec4(o.rgb*o.a,o.a);}'];
+
+function program(gl, [vertex, fragment], names) {
+  const id = gl.createProgram();
+  [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]].forEach(([kind, text]) => {
+    const s = gl.createShader(kind);
+    gl.shaderSource(s, text);
+    gl.compileShader(s);
+    gl.attachShader(id, s);
+  });
+  names.forEach((n, i) => gl.bindAttribLocation(id, i, n));
+  gl.linkProgram(id);
+  return gl.getProgramParameter(id, gl.LINK_STATUS) ? {id, u: (n) => gl.getUniformLocation(id, n)} : null;
+}
+
+// Each triangle with its own corners: place, normal, texture coordinate.
+function solidRows() {
+  const {vertices: V, triangles: T, uv} = surface, rows = new Float32Array(T.length * 8);
+  for (let t = 0; t < T.length; t += 3) {
+    const [a, b, c] = [0, 1, 2].map((i) => three(V, T[t + i])), n = unit(cross(sub(b, a), sub(c, a)));
+    [a, b, c].forEach((p, i) => rows.set([...p, ...n, ...(uv ? [uv[2 * T[t + i]], uv[2 * T[t + i] + 1]] : [0, 0])], 8 * (t + i)));
+  }
+  return rows;
+}
+
+function textureOf(gl, image) {
+  const id = gl.createTexture();
+  gl.bindTexture(gl.TEXTURE_2D, id);
+  gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, true);
+  if (image) gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, image);
+  else gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 1, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array([128, 128, 128, 255]));
+  gl.generateMipmap(gl.TEXTURE_2D);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+  return id;
+}
+
+function attributes(gl, sizes) {
+  const stride = 4 * sizes.reduce((a, b) => a + b);
+  sizes.reduce((offset, n, i) => { gl.enableVertexAttribArray(i); gl.vertexAttribPointer(i, n, gl.FLOAT, false, stride, offset); return offset + 4 * n; }, 0);
+}
+
+function webglPainter(canvas, redraw) {
+  const gl = canvas.getContext('webgl', {antialias: true, preserveDrawingBuffer: true});
+  const solid = gl && program(gl, SOLID, ['p', 'n', 't']), plain = gl && program(gl, PLAIN, ['p', 'c', 's']);
+  if (!solid || !plain) return null;
+  const stream = gl.createBuffer(), body = gl.createBuffer();
+  let texture = textureOf(gl, null), painted = false;
+  if (surface) {
+    gl.bindBuffer(gl.ARRAY_BUFFER, body);
+    gl.bufferData(gl.ARRAY_BUFFER, solidRows(), gl.STATIC_DRAW);
+  }
+  if (PICTURE) {
+    const image = new Image();
+    image.onload = () => { if (!gl.isContextLost()) { texture = textureOf(gl, image); painted = true; redraw(); } };
+    image.src = PICTURE;
+  }
+  const drawSolid = (m, z, wall) => {
+    gl.useProgram(solid.id);
+    gl.uniformMatrix4fv(solid.u('m'), false, m);
+    gl.uniform3fv(solid.u('e'), unit(add(z, [0.15, 0.1, 0.55])));
+    gl.uniform4fv(solid.u('c'), wall);
+    gl.uniform1f(solid.u('k'), painted && surface.uv ? 1 : 0);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.bindBuffer(gl.ARRAY_BUFFER, body);
+    attributes(gl, [3, 3, 2]);
+    gl.drawArrays(gl.TRIANGLES, 0, surface.triangles.length);
+  };
+  const draw = (mode, rows, bias, round) => {
+    gl.uniform1f(plain.u('b'), bias);
+    gl.uniform1f(plain.u('d'), round);
+    gl.bindBuffer(gl.ARRAY_BUFFER, stream);
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(rows), gl.STREAM_DRAW);
+    attributes(gl, [3, 4, 1]);
+    gl.drawArrays(mode, 0, rows.length / 8);
+  };
+  return (theme, ratio) => {
+    const m = clipMatrix(canvas.width / canvas.height), scene = lobeScene();
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    if (surface && state.surface) drawSolid(m, eyeAxes().z, [...theme.wall, doc.type.opaque ? 1 : 0.4]);
+    gl.useProgram(plain.id);
+    gl.uniformMatrix4fv(plain.u('m'), false, m);
+    const dots = points(), packed = (some) => some.flatMap((q) => [...q.p, ...q.c, q.size * ratio]);
+    draw(gl.POINTS, packed(dots), 0.03, 1);
+    gl.depthMask(false);
+    draw(gl.TRIANGLES, scene.triangles.flatMap((t) => t.p.flatMap((p) => [...p, ...t.c, 1])), 0, 0);
+    draw(gl.LINES, scene.lines.flatMap((l) => [...l.p, ...l.c, 1, ...l.q, ...l.c, 1]), 0.0002, 0);
+    gl.disable(gl.DEPTH_TEST);
+    draw(gl.POINTS, packed(dots.filter((q) => q.chosen)), 0, 2);
+    gl.depthMask(true);
+  };
+}

@@ -1,0 +1,107 @@
+"""What a remembered cloud depends on: every source file that decides it, the libraries, the mesh as it is rendered, the options."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from plogic.commands import kb_learn_cache
+from plogic.commands.kb_learn_cache import DECIDES, ROOT, cache_folder, key_of, source_digest, sources
+from sensing.simulated.body import TexturedMesh
+
+HOW = (600.0, "sift", 0, False)
+FORMS = ("import {0}\n", "from pack import {1}\n", "from {0} import something\n", "def f():\n    from {0} import something\n")
+"""How one module may import another."""
+
+
+def mesh():
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    return TexturedMesh(square, np.array([[0, 1, 2], [0, 2, 3]]), square[:, :2], np.arange(48, dtype=np.uint8).reshape(4, 4, 3))
+
+
+def written(folder, imports, forms):
+    """Modules ``pack/m0.py``, ... that import each other as asked; each also names all the others for the type checker alone."""
+    (folder / "pack").mkdir()
+    for i, others in enumerate(imports):
+        lines = [forms[(i + j) % len(forms)].format(f"pack.m{j}", f"m{j}") for j in others]
+        typed = "".join(f"    from pack.m{j} import Type\n" for j in range(len(imports)))
+        (folder / "pack" / f"m{i}.py").write_text("".join(lines) + "import json\nif TYPE_CHECKING:\n    import os\n" + typed)
+    return folder
+
+
+def reached(imports):
+    """Indices of what the first module imports, directly or not."""
+    found, left = {0}, [0]
+    while left:
+        new = set(imports[left.pop()]) - found
+        found |= new
+        left += new
+    return found
+
+
+graphs = st.integers(1, 6).flatmap(lambda n: st.lists(st.sets(st.integers(0, n - 1), max_size=2), min_size=n, max_size=n))
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(graphs, st.permutations(FORMS), st.data())
+def test_a_changed_byte_changes_the_digest_where_the_file_is_imported_and_nowhere_else(imports, forms, data):
+    changed = data.draw(st.integers(0, len(imports) - 1))
+    with tempfile.TemporaryDirectory() as name:
+        folder, first = written(Path(name), imports, forms), "pack/m0.py"
+        found = sources(folder, first)
+        assert found == {f"pack/m{i}.py" for i in reached(imports)}
+        before = source_digest(folder, found)
+        assert source_digest(folder, sorted(found, reverse=True)) == before
+        file = folder / "pack" / f"m{changed}.py"
+        file.write_bytes(file.read_bytes() + b"#")
+        assert (source_digest(folder, sources(folder, first)) == before) == (changed not in reached(imports))
+        file.write_bytes(file.read_bytes()[:-1])
+        assert source_digest(folder, sources(folder, first)) == before, "same content, same digest"
+
+
+def test_all_that_renders_looks_and_learns_decides_and_what_only_shows_does_not():
+    found = sources(ROOT, DECIDES)
+    learning = {f"kb/learning/{name}.py" for name in ("views", "variants", "observations", "features", "photo")}
+    seeing = {"sensing/keypoints.py", "sensing/simulated/turntable.py", "sensing/simulated/camera.py", "sensing/simulated/meshes.py"}
+    assert learning | seeing | {"kb/learnt.py", "kb/cones.py", "geometry/camera.py", DECIDES} <= found
+    assert not any(name.startswith(("plogic/report", "plogic/search")) for name in found)
+    assert "kb/read.py" not in found
+
+
+def test_the_same_asked_again_has_the_same_key_and_anything_else_another(monkeypatch):
+    key, some = key_of(mesh(), HOW), mesh()
+    assert key_of(mesh(), HOW) == key
+    keys = {key, *(key_of(some, how) for how in [(500.0, *HOW[1:]), (600.0, "orb", 0, False), (600.0, "sift", 1, False), (600.0, "sift", 0, True)])}
+    keys.add(key_of(replace(some, texture=some.texture[::-1]), HOW))
+    keys.add(key_of(replace(some, vertices=some.vertices * 0.1), HOW))
+    keys.add(key_of(replace(some, triangles=some.triangles[::-1]), HOW))
+    monkeypatch.setattr(cv2, "__version__", "0.0")
+    keys.add(key_of(some, HOW))
+    monkeypatch.undo()
+    monkeypatch.setattr(kb_learn_cache, "source_digest", lambda *_: b"other code")
+    keys.add(key_of(some, HOW))
+    assert len(keys) == 10
+
+
+def test_a_user_without_a_home_has_no_cache(monkeypatch, tmp_path):
+    def none(_=None):
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert cache_folder() == tmp_path / "plogic" / "clouds"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setattr(Path, "home", none)
+    assert cache_folder() is None
+
+
+@pytest.mark.parametrize("name", sorted(sources(ROOT, DECIDES)))
+def test_every_source_that_decides_is_shipped(name):
+    """The wheel holds these packages (pyproject.toml), so that an installed plogic finds what it hashes."""
+    assert name.split("/")[0] in {"geometry", "kb", "sensing", "plogic"}

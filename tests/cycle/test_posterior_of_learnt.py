@@ -1,0 +1,115 @@
+"""The posterior of a learnt hypothesis: its log odds are its prior's plus the evidence that the cycle counted (§8, one claimant)."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from math import log
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "kb"))
+
+from learnt_scenes import gamma_at, one_sided, pose_before, ready
+from made_meshes import CORNERS, box_triangles
+
+from geometry.frames import from_rotation_translation, transform_points
+from kb.surface import Surface
+from plogic.belief import Belief, Cycle
+from plogic.delta import Options, delta_of
+from plogic.evidence import CLEAR, clarity, counted, evidence
+from plogic.expectation import hidden_by
+from plogic.program.author import load_problog
+from plogic.program.text import program_text, query_lines
+from plogic.search.indices import settle
+from plogic.trace import Trace
+from plogic.worlds import ranked_worlds
+
+SURE = 25.0
+"""Log odds that doubles can tell from certainty."""
+FEATURES = 30
+POSTERIOR = Options(reading="posterior")
+
+
+def stand(seed, wide, found):
+    """A thing of 30 features, so much as wide as usual, ``found`` of them detected a pixel off; its belief, Γ and knowledge base."""
+    rng = np.random.default_rng(seed)
+    cloud = one_sided(seed, FEATURES)
+    cloud = replace(cloud, at=cloud.at * wide)
+    thing, pose = ready(cloud), pose_before(rng)
+    of = gamma_at(cloud, rng.permutation(FEATURES)[:found], pose)
+    of.uv[:] += rng.normal(0, 1.0, of.uv.shape)
+    return thing, believed(settle(thing.index, pose, of, thing.kb, rounds=0), thing, of), of
+
+
+def believed(posed, thing, of):
+    told = evidence(posed, of, thing.kb)
+    return Belief(posed, thing.index, told.ratio, told.surplus, 0.5, 0.5, "accepted")
+
+
+def situation_of(beliefs, of, kb):
+    return delta_of(Cycle(tuple(beliefs), (), (), (), Trace()), of, kb, dict.fromkeys(kb.words.names, 0.5), POSTERIOR).situation
+
+
+def log_odds(p):
+    return log(p / (1 - p))
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(st.integers(0, 999), st.sampled_from([0.01, 0.03, 0.05, 0.1]), st.integers(0, 16), st.floats(0.05, 0.95))
+def test_log_odds_are_prior_plus_evidence_without_its_prior_of_clarity(seed, wide, found, prior):
+    thing, belief, of = stand(seed, wide, found)
+    kb = replace(thing.kb, rates=replace(thing.kb.rates, prior={"thing": prior}))
+    ratio = evidence(belief.posed, of, kb).ratio - CLEAR * log(clarity(belief.posed))
+    assume(abs(ratio + log_odds(prior)) < SURE)
+    assert counted(belief.posed).min() < 0.5, "features crowd, so that shares make a difference"
+    p = ranked_worlds(situation_of([belief], of, kb)).marginals["h1"]
+    assert log_odds(p) == pytest.approx(log_odds(prior) + ratio, abs=1e-3)
+
+
+@pytest.mark.parametrize(("seed", "wide", "found"), [(1, 0.05, 15), (6, 0.05, 9), (11, 0.02, 3), (3, 1.0, 2)])
+def test_a_stock_problog_says_the_same_of_the_text(seed, wide, found):
+    load_problog()
+    from problog import get_evaluatable
+    from problog.program import PrologString
+
+    thing, belief, of = stand(seed, wide, found)
+    situation = situation_of([belief], of, thing.kb)
+    ratio = evidence(belief.posed, of, thing.kb).ratio - CLEAR * log(clarity(belief.posed))
+    assert abs(ratio) < SURE
+    text = program_text(situation) + query_lines(situation)
+    (p,) = get_evaluatable("ddnnf").create_from(PrologString(text)).evaluate().values()
+    assert log_odds(p) == pytest.approx(log_odds(situation.priors["thing"]) + ratio, abs=1e-3)
+    assert p == pytest.approx(ranked_worlds(situation).marginals["h1"], abs=1e-9)
+
+
+def test_behind_an_accepted_plate_they_are_those_of_what_is_to_be_seen():
+    """Given that the plate is there: hidden features neither count, nor make the image unclear."""
+    seed = 5
+    thing, belief, of = stand(seed, 0.05, 12)
+    at = transform_points(belief.posed.camera_from_object, thing.cloud.at)
+    edge = float(np.median(0.3 * at[:, 0] / at[:, 2]))
+    wall = ready(one_sided(2, 12), Surface(CORNERS * (2.0, 2.0, 0.001), box_triangles()), name="plate")
+    kb = replace(thing.kb, types=(thing.kind, wall.kind))
+    plate = settle(wall.index, from_rotation_translation(np.eye(3), [edge - 2.0, -1.0, 0.3]), of.only(np.zeros(12, bool)), kb, rounds=0)
+    hidden = hidden_by(belief.posed, plate)
+    left = ~np.isin(np.arange(12), belief.posed.matches[hidden])
+    of = of.only(left)
+    posed = settle(thing.index, belief.posed.camera_from_object, of, kb, rounds=0)
+    assert 5 < hidden.sum() < FEATURES - 5
+    assert not (hidden & posed.detected).any()
+    situation = situation_of([believed(posed, thing, of), believed(plate, wall, of)], of, kb)
+    both, plate_alone = (present(situation, ids) for ids in (("h1", "h2"), ("h2",)))
+    ratio = evidence(posed, of, kb, hidden).ratio - CLEAR * log(clarity(posed, hidden))
+    assert abs(ratio) < SURE
+    prior = situation.priors["thing"]
+    assert log(both / plate_alone) == pytest.approx(log_odds(prior) + ratio, abs=1e-3)
+
+
+def present(situation, ids):
+    """Probability of the world in which these are present."""
+    return next(world.probability for world in ranked_worlds(situation).worlds if world.present == ids)

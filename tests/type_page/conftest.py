@@ -1,0 +1,36 @@
+"""The shipped towers and a learnt type, and one browser for all tests of the page, skipped with a reason where there is none."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), *(str(HERE.parent / folder) for folder in ("report", "kb", "commands"))]
+
+from browser import Browser, missing  # noqa: E402 - found by the line above
+from made_types import write_learnt  # noqa: E402 - as above
+
+from kb.read import read_kb  # noqa: E402 - as above
+from kb.shipped import shipped  # noqa: E402 - as above
+
+
+@pytest.fixture(scope="session")
+def tower_kb():
+    return read_kb(shipped("towers"))
+
+
+@pytest.fixture(scope="session")
+def learnt_kb(tmp_path_factory):
+    return read_kb(write_learnt(tmp_path_factory.mktemp("learnt")))
+
+
+@pytest.fixture(scope="session")
+def chromium(tmp_path_factory):
+    if missing():
+        pytest.skip(f"not installed: {missing()}")
+    browser = Browser(tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.close()
