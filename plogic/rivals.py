@@ -43,8 +43,15 @@ def overlap(one: Posed, other: Posed) -> bool:
     first, second = a.solid, b.solid
     if first is None or second is None:  # a flat one has no volume to share
         return False
-    volume = solid_overlap(_solid(first), one.camera_from_object, _solid(second), other.camera_from_object)
+    volume = _shared(first, one.camera_from_object.tobytes(), second, other.camera_from_object.tobytes())
     return bool(volume > SHARED_VOLUME * min(first.volume, second.volume))
+
+
+@lru_cache(maxsize=4096)
+def _shared(first: Surface, pose: bytes, second: Surface, other: bytes) -> float:
+    """The volume that two posed bodies share, m³; the cycle asks it of the same pair again and again."""
+    poses = (np.frombuffer(some).reshape(4, 4) for some in (pose, other))
+    return solid_overlap(_solid(first), next(poses), _solid(second), next(poses))
 
 
 def _middle(posed: Posed, surface: Surface) -> NDArray[np.float64]:

@@ -13,9 +13,9 @@ from learnt_scenes import gamma_at, pose_before, ready
 from random_cloud import random_cloud
 
 from plogic.search.learnt import pairs as pairs_module
-from plogic.search.learnt.lexicon import FARTHEST
+from plogic.search.learnt.lexicon import FARTHEST, NTH
 from plogic.search.learnt.lexicon import spread as spread_out
-from plogic.search.learnt.pairs import CELL, CLOSE, EACH, NTH, OFF, pairs_of
+from plogic.search.learnt.pairs import CELL, CLOSE, EACH, OFF, pairs_of
 
 FIELDS = ("datum", "lobe", "apart", "weight")
 

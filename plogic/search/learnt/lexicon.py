@@ -24,6 +24,8 @@ FARTHEST = {128: 270.0, 256: 7.65}
 """Farthest descriptors that look alike, by their length as vectors: of SIFT, and of ORB's bits (58 of them)."""
 WORDS = 8
 """Words of a keypoint whose appearances are looked at, the nearest."""
+NTH = 8
+"""Keypoints of a word that an appearance is compared with any further, the most alike."""
 _BLOCK = 2048
 
 
@@ -42,7 +44,7 @@ def spread(descriptors: NDArray[np.uint8]) -> NDArray[np.float32]:
 
 @dataclass(eq=False)
 class Lexicon:
-    """Appearances in the order of their words.
+    """Appearances in the order of their words; each is in one word, and so all the keypoints that it may look like are found together.
 
     Attributes:
         names: (T,) the types.
@@ -98,7 +100,8 @@ class Lexicon:
             for start in range(ends[w], ends[w + 1], _BLOCK):
                 some = row[start : min(start + _BLOCK, ends[w + 1])]
                 apart = own[some][:, None] - 2.0 * (vectors[some] @ mine.T) + square
-                near, place = np.nonzero(apart < limit**2)
+                farthest = np.partition(apart, NTH - 1, axis=0)[NTH - 1] if len(some) > NTH else limit**2
+                near, place = np.nonzero((apart <= farthest) & (apart < limit**2))
                 rows.append(some[near])
                 places.append(place + first)
                 squares.append(apart[near, place])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.search.learnt.lexicon import FARTHEST
+from plogic.search.learnt.lexicon import FARTHEST, NTH
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 EACH = 3
 """Features that a keypoint is paired with, the most alike."""
-NTH = 8
-"""Keypoints that an appearance is paired with, the most alike."""
 CLOSE, OFF = 120.0, 100.0
 """Descriptors no farther apart are as good as equal; of those farther apart fewer are right, by a bell of this width. As measured."""
 MOST, SEEDS = 2500, 700
