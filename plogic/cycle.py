@@ -13,7 +13,7 @@ from plogic.belief import Belief, Cycle, same_hypothesis
 from plogic.evidence import evidence
 from plogic.expectation import hidden_by
 from plogic.measures.explanatory import explanatory_value
-from plogic.rivals import SHARED_CLAIMS, claims, overlap, shared_claims
+from plogic.rivals import SHARED_CLAIMS, apart_on_screen, claims, overlap, shared_claims
 from plogic.search.indices import generate, settle, significant
 from plogic.search.learnt.index import LearntIndex
 from plogic.search.projection import project_ideal
@@ -60,6 +60,8 @@ class Perception:
         self.rivals: list[Belief] = []
         self.rejected: list[Belief] = []
         self.searched: dict[str, int] = {}
+        self.known: dict[int, tuple[Belief | None, int]] = {}
+        self.reach = data.camera.f, 2.0 * kb.rates.match_tolerance
 
     def run(self, attention: Sequence[Attention]) -> Cycle:
         """Search the free data, judge all poses beside Δi, accept the best, and again, until nothing is acceptable.
@@ -128,9 +130,14 @@ class Perception:
         return mask.astype(bool)
 
     def _judged(self, pool: Sequence[Posed]) -> list[Belief]:
-        """Each pose beside what is accepted: matched on free data, hidden features not expected."""
-        free = self.free()
-        return [self._judge(posed, free, rounds=0) for posed in pool]
+        """Each pose beside what is accepted: matched on free data, hidden features not expected; as before where nothing near was accepted."""
+        free, judged = self.free(), []
+        for posed in pool:
+            known, accepted = self.known.get(id(posed), (None, 0))
+            stale = known is None or any(not apart_on_screen(posed, b.posed, *self.reach) for b in self.accepted[accepted:])
+            judged.append(self._judge(posed, free, rounds=0) if known is None or stale else known)
+        self.known = {id(belief.posed): (belief, len(self.accepted)) for belief in judged}
+        return judged
 
     def _is_accepted(self, posed: Posed) -> bool:
         return any(same_hypothesis(posed, belief.posed) for belief in self.accepted)

@@ -54,6 +54,24 @@ def _shared(first: Surface, pose: bytes, second: Surface, other: bytes) -> float
     return solid_overlap(_solid(first), next(poses), _solid(second), next(poses))
 
 
+def apart_on_screen(one: Posed, other: Posed, f: float, margin: float) -> bool:
+    """Whether two bodies are sure to stand more than ``margin`` pixels apart in the image (focal length ``f``), by the balls around them.
+
+    Then neither hides anything of the other, shares volume with it, or takes data that it might take.
+    """
+    spans = []
+    for posed in (one, other):
+        surface = posed.object_type.surface
+        if surface is None:
+            return False
+        middle, radius = _middle(posed, surface), 0.5 * surface.diameter
+        if middle[2] <= 2.0 * radius:
+            return False
+        spans.append((middle[:2] / middle[2] * f, f * radius * np.linalg.norm(middle) / (middle[2] * (middle[2] - radius))))
+    (first, a), (second, b) = spans
+    return bool(np.linalg.norm(first - second) > a + b + margin)
+
+
 def _middle(posed: Posed, surface: Surface) -> NDArray[np.float64]:
     """The middle (3,) of the posed bounding box, camera frame."""
     return np.asarray(posed.camera_from_object[:3, :3] @ surface.centre + posed.camera_from_object[:3, 3])

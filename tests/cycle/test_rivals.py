@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from synthetic import camera_pose, data, one_before_the_other, posed_at, scene, side_by_side
+from synthetic import CAMERA, camera_pose, data, one_before_the_other, posed_at, scene, side_by_side
 
-from geometry.frames import from_rotation_translation
-from plogic.rivals import SHARED_CLAIMS, SHARED_VOLUME, claims, overlap, shared_claims
+from geometry.frames import from_rotation_translation, transform_points
+from plogic.expectation import hidden_by
+from plogic.rivals import SHARED_CLAIMS, SHARED_VOLUME, apart_on_screen, claims, overlap, shared_claims
 
 
 @pytest.fixture(scope="module")
@@ -95,3 +96,21 @@ def test_a_copy_shares_all_claims():
 def test_shared_claims_are_symmetric(two):
     _, _, front, back = two
     assert shared_claims(front, back) == shared_claims(back, front)
+
+
+def test_bodies_apart_on_the_screen_have_nothing_to_do_with_each_other():
+    """Over random pairs: where it says apart, no corner of one is drawn within the margin of one of the other, and nothing hides or shares."""
+    rng = np.random.default_rng(7300)
+    of, told = data(scene(rng, {"t1": camera_pose(rng)})), []
+    for _ in range(120):
+        one, other = (posed_at(name, camera_pose(rng, (3.0, 9.0), rng.uniform(-3, 3, 3)), of) for name in ("t1", "t2"))
+        told.append(apart_on_screen(one, other, CAMERA.f, 8.0))
+        assert told[-1] == apart_on_screen(other, one, CAMERA.f, 8.0)
+        if told[-1]:
+            corners = [transform_points(posed.camera_from_object, posed.object_type.surface.vertices) for posed in (one, other)]
+            first, second = (CAMERA.f * some[:, :2] / some[:, 2:] for some in corners)
+            assert np.linalg.norm(first[:, None] - second[None], axis=2).min() > 8.0
+            assert not overlap(one, other)
+            assert not hidden_by(one, other).any()
+            assert not hidden_by(other, one).any()
+    assert 10 < sum(told) < 110
