@@ -153,12 +153,14 @@ def _interior(a: Area, b: Area, tolerance: float) -> Area:
     apart = max(left_a, left_b) >= min(right_a, right_b) or max(top_a, top_b) >= min(bottom_a, bottom_b)
     if a.is_empty or b.is_empty or apart:
         return shapely.Polygon()
-    return shapely.intersection(a, b).buffer(-tolerance, join_style="mitre")
+    with np.errstate(divide="ignore", invalid="ignore"):  # GEOS divides by the turn of edges that run on straight, and copes
+        return shapely.intersection(a, b).buffer(-tolerance, join_style="mitre")
 
 
 def _covers(front: Area, back: Area, tolerance: float) -> bool:
     """Whether the image `back` lies in `front`, but for what sticks out less than `tolerance` px (EQ, TPPi, NTPPi)."""
-    return bool(front.covers(back) or front.buffer(tolerance, join_style="mitre").covers(back))
+    with np.errstate(divide="ignore", invalid="ignore"):  # as above
+        return bool(front.covers(back) or front.buffer(tolerance, join_style="mitre").covers(back))
 
 
 def _in_front(
