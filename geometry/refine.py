@@ -120,14 +120,28 @@ def _normal_equations(poses: Floats, task: _Task) -> tuple[Floats, Floats]:
     weight = task.weights
     if np.isfinite(task.huber):
         weight = weight * np.minimum(1.0, task.huber / np.maximum(np.linalg.norm(off, axis=-1), 1e-12))
-    by_point = np.zeros((*s.shape, 2, 3))  # d pixel / d point
-    by_point[..., :2] = task.K[:, :2] * s[..., None, None]
-    ideal = placed[..., :2] * s[..., None]
-    by_point[..., 2] = -(ideal @ task.K[:, :2].T) * s[..., None]
-    by_turn = np.cross(turned[..., None, :], by_point)  # row . (w x p) = w . (p x row)
-    jacobian = np.concatenate([by_turn, by_point], axis=-1).reshape(len(poses), -1, 6)
+    jacobian = _jacobian(turned, placed, s, task.K)
     weighted = np.swapaxes(jacobian * np.repeat(weight, 2, axis=1)[..., None], 1, 2)
     return weighted @ jacobian, (weighted @ off.reshape(len(poses), -1, 1))[..., 0]
+
+
+def _jacobian(turned: Floats, placed: Floats, s: Floats, K: Floats) -> Floats:
+    """D pixel / d (w, v), (B, 2 N, 6), of points at `placed` (B, N, 3), of inverse depth `s` (B, N), whose arms to the turn's middle are `turned`."""
+    by_point = np.zeros((*s.shape, 2, 3))  # d pixel / d point
+    by_point[..., :2] = K[:, :2] * s[..., None, None]
+    ideal = placed[..., :2] * s[..., None]
+    by_point[..., 2] = -(ideal @ K[:, :2].T) * s[..., None]
+    by_turn = np.cross(turned[..., None, :], by_point)  # row . (w x p) = w . (p x row)
+    return np.concatenate([by_turn, by_point], axis=-1).reshape(len(placed), -1, 6)
+
+
+def information(at: Floats, centre: Floats, weights: Floats, camera: Camera) -> Floats:
+    """J^T W J (6, 6) of places `at` (N, 3) m, before the camera, in its frame, that turn by w rad about `centre` (3,) and move by v m.
+
+    `weights` (N,) are 1/variance of their pixels, undistorted.
+    """
+    jacobian = _jacobian((at - centre)[None], at[None], 1.0 / at[None, :, 2], camera.K[:2])[0]
+    return np.asarray((jacobian * np.repeat(weights, 2)[:, None]).T @ jacobian)
 
 
 def _solve(hessian: Floats, slope: Floats, damping: Floats) -> Floats:

@@ -55,36 +55,6 @@ CLEAR = 8.0
 program has the scaled hit rates, and no prior of them."""
 LEAST_CLEAR, LEAST_HIT, MOST_HIT = 0.04, 0.005, 0.98
 """Least share of the measured hit rates that an image can keep; bounds of what remains."""
-CROWDED = 3.0
-"""Pixels (standard deviation) within which expected features of a learnt type are found or missed together."""
-ALONG, BENT = 10.0, 0.2
-"""The same along a line across which both turn, pixels, and how much they may differ in that, radians: one line of clutter is right for all."""
-
-
-def counted(posed: Posed) -> NDArray[np.float64]:
-    """(F,) for how much of an independent observation each expected feature counts: of a learnt type, one over those that go with it.
-
-    What stands together in the image comes from the same print, and what stands along one line from the same edge: found or missed together.
-    """
-    shares = np.ones(len(posed.uv))
-    expected = np.flatnonzero(posed.candidate)
-    if posed.turn is None or not len(expected):
-        return shares
-    from scipy.spatial import cKDTree
-
-    uv, turn = posed.uv[expected], posed.turn[expected]
-    one, other = cKDTree(uv).query_pairs(3.0 * max(ALONG, CROWDED), output_type="ndarray").T
-    apart, bent = uv[other] - uv[one], (turn[other] - turn[one] + np.pi / 2) % np.pi - np.pi / 2
-    mean = turn[one] + bent / 2.0
-    across = apart[:, 0] * np.cos(mean) + apart[:, 1] * np.sin(mean)
-    square = (apart**2).sum(axis=1)
-    crowd = np.exp(-0.5 * square / CROWDED**2)
-    line = np.exp(-0.5 * ((across / CROWDED) ** 2 + (square - across**2) / ALONG**2 + (bent / BENT) ** 2))
-    together = np.bincount(np.concatenate([one, other]), np.tile(np.maximum(crowd, line), 2), len(expected))
-    shares[expected] = 1.0 / (1.0 + together)
-    return shares
-
-
 def _expected(posed: Posed, hidden: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
     return posed.candidate if hidden is None else posed.candidate & ~hidden
 
@@ -96,7 +66,7 @@ def clarity(posed: Posed, hidden: NDArray[np.bool_] | None = None) -> float:
     """
     if posed.hit is None:
         return 1.0
-    expected, shares = _expected(posed, hidden), counted(posed)
+    expected, shares = _expected(posed, hidden), posed.counted
     hoped = float((shares * posed.hit)[expected].sum())
     return float(np.clip(shares[expected & posed.detected].sum() / hoped, LEAST_CLEAR, 1.0)) if hoped > 0.0 else 1.0
 
@@ -111,7 +81,7 @@ def as_counted(
     hit, near = hit_rates(posed, kb, hidden), match_density(posed, kb)
     if posed.hit is None:
         return hit, near
-    shares, found = counted(posed), posed.detected
+    shares, found = posed.counted, posed.detected
     less = 1.0 - (1.0 - hit) ** shares
     clutter = clutter_density(kb, data, posed.matches[found])
     says = ((hit[found] * near[found] + (1.0 - hit[found]) * clutter) / clutter) ** shares[found]
@@ -140,7 +110,7 @@ def evidence(posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.boo
 
     ``hidden`` (F,) are the features that accepted opaque objects hide: not expected.
     """
-    expected, shares = _expected(posed, hidden), counted(posed)
+    expected, shares = _expected(posed, hidden), posed.counted
     hit = hit_rates(posed, kb, hidden)
     found = expected & posed.detected
     clutter = clutter_density(kb, data, posed.matches[found])

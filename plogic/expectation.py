@@ -6,6 +6,7 @@ Vocabulary: ``Posed``, one type at one pose with all that geometry and the one a
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,7 @@ from scipy.optimize import linear_sum_assignment
 from geometry.behind import behind
 from geometry.frames import inverse, transform_points
 from kb.lobes import in_lobe
+from plogic.crowding import shares
 from plogic.measures.explanatory import Support, tally
 
 if TYPE_CHECKING:
@@ -55,6 +57,14 @@ class Posed:
         """(F,) Expected where no other object hides it (D7)."""
         hidden = self.self_hidden if self.object_type.opaque else np.zeros_like(self.self_hidden)
         return self.in_image & self.in_lobe & ~hidden
+
+    @cached_property
+    def counted(self) -> NDArray[np.float64]:
+        """(F,) for how much of an independent observation each feature counts: of a learnt type, shares of what crowds the expected ones."""
+        result = np.ones(len(self.uv))
+        if self.turn is not None and self.candidate.any():
+            result[self.candidate] = shares(self.uv[self.candidate], self.turn[self.candidate])
+        return result
 
     @property
     def middle(self) -> NDArray[np.float64]:

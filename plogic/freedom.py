@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.refine import information
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -30,24 +32,8 @@ def log_share(at: Floats, precision: Floats, centre: Floats, camera: Camera) -> 
 
     ``at`` (N, 3) metres, camera frame; ``precision`` (N,) 1/pixel²; ``centre`` (3,) of the object, before the camera.
     """
-    depth, arms = centre[2], at - centre
-    slopes = np.zeros((len(at), 2, 6))
-    moves = np.concatenate([np.broadcast_to(depth * np.eye(3), (len(at), 3, 3)), _crossing(arms)], axis=2)
-    for row in (0, 1):
-        slopes[:, row] = camera.f / at[:, 2:] * (moves[:, row] - at[:, row : row + 1] / at[:, 2:] * moves[:, 2])
-    known = np.einsum("n,nki,nkj->ij", precision, slopes, slopes)
-    known[np.arange(6), np.arange(6)] += np.array([*_image_bounds(camera), LOOSE[0], *[LOOSE[1]] * 3]) ** -2.0
+    scale = np.array([1.0, 1.0, 1.0, *[centre[2]] * 3])  # moves are counted in depths
+    loose = np.array([*[LOOSE[1]] * 3, camera.width / camera.f, camera.height / camera.f, LOOSE[0]])
+    known = information(at, centre, precision, camera) * np.outer(scale, scale) + np.diag(loose**-2.0)
     volume = 3.0 * np.log(2.0 * np.pi) - 0.5 * float(np.linalg.slogdet(known)[1])
-    every = np.log(camera.width * camera.height / camera.f**2 * DEPTHS * 8.0 * np.pi**2)
-    return min(0.0, float(volume - every))
-
-
-def _image_bounds(camera: Camera) -> tuple[float, float]:
-    return camera.width / camera.f, camera.height / camera.f
-
-
-def _crossing(arms: Floats) -> Floats:
-    """(N, 3, 3) matrices M with M w = w × arm."""
-    x, y, z = arms.T
-    zero = np.zeros(len(arms))
-    return np.stack([np.stack([zero, z, -y], 1), np.stack([-z, zero, x], 1), np.stack([y, -x, zero], 1)], axis=1)
+    return float(volume - np.log(camera.width * camera.height / camera.f**2 * DEPTHS * 8.0 * np.pi**2))

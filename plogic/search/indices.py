@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from plogic.search import generate as by_hand
 from plogic.search.learnt import generate as learnt
 from plogic.search.learnt.index import LearntIndex, learnt_index
-from plogic.search.learnt.lexicon import lexicon_of
+from plogic.search.learnt.lexicon import Lexicon, lexicon_of
 from plogic.search.learnt.settle import settle as settle_learnt
 from plogic.search.pairs import MOST_PAIRS
 from plogic.search.type_index import TypeIndex, type_index
@@ -28,16 +28,16 @@ SURE = 5.0
 """Logarithm of the odds by which a learnt type must explain its data better than clutter does, all its poses together: 150 to 1."""
 
 
-def index_of(object_type: ObjectType, dv: Mapping[str, float]) -> Index:
-    """The index of a type with at least one feature."""
-    return learnt_index(object_type, dv) if object_type.learnt is not None else type_index(object_type, dv)
+def index_of(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> Index:
+    """The index of a type with at least one feature; a learnt one without a ``lexicon`` has one of its own."""
+    return learnt_index(object_type, dv, lexicon) if object_type.learnt is not None else type_index(object_type, dv)
 
 
 def indices_of(kb: KnowledgeBase, dv: Mapping[str, float]) -> dict[str, Index]:
     """The indices of all types that have features; the learnt ones share one lexicon."""
     clouds = {t.name: t.learnt for t in kb.types if t.learnt is not None and t.features}
     lexicon = lexicon_of(clouds, kb.words.centroids) if clouds and kb.words is not None else None
-    return {t.name: learnt_index(t, dv, lexicon) if t.learnt is not None else type_index(t, dv) for t in kb.types if t.features}
+    return {t.name: index_of(t, dv, lexicon) for t in kb.types if t.features}
 
 
 def significant(index: Index) -> float:

@@ -25,7 +25,6 @@ from plogic.evidence import (
     MOST_HIT,
     clarity,
     clutter_density,
-    counted,
     density,
     evidence,
     hit_rates,
@@ -60,7 +59,7 @@ def test_clarity_is_what_was_found_of_what_was_hoped_for(count):
     thing, pose = ready(one_sided(1, 30)), pose_before(np.random.default_rng(5))
     posed, _ = settled(thing, pose, range(count))
     expected, found = posed.candidate, posed.candidate & posed.detected
-    shares = counted(posed)
+    shares = posed.counted
     assert clarity(posed) == pytest.approx(min(1.0, max(LEAST_CLEAR, shares[found].sum() / (shares * posed.hit)[expected].sum())))
     assert LEAST_CLEAR <= clarity(posed) <= 1.0
     rates = hit_rates(posed, thing.kb)
@@ -71,7 +70,7 @@ def test_clarity_is_what_was_found_of_what_was_hoped_for(count):
 def test_clarity_is_the_most_likely_share_where_all_rates_are_one(thing, pose):
     posed, _ = settled(thing, pose, range(12))
     posed = replace(posed, hit=np.full(30, 0.7))
-    worth, tried = counted(posed), np.linspace(0.01, 1, 2000)
+    worth, tried = posed.counted, np.linspace(0.01, 1, 2000)
     found, missed = (worth[posed.candidate & some].sum() for some in (posed.detected, ~posed.detected))
     likely = found * np.log(0.7 * tried) + missed * np.log(1 - 0.7 * tried)
     assert clarity(posed) == pytest.approx(tried[likely.argmax()], abs=1e-3)
@@ -127,7 +126,7 @@ def test_what_is_everywhere_around_says_little(thing, pose):
 def test_the_ratio_is_the_sum_of_the_formulas(thing, pose):
     """Each feature as much as it is counted, and the prior of clarity; the surplus is that times the share of poses that fit."""
     posed, of = settled(thing, pose, range(20))
-    rates, near, shares, gains, misses = hit_rates(posed, thing.kb), match_density(posed, thing.kb), counted(posed), [], []
+    rates, near, shares, gains, misses = hit_rates(posed, thing.kb), match_density(posed, thing.kb), posed.counted, [], []
     for f in np.flatnonzero(posed.candidate):
         if posed.matches[f] < 0:
             misses.append(shares[f] * log(1 - rates[f]))
@@ -150,7 +149,7 @@ def test_what_is_hidden_says_nothing_also_to_freedom(bits):
     thing, pose = ready(one_sided(1, 30)), pose_before(np.random.default_rng(5))
     posed, of = settled(thing, pose, range(20))
     hidden = np.array([bits >> f & 1 for f in range(30)], bool)
-    rates, near, shares = hit_rates(posed, thing.kb, hidden), match_density(posed, thing.kb), counted(posed)
+    rates, near, shares = hit_rates(posed, thing.kb, hidden), match_density(posed, thing.kb), posed.counted
     used = posed.candidate & posed.detected & ~hidden
     clutter = clutter_density(thing.kb, of, posed.matches[used])
     gain = shares[used] * np.log((rates[used] * near[used] + (1 - rates[used]) * clutter) / clutter)

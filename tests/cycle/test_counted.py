@@ -17,7 +17,8 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "kb"))
 from learnt_scenes import gamma_at, one_sided, pose_before, ready
 from synthetic import camera_pose, data, posed_at, scene, towers
 
-from plogic.evidence import ALONG, BENT, CROWDED, as_counted, clutter_density, counted, hit_rates, match_density
+from plogic.crowding import ALONG, BENT, CROWDED
+from plogic.evidence import as_counted, clutter_density, hit_rates, match_density
 from plogic.search.indices import settle
 
 COUNT = 30
@@ -60,7 +61,7 @@ def by_loop(posed):
 @given(CROWDS)
 def test_shares_are_one_over_the_crowd(how):
     posed, _, _ = crowded(*how)
-    shares = counted(posed)
+    shares = posed.counted
     assert shares.tolist() == pytest.approx(by_loop(posed))
     assert ((shares > 0) & (shares <= 1)).all()
     assert (shares[~posed.candidate] == 1).all()
@@ -72,7 +73,7 @@ def test_copies_at_one_place_count_one_together_and_one_alone_counts_one(copies)
     posed, _, _ = crowded(0, 1.0)
     uv = np.column_stack([50.0 * np.arange(COUNT), np.full(COUNT, 100.0)])
     uv[:copies] = uv[0]
-    shares = counted(replace(posed, uv=uv, in_lobe=np.ones(COUNT, bool), in_image=np.ones(COUNT, bool)))
+    shares = replace(posed, uv=uv, in_lobe=np.ones(COUNT, bool), in_image=np.ones(COUNT, bool)).counted
     assert shares[:copies].sum() == pytest.approx(1.0)
     assert shares[copies:].tolist() == [1.0] * (COUNT - copies)
 
@@ -84,10 +85,10 @@ def test_moving_and_turning_the_picture_changes_nothing_and_company_never_adds(h
     c, s = cos(roll), sin(roll)
     moved = replace(posed, uv=posed.uv @ np.array([[c, s], [-s, c]]) + shift, turn=posed.turn + roll, in_image=np.ones(COUNT, bool))
     posed = replace(posed, in_image=np.ones(COUNT, bool))
-    assert counted(moved).tolist() == pytest.approx(counted(posed).tolist())
+    assert moved.counted.tolist() == pytest.approx(posed.counted.tolist())
     alone = replace(posed, in_lobe=posed.in_lobe & (np.arange(COUNT) != away))
     rest = np.arange(COUNT) != away
-    assert (counted(alone)[rest] >= counted(posed)[rest] * (1 - 1e-12)).all()  # sums in another order
+    assert (alone.counted[rest] >= posed.counted[rest] * (1 - 1e-12)).all()  # sums in another order
 
 
 @settings(max_examples=30, deadline=None, derandomize=True, phases=[Phase.generate])
@@ -95,7 +96,7 @@ def test_moving_and_turning_the_picture_changes_nothing_and_company_never_adds(h
 def test_the_order_of_features_changes_nothing(how, order):
     posed, _, _ = crowded(*how)
     arrays = {name: getattr(posed, name)[order] for name in ("uv", "turn", "in_image", "in_lobe", "self_hidden")}
-    assert counted(replace(posed, **arrays)).tolist() == pytest.approx(counted(posed)[order].tolist())
+    assert replace(posed, **arrays).counted.tolist() == pytest.approx(posed.counted[order].tolist())
 
 
 @pytest.mark.parametrize(("turn", "share"), [(0.0, 1.0), (pi / 2, 1 / (1 + exp(-0.5))), (-pi / 2, 1 / (1 + exp(-0.5)))])
@@ -105,7 +106,7 @@ def test_two_along_one_edge_go_together_and_two_abreast_do_not(turn, share):
     uv = np.array([[100.0, 100.0], [100.0 + ALONG, 100.0]])
     two = np.arange(COUNT) < 2
     posed = replace(posed, uv=np.where(two[:, None], uv[np.minimum(np.arange(COUNT), 1)], 300.0), turn=np.full(COUNT, turn), in_lobe=two)
-    assert counted(posed)[:2] == pytest.approx([share, share], abs=0.01)
+    assert posed.counted[:2] == pytest.approx([share, share], abs=0.01)
 
 
 def test_types_written_by_hand_count_in_full_and_are_told_as_they_are():
@@ -114,7 +115,7 @@ def test_types_written_by_hand_count_in_full_and_are_told_as_they_are():
     of = data(scene(rng, {"t1": pose}))
     posed = posed_at("t1", pose, of)
     assert posed.candidate.sum() > 10
-    assert counted(posed).tolist() == [1.0] * len(posed.uv)
+    assert posed.counted.tolist() == [1.0] * len(posed.uv)
     hit, near = as_counted(posed, of, towers())
     assert hit.tolist() == hit_rates(posed, towers()).tolist()
     assert near.tolist() == match_density(posed, towers()).tolist()
@@ -126,7 +127,7 @@ def test_what_the_program_is_told_says_as_much_as_is_counted(how, found, bits):
     """With its h' and N' the formulas of §8 give the power w of what a match, and of what a miss, says."""
     posed, of, kb = crowded(*how, found)
     hidden = np.array([bits >> f & 1 for f in range(COUNT)], bool)
-    rates, near, shares = hit_rates(posed, kb, hidden), match_density(posed, kb), counted(posed)
+    rates, near, shares = hit_rates(posed, kb, hidden), match_density(posed, kb), posed.counted
     told, dense = as_counted(posed, of, kb, hidden)
     clutter = clutter_density(kb, of)
     assert ((told > 0) & (told <= rates + 1e-15)).all()

@@ -21,7 +21,7 @@ from kb.surface import Surface
 from plogic.belief import Belief, Cycle
 from plogic.cycle import Perception
 from plogic.delta import Options, delta_of
-from plogic.evidence import LEAST_HIT, MOST_HIT, as_counted, clarity, counted
+from plogic.evidence import LEAST_HIT, MOST_HIT, as_counted, clarity
 from plogic.search.indices import settle
 from plogic.trace import Trace
 
@@ -68,13 +68,13 @@ def told_rates(delta):
 def test_what_is_half_hidden_is_as_clear_to_the_program_as_to_the_cycle(hidden):
     perception, belief, delta = behind_a_plate(hidden)
     mask = perception._hidden(belief.posed, perception.accepted[0])
-    assert mask.sum() == hidden
+    assert hidden <= mask.sum() <= hidden + 1  # the plate is 1 mm thick: one may stand in the shadow of its side
     rates = told_rates(delta)
     told = ~np.isnan(rates)
-    assert told.sum() >= 30 - hidden
+    assert told.sum() >= 30 - mask.sum()
     np.testing.assert_array_equal(rates[told], rates_of(belief, perception, mask)[told])
     whole = np.clip(belief.posed.hit * clarity(belief.posed, mask), LEAST_HIT, MOST_HIT)
-    np.testing.assert_array_equal(rates[told], (1.0 - (1.0 - whole) ** counted(belief.posed))[told])
+    np.testing.assert_array_equal(rates[told], (1.0 - (1.0 - whole) ** belief.posed.counted)[told])
 
 
 @pytest.mark.parametrize(

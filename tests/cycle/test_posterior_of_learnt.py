@@ -21,7 +21,7 @@ from geometry.frames import from_rotation_translation, transform_points
 from kb.surface import Surface
 from plogic.belief import Belief, Cycle
 from plogic.delta import Options, delta_of
-from plogic.evidence import CLEAR, clarity, counted, evidence
+from plogic.evidence import CLEAR, clarity, evidence
 from plogic.expectation import hidden_by
 from plogic.program.author import load_problog
 from plogic.program.text import program_text, query_lines
@@ -66,7 +66,7 @@ def test_log_odds_are_prior_plus_evidence_without_its_prior_of_clarity(seed, wid
     kb = replace(thing.kb, rates=replace(thing.kb.rates, prior={"thing": prior}))
     ratio = evidence(belief.posed, of, kb).ratio - CLEAR * log(clarity(belief.posed))
     assume(abs(ratio + log_odds(prior)) < SURE)
-    assert counted(belief.posed).min() < 0.5, "features crowd, so that shares make a difference"
+    assert belief.posed.counted.min() < 0.5, "features crowd, so that shares make a difference"
     p = ranked_worlds(situation_of([belief], of, kb)).marginals["h1"]
     assert log_odds(p) == pytest.approx(log_odds(prior) + ratio, abs=1e-3)
 

@@ -20,7 +20,7 @@ SINGLE = 5e-4
 
 
 def pairs(datum, lobe, weight=None):
-    return Pairs(datum, lobe, np.zeros(len(datum)), np.ones(len(datum)) if weight is None else weight)
+    return Pairs(datum, lobe, np.ones(len(datum)) if weight is None else weight)
 
 
 def residual_by_hand(index, pose, lobe, datum, data, tolerance):

@@ -75,7 +75,7 @@ def test_right_pairs_are_those_of_a_loop_among_what_is_free(seed, some, bits, re
     thing, posed, data, _ = scene(seed)
     features = np.flatnonzero([some >> f & 1 for f in range(FEATURES)])
     free = np.array([bits >> d & 1 for d in range(18)], bool)
-    found = right_pairs(thing.index, posed, data, features, free, reach)
+    found = right_pairs(thing.index, posed, data, near(thing, posed), features, free, reach)
     expected = by_loop(thing, posed, data, features, free, reach)
     rows = list(zip(found.feature.tolist(), found.datum.tolist(), strict=True))
     assert len(rows) == len(set(rows))
@@ -92,7 +92,12 @@ def test_right_pairs_are_those_of_a_loop_among_what_is_free(seed, some, bits, re
 def test_lobes_about_are_those_that_hold_the_direction_of_view_or_nearly(seed):
     thing, posed, _, _ = scene(seed)
     expected = [lobe for lobe in range(20) if about(thing, posed, lobe)]
-    assert lobes_about(thing.index, posed.camera_from_object).tolist() == expected
+    assert near(thing, posed).tolist() == expected
+
+
+def near(thing, posed):
+    """The lobes about which a match looks right."""
+    return lobes_about(thing.index, posed.camera_from_object)
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)
@@ -107,7 +112,7 @@ def test_likeness_is_what_a_loop_counts(seed):
     for feature, match in enumerate(matches.tolist()):
         others = [d for f, d in right if f == feature and np.linalg.norm(data.uv[d] - data.uv[match]) > SAME]
         expected.append(1.0 if match < 0 else usual[match] / (len(others) / (pi * AROUND**2) + BY_CHANCE * usual[match]))
-    assert likeness(thing.index, posed, matches, data, thing.kb).tolist() == pytest.approx(expected)
+    assert likeness(thing.index, posed, near(thing, posed), matches, data, thing.kb).tolist() == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(("apart", "counts"), [(0.0, False), (SAME - 1.0, False), (SAME + 1.0, True), (AROUND - 1.0, True), (AROUND + 1.0, False)])
@@ -120,13 +125,13 @@ def test_the_same_edge_seen_again_is_no_clutter(apart, counts):
     matches = np.arange(10)
     usual = clutter_density(thing.kb, data)[0]
     others = counts / (pi * AROUND**2)
-    assert likeness(thing.index, posed, matches, data, thing.kb)[0] == pytest.approx(usual / (others + BY_CHANCE * usual))
+    assert likeness(thing.index, posed, near(thing, posed), matches, data, thing.kb)[0] == pytest.approx(usual / (others + BY_CHANCE * usual))
 
 
 def test_what_is_not_matched_is_one_and_so_is_all_where_nothing_is():
     thing, posed, data, _ = scene(3)
-    assert likeness(thing.index, posed, np.full(FEATURES, -1), data, thing.kb).tolist() == [1.0] * FEATURES
+    assert likeness(thing.index, posed, near(thing, posed), np.full(FEATURES, -1), data, thing.kb).tolist() == [1.0] * FEATURES
     nothing = data.only(np.zeros(18, bool))
-    assert likeness(thing.index, posed, np.full(FEATURES, -1), nothing, thing.kb).tolist() == [1.0] * FEATURES
-    found = right_pairs(thing.index, posed, nothing, np.arange(FEATURES), nothing.described, AROUND)
+    assert likeness(thing.index, posed, near(thing, posed), np.full(FEATURES, -1), nothing, thing.kb).tolist() == [1.0] * FEATURES
+    found = right_pairs(thing.index, posed, nothing, near(thing, posed), np.arange(FEATURES), nothing.described, AROUND)
     assert [len(part) for part in (found.feature, found.datum, found.pair, found.lobe)] == [0, 0, 0, 0]

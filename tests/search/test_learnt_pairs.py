@@ -17,7 +17,7 @@ from plogic.search.learnt.lexicon import FARTHEST, NTH
 from plogic.search.learnt.lexicon import spread as spread_out
 from plogic.search.learnt.pairs import CELL, CLOSE, EACH, OFF, pairs_of
 
-FIELDS = ("datum", "lobe", "apart", "weight")
+FIELDS = ("datum", "lobe", "weight")
 
 
 def spoilt(rng, descriptors):
@@ -44,7 +44,7 @@ def weight_of(apart, place):
 
 
 def kept_by_loop(thing, data):
-    """{(datum, lobe): (apart, weight)} of the pairs that are kept."""
+    """{(datum, lobe): weight} of the pairs that are kept."""
     cloud = thing.cloud
     wide = spread_out(data.descriptors).astype(float)[:, None] - spread_out(cloud.descriptor)[None]
     limit = FARTHEST[wide.shape[2]]
@@ -62,7 +62,7 @@ def kept_by_loop(thing, data):
             if feature not in best or weights[d, lobe] > weights[d, best[feature]]:
                 best[feature] = lobe
         for lobe in sorted(best.values(), key=lambda lobe: -weights[d, lobe])[:EACH]:
-            kept[d, lobe] = (apart[d, lobe], weights[d, lobe])
+            kept[d, lobe] = weights[d, lobe]
     return kept
 
 
@@ -75,11 +75,11 @@ def test_pairs_are_the_most_alike_features_of_each_keypoint_with_the_weights_of_
     assert len(rows) == len(set(rows))
     if width == 128:  # bits tie
         assert set(rows) == set(expected)
-        for row, apart, weight in zip(rows, found.apart.tolist(), found.weight.tolist(), strict=True):
-            assert (apart, weight) == pytest.approx(expected[row], rel=1e-4)
+        for row, weight in zip(rows, found.weight.tolist(), strict=True):
+            assert weight == pytest.approx(expected[row], rel=1e-4)
     for d in range(seen):
         mine = found.weight[found.datum == d].tolist()
-        assert sorted(mine) == pytest.approx(sorted(w for (e, _), (_, w) in expected.items() if e == d), rel=1e-4)
+        assert sorted(mine) == pytest.approx(sorted(w for (e, _), w in expected.items() if e == d), rel=1e-4)
         assert len(set(thing.cloud.feature[found.lobe[found.datum == d]].tolist())) == len(mine) <= EACH
     assert ((found.weight > 0) & (found.weight <= 1)).all()
 

@@ -14,7 +14,7 @@ from plogic.search.learnt.single import FARTHEST, NEAREST, plausible, single_pos
 
 
 def pairs(lobes):
-    return Pairs(np.arange(len(lobes)), np.asarray(lobes, np.intp), np.zeros(len(lobes)), np.ones(len(lobes)))
+    return Pairs(np.arange(len(lobes)), np.asarray(lobes, np.intp), np.ones(len(lobes)))
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)

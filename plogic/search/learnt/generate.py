@@ -35,7 +35,7 @@ REFINED, VERIFIED = 24, 5
 APART, TURNED = 0.12, 0.35
 """Two poses are alike whose middles are nearer than this share of the distance and whose rotations differ by less, radians."""
 HOPELESS = -20.0
-"""What a pose explains beyond chance before it is settled may be so little, and no less: settling adds a few nats, not twenty."""
+"""Poses that explain less than this beyond chance as they are, before they are settled, are given up, to save time."""
 STEPS = 4
 """Steps of a round of refinement: the next round goes on from there."""
 ROBUST = 2.0

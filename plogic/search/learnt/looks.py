@@ -56,12 +56,13 @@ class RightPairs:
         return by
 
 
-def right_pairs(index: LearntIndex, posed: Posed, data: Data, features: Indices, free: NDArray[np.bool_], reach: float) -> RightPairs:
+def right_pairs(
+    index: LearntIndex, posed: Posed, data: Data, lobes: Indices, features: Indices, free: NDArray[np.bool_], reach: float
+) -> RightPairs:
     """Of some features (increasing) and the keypoints that are ``free`` (A,), those within ``reach`` pixels of where the feature is that look right.
 
-    A feature looks as it does from about this viewpoint: only by lobes whose axis is not far from it.
+    ``lobes`` (increasing) are those by which they may: a feature looks as it does from about this viewpoint (``lobes_about``).
     """
-    lobes = lobes_about(index, posed.camera_from_object)
     first = np.searchsorted(index.cloud.feature[lobes], np.arange(len(index.points) + 1))
     features = features[np.diff(first)[features] > 0]
     found = data.tree.query_ball_point(posed.uv[features], reach, return_sorted=True) if len(features) else []
@@ -96,7 +97,7 @@ def _right(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, place: 
     return np.asarray(right[((mine - its) ** 2).sum(axis=1) < (LOOSER * FARTHEST[mine.shape[1]]) ** 2])
 
 
-def likeness(index: LearntIndex, posed: Posed, matches: Indices, data: Data, kb: KnowledgeBase) -> Floats:
+def likeness(index: LearntIndex, posed: Posed, lobes: Indices, matches: Indices, data: Data, kb: KnowledgeBase) -> Floats:
     """(F,) of each match, how much rarer a keypoint that looks right is there than clutter of its word is in an image; 1 where unmatched.
 
     Print is full of keypoints of one angle and size that look alike. What clutter is there is therefore counted there: the keypoints that
@@ -105,7 +106,7 @@ def likeness(index: LearntIndex, posed: Posed, matches: Indices, data: Data, kb:
     result = np.ones(len(matches))
     found = np.flatnonzero(matches >= 0)
     if len(found):
-        wide = right_pairs(index, posed, data, found, data.described, AROUND)
+        wide = right_pairs(index, posed, data, lobes, found, data.described, AROUND)
         apart = np.linalg.norm(data.uv[wide.datum] - data.uv[matches[wide.feature]], axis=1)
         others = np.bincount(wide.feature[apart > SAME], minlength=len(matches))[found]
         usual = clutter_density(kb, data, matches[found])

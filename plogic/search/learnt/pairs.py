@@ -1,6 +1,6 @@
 """Which keypoints of Γ look like which appearances of a type: by their descriptors alone.
 
-* ``Pairs``: P of them, ``datum`` (P,), ``lobe`` (P,), ``apart`` (P,) the distance of the descriptors
+* ``Pairs``: P of them, ``datum`` (P,), ``lobe`` (P,), ``weight`` (P,)
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 EACH = 3
 """Features that a keypoint is paired with, the most alike."""
 CLOSE, OFF = 120.0, 100.0
-"""Descriptors no farther apart are as good as equal; of those farther apart fewer are right, by a bell of this width. As measured."""
+"""Descriptors no farther apart are as good as equal; of those farther apart fewer are right, by a bell of this width."""
 MOST, SEEDS = 2500, 700
 """Pairs in all; those of them that poses are made of."""
 CELL = 64.0
@@ -38,7 +38,6 @@ class Pairs:
 
     datum: NDArray[np.intp]
     lobe: NDArray[np.intp]
-    apart: NDArray[np.float64]
     weight: NDArray[np.float64]
 
     def __len__(self) -> int:
@@ -46,15 +45,12 @@ class Pairs:
 
     def first(self, count: int) -> Pairs:
         """The first of them, again half and half."""
-        return Pairs(self.datum[:count], self.lobe[:count], self.apart[:count], self.weight[:count])
+        return Pairs(self.datum[:count], self.lobe[:count], self.weight[:count])
 
 
 def pairs_of(index: LearntIndex, data: Data) -> Pairs:
     """At most ``EACH`` features a keypoint, by their most similar appearance, and ``MOST`` pairs."""
-    return _best(index, data, *index.lexicon.alike(index.object_type.name, data))
-
-
-def _best(index: LearntIndex, data: Data, datum: NDArray[np.intp], lobe: NDArray[np.intp], apart: NDArray[np.float64]) -> Pairs:
+    datum, lobe, apart = index.lexicon.alike(index.object_type.name, data)
     order = np.argsort(lobe + apart / (2.0 * FARTHEST[128]), kind="stable")
     starts = np.searchsorted(lobe[order], np.arange(len(index.places)))
     place = np.arange(len(lobe)) - starts[lobe[order]]
@@ -66,7 +62,7 @@ def _best(index: LearntIndex, data: Data, datum: NDArray[np.intp], lobe: NDArray
     keep = _leading(keep[np.lexsort((lobe[keep], -weight[keep], datum[keep]))], datum, EACH)
     keep = keep[np.lexsort((lobe[keep], datum[keep], -weight[keep]))]
     best = keep[_fairly(data.uv[datum[keep]])[:MOST]]
-    return Pairs(datum[best], lobe[best], apart[best], weight[best])
+    return Pairs(datum[best], lobe[best], weight[best])
 
 
 def _fairly(uv: NDArray[np.float64]) -> NDArray[np.intp]:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.frames import inverse, transform_points
-from plogic.evidence import counted, evidence
+from plogic.evidence import evidence
 from plogic.expectation import Posed, assigned
 from plogic.search.learnt.agreement import screen_angle
-from plogic.search.learnt.looks import likeness, right_pairs
+from plogic.search.learnt.looks import likeness, lobes_about, right_pairs
 from plogic.search.settling import FEWEST, polished, settled
 
 if TYPE_CHECKING:
@@ -100,7 +100,8 @@ def matched(
     """The hypothesis' one assignment (D8): expected features first, then unexpected ones; one keypoint a feature, one feature a keypoint."""
     expected = posed.candidate if hidden is None else posed.candidate & ~hidden
     described = data.described if free is None else data.described & free
-    near = right_pairs(index, posed, data, np.flatnonzero(posed.in_image), described, kb.rates.match_tolerance)
+    about = lobes_about(index, posed.camera_from_object)
+    near = right_pairs(index, posed, data, about, np.flatnonzero(posed.in_image), described, kb.rates.match_tolerance)
     feature, datum, held = near.feature, near.datum, near.held(lobes_held(index, posed.camera_from_object, data.camera.f / kb.f_ref))
     off = np.linalg.norm(posed.uv[feature] - data.uv[datum], axis=1)
     matches = np.full(len(posed.uv), -1, np.intp)
@@ -115,14 +116,14 @@ def matched(
         matches=matches,
         residual=residual,
         sigma=np.hypot(blur(residual[used]), index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)),
-        likeness=likeness(index, posed, matches, data, kb),
+        likeness=likeness(index, posed, about, matches, data, kb),
     )
 
 
 def precision(posed: Posed) -> Floats:
     """(F,) 1/pixel² of each match's place, as much as it is counted; what lies far off for this noise is likely another's."""
     assert posed.sigma is not None  # noqa: S101 - of a learnt type it was measured
-    return np.nan_to_num(counted(posed) / (posed.sigma**2 + 0.25 * posed.residual**2))
+    return np.nan_to_num(posed.counted / (posed.sigma**2 + 0.25 * posed.residual**2))
 
 
 def blur(residual: Floats) -> float:

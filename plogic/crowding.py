@@ -1,0 +1,35 @@
+"""What stands together in the image comes from the same print, and what stands along one line from the same edge: found or missed together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+CROWDED = 3.0
+"""Pixels (standard deviation) within which expected features of a learnt type are found or missed together."""
+ALONG, BENT = 10.0, 0.2
+"""The same along a line across which both turn, pixels, and how much they may differ in that, radians: one line of clutter is right for all."""
+
+
+def shares(uv: Floats, turn: Floats) -> Floats:
+    """(N,) for how much of an independent observation each of N features counts: one over those that go with it, itself included.
+
+    ``uv`` (N, 2) pixels; ``turn`` (N,) radians, the screen angle of what is seen of each, across its edge.
+    """
+    from scipy.spatial import cKDTree
+
+    one, other = cKDTree(uv).query_pairs(3.0 * max(ALONG, CROWDED), output_type="ndarray").T
+    apart, bent = uv[other] - uv[one], (turn[other] - turn[one] + np.pi / 2) % np.pi - np.pi / 2
+    mean = turn[one] + bent / 2.0
+    across = apart[:, 0] * np.cos(mean) + apart[:, 1] * np.sin(mean)
+    square = (apart**2).sum(axis=1)
+    crowd = np.exp(-0.5 * square / CROWDED**2)
+    line = np.exp(-0.5 * ((across / CROWDED) ** 2 + (square - across**2) / ALONG**2 + (bent / BENT) ** 2))
+    together = np.bincount(np.concatenate([one, other]), np.tile(np.maximum(crowd, line), 2), len(uv))
+    return np.asarray(1.0 / (1.0 + together))
