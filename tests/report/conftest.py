@@ -1,21 +1,14 @@
-"""One browser for all tests of the page, skipped with a reason where there is none."""
+"""The towers, and one browser for all tests of the page."""
 
 from __future__ import annotations
 
 import pytest
-from browser import Browser, missing
+from one_browser import chromium, flat_chromium
 from towers_document import document
+
+__all__ = ["chromium", "flat_chromium", "towers"]
 
 
 @pytest.fixture(scope="session")
 def towers():
     return document()
-
-
-@pytest.fixture(scope="session")
-def chromium(tmp_path_factory):
-    if missing():
-        pytest.skip(f"not installed: {missing()}")
-    browser = Browser(tmp_path_factory.mktemp("profile"))
-    yield browser
-    browser.close()

@@ -6,6 +6,7 @@ import copy
 
 import numpy as np
 import pytest
+from page_checks import COUNT, complaints, shown_as
 from towers_scene import HEIGHT, WIDTH
 
 from plogic.overlay import PALETTE, bgr, crowded, overlay
@@ -38,10 +39,7 @@ def photo(towers):
 
 @pytest.fixture
 def seen(chromium, photo, tmp_path):
-    file = tmp_path / "photo.html"
-    file.write_text(page(photo), encoding="utf-8")
-    chromium.open(file)
-    return chromium
+    return shown_as(chromium, tmp_path, page(photo))
 
 
 def test_noise_does_not_cover_the_picture(photo, towers):
@@ -67,10 +65,10 @@ def test_a_thousand_types_take_no_room_in_the_legend(photo):
 
 
 def test_dots_are_on_one_canvas_and_the_page_stays_small(seen):
-    assert seen.run("return document.querySelectorAll('.mark').length") == 0
-    assert seen.run("return document.querySelectorAll('*').length") < 2000
+    assert seen.run(COUNT, ".mark") == 0
+    assert seen.run(COUNT, "*") < 2000
     assert seen.run(INK) > 300
-    assert [m for m in seen.log() if "GPU stall" not in m] == []
+    assert complaints(seen) == []
 
 
 def test_cases_count_what_a_feature_stands_for(seen, photo):
@@ -96,11 +94,10 @@ def test_dots_tell_by_keyboard(seen):
 
 
 def test_a_rejected_hypothesis_says_why_and_shows_its_outline(seen):
-    count = "return document.querySelectorAll('#hint .outline').length"
     point = "const b = document.querySelector('[data-alone=r9]').parentElement; b.dispatchEvent(new PointerEvent(arguments[0])); return b.textContent"
     told = seen.run(point, "pointerenter")
     assert "Log-likelihood ratio 3.1: luck." in told
     assert "found" in told
-    assert seen.run(count) == 1
+    assert seen.run(COUNT, "#hint .outline") == 1
     seen.run(point, "pointerleave")
-    assert seen.run(count) == 0
+    assert seen.run(COUNT, "#hint .outline") == 0

@@ -6,39 +6,23 @@ import copy
 import re
 
 import pytest
-from browser import Browser, missing
+from page_checks import COLOURS, COUNT, DATA, complaints, contrast, shown_as
 from towers_document import document
 
 from plogic.report.page import page
 
 HOSTILE = "</script><img src=x onerror=document.title='pwned'>"
-COUNT = "return document.querySelectorAll(arguments[0]).length"
-COLOURS = """const c = document.querySelector('#stage canvas'), d = document.createElement('canvas');
-d.width = c.width; d.height = c.height;
-const x = d.getContext('2d'); x.drawImage(c, 0, 0);
-const p = x.getImageData(0, 0, d.width, d.height).data, seen = new Set(); let drawn = 0;
-for (let i = 0; i < p.length; i += 4) if (p[i + 3] > 250) {
-  drawn += 1; seen.add(p[i] + ',' + p[i + 1] + ',' + p[i + 2]); }
-return [drawn, seen.size, c.dataset.painter]"""
 CENTRE = """const c = document.querySelector('#stage canvas'); c.scrollIntoView({block: 'center'});
 const r = c.getBoundingClientRect(); return [r.left + r.width / 2, r.top + r.height / 2]"""
 
 
-def complaints(browser):
-    """The browser's messages but for the software renderer's remark that reading pixels is slow."""
-    return [m for m in browser.log() if "GPU stall due to ReadPixels" not in m]
-
-
 @pytest.fixture
 def shown(chromium, towers, tmp_path):
-    file = tmp_path / "page.html"
-    file.write_text(page(towers), encoding="utf-8")
-    chromium.open(file)
-    return chromium
+    return shown_as(chromium, tmp_path, page(towers))
 
 
 def yaw(browser):
-    return float(browser.run("return document.querySelector('#stage canvas').dataset.yaw"))
+    return float(browser.run(DATA)["yaw"])
 
 
 def cases(browser):
@@ -54,9 +38,7 @@ def test_no_error_and_no_violation(shown):
 
 
 def test_a_violation_would_be_seen(chromium, towers, tmp_path):
-    file = tmp_path / "page.html"
-    file.write_text(page(towers).replace("</main>", "<script>window.ran = 1</script></main>"), encoding="utf-8")
-    chromium.open(file)
+    shown_as(chromium, tmp_path, page(towers).replace("</main>", "<script>window.ran = 1</script></main>"))
     assert any("Content Security Policy" in m for m in complaints(chromium))
     assert chromium.run("return window.ran === undefined")
 
@@ -143,8 +125,8 @@ def test_a_hidden_feature_says_what_hides_it(shown, towers):
 
 
 def test_webgl_has_drawn_and_turns_by_drag_keys_and_wheel(shown):
-    drawn, colours, painter = shown.run(COLOURS)
-    assert painter == "webgl"
+    drawn, colours, _ = shown.run(COLOURS)
+    assert shown.run(DATA)["painter"] == "webgl"
     assert drawn > 5000
     assert colours > 30
     x, y = shown.run(CENTRE)
@@ -153,14 +135,21 @@ def test_webgl_has_drawn_and_turns_by_drag_keys_and_wheel(shown):
     dragged = yaw(shown)
     assert dragged == pytest.approx(start - 0.64, abs=0.05)
     shown.keys("\ue012")
-    assert yaw(shown) == pytest.approx(dragged + 0.12, abs=0.01)
-    far = "return Number(document.querySelector('#stage canvas').dataset.distance)"
-    before = shown.run(far)
+    assert yaw(shown) == pytest.approx(dragged - 0.12, abs=0.01)
+    before = float(shown.run(DATA)["distance"])
     shown.wheel(x, y, -200)
-    assert shown.run(far) < before
+    assert float(shown.run(DATA)["distance"]) < before
     shown.keys("\ue011")
     assert yaw(shown) == pytest.approx(start, abs=0.01)
     assert complaints(shown) == []
+
+
+def test_a_lost_context_is_drawn_anew_without_it(shown):
+    shown.run("document.querySelector('#stage canvas').getContext('webgl').getExtension('WEBGL_lose_context').loseContext()")
+    shown.settle()
+    assert shown.run(DATA)["painter"] == "canvas"
+    assert shown.run(COLOURS)[0] > 5000
+    assert yaw(shown) == pytest.approx(0.95)
 
 
 def test_hostile_names_are_words(chromium, towers, tmp_path):
@@ -172,9 +161,7 @@ def test_hostile_names_are_words(chromium, towers, tmp_path):
         a["type"], a["detector"] = "__proto__", HOSTILE
     evil["trace"][0] |= {"event": "constructor", "why": HOSTILE}
     evil["assets"]["image"]["media_type"] = "text/html"
-    file = tmp_path / "evil.html"
-    file.write_text(page(evil), encoding="utf-8")
-    chromium.open(file)
+    shown_as(chromium, tmp_path, page(evil))
     assert complaints(chromium) == []
     assert chromium.run("return document.title").startswith(HOSTILE)
     assert chromium.run(COUNT, "img, iframe, object, embed, image") == 0
@@ -183,27 +170,13 @@ def test_hostile_names_are_words(chromium, towers, tmp_path):
 
 @pytest.mark.parametrize("width", [390, 1280])
 def test_nothing_sticks_out_sideways(chromium, towers, tmp_path, width):
-    file = tmp_path / "page.html"
-    file.write_text(page(towers), encoding="utf-8")
-    chromium.open(file, width, 844)
+    shown_as(chromium, tmp_path, page(towers), width, 844)
     assert chromium.run("return document.documentElement.scrollWidth") <= width
-
-
-CONTRAST = """const light = (c) => { const v = c.match(/[\\d.]+/g).slice(0, 3)
-  .map((x) => { x /= 255; return x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4; });
-  return 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2]; };
-const ground = light(getComputedStyle(document.body).backgroundColor), out = [];
-const written = (e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()) && e.offsetParent;
-for (const e of [...document.querySelectorAll('body *:not(svg *)')].filter(written)) {
-  const l = light(getComputedStyle(e).color); out.push((Math.max(l, ground) + 0.05) / (Math.min(l, ground) + 0.05)); }
-return [out.length, Math.min(...out)]"""
 
 
 @pytest.mark.parametrize("dark", [False, True])
 def test_words_stand_out_from_their_ground(shown, dark):
-    shown.dark(on=dark)
-    texts, least = shown.run(CONTRAST)
-    shown.dark(on=False)
+    texts, least = contrast(shown, dark=dark)
     assert texts > 80
     assert least >= 4.5
 
@@ -217,32 +190,21 @@ def test_an_empty_interpretation_is_a_page(chromium, tmp_path, keys):
         "relations": [],
         "trace": [],
     }
-    file = tmp_path / "empty.html"
-    file.write_text(page({k: whole[k] for k in keys}), encoding="utf-8")
-    chromium.open(file)
+    shown_as(chromium, tmp_path, page({k: whole[k] for k in keys}))
     assert complaints(chromium) == []
     assert chromium.run("return document.querySelector('h1').textContent") == "Nothing known is in view"
 
 
-def test_without_webgl_a_plain_canvas_draws_and_turns(towers, tmp_path):
-    if missing():
-        pytest.skip(f"not installed: {missing()}")
-    file = tmp_path / "page.html"
-    file.write_text(page(towers), encoding="utf-8")
-    browser = Browser(tmp_path / "profile", "--disable-3d-apis")
-    try:
-        browser.open(file)
-        drawn, colours, painter = browser.run(COLOURS)
-        x, y = browser.run(CENTRE)
-        before = yaw(browser)
-        browser.drag((x, y), (x + 60, y))
-        assert yaw(browser) != before
-        browser.picture(tmp_path / "flat.png")
-    finally:
-        browser.close()
-    assert painter == "canvas"
+def test_without_webgl_a_plain_canvas_draws_and_turns(flat_chromium, towers, tmp_path):
+    browser = shown_as(flat_chromium, tmp_path, page(towers))
+    assert browser.run(DATA)["painter"] == "canvas"
+    drawn, colours, _ = browser.run(COLOURS)
     assert drawn > 5000
     assert colours > 20
+    x, y = browser.run(CENTRE)
+    before = yaw(browser)
+    browser.drag((x, y), (x + 60, y))
+    assert yaw(browser) != before
 
 
 def test_a_hundred_worlds_and_steps_are_folded_until_asked_for(chromium, towers, tmp_path):
@@ -252,9 +214,7 @@ def test_a_hundred_worlds_and_steps_are_folded_until_asked_for(chromium, towers,
     many["hypotheses"] += [
         h | {"id": f"r{i}", "status": "rejected", "features": []} for i, h in enumerate(towers["hypotheses"] * 3)
     ]
-    file = tmp_path / "many.html"
-    file.write_text(page(many), encoding="utf-8")
-    chromium.open(file)
+    shown_as(chromium, tmp_path, page(many))
     visible = "return [...document.querySelectorAll(arguments[0])].filter((n) => n.offsetParent).length"
     assert [chromium.run(visible, s) for s in ("[data-world]", ".steps li:not(.fold)", "[data-alone]")] == [8, 40, 4]
     chromium.click("#world-list .more")

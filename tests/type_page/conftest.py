@@ -1,4 +1,4 @@
-"""The shipped towers and a learnt type, and one browser for all tests of the page, skipped with a reason where there is none."""
+"""The shipped towers and a learnt type, and one browser for all tests of the page."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ import pytest
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), *(str(HERE.parent / folder) for folder in ("report", "kb", "commands"))]
 
-from browser import Browser, missing  # noqa: E402 - found by the line above
-from made_types import write_learnt  # noqa: E402 - as above
+from made_types import write_learnt  # noqa: E402 - found by the line above
+from one_browser import chromium, flat_chromium  # noqa: E402 - as above
 
 from kb.read import read_kb  # noqa: E402 - as above
 from kb.shipped import shipped  # noqa: E402 - as above
+
+__all__ = ["chromium", "flat_chromium", "learnt_kb", "tower_kb"]
 
 
 @pytest.fixture(scope="session")
@@ -25,12 +27,3 @@ def tower_kb():
 @pytest.fixture(scope="session")
 def learnt_kb(tmp_path_factory):
     return read_kb(write_learnt(tmp_path_factory.mktemp("learnt")))
-
-
-@pytest.fixture(scope="session")
-def chromium(tmp_path_factory):
-    if missing():
-        pytest.skip(f"not installed: {missing()}")
-    browser = Browser(tmp_path_factory.mktemp("profile"))
-    yield browser
-    browser.close()

@@ -4,19 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from browser import Browser, missing
 from made_types import HOSTILE, bare, hostile
+from page_checks import COLOURS, COUNT, DATA, complaints, contrast, shown_as
 
 from kb.lobes import feature_in_lobe, in_lobe
 from plogic.type_page.page import type_page
 
-COLOURS = """const c = document.querySelector('#stage canvas'), d = document.createElement('canvas');
-d.width = c.width; d.height = c.height;
-const x = d.getContext('2d'); x.drawImage(c, 0, 0);
-const p = x.getImageData(0, 0, d.width, d.height).data, seen = new Set(); let drawn = 0, sum = 0;
-for (let i = 0; i < p.length; i += 4) if (p[i + 3] > 250) {
-  drawn += 1; sum = (sum * 31 + p[i] * 65536 + p[i + 1] * 256 + p[i + 2]) % 1e9; seen.add(p[i] + ',' + p[i + 1] + ',' + p[i + 2]); }
-return [drawn, seen.size, sum]"""
 BOX = """const c = document.querySelector('#stage canvas'); c.scrollIntoView({block: 'center'});
 const r = c.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]"""
 POINT = """const [clientX, clientY] = arguments;
@@ -25,22 +18,12 @@ return document.querySelector('#about').innerText"""
 MAP = """const c = document.querySelector('#map canvas'); c.scrollIntoView({block: 'center'});
 const r = c.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]"""
 LAST = "return [...document.querySelectorAll('#about tbody td:last-child')].map((c) => c.textContent)"
-DATA = "return {...document.querySelector('#stage canvas').dataset}"
 TEXT = "return document.querySelector(arguments[0]).innerText"
-COUNT = "return document.querySelectorAll(arguments[0]).length"
 LEFT, RIGHT, ESCAPE = "\ue012", "\ue014", "\ue00c"
 
 
-def complaints(browser):
-    """The browser's messages but for the software renderer's remark that reading pixels is slow."""
-    return [m for m in browser.log() if "GPU stall due to ReadPixels" not in m]
-
-
 def opened(browser, folder, kb, kind, *size):
-    file = folder / "type.html"
-    file.write_text(type_page(kb, kind), encoding="utf-8")
-    browser.open(file, *size)
-    browser.settle()
+    shown_as(browser, folder, type_page(kb, kind), *size).settle()
     return browser
 
 
@@ -222,40 +205,20 @@ def test_nothing_sticks_out_sideways(chromium, tower_kb, tmp_path, width, make):
     assert browser.run("return document.documentElement.scrollWidth") <= width
 
 
-CONTRAST = """const light = (c) => { const v = c.match(/[\\d.]+/g).slice(0, 3)
-  .map((x) => { x /= 255; return x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4; });
-  return 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2]; };
-const ground = light(getComputedStyle(document.body).backgroundColor), out = [];
-const written = (e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()) && e.offsetParent;
-for (const e of [...document.querySelectorAll('body *')].filter(written)) {
-  const l = light(getComputedStyle(e).color); out.push((Math.max(l, ground) + 0.05) / (Math.min(l, ground) + 0.05)); }
-return [out.length, Math.min(...out)]"""
-
-
 @pytest.mark.parametrize("dark", [False, True])
 def test_words_stand_out_from_their_ground(tower, dark):
     tower.click("[data-walk='1']")
-    tower.dark(on=dark)
-    texts, least = tower.run(CONTRAST)
-    tower.dark(on=False)
+    texts, least = contrast(tower, dark=dark)
     assert texts > 60
     assert least >= 4.5
 
 
-def test_without_webgl_a_plain_canvas_draws_and_turns(learnt_kb, tmp_path):
-    if missing():
-        pytest.skip(f"not installed: {missing()}")
-    browser = Browser(tmp_path / "profile", "--disable-3d-apis")
-    try:
-        opened(browser, tmp_path, learnt_kb, learnt_kb.types[0])
-        drawn, colours, before = browser.run(COLOURS)
-        painter = browser.run(DATA)["painter"]
-        focus(browser)
-        browser.keys("n" + RIGHT)
-        after = browser.run(COLOURS)[2]
-    finally:
-        browser.close()
-    assert painter == "canvas"
+def test_without_webgl_a_plain_canvas_draws_and_turns(flat_chromium, learnt_kb, tmp_path):
+    browser = opened(flat_chromium, tmp_path, learnt_kb, learnt_kb.types[0])
+    assert browser.run(DATA)["painter"] == "canvas"
+    drawn, colours, before = browser.run(COLOURS)
     assert drawn > 5000
     assert colours > 20
-    assert before != after
+    focus(browser)
+    browser.keys("n" + RIGHT)
+    assert browser.run(COLOURS)[2] != before

@@ -1,11 +1,9 @@
 // What the page knows: the document, the world that is shown, and what the four cases are in it (D7, D8). No drawing here.
-const read = JSON.parse(document.getElementById('interpretation').textContent);
 const list = (x) => (Array.isArray(x) ? x : []);
 const doc = Object.assign({camera: {}, measures: {}, assets: {}, kb: {}}, read);
 const appearances = list(doc.appearances), hypotheses = list(doc.hypotheses), facts = list(doc.facts);
 const worlds = list(doc.worlds).length ? doc.worlds
   : [{probability: null, present: hypotheses.filter((h) => h.status === 'accepted').map((h) => h.id), causes: {}}];
-const PALETTE = ['#E69F00', '#56B4E9', '#009E73', '#CC79A7', '#F0E442', '#D55E00', '#0072B2'];
 const byId = new Map(hypotheses.map((h) => [h.id, h]));
 const appearanceById = new Map(appearances.map((a) => [a.id, a]));
 const colours = new Map([...hypotheses.filter((h) => h.status === 'accepted'), ...hypotheses.filter((h) => h.status !== 'accepted')]
@@ -15,8 +13,6 @@ const label = (id) => { const h = byId.get(id); return h ? String(h.label || h.t
 const rivals = new Set(facts.filter((f) => f.fact === 'rival').flatMap((f) => [f.args.join('\n'), f.args.slice().reverse().join('\n')]));
 
 const state = {shown: worlds[0], layers: new Set(['appearances', 'expected', 'hidden', 'outlines', 'labels']), chosen: null};
-const watchers = [];
-const changed = (what) => watchers.forEach((w) => w(what));
 
 // The objects of this world that hide the feature: opaque, and no rivals of its host.
 function hiders(h, f, world) {
@@ -41,9 +37,7 @@ function claimant(id, world) {
 const MINUS = '\u2212';
 const fixed = (x, n) => (x == null || !isFinite(x) ? '\u2013' : (x < 0 && Number(x.toFixed(n)) !== 0 ? MINUS : '') + Math.abs(x).toFixed(n));
 const chance = (p) => (p == null ? '\u2013' : p > 0 && p < 0.0005 ? '<0.001' : p < 1 && p > 0.9995 ? '>0.999' : p.toFixed(3));
-const words = (s) => String(s).replace(/_/g, ' ');
 const and = (xs) => (xs.length < 2 ? xs.join('') : xs.slice(0, -1).join(', ') + ' and ' + xs[xs.length - 1]);
-const plural = (n, one, many) => n + ' ' + (n === 1 ? one : many || one + 's');
 
 // Why the feature is in its case, in one sentence.
 function reason(h, f, world) {

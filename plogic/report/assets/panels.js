@@ -97,12 +97,11 @@ function drawTrace() {
 
 function drawHead() {
   const best = worlds[0], left = appearances.filter((a) => !claimant(a.id, best)).length;
-  put('kicker', el('b', null, 'plogic'), `what one picture shows, by the knowledge base \u201c${doc.kb.name || ''}\u201d`);
   const names = best.present.map(label), text = names.length ? and(names) : 'Nothing known is in view';
-  put('headline', /^[a-z]{2,} /.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text);
   const mode = doc.reading === 'posterior' ? 'Posterior reading' : `Score reading, mode ${doc.reconsider || 'to_B'}`;
-  put('lead', `The most probable of ${plural(worlds.length, 'world')} has probability ${chance(best.probability)} and explains ${appearances.length - left} of ${plural(appearances.length, 'appearance')}. ${mode}.`);
-  put('foot', el('p', null, `Made by plogic from ${doc.format || 'an interpretation'}. Knowledge base ${doc.kb.name || ''}, digest ${String(doc.kb.digest || '').slice(0, 16)}. This page is whole in itself and loads nothing.`));
+  head(`what one picture shows, by the knowledge base \u201c${doc.kb.name || ''}\u201d`, /^[a-z]{2,} /.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text,
+    `The most probable of ${plural(worlds.length, 'world')} has probability ${chance(best.probability)} and explains ${appearances.length - left} of ${plural(appearances.length, 'appearance')}. ${mode}.`);
+  foot(`${doc.format || 'an interpretation'} and the knowledge base ${doc.kb.name || ''}`, doc.kb.digest);
 }
 
 function startPanels() {

@@ -1,9 +1,6 @@
 // The image with its overlay: outlines, appearances, circles and squares. Marks keep their size on the screen.
 const W = doc.camera.width || 640, H = doc.camera.height || 480;
-const IMAGE = (() => {
-  const i = doc.assets.image;
-  return i && /^image\/(png|jpeg)$/.test(i.media_type) && /^[A-Za-z0-9+/=]+$/.test(i.base64) ? `data:${i.media_type};base64,${i.base64}` : null;
-})();
+const IMAGE = address(doc.assets.image);
 const canvasSvg = svg('svg', {viewBox: `-0.5 -0.5 ${W} ${H}`, role: 'group', 'aria-label': 'The image with what was detected and what was expected. Arrow keys go from mark to mark.'});
 let marks = [], focusable = 0;
 
@@ -46,7 +43,7 @@ function outline(h, faint) {
 function names(shown, k) {
   const placed = [];
   return shown.map((h) => {
-    const points = list(h.outline).flat(), text = `${label(h.id)} ${h.id}${crowded && h.status === 'accepted' && h.probability != null ? ' ' + chance(h.probability) : ''}`, half = text.length * 4.1 * k;
+    const points = list(h.outline).flat(), text = `${label(h.id)} ${h.id}${crowded && h.status === 'accepted' && h.probability != null ? ' ' + chance(h.probability) : ''}`, half = text.length * 4.3 * k;
     if (!points.length) return null;
     const us = points.map((p) => p[0]), u = Math.max(half + 4, Math.min(W - half - 4, (Math.min(...us) + Math.max(...us)) / 2));
     let v = Math.max(16 * k, Math.min(...points.map((p) => p[1])) - 16 * k);

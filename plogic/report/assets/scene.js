@@ -1,8 +1,4 @@
 // What stands in space, in the camera's frame: triangles, lines and points for whoever draws them. And the eye that orbits it.
-const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]], add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]], times = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2], cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const norm = (a) => Math.sqrt(dot(a, a)), unit = (a) => times(a, 1 / (norm(a) || 1)), mix = (a, b, t) => add(times(a, 1 - t), times(b, t));
-const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 const place = (T, p) => [0, 1, 2].map((i) => T[i][0] * p[0] + T[i][1] * p[1] + T[i][2] * p[2] + T[i][3]);
 // A world that is the camera's own frame knows no up. A camera that looks straight down has its up as what is ahead.
 const GROUNDED = list(doc.camera.T_world_camera).flat().some((x, i) => x !== (i % 5 ? 0 : 1));
@@ -89,12 +85,9 @@ function eyeAxes() {
   const back = unit(add(times(flat, Math.cos(pitch)), times(UP, Math.sin(pitch)))), x = unit(cross(UP, back));
   return {x, y: cross(back, x), z: back, at: add(eye.centre, times(back, distance))};
 }
-// Column-major clip_from_camera for a canvas of this aspect.
+// The clip matrix for a canvas of this aspect.
 function clipMatrix(aspect) {
-  const {x, y, z, at: o} = eyeAxes(), f = 1 / Math.tan(0.36) * Math.min(1, aspect / 1.5), near = Math.max(eye.far * 0.04, eye.distance - eye.far * 1.9), far = eye.distance + eye.far * 6;
-  const rows = [[...times(x, f / aspect), -f / aspect * dot(x, o)], [...times(y, f), -f * dot(y, o)]];
-  const depth = [...z, -dot(z, o)], a = (far + near) / (near - far), b = 2 * far * near / (near - far);
-  const m = [rows[0], rows[1], [a * depth[0], a * depth[1], a * depth[2], a * depth[3] + b], depth.map((v) => -v)];
-  return [0, 1, 2, 3].flatMap((j) => m.map((r) => r[j]));
+  const f = 1 / Math.tan(0.36) * Math.min(1, aspect / 1.5), near = Math.max(eye.far * 0.04, eye.distance - eye.far * 1.9);
+  return clip(eyeAxes(), [f / aspect, f], near, eye.distance + eye.far * 6);
 }
 const shade = (p, z) => 0.72 + 0.28 * Math.abs(dot(unit(cross(sub(p[1], p[0]), sub(p[2], p[0]))), unit(add(z, times(UP, 0.7)))));

@@ -15,18 +15,10 @@ function eyeAxes() {
   const z = towards(eye.yaw, eye.pitch), x = [Math.cos(eye.yaw), Math.sin(eye.yaw), 0];
   return {x, y: cross(z, x), z, at: viewpoint()};
 }
-// Column-major clip_from_object for a canvas of this aspect.
+// The clip matrix for a canvas of this aspect.
 function clipMatrix(aspect) {
-  const {x, y, z, at: o} = eyeAxes(), d = eye.distance, reach = RADIUS + CUT, lens = 0.8 * eye.zoom * Math.sqrt(d * d - RADIUS * RADIUS) / RADIUS;
-  const near = Math.max(d - reach, 0.02 * d), far = d + reach, a = (far + near) / (near - far), b = 2 * far * near / (near - far);
-  const [fx, fy] = aspect > 1 ? [lens / aspect, lens] : [lens, lens * aspect], depth = [...z, -dot(z, o)];
-  const rows = [[...times(x, fx), -fx * dot(x, o)], [...times(y, fy), -fy * dot(y, o)], [a * depth[0], a * depth[1], a * depth[2], a * depth[3] + b], depth.map((v) => -v)];
-  return [0, 1, 2, 3].flatMap((j) => rows.map((r) => r[j]));
-}
-// Where a point stands on a canvas of w by h, and how deep; null behind the eye.
-function project(m, p, w, h) {
-  const [x, y, z, d] = [0, 1, 2, 3].map((i) => m[i] * p[0] + m[4 + i] * p[1] + m[8 + i] * p[2] + m[12 + i]);
-  return d > 0 && z > -d ? [(x / d + 1) * w / 2, (1 - y / d) * h / 2, d] : null;
+  const d = eye.distance, reach = RADIUS + CUT, lens = 0.8 * eye.zoom * Math.sqrt(d * d - RADIUS * RADIUS) / RADIUS;
+  return clip(eyeAxes(), aspect > 1 ? [lens / aspect, lens] : [lens, lens * aspect], Math.max(d - reach, 0.02 * d), d + reach);
 }
 
 // Whether the surface hides a point from the eye: a ray against every triangle.

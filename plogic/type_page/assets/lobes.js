@@ -32,7 +32,7 @@ function lobeScene() {
   for (let l = first[f]; l < first[f + 1]; l++) if (state.alone < 0 || state.alone === l) lobeShape(l, lobeColour(l), many < 2 || state.alone === l || holds(l, v), dense, scene);
   return scene;
 }
-const lobeColour = (l) => { const f = lobe.feature[l], looks = [...new Set(lobe.look.subarray(first[f], first[f + 1]))]; return PALETTE[looks.indexOf(lobe.look[l]) % PALETTE.length]; };
+const lobeColour = (l) => { const f = lobe.feature[l], looks = [...new Set(lobe.look.subarray(first[f], first[f + 1]))]; return rgb(PALETTE[looks.indexOf(lobe.look[l]) % PALETTE.length]); };
 
 // The features as points for whoever draws them: {p, c, size, on}.
 const SIZE = Math.max(6.6, Math.min(10, 260 / Math.sqrt(COUNT || 1)));

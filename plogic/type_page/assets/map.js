@@ -18,8 +18,7 @@ function bestView(low, high) {
 }
 
 function drawMap() {
-  const box = sphere.getBoundingClientRect(), k = Math.min(2, devicePixelRatio || 1), w = Math.max(1, Math.round(box.width * k)), h = Math.max(1, Math.round(box.height * k));
-  if (sphere.width !== w || sphere.height !== h) Object.assign(sphere, {width: w, height: h});
+  const {ratio: k, w, h} = fit(sphere);
   if (measured !== eye.distance && !soon) soon = setTimeout(() => { soon = null; measure(); drawMap(); }, 120);
   const most = cells.reduce((a, b) => Math.max(a, b), 0), least = cells.reduce((a, b) => Math.min(a, b), most), small = el('canvas', {width: WIDE, height: HIGH}), s = small.getContext('2d'), g = sphere.getContext('2d');
   cells.forEach((n, i) => { s.fillStyle = css(mix([0.1, 0.13, 0.2], [0.98, 0.95, 0.86], most ? n / most : 0)); s.fillRect(i % WIDE, Math.floor(i / WIDE), 1, 1); });

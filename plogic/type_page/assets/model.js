@@ -1,5 +1,5 @@
 // What the page knows: the document, its arrays unpacked, and which lobes hold a viewpoint (§2.7). No drawing here.
-const doc = JSON.parse(document.getElementById('type').textContent);
+const doc = read;
 const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
 const floats = (text) => new Float32Array(bytes(text || '')), shorts = (text) => new Uint16Array(bytes(text || ''));
 const TYPES = doc.types.map(([name, here, all, dv, hit, sigma]) => ({name, here, all, dv, hit, sigma})), PARTS = doc.parts, LOOKS = doc.lobes.looks;
@@ -7,14 +7,7 @@ const feature = {names: doc.features.names, type: shorts(doc.features.type), par
 const lobe = {look: shorts(doc.lobes.look), feature: shorts(doc.lobes.feature), axis: floats(doc.lobes.axis), half: floats(doc.lobes.half_angle), near: floats(doc.lobes.r_min), far: floats(doc.lobes.r_max), hit: doc.lobes.hit ? floats(doc.lobes.hit) : null};
 const COUNT = feature.names.length, LOBES = lobe.look.length, cosine = Float64Array.from(lobe.half, Math.cos);
 const surface = doc.surface && {vertices: floats(doc.surface.vertices), triangles: shorts(doc.surface.triangles), uv: doc.surface.uv ? floats(doc.surface.uv) : null};
-const PICTURE = (() => {
-  const i = doc.surface && doc.surface.picture;
-  return i && /^image\/(png|jpeg)$/.test(i.media_type) && /^[A-Za-z0-9+/=]+$/.test(i.base64) ? `data:${i.media_type};base64,${i.base64}` : null;
-})();
-
-const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]], add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]], times = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2], cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const unit = (a) => times(a, 1 / (Math.hypot(...a) || 1)), mix = (a, b, t) => add(times(a, 1 - t), times(b, t));
+const PICTURE = doc.surface && address(doc.surface.picture);
 const three = (array, i) => [array[3 * i], array[3 * i + 1], array[3 * i + 2]];
 
 // The lobes of each feature: from first[f] up to first[f + 1].
@@ -51,13 +44,11 @@ const [CENTRE, RADIUS] = (() => {
 const CUT = 0.62 * RADIUS;
 
 // dv as a colour: equal steps of -log(1 - dv), from the commonest type here to the rarest.
-const RAMP = ['#4a5fb5', '#2a9db0', '#6cc36a', '#f5d33f'].map((hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
+const RAMP = ['#4a5fb5', '#2a9db0', '#6cc36a', '#f5d33f'].map(rgb);
 const surprise = (dv) => -Math.log(Math.max(1e-6, 1 - dv)), DVS = TYPES.map((t) => t.dv), [COMMON, RARE] = [Math.min(...DVS), Math.max(...DVS)];
 const ramp = (t) => { const k = Math.max(0, Math.min(2.999, 3 * t)), i = Math.floor(k); return mix(RAMP[i], RAMP[i + 1], k - i); };
 const warmth = (dv) => (RARE > COMMON ? (surprise(dv) - surprise(COMMON)) / (surprise(RARE) - surprise(COMMON)) : 1);
 const colours = TYPES.map((t) => ramp(warmth(t.dv)));
-const css = (c, a = 1) => `rgba(${c.slice(0, 3).map((v) => Math.round(255 * Math.min(1, v))).join()},${a})`;
-const PALETTE = ['#E69F00', '#56B4E9', '#009E73', '#CC79A7', '#F0E442', '#D55E00', '#0072B2'].map((hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
 
 // What is shown: `pinned` stays until it is let go, `pointed` while the pointer is on it; `alone` is one lobe of it; `only` a part or a type.
 const state = {pinned: -1, pointed: -1, alone: -1, only: null, here: false, surface: true, lit: new Uint8Array(COUNT), seen: 0};
@@ -65,5 +56,7 @@ const shown = () => (state.pinned >= 0 ? state.pinned : state.pointed);
 const within = (part, top) => part === top || (PARTS[part].under != null && within(PARTS[part].under, top));
 const chosen = (f) => !state.only || ((state.only.part == null || within(feature.part[f], state.only.part)) && (state.only.type == null || feature.type[f] === state.only.type));
 const bright = (f) => chosen(f) && (!state.here || state.lit[f] === 1);
-const watchers = [];
-const changed = (what) => watchers.forEach((w) => w(what));
+
+const round = (x, n = 3) => Number(x.toPrecision(n)).toString();
+const metres = (x, n = 3) => (x === 0 ? '0' : x < 0.001 ? round(x * 1e3, 2) + ' mm' : x < 0.1 ? round(x * 1e2, 2) + ' cm' : x < 1e5 ? round(x, n) + ' m' : x.toExponential(1) + ' m');
+const degrees = (x) => Math.round(x * 180 / Math.PI) + '\u00b0';

@@ -25,7 +25,7 @@ function branch(i) {
   const under = PARTS.map((p, k) => k).filter((k) => PARTS[k].under === i);
   const inside = PARTS.flatMap((p, k) => (within(k, i) ? p.counts.map(([t]) => TYPES[t].dv) : []));
   const dvs = inside.length ? [Math.min(...inside), Math.max(...inside)].map((dv) => dv.toFixed(DIGITS - 1)) : [];
-  const leaf = ([t, k]) => el('li', null, treeRow({part: i, type: t}, 'kind', [swatch(colours[t]), words(TYPES[t].name)], k, 'dv ' + dvText(TYPES[t])));
+  const leaf = ([t, k]) => el('li', null, treeRow({part: i, type: t}, 'kind', [swatch(css(colours[t])), words(TYPES[t].name)], k, 'dv ' + dvText(TYPES[t])));
   const list = el('ul', null, kinds.slice(0, MANY).map(leaf));
   if (kinds.length > MANY) {
     const more = el('li', null, button(`Show all ${kinds.length} feature types`, () => {
@@ -47,14 +47,13 @@ function drawLegend() {
 
 function startPanels() {
   const made = doc.type.detector ? `learnt with ${doc.type.detector}` : 'written by hand', all = total(0);
-  put('kicker', el('b', null, 'plogic'), `an object type of the knowledge base \u201c${doc.kb.name}\u201d`);
-  put('headline', doc.type.name);
-  put('lead', doc.lines.length ? doc.lines.map((l) => l.charAt(0).toUpperCase() + l.slice(1) + '. ') : `${plural(all, 'feature')} of ${plural(TYPES.length, 'type')}, ${plural(PARTS.length - 1, 'part')}, ${plural(doc.lobes.of, 'lobe')}; ${made}.`);
+  head(`an object type of the knowledge base \u201c${doc.kb.name}\u201d`, doc.type.name,
+    doc.lines.length ? doc.lines.map((l) => l.charAt(0).toUpperCase() + l.slice(1) + '. ') : `${plural(all, 'feature')} of ${plural(TYPES.length, 'type')}, ${plural(PARTS.length - 1, 'part')}, ${plural(doc.lobes.of, 'lobe')}; ${made}.`);
   put('tree', el('ul', null, PARTS.map((p, i) => i).filter((i) => PARTS[i].under == null).map(branch)));
   drawLegend();
   const notes = [`A feature is seen from here where one of its lobes holds the viewpoint; ranges hold for a focal length of ${round(doc.kb.f_ref)} px. Whether the surface hides it is another matter, and is counted only where the mesh is small.`,
     `Lobes are drawn up to ${metres(CUT)}, and begin no farther than 30 % of that, so that they fit the picture; their whole ranges stand in the list.`,
     COUNT < all ? 'A compound feature is one point, and its parts are counted in the tree only.' : null, ...doc.notes];
   put('notes', notes.filter(Boolean).map((n) => el('li', null, n)));
-  put('foot', el('p', null, `Made by plogic from the knowledge base ${doc.kb.name}, digest ${String(doc.kb.digest).slice(0, 16)}. This page is whole in itself and loads nothing.`));
+  foot(`the knowledge base ${doc.kb.name}`, doc.kb.digest);
 }

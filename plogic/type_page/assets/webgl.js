@@ -4,19 +4,6 @@ const SOLID = ['attribute vec3 p;attribute vec3 n;attribute vec2 t;uniform mat4 
 const PLAIN = ['attribute vec3 p;attribute vec4 c;attribute float s;uniform mat4 m;uniform float b;varying vec4 v;varying float w;void main(){gl_Position=m*vec4(p,1.);gl_Position.z-=b*gl_Position.w;gl_PointSize=s;v=c;w=s;}',
   'precision mediump float;varying vec4 v;varying float w;uniform float d;void main(){vec4 o=v;if(d>.5){float r=length(gl_PointCoord*2.-1.);if(r>1.)discard;if(d>1.5&&r>.78)o=vec4(1.);else if(v.a>.9&&r>(d>1.5?.6:.86-1./w))o=vec4(.07,.08,.1,1.);o.a*=clamp((1.-r)*w*.5,0.,1.);}gl_FragColor=vec4(o.rgb*o.a,o.a);}'];
 
-function program(gl, [vertex, fragment], names) {
-  const id = gl.createProgram();
-  [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]].forEach(([kind, text]) => {
-    const s = gl.createShader(kind);
-    gl.shaderSource(s, text);
-    gl.compileShader(s);
-    gl.attachShader(id, s);
-  });
-  names.forEach((n, i) => gl.bindAttribLocation(id, i, n));
-  gl.linkProgram(id);
-  return gl.getProgramParameter(id, gl.LINK_STATUS) ? {id, u: (n) => gl.getUniformLocation(id, n)} : null;
-}
-
 // Each triangle with its own corners: place, normal, texture coordinate.
 function solidRows() {
   const {vertices: V, triangles: T, uv} = surface, rows = new Float32Array(T.length * 8);
@@ -38,29 +25,18 @@ function textureOf(gl, image) {
   return id;
 }
 
-function attributes(gl, sizes) {
-  const stride = 4 * sizes.reduce((a, b) => a + b);
-  sizes.reduce((offset, n, i) => { gl.enableVertexAttribArray(i); gl.vertexAttribPointer(i, n, gl.FLOAT, false, stride, offset); return offset + 4 * n; }, 0);
-}
-
-function webglPainter(canvas, redraw) {
-  const gl = canvas.getContext('webgl', {antialias: true, preserveDrawingBuffer: true});
-  const solid = gl && program(gl, SOLID, ['p', 'n', 't']), plain = gl && program(gl, PLAIN, ['p', 'c', 's']);
+function webglPainter(canvas) {
+  const gl = webgl(canvas), solid = gl && program(gl, SOLID, ['p', 'n', 't']), plain = gl && program(gl, PLAIN, ['p', 'c', 's']);
   if (!solid || !plain) return null;
-  const stream = gl.createBuffer(), body = gl.createBuffer();
+  const buffer = gl.createBuffer(), body = gl.createBuffer();
   let texture = textureOf(gl, null), painted = false;
   if (surface) {
     gl.bindBuffer(gl.ARRAY_BUFFER, body);
     gl.bufferData(gl.ARRAY_BUFFER, solidRows(), gl.STATIC_DRAW);
   }
-  if (PICTURE) {
-    const image = new Image();
-    image.onload = () => { if (!gl.isContextLost()) { texture = textureOf(gl, image); painted = true; redraw(); } };
-    image.src = PICTURE;
-  }
+  if (PICTURE) load(PICTURE, (image) => { if (!gl.isContextLost()) { texture = textureOf(gl, image); painted = true; redraw(); } });
   const drawSolid = (m, z, wall) => {
-    gl.useProgram(solid.id);
-    gl.uniformMatrix4fv(solid.u('m'), false, m);
+    use(gl, solid, m);
     gl.uniform3fv(solid.u('e'), unit(add(z, [0.15, 0.1, 0.55])));
     gl.uniform4fv(solid.u('c'), wall);
     gl.uniform1f(solid.u('k'), painted && surface.uv ? 1 : 0);
@@ -69,26 +45,12 @@ function webglPainter(canvas, redraw) {
     attributes(gl, [3, 3, 2]);
     gl.drawArrays(gl.TRIANGLES, 0, surface.triangles.length);
   };
-  const draw = (mode, rows, bias, round) => {
-    gl.uniform1f(plain.u('b'), bias);
-    gl.uniform1f(plain.u('d'), round);
-    gl.bindBuffer(gl.ARRAY_BUFFER, stream);
-    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(rows), gl.STREAM_DRAW);
-    attributes(gl, [3, 4, 1]);
-    gl.drawArrays(mode, 0, rows.length / 8);
-  };
-  return (theme, ratio) => {
-    const m = clipMatrix(canvas.width / canvas.height), scene = lobeScene();
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    gl.enable(gl.DEPTH_TEST);
-    gl.enable(gl.BLEND);
-    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    if (surface && state.surface) drawSolid(m, eyeAxes().z, [...theme.wall, doc.type.opaque ? 1 : 0.4]);
-    gl.useProgram(plain.id);
-    gl.uniformMatrix4fv(plain.u('m'), false, m);
-    const dots = points(), packed = (some) => some.flatMap((q) => [...q.p, ...q.c, q.size * ratio]);
+  const draw = (mode, rows, bias, round) => { gl.uniform1f(plain.u('b'), bias); gl.uniform1f(plain.u('d'), round); stream(gl, buffer, mode, rows, [3, 4, 1]); };
+  return (wall, ratio) => {
+    const m = clipMatrix(canvas.width / canvas.height), scene = lobeScene(), dots = points(), packed = (some) => some.flatMap((q) => [...q.p, ...q.c, q.size * ratio]);
+    clear(gl);
+    if (surface && state.surface) drawSolid(m, eyeAxes().z, [...wall, doc.type.opaque ? 1 : 0.4]);
+    use(gl, plain, m);
     draw(gl.POINTS, packed(dots), 0.03, 1);
     gl.depthMask(false);
     draw(gl.TRIANGLES, scene.triangles.flatMap((t) => t.p.flatMap((p) => [...p, ...t.c, 1])), 0, 0);

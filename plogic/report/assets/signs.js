@@ -1,40 +1,5 @@
-// Making elements. Data becomes text nodes and plain attributes, never markup.
-function make(space, tag, attributes, children) {
-  const node = space ? document.createElementNS(space, tag) : document.createElement(tag);
-  for (const [k, v] of Object.entries(attributes || {})) if (v != null) node.setAttribute(k, v);
-  node.append(...children.flat(Infinity).filter((c) => c != null));
-  return node;
-}
-const el = (tag, attributes, ...children) => make(null, tag, attributes, children);
-const svg = (tag, attributes, ...children) => make('http://www.w3.org/2000/svg', tag, attributes, children);
-const at = (id) => document.getElementById(id);
-const put = (id, ...children) => at(id).replaceChildren(...children.flat(Infinity));
-
-function swatch(c) {
-  const s = el('span', {class: 'swatch', 'aria-hidden': 'true'});
-  s.style.background = c;
-  return s;
-}
+// Elements of this page: who is meant, long lists folded, the marks of features and appearances.
 const who = (id) => el('span', {class: 'who'}, swatch(colour(id)), byId.has(id) ? label(id) + ' ' : null, el('span', {class: 'id'}, String(id)));
-
-function bar(p) {
-  const fill = el('i');
-  fill.style.width = 100 * Math.max(0, Math.min(1, p || 0)) + '%';
-  return el('span', {class: 'bars', 'aria-hidden': 'true'}, fill);
-}
-
-function toggle(name, on, text, change) {
-  const box = el('input', {type: 'checkbox', 'data-layer': name});
-  box.checked = on;
-  box.addEventListener('change', () => change(box.checked));
-  return el('label', null, box, text);
-}
-
-function button(text, click, attributes) {
-  const b = el('button', {type: 'button', ...attributes}, text);
-  b.addEventListener('click', click);
-  return b;
-}
 
 // Long lists show their first n; a button shows the rest, and what was unfolded stays so.
 const unfolded = new Set();
