@@ -22,8 +22,9 @@ def cross_mistakes(kb: Document, model: KBModel | None, objects: Sequence[Docume
     yield from _repeated_objects(objects)
     vocabulary = _vocabulary(kb)
     if vocabulary is not None:
+        known = {name for name in vocabulary if isinstance(name, str)}
         for document in objects:
-            yield from _unknown_appearances(document, vocabulary)
+            yield from _unknown_appearances(document, vocabulary, known)
     if model is not None:
         yield from _unknown(kb, ("detector", "clutter"), model.detector.clutter, set(model.appearance_types), "appearance")
         yield from _unknown(kb, ("counts", "clutter"), model.counts.clutter, set(model.appearance_types), "appearance")
@@ -54,10 +55,10 @@ def _types(document: Document, kind: str) -> Iterator[str]:
             yield entry["type"]
 
 
-def _unknown_appearances(document: Document, vocabulary: list[Any]) -> Iterator[Mistake]:
+def _unknown_appearances(document: Document, vocabulary: list[Any], known: set[str]) -> Iterator[Mistake]:
     for path, kind, entry in nodes(document.data):
         name = entry.get("type") if kind == "appearance" and isinstance(entry, dict) else None
-        if isinstance(name, str) and name not in vocabulary:
+        if isinstance(name, str) and name not in known:
             listed = ", ".join(map(str, vocabulary[:12])) or "none"
             yield document.mistake((*path, "type"), f"unknown appearance type {name!r}; appearance_types in kb.yaml: {listed}")
 
@@ -70,13 +71,16 @@ def _unknown(kb: Document, path: tuple[str, ...], given: Mapping[str, object], k
 
 
 def _repeated_types(kb: Document, model: KBModel) -> Iterator[Mistake]:
+    before: set[str] = set()
     for index, name in enumerate(model.appearance_types):
-        if name in model.appearance_types[:index]:
+        if name in before:
             yield kb.mistake(("appearance_types", index), f"{name!r} was listed before")
+        before.add(name)
 
 
 def _repeated_objects(objects: Sequence[Document]) -> Iterator[Mistake]:
-    for index, document in enumerate(objects):
-        for other in objects[:index]:
-            if isinstance(_name(document), str) and _name(document) == _name(other):
-                yield document.mistake(("object",), f"{_name(document)!r} is also the object of {other.file}")
+    first: dict[str, str] = {}
+    for document in objects:
+        name = _name(document)
+        if isinstance(name, str) and first.setdefault(name, document.file) != document.file:
+            yield document.mistake(("object",), f"{name!r} is also the object of {first[name]}")

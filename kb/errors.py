@@ -6,8 +6,9 @@
     └── KBError                 anything of this package
         ├── TreeError           a tree that breaks A1-A3 or D1-D3; names the node
         ├── SurfaceError        a mesh without facets or extent, or no mesh at all
+        ├── CloudError          a learnt cloud, or a vocabulary of visual words, that cannot be read
         ├── IntakeError         a mesh, robot or model file that no type can be made of; names the file
-    └── KBErrors            a folder's mistakes, all of them; str() gives a line each
+        └── KBErrors            a folder's mistakes, all of them; str() gives a line each
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ import os.path
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from geometry.plain_files import fault_of
 from kb.errors import Mistake
 from kb.yaml_text import MAX_BYTES, Document, load
 
@@ -28,13 +29,9 @@ class Folder:
 
     def fault(self, path: Path, limit: int) -> str | None:
         """What forbids to read a file, if anything."""
-        if not path.resolve().is_relative_to(self.root.resolve()):
+        if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(self.root)):
             return "leads out of the knowledge base's folder"
-        if not path.is_file():
-            return "is missing"
-        if path.stat().st_size > limit:
-            return f"has more than {limit} bytes"
-        return None
+        return fault_of(path, limit)
 
     def content(self, path: Path, limit: int = MAX_BYTES) -> bytes | None:
         """A file's bytes; None, and a mistake, where they cannot be had."""

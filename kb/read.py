@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from geometry.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
 from kb.branches import branch_of, misplaced, outline, path_to
 from kb.cloud import Counts, KnowledgeBase, ObjectType, Rates
 from kb.clutter import clutter_prior, word_clutter
@@ -60,13 +61,15 @@ def read_kb(folder: Path | str) -> KnowledgeBase:
     if document is None:
         raise KBErrors(place.mistakes)
     model, wrong = checked(KBModel, document)
-    files = _object_files(place.root)
+    before = len(place.mistakes)
+    files = _object_files(place)
+    complete = len(place.mistakes) == before
     objects = [item for path in files if (item := _object(place, path)) is not None]
     rules, words = _rules(place), words_of(place, document)
     for item in objects:
         check_words(place, item.document, item.learnt, words)
         check_parts(place, item.document, item.learnt)
-    wrong += cross_mistakes(document, model, [item.document for item in objects], complete=len(objects) == len(files))
+    wrong += cross_mistakes(document, model, [item.document for item in objects], complete=complete and len(objects) == len(files))
     mistakes = list(dict.fromkeys(place.mistakes + wrong))
     if mistakes or model is None:
         raise KBErrors(mistakes)
@@ -75,16 +78,21 @@ def read_kb(folder: Path | str) -> KnowledgeBase:
 
 
 def _check_folder(root: Path) -> None:
-    if not (root / "kb.yaml").exists():
-        what = "the folder holds no kb.yaml" if root.is_dir() else "there is no such folder"
-        raise KBErrors([Mistake(str(root), 0, 0, "", f"{what}; a knowledge base is a folder with a kb.yaml in it")])
+    if not is_there(root / "kb.yaml"):
+        what = {IS_FOLDER: "the folder holds no kb.yaml", IS_MISSING: "there is no such folder"}
+        fault = fault_of(root) or "is a file, not a folder"
+        raise KBErrors([Mistake(str(root), 0, 0, "", f"{what.get(fault, fault)}; a knowledge base is a folder with a kb.yaml in it")])
 
 
-def _object_files(root: Path) -> list[Path]:
+def _object_files(place: Folder) -> list[Path]:
     """One file per folder of ``objects``, hidden ones excepted."""
-    folder = root / "objects"
-    inside = sorted(folder.iterdir()) if folder.is_dir() else []
-    return [path / "object.yaml" for path in inside if path.is_dir() and not path.name.startswith(".")]
+    folder = place.root / "objects"
+    if not is_there(folder):
+        return []
+    inside = sorted(folder.iterdir()) if fault_of(folder) == IS_FOLDER else [folder]
+    lost = [path for path in inside if path == folder or (path.is_symlink() and fault_of(path) not in (IS_FOLDER, None))]
+    place.mistakes += [Mistake(place.name(path), 0, 0, "", f"must be a folder, but it {fault_of(path) or 'is a file'}") for path in lost]
+    return [path / "object.yaml" for path in inside if fault_of(path) == IS_FOLDER and not path.name.startswith(".")]
 
 
 def _object(place: Folder, path: Path) -> _Object | None:
@@ -153,7 +161,7 @@ def _mesh_file(place: Folder, document: Document, folder: Path, file: object, ke
 
 def _rules(place: Folder) -> str:
     path = place.root / "rules.pl"
-    content = place.content(path, MAX_RULES_BYTES) if path.exists() else b""
+    content = place.content(path, MAX_RULES_BYTES) if is_there(path) else b""
     try:
         return (content or b"").decode()
     except UnicodeDecodeError as error:

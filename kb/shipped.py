@@ -19,5 +19,5 @@ def shipped(name: str) -> Path:
         KBError: for any other name, naming those that exist.
     """
     if name not in shipped_names():
-        raise KBError(f"no knowledge base {name!r} comes with plogic; these do: {', '.join(shipped_names())}")
+        raise KBError(f"no knowledge base {name!r:.80} comes with plogic; these do: {', '.join(shipped_names())}")
     return Path(__file__).parent / name

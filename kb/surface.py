@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.errors import GeometryError
+from geometry.mesh_files import meshes_of, reason, triangles_of
 from geometry.outline import is_closed
 from geometry.rays import RayMesh, checked_mesh
 from kb.errors import SurfaceError
-from kb.mesh_files import meshes_of, triangles_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -106,7 +106,7 @@ def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     try:
         parts = [triangles_of(mesh, placed) for mesh, placed in meshes_of(path)]
     except Exception as error:  # - trimesh's readers raise whatever their parsers do
-        raise SurfaceError(f"{path.name} is no mesh that can be read: {error}") from error
+        raise SurfaceError(f"{path.name} is no mesh that can be read: {reason(path, error)}") from error
     if not sum(len(triangles) for _, triangles in parts):
         raise SurfaceError(f"{path.name} holds no facets")
     starts = np.cumsum([0] + [len(vertices) for vertices, _ in parts])

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
 _RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
+_UNPRINTED = re.compile(r"[\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff\ufffe\uffff]")
+"""What YAML takes for a break, or does not allow as it is."""
 _SAFE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_. -]*")
 _KEYS = {"object": "parts", "feature": "features", "appearance": "appearances"}
 
@@ -38,10 +40,10 @@ def kb_text(kb: KnowledgeBase) -> str:
         "appearance_types": list(kb.appearance_types),
         "f_ref": kb.f_ref,
     }
-    lines = [f"{key}: {_flow(value)}" for key, value in rows.items()]
-    lines += ["detector:", f"  hit: {_flow(rates.hit)}", f"  clutter: {_flow(rates.clutter)}"]
-    lines += [f"  sigma: {_flow(rates.sigma)}", f"  sigmas: {_flow(rates.sigmas)}", f"  match_tolerance: {_flow(rates.match_tolerance)}"]
-    lines += [f"priors: {_flow(rates.prior)}", *_counts_lines(rates.counts)]
+    lines = [f"{key}: {flow(value)}" for key, value in rows.items()]
+    lines += ["detector:", f"  hit: {flow(rates.hit)}", f"  clutter: {flow(rates.clutter)}"]
+    lines += [f"  sigma: {flow(rates.sigma)}", f"  sigmas: {flow(rates.sigmas)}", f"  match_tolerance: {flow(rates.match_tolerance)}"]
+    lines += [f"priors: {flow(rates.prior)}", *_counts_lines(rates.counts)]
     return "\n".join(lines) + "\n"
 
 
@@ -49,14 +51,14 @@ def _counts_lines(counts: Counts) -> Iterator[str]:
     if counts:
         yield "counts:"
         for name in ("hit", "clutter", "prior"):
-            yield f"  {name}: {_flow({key: list(pair) for key, pair in getattr(counts, name).items()})}"
+            yield f"  {name}: {flow({key: list(pair) for key, pair in getattr(counts, name).items()})}"
 
 
 def object_text(kind: ObjectType, mesh: str | None = None, units: str = "m") -> str:
     """``object.yaml`` of a type whose mesh is the file ``mesh`` in ``units``."""
-    lines = [f"object: {_flow(kind.name)}"]
-    lines += [f"mesh: {{file: {_flow(mesh)}, units: {units}}}"] if mesh else []
-    lines += [f"opaque: {_flow(kind.opaque)}", f"symmetries: {_flow(symmetry_entries(kind.symmetries))}"]
+    lines = [f"object: {flow(kind.name)}"]
+    lines += [f"mesh: {{file: {flow(mesh)}, units: {units}}}"] if mesh else []
+    lines += [f"opaque: {flow(kind.opaque)}", f"symmetries: {flow(symmetry_entries(kind.symmetries))}"]
     return "\n".join([*lines, *_list_lines(kind.tree, "", "")]) + "\n"
 
 
@@ -70,8 +72,11 @@ def kb_files(kb: KnowledgeBase) -> dict[str, str]:
     """Every file of the folder, by relative path. Surfaces are written as ``mesh.obj`` in metres; textures do not travel.
 
     Raises:
-        KBError: for a type whose name cannot be a folder's.
+        KBError: for a type whose name cannot be a folder's; for learnt types and their words, which only a copy of the folder keeps.
     """
+    learnt = [kind.name for kind in kb.types if kind.learnt is not None]
+    if learnt or kb.words is not None:
+        raise KBError(f"{kb.name}: what was learnt ({', '.join(learnt) or 'words'}) cannot be written anew: copy the knowledge base's folder")
     files = {"kb.yaml": kb_text(kb)} | ({"rules.pl": kb.rules} if kb.rules else {})
     for kind in kb.types:
         if not _SAFE_NAME.fullmatch(kind.name):
@@ -87,7 +92,7 @@ def write_kb(kb: KnowledgeBase, folder: Path) -> None:
     """Write every file of ``kb_files``, each whole or not at all, over those that are there.
 
     Raises:
-        KBError: for a type whose name cannot be a folder's.
+        KBError: as ``kb_files`` does; nothing is written then.
     """
     for name, text in kb_files(kb).items():
         path = folder / name
@@ -114,28 +119,28 @@ def _node_lines(tree: nx.DiGraph, parent: str, node: str) -> Iterator[str]:
         yield from _appearance_lines(tree, node)
         return
     name = node.rsplit("/", 1)[-1]
-    yield f"{'part' if row['kind'] == 'object' else 'feature'}: {_flow(name)}"
+    yield f"{'part' if row['kind'] == 'object' else 'feature'}: {flow(name)}"
     if row["kind"] == "feature" or row["type"] != name:
-        yield f"type: {_flow(row['type'])}"
-    yield f"at: {_flow(row['at'])}"
+        yield f"type: {flow(row['type'])}"
+    yield f"at: {flow(row['at'])}"
     yield from _rotation_lines(tree.edges[parent, node]["parent_from_child"])
     if len(row["arms"]):
-        yield f"arms: {_flow(row['arms'])}"
+        yield f"arms: {flow(row['arms'])}"
     yield from _list_lines(tree, node, "")
 
 
 def _rotation_lines(frame: NDArray[np.float64]) -> Iterator[str]:
     if not np.array_equal(frame[:3, :3], np.eye(3)):
-        yield f"rotation: {{quat_xyzw: {_flow(quat_xyzw_from_rotation(frame[:3, :3]))}}}"
+        yield f"rotation: {{quat_xyzw: {flow(quat_xyzw_from_rotation(frame[:3, :3]))}}}"
 
 
 def _appearance_lines(tree: nx.DiGraph, node: str) -> Iterator[str]:
     row = tree.nodes[node]
     lobe = f", lobe: {_lobe(row['viewpoint'])}" if row["viewpoint"] is not None else ""
     if not tree.out_degree(node):
-        yield f"{{type: {_flow(row['type'])}{lobe}}}"
+        yield f"{{type: {flow(row['type'])}{lobe}}}"
         return
-    yield f"type: {_flow(row['type'])}"
+    yield f"type: {flow(row['type'])}"
     if lobe:
         yield lobe[2:]
     yield from _list_lines(tree, node, "")
@@ -143,20 +148,20 @@ def _appearance_lines(tree: nx.DiGraph, node: str) -> Iterator[str]:
 
 def _lobe(lobe: Lobe) -> str:
     reach = f"[{_number(lobe.r_min)} m, {_number(lobe.r_max)} m]"
-    return f"{{axis: {_flow(lobe.axis)}, half_angle: {_number(math.degrees(lobe.half_angle))} deg, range: {reach}}}"
+    return f"{{axis: {flow(lobe.axis)}, half_angle: {_number(math.degrees(lobe.half_angle))} deg, range: {reach}}}"
 
 
-def _flow(value: object) -> str:
-    """A value in YAML's flow style."""
+def flow(value: object) -> str:
+    """A value in YAML's flow style; a text that YAML might read as something else is quoted."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
         plain = _PLAIN.fullmatch(value) and value.lower() not in _RESERVED
-        return value if plain else json.dumps(value)
+        return value if plain else _UNPRINTED.sub(lambda sign: f"\\u{ord(sign[0]):04x}", json.dumps(value, ensure_ascii=False))
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{_flow(key)}: {_flow(item)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{flow(key)}: {flow(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list | tuple | np.ndarray):
-        return "[" + ", ".join(_flow(item) for item in value) + "]"
+        return "[" + ", ".join(flow(item) for item in value) + "]"
     return _number(float(value))  # type: ignore[arg-type]  # a number is what is left
 
 

@@ -192,14 +192,23 @@ class _Builder:
             elif name.value in result:
                 self.report(name, (*path, name.value), "this key was given before")
             else:
-                result[name.value] = self.value(item, (*path, name.value))
+                result[self.whole(name, path)] = self.value(item, (*path, name.value))
         return result
 
     def scalar(self, node: ScalarNode, path: Path) -> object:
         if str(node.tag) not in _TAGS:
             self.report(node, path, f"the tag {str(node.tag)[:60]} is not allowed")
             return None
-        return node.value if node.style else self.plain(node, path)
+        return self.whole(node, path) if node.style else self.plain(node, path)
+
+    def whole(self, node: ScalarNode, path: Path) -> str:
+        """The text, two halves of a character (UTF-16, as JSON escapes it) made one; a half alone is a mistake."""
+        text = str(node.value).encode("utf-16-le", "surrogatepass")
+        try:
+            return text.decode("utf-16-le")
+        except UnicodeDecodeError:
+            self.report(node, tuple(str(step).encode(errors="replace").decode() for step in path), "holds half of a character, \\ud800 to \\udfff")
+            return text.decode("utf-16-le", "replace")
 
     def plain(self, node: Node, path: Path) -> object:
         text = node.value

@@ -42,11 +42,18 @@ def read_image(path: str | Path) -> NDArray[np.uint8]:
     Raises:
         ImageError: No such file, not an image, damaged or cut off, too large, or of floating-point numbers.
     """
-    data = _bytes(Path(path))
+    return image_from(_bytes(Path(path)), path)
+
+
+def image_from(data: bytes, name: str | Path) -> NDArray[np.uint8]:
+    """The same from an image file's bytes; ``name`` is what errors call it. Raises ImageError."""
+    wrong = damage(data)
+    if wrong is not None:
+        raise ImageError(f"{name}: {wrong}")
     pixels = _decoded(data)
     if pixels is None:
-        raise ImageError(f"{path}: is not an image that OpenCV can read ({len(data)} bytes)")
-    return _as_bgr(pixels, path)
+        raise ImageError(f"{name}: is not an image that OpenCV can read ({len(data)} bytes)")
+    return _as_bgr(pixels, name)
 
 
 def _decoded(data: bytes) -> NDArray[Any] | None:
@@ -70,13 +77,9 @@ def _bytes(path: Path) -> bytes:
         size = path.stat().st_size
         if size > MAX_BYTES:
             raise ImageError(f"{path}: {size} bytes is more than the {MAX_BYTES} that an image may have")
-        data = path.read_bytes()
+        return path.read_bytes()
     except OSError as error:
         raise ImageError(f"{path}: cannot be read: {error.strerror}") from None
-    wrong = damage(data)
-    if wrong is not None:
-        raise ImageError(f"{path}: {wrong}")
-    return data
 
 
 def _as_bgr(pixels: NDArray[Any], path: str | Path) -> NDArray[np.uint8]:

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from geometry.plain_files import IS_FOLDER, IS_MISSING, TOO_LONG, fault_of
 from sensing.errors import SensingError
 
 if TYPE_CHECKING:
@@ -46,8 +47,10 @@ def check_places(places: Iterable[Path]) -> None:
     """Raise SensingError for the first place where no file can be written, before the work that it should hold is done."""
     for path in places:
         folder = path.parent
-        wrong = "Is a directory" if path.is_dir() else "No such directory" if not folder.exists() else None
-        wrong = "Not a directory" if folder.exists() and not folder.is_dir() else wrong
+        here, above = fault_of(path), fault_of(folder)
+        wrong = "Is a directory" if here == IS_FOLDER else "No such directory" if above == IS_MISSING else None
+        wrong = "Not a directory" if above not in (IS_FOLDER, IS_MISSING) else wrong
+        wrong = "File name too long" if TOO_LONG in (here, above) else wrong
         wrong = "Permission denied" if wrong is None and not os.access(folder, os.W_OK) else wrong
         if wrong is not None:
             raise SensingError(f"{path}: cannot be written: {wrong}")
@@ -55,7 +58,10 @@ def check_places(places: Iterable[Path]) -> None:
 
 def check_new_folder(folder: Path) -> None:
     """Raise SensingError where no new folder can be made, before the work that it should hold is done."""
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+    fault = fault_of(folder)
+    if fault == TOO_LONG:
+        raise SensingError(f"{folder}: cannot be written: File name too long")
+    if fault != IS_MISSING and (fault != IS_FOLDER or any(folder.iterdir())):
         raise SensingError(f"{folder}: exists already and is not an empty folder")
     for above in folder.parents:
         if above.exists() and not above.is_dir():

@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.frames import quat_xyzw_from_rotation
+from geometry.plain_files import fault_of, is_there
 from kb.errors import IntakeError
 from kb.quantities import LENGTHS
 from kb.schema import SymmetryModel
 from kb.symmetries import CONTINUOUS, motions
+from kb.write import flow
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -27,6 +29,8 @@ RIGID = 1e-2
 """How far a listed rotation may be from one."""
 MAX_BYTES = 16_000_000
 """Largest models_info.json."""
+LARGEST = 1e9
+"""What every number in it stays below, mm."""
 _MODEL = re.compile(r"obj_(\d+)\.ply")
 
 
@@ -49,14 +53,23 @@ def _number(path: Path) -> int:
 
 
 def _info(path: Path) -> dict[str, Any]:
-    if not path.is_file():
+    if not is_there(path):
         return {}
+    fault = fault_of(path, MAX_BYTES)
+    if fault is not None:
+        raise IntakeError(f"{path}: {fault}")
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise IntakeError(f"{path}: has more than the {MAX_BYTES} bytes that it may have")
-        info = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise IntakeError(f"{path}: is no JSON: {error}") from None
+        info = json.loads(path.read_text(encoding="utf-8-sig"))
+    except json.JSONDecodeError as error:
+        raise IntakeError(f"{path}:{error.lineno}:{error.colno}: is no JSON: {error.msg}") from None
+    except UnicodeDecodeError as error:
+        raise IntakeError(f"{path}: is no JSON: byte {error.start} is no UTF-8") from None
+    except RecursionError:
+        raise IntakeError(f"{path}: is nested too deeply: models' numbers, their properties, and lists of numbers are all it may hold") from None
+    except ValueError:  # json's own is above
+        raise IntakeError(f"{path}: holds a whole number of more digits than can be read") from None
+    except OSError as error:
+        raise IntakeError(f"{path}: cannot be read: {error.strerror}") from None
     if not isinstance(info, dict) or not all(isinstance(row, dict) for row in info.values()):
         raise IntakeError(f"{path}: must map the models' numbers to their properties")
     return info
@@ -75,12 +88,7 @@ def bop_symmetries(entry: dict[str, Any], units: str, where: str) -> list[str]:
         motions([SymmetryModel.model_validate(row) for row in found])
     except ValueError as error:
         raise IntakeError(f"{where}: its symmetries cannot be used: {error}") from None
-    return [_flow(row) for row in found]
-
-
-def _flow(row: dict[str, Any]) -> str:
-    """One entry as YAML."""
-    return "{" + ", ".join(f"{key}: {'true' if value is True else value}" for key, value in row.items()) + "}"
+    return [flow(row) for row in found]
 
 
 def _rows(entry: dict[str, Any], key: str, where: str) -> list[Any]:
@@ -113,11 +121,12 @@ def _axis(row: object, scale: float, where: str) -> dict[str, Any]:
 
 def _numbers(value: object, count: int, where: str) -> np.ndarray[Any, np.dtype[np.float64]]:
     try:
-        found = np.array(value, dtype=float).ravel()
-    except (TypeError, ValueError):
-        found = np.zeros(0)
-    if found.shape != (count,) or not np.isfinite(found).all():
-        raise IntakeError(f"{where}: must be {count} finite numbers, not {value!r:.100}")
+        raw = np.array(value)
+    except ValueError:
+        raw = np.zeros(0)
+    found = raw.ravel().astype(float) if raw.dtype.kind in "iuf" else np.zeros(0)
+    if found.shape != (count,) or not (np.abs(found) < LARGEST).all():
+        raise IntakeError(f"{where}: must be {count} finite numbers below {LARGEST:g}, not {value!r:.100}")
     return found
 
 

@@ -70,7 +70,7 @@ def _source(folder: Path, visual: Visual, read: dict[str, Source | str]) -> Sour
     if visual.file not in read:
         file = found_file(folder, visual.file)
         try:
-            read[visual.file] = f"the mesh {visual.file!r:.80} is missing: left out" if file is None else read_source(file)
+            read[visual.file] = f"the mesh {visual.file!r:.80} is missing or no plain file: left out" if file is None else read_source(file)
         except IntakeError as error:
             read[visual.file] = f"{error}: left out"
     return read[visual.file]

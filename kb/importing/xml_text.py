@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from geometry.frames import from_rotation_translation
+from geometry.plain_files import fault_of
 from kb.errors import IntakeError
 
 if TYPE_CHECKING:
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
 
 MAX_BYTES = 20_000_000
 """Largest description."""
+MAX_DEPTH = 60
+"""Deepest nesting."""
+LARGEST = 1e9
+"""What every number stays below: sizes in m, angles, scales."""
 _DECLARATION = re.compile(r"\A\s*<\?xml[^>]*\?>")
 
 
@@ -28,20 +33,27 @@ def read_xml(path: Path) -> ET.Element:
     """The root element; what the declaration says is not asked, as pybullet's own files have version 0.0 there.
 
     Raises:
-        IntakeError: no file, too large, no XML, or one that defines entities.
+        IntakeError: no file, too large, no XML, nested too deeply, or one that defines entities.
     """
+    fault = fault_of(path, MAX_BYTES)
+    if fault is not None:
+        raise IntakeError(f"{path}: {fault}")
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise IntakeError(f"{path}: has more than the {MAX_BYTES} bytes that a description may have")
         text = path.read_bytes().decode("utf-8-sig", errors="replace")
     except OSError as error:
         raise IntakeError(f"{path}: cannot be read: {error.strerror}") from None
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise IntakeError(f"{path}: defines entities, which no robot description needs")
     try:
-        return ET.fromstring(_DECLARATION.sub("", text))  # noqa: S314 - no entities: see above
+        root = ET.fromstring(_DECLARATION.sub("", text))  # noqa: S314 - no entities: see above
     except ET.ParseError as error:
         raise IntakeError(f"{path}: is no XML: {error}") from None
+    level, depth = [root], 0
+    while level:
+        level, depth = [child for element in level for child in element], depth + 1
+        if depth > MAX_DEPTH:
+            raise IntakeError(f"{path}: its elements are nested deeper than {MAX_DEPTH} levels, which no robot description needs")
+    return root
 
 
 def numbers(text: str | None, count: int, default: float, what: str) -> list[float]:
@@ -52,8 +64,8 @@ def numbers(text: str | None, count: int, default: float, what: str) -> list[flo
         found = [float(word) for word in text.replace(",", " ").split()]
     except ValueError:
         found = []
-    if len(found) != count or not np.isfinite(found).all():
-        raise IntakeError(f"{what}: must be {count} finite numbers, not {text.strip()!r:.60}")
+    if len(found) != count or not all(abs(number) < LARGEST for number in found):
+        raise IntakeError(f"{what}: must be {count} finite number{'s'[: count > 1]} below {LARGEST:g}, not {text.strip()!r:.60}")
     return found
 
 
@@ -73,7 +85,7 @@ def found_file(folder: Path, name: str) -> Path | None:
     rest = re.sub(r"^(file|package|model)://", "", name.strip())
     plain = "://" not in name or name.startswith("file:")
     for place in _places(folder, rest, plain=plain):
-        if place.is_file():
+        if fault_of(place) is None:
             return place
     return None
 

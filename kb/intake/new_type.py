@@ -18,6 +18,7 @@ from kb.intake.repair import Repaired, repaired
 from kb.intake.shape_symmetries import Turn, turns_of
 from kb.intake.units import check_extent, extent_of
 from kb.quantities import LENGTHS
+from kb.write import flow
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -79,7 +80,7 @@ def _object_text(
     name: str, origin: str, units: str, known: list[str], turns: list[Turn], parts: list[str], *, textured: bool
 ) -> str:
     paint = ", textured: textured.obj" if textured else ""
-    lines = [f"# Made from {_plain(origin)}, in {units}; its frame is kept, its unit is the metre.", f"object: {_quoted(name)}"]
+    lines = [f"# Made from {_plain(origin)}, in {units}; its frame is kept, its unit is the metre.", f"object: {flow(name)}"]
     lines += [f"mesh: {{file: mesh.ply, units: m{paint}}}"]
     if known:
         lines += ["symmetries:", *(f"  - {entry}" for entry in known)]
@@ -96,15 +97,6 @@ def _object_text(
 
 def _plain(origin: str) -> str:
     return re.sub(r"[^\x20-\x7e]", "?", origin)
-
-
-def _quoted(name: str) -> str:
-    """A name as YAML, quoted where it might be read as something else."""
-    return name if re.fullmatch(r"[A-Za-z_][A-Za-z0-9_-]*[A-Za-z0-9_-]", name) and name.lower() not in WORDS else f'"{name}"'
-
-
-WORDS = {"true", "false", "null", "yes", "no", "on", "off"}
-"""What YAML may take for something else than a name."""
 
 
 def _document(name: str, mended: Repaired, paint: str, files: dict[str, bytes], turns: list[str], known: list[str]) -> dict[str, Any]:

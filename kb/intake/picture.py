@@ -40,7 +40,7 @@ def pixels(data: bytes) -> NDArray[np.uint8] | None:
     import cv2
 
     try:
-        found: Any = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+        found: Any = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
     except cv2.error:
         return None
     return None if found is None else np.asarray(found, dtype=np.uint8)

@@ -11,18 +11,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geometry.mesh_files import meshes_of, reason, triangles_of
+from geometry.plain_files import IS_MISSING, fault_of
 from kb.errors import IntakeError
 from kb.intake.limits import FORMATS, MAX_FILE_BYTES, MAX_TRIANGLES
 from kb.intake.textures import textures_of
-from kb.mesh_files import meshes_of, triangles_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
 
+    from geometry.mesh_files import Placed
     from kb.intake.picture import Picture
-    from kb.mesh_files import Placed
 
 GREY = (190, 190, 190)
 """Red, green, blue of what has no colour of its own."""
@@ -59,9 +60,10 @@ class Source:
     def moved(self, motion: NDArray[np.float64]) -> Source:
         """The same by an affine ``motion`` (4, 4); a mirroring one turns the triangles over."""
         turned = slice(None, None, -1 if np.linalg.det(motion[:3, :3]) < 0 else 1)
-        pieces = [
-            replace(p, vertices=p.vertices @ motion[:3, :3].T + motion[:3, 3], triangles=p.triangles[:, turned]) for p in self.pieces
-        ]
+        with np.errstate(over="ignore", invalid="ignore"):  # a size that is no number is told where it is held to the limits
+            pieces = [
+                replace(p, vertices=p.vertices @ motion[:3, :3].T + motion[:3, 3], triangles=p.triangles[:, turned]) for p in self.pieces
+            ]
         return Source(tuple(pieces), self.notes)
 
 
@@ -88,11 +90,9 @@ def read_source(path: Path) -> Source:
 
 
 def _check_file(path: Path) -> None:
-    if not path.is_file():
-        raise IntakeError(f"{path}: there is no such mesh file")
-    size = path.stat().st_size
-    if size > MAX_FILE_BYTES:
-        raise IntakeError(f"{path}: has {size} bytes, more than the {MAX_FILE_BYTES} that a mesh file may have")
+    fault = fault_of(path, MAX_FILE_BYTES)
+    if fault is not None:
+        raise IntakeError(f"{path}: there is no such mesh file" if fault == IS_MISSING else f"{path}: {fault}")
     if path.suffix.lower().lstrip(".") not in FORMATS:
         raise IntakeError(f"{path}: is no mesh file that can be read; these can: {', '.join(FORMATS)}")
 
@@ -102,9 +102,7 @@ def _meshes(path: Path) -> Placed:
     try:
         return meshes_of(path)
     except Exception as error:  # - trimesh's readers raise whatever their parsers do
-        if isinstance(error, ImportError) and path.suffix.lower() == ".dae":
-            raise IntakeError(f"{path}: reading COLLADA needs the package pycollada; or convert the mesh to OBJ or GLB") from None
-        raise IntakeError(f"{path}: is no mesh that can be read: {' '.join(str(error).split())[:200]}") from error
+        raise IntakeError(f"{path}: is no mesh that can be read: {reason(path, error)}") from error
 
 
 def _piece(mesh: Any, placed: NDArray[np.float64], pictures: dict[str, Picture]) -> Piece:  # noqa: ANN401 - trimesh is untyped

@@ -1,142 +1,26 @@
-"""The textures that a mesh file names or carries: OBJ through its MTL, PLY through its comment, GLTF and GLB in their JSON.
-
-The pictures are not decoded here: their bytes travel as they are.
-"""
+"""The pictures that a mesh file names or carries, those that OpenCV can read; their bytes travel as they are."""
 
 from __future__ import annotations
 
-import base64
-import binascii
-import json
-import struct
-from typing import TYPE_CHECKING, Any
-from urllib.parse import unquote
+from typing import TYPE_CHECKING
 
+from geometry.mesh_textures import textures_in
 from kb.intake.picture import picture_from
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from kb.intake.picture import Picture
 
-MAX_PICTURE_BYTES = 256 * 1024 * 1024
-"""Largest texture; the same that an image may have."""
-OPTIONS = {"-s": 3, "-o": 3, "-t": 3, "-mm": 2, "-bm": 1, "-blendu": 1, "-blendv": 1, "-clamp": 1, "-imfchan": 1, "-texres": 1, "-boost": 1}
-"""Words after an option of a line of MTL, before the picture's name."""
 
-Found = tuple[dict[str, "Picture"], list[str]]
-
-
-def textures_of(path: Path) -> Found:
+def textures_of(path: Path) -> tuple[dict[str, Picture], list[str]]:
     """The pictures by name of material, '' meaning every material, and a note on each that is missing."""
-    kind = path.suffix.lower()
-    if kind == ".obj":
-        return _of_obj(path)
-    if kind == ".ply":
-        return _of_names(path.parent, [("", name) for name in _named_by_ply(path)])
-    return _of_gltf(path) if kind in (".glb", ".gltf") else ({}, [])
-
-
-def _of_obj(path: Path) -> Found:
-    notes, named = [], []
-    for name in _values(path, "mtllib"):
-        library = path.parent / name
-        if library.is_file():
-            named += list(_textures(library))
-        else:
-            notes.append(f"the material file {name!r:.80} is missing: going on without")
-    pictures, missing = _of_names(path.parent, named)
-    return pictures, notes + missing
-
-
-def _textures(library: Path) -> Iterator[tuple[str, str]]:
-    """(material, picture's file) of an MTL."""
-    material = ""
-    for line in library.read_text(encoding="utf-8", errors="replace").splitlines():
-        key, _, rest = line.strip().partition(" ")
-        if key == "newmtl":
-            material = rest.strip()
-        elif key.lower() == "map_kd" and rest.strip():
-            yield material, _without_options(rest.split())
-
-
-def _without_options(words: list[str]) -> str:
-    while len(words) > 1 and words[0] in OPTIONS:
-        words = words[min(1 + OPTIONS[words[0]], len(words) - 1) :]
-    return " ".join(words).replace("\\", "/")
-
-
-def _values(path: Path, key: str) -> list[str]:
-    """The values of a key that stands at the beginning of lines; each once."""
-    found: dict[str, None] = {}
-    with path.open(encoding="utf-8", errors="replace") as lines:
-        for line in lines:
-            if line.startswith(key) and len(line.split()) > 1:
-                found[line.split(maxsplit=1)[1].strip()] = None
-    return list(found)
-
-
-def _named_by_ply(path: Path) -> list[str]:
-    with path.open("rb") as file:
-        start = file.read(20_000)
-    head = start.split(b"end_header")[0].decode("utf-8", errors="replace")
-    return [line.split(maxsplit=2)[2].strip() for line in head.splitlines() if line.startswith("comment TextureFile ")]
-
-
-def _of_names(folder: Path, named: list[tuple[str, str]]) -> Found:
-    pictures, notes = {}, []
-    for material, name in named:
-        picture = _picture(folder / name) if "\0" not in name else None
+    found, notes = textures_in(path)
+    pictures = {}
+    for texture in found:
+        picture = picture_from(texture.data) if texture.data is not None else None
         if picture is None:
-            notes.append(f"the texture {name!r:.80} is missing or no picture: going on without")
+            notes.append(f"the {texture.label} is missing or no picture: going on without")
         else:
-            pictures[material] = picture
+            pictures[texture.material] = picture
     return pictures, list(dict.fromkeys(notes))
-
-
-def _picture(path: Path) -> Picture | None:
-    try:
-        if not path.is_file() or path.stat().st_size > MAX_PICTURE_BYTES:
-            return None
-        return picture_from(path.read_bytes())
-    except OSError:
-        return None
-
-
-def _of_gltf(path: Path) -> Found:
-    data = path.read_bytes()
-    try:
-        tree, binary = _chunks(data) if data[:4] == b"glTF" else (json.loads(data), b"")
-        rows = [(str(m.get("name", "")), m) for m in tree.get("materials", [])]
-        found = {name: _bytes_of(tree, binary, row, path.parent) for name, row in rows}
-    except (ValueError, KeyError, IndexError, TypeError, AttributeError, struct.error, OSError, binascii.Error) as error:
-        return {}, [f"the textures cannot be read ({type(error).__name__}): going on without"]
-    good = {name: picture for name, content in found.items() if content and (picture := picture_from(content))}
-    lost = [name for name, content in found.items() if content is not None and name not in good]
-    return good, [f"the texture of material {name!r:.80} is missing or no picture: going on without" for name in lost]
-
-
-def _chunks(data: bytes) -> tuple[Any, bytes]:
-    """The JSON and the binary chunk of a GLB."""
-    size = struct.unpack_from("<I", data, 12)[0]
-    start = 20 + size
-    return json.loads(data[20:start]), data[start + 8 :]
-
-
-def _bytes_of(tree: Any, binary: bytes, material: Any, folder: Path) -> bytes | None:  # noqa: ANN401 - JSON
-    """The bytes of a material's picture; None for one without."""
-    entry = material.get("pbrMetallicRoughness", {}).get("baseColorTexture")
-    if entry is None:
-        return None
-    image = tree["images"][tree["textures"][entry["index"]]["source"]]
-    if "uri" in image:
-        uri = image["uri"]
-        return base64.b64decode(uri.partition(",")[2]) if uri.startswith("data:") else _file_of(folder / unquote(uri))
-    view = tree["bufferViews"][image["bufferView"]]
-    start = view.get("byteOffset", 0)
-    return binary[start : start + view["byteLength"]]
-
-
-def _file_of(path: Path) -> bytes:
-    return path.read_bytes() if path.is_file() and path.stat().st_size <= MAX_PICTURE_BYTES else b""

@@ -6,7 +6,6 @@ YAML or JSON, a mapping with ``units`` (m where it is missing) and ``points``, e
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -86,7 +85,7 @@ def _shape_mistakes(document: Document, data: object, rows: object) -> list[Mist
     if not isinstance(data, dict) or not isinstance(rows, list) or not 0 < len(rows) <= MOST:
         return [document.mistake(("points",), f"must be a mapping with points, a list of 1 to {MOST} of [u, v, x, y, z]")]
     mistakes = [document.mistake((key,), "is no key of a file of points: units, points", key=True) for key in data if key not in ("units", "points")]
-    if "units" in data and data["units"] not in LENGTHS:
+    if "units" in data and (not isinstance(data["units"], str) or data["units"] not in LENGTHS):
         mistakes.append(document.mistake(("units",), f"must be one of {', '.join(LENGTHS)}, not {data['units']!r:.40}"))
     return mistakes
 
@@ -102,11 +101,12 @@ def _numbers(row: object) -> list[float] | str:
     if not isinstance(row, list) or len(row) != 5:
         return "must be five numbers: u, v of the pixel, x, y, z of the place"
     wrong = [value for value in row if isinstance(value, bool) or not isinstance(value, int | float)]
-    return f"must be numbers, not {wrong[0]!r:.40}" if wrong else _finite([float(value) for value in row])
+    return f"must be numbers, not {wrong[0]!r:.40}" if wrong else _finite(row)
 
 
 def _finite(values: list[float]) -> list[float] | str:
-    return values if all(math.isfinite(value) and abs(value) < 1e9 for value in values) else "must be finite numbers below 1e9"
+    small = all(abs(value) < 1e9 for value in values)  # neither NaN nor an integer that no float can hold
+    return [float(value) for value in values] if small else "must be finite numbers below 1e9"
 
 
 def _from_csv(path: Path, content: bytes, scale: float) -> Points:
@@ -127,11 +127,13 @@ def _from_csv(path: Path, content: bytes, scale: float) -> Points:
         else:
             numbers.append(found)
             places.append((number, 1))
+    if len(numbers) > MOST:
+        mistakes.append(Mistake(str(path), *places[MOST], "", f"is point {MOST + 1} of {len(numbers)}: a file may have {MOST} points"))
     if not numbers and not mistakes:
         mistakes.append(Mistake(str(path), 1, 1, "", "holds no points: u,v,x,y,z a line"))
     if mistakes:
         raise KBErrors(mistakes)
-    return _points(str(path), numbers[:MOST], scale, places[:MOST])
+    return _points(str(path), numbers, scale, places)
 
 
 def _cells(cells: list[str]) -> list[float] | tuple[int, str]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from geometry.plain_files import fault_of, is_there
 from plogic.bop.json_files import entry_of, fraction, member, motion, numbered, numbers, shown, whole
 from plogic.errors import InputError
 
@@ -61,12 +62,12 @@ class Scene:
     @cached_property
     def _annotations(self) -> Mapping[int, Any] | None:
         path = self.folder / "scene_gt.json"
-        return numbered(path) if path.is_file() else None
+        return numbered(path) if is_there(path) else None
 
     @cached_property
     def _visibility(self) -> Mapping[int, Any] | None:
         path = self.folder / "scene_gt_info.json"
-        return numbered(path) if path.is_file() else None
+        return numbered(path) if is_there(path) else None
 
     def frame(self, im_id: int) -> Frame:
         """Picture and camera of one image. Raises InputError, ImageError, CameraError: one line with file and key."""
@@ -78,7 +79,7 @@ class Scene:
 
     def picture(self, im_id: int) -> Path:
         """The picture's file. Raises InputError where there is none."""
-        found = next((self.folder / name.format(im_id) for name in PICTURES if (self.folder / name.format(im_id)).is_file()), None)
+        found = next((self.folder / name.format(im_id) for name in PICTURES if fault_of(self.folder / name.format(im_id)) is None), None)
         if found is None:
             raise InputError(f"{self.folder}: has no picture {im_id:06d} (png, jpg, jpeg or tif) in rgb/ or gray/")
         return found

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os.path
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from geometry.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
 from plogic.bop.dataset import Dataset, Scene
-from plogic.bop.json_files import member, read_json, shown, whole
+from plogic.bop.json_files import member, number_of, read_json, shown, whole
 from plogic.errors import InputError
 
 if TYPE_CHECKING:
@@ -25,9 +27,10 @@ def open_dataset(folder: str | Path) -> Dataset:
     Raises:
         InputError: It is none of these, or its targets have a mistake.
     """
-    path = Path(folder).resolve()
-    if not path.is_dir():
-        raise InputError(f"{folder}: is no folder")
+    path = Path(os.path.realpath(folder))
+    fault = fault_of(path)
+    if fault != IS_FOLDER:
+        raise InputError(f"{folder}: {'is no folder' if fault in (None, IS_MISSING) else fault}")
     if _is_scene(path):
         return _dataset(path, [path], path.parent, [path, path.parent.parent, path.parent])
     split = path if _scenes(path) else _split(path, folder)
@@ -35,8 +38,8 @@ def open_dataset(folder: str | Path) -> Dataset:
 
 
 def _dataset(folder: Path, scenes: Sequence[Path], split: Path, roots: Sequence[Path]) -> Dataset:
-    read = tuple(Scene(scene, int(scene.name) if scene.name.isdigit() else 0) for scene in scenes)
-    listed = next((root / TARGETS for root in roots if (root / TARGETS).is_file()), None)
+    read = tuple(Scene(scene, number_of(scene.name) or 0) for scene in scenes)
+    listed = next((root / TARGETS for root in roots if is_there(root / TARGETS)), None)
     targets = read_targets(listed) if listed is not None and split.name.startswith("test") else None
     if targets is not None and len(read) == 1 and folder == scenes[0]:
         targets = {key: wanted for key, wanted in targets.items() if key[0] == read[0].scene_id}
@@ -48,7 +51,7 @@ def _is_scene(path: Path) -> bool:
 
 
 def _scenes(path: Path) -> list[Path]:
-    return sorted((p for p in path.iterdir() if p.name.isdigit() and _is_scene(p)), key=lambda p: int(p.name))
+    return sorted((p for p in path.iterdir() if number_of(p.name) is not None and _is_scene(p)), key=lambda p: int(p.name))
 
 
 def _split(path: Path, named: str | Path) -> Path:
@@ -65,7 +68,7 @@ def _models(roots: Sequence[Path]) -> Path | None:
     """The first folder with a ``models_info.json``: for evaluation, else ``models``, else another (``models_cad``)."""
     for root in roots:
         names = [*MODELS, *sorted(p.name for p in root.glob("models_*"))]
-        found = next((root / name for name in names if (root / name / "models_info.json").is_file()), None)
+        found = next((root / name for name in names if is_there(root / name / "models_info.json")), None)
         if found is not None:
             return found
     return None
@@ -73,6 +76,9 @@ def _models(roots: Sequence[Path]) -> Path | None:
 
 def read_targets(path: Path) -> dict[tuple[int, int], dict[int, int]]:
     """``test_targets_bop19.json``: per (scene, image) how many instances of which object are wanted. Raises InputError."""
+    fault = fault_of(path)
+    if fault is not None:
+        raise InputError(f"{path}: {fault}")
     entries = read_json(path)
     if not isinstance(entries, list):
         raise InputError(f"{path}: must be a list of targets, not {shown(entries)}")

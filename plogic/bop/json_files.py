@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.frames import from_rotation_translation
+from geometry.plain_files import fault_of
 from plogic.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,6 +21,8 @@ LARGEST = 256 * 2**20
 """Bytes of a JSON file."""
 CROOKED = 1e-2
 """How far a rotation may be off orthonormal: datasets round theirs; the nearest rotation is taken."""
+HIGHEST = 10**9
+"""What every number of theirs stays below: scenes, images and objects, millimetres, pixels."""
 MM = 1000.0
 """Millimetres in a metre."""
 
@@ -34,19 +37,36 @@ def read_json(path: Path) -> Any:  # noqa: ANN401 - parsed JSON
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except json.JSONDecodeError as error:
         raise InputError(f"{path}:{error.lineno}: is no JSON: {error.msg} in column {error.colno}") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: is no JSON: {error}") from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is no JSON: byte {error.start} is no UTF-8") from None
+    except RecursionError:
+        raise InputError(f"{path}: is nested too deeply: a BOP file holds lists of objects and of numbers") from None
+    except ValueError:  # json's own is above
+        raise InputError(f"{path}: holds a whole number of more digits than can be read") from None
 
 
 def numbered(path: Path) -> dict[int, Any]:
-    """A JSON object whose keys are numbers of images or objects, ``{"0": ..., "1": ...}``."""
+    """A JSON object whose keys are numbers of images or objects, ``{"0": ..., "1": ...}``, in a plain file."""
+    fault = fault_of(path)
+    if fault is not None:
+        raise InputError(f"{path}: {fault}")
     content = read_json(path)
     if not isinstance(content, dict):
         raise InputError(f"{path}: must be an object with numbers as keys, not {shown(content)}")
-    for key in content:
-        if not (key.isascii() and key.isdigit()):
-            raise InputError(f"{path}: {shown(key)}: must be a whole number")
-    return {int(key): value for key, value in content.items()}
+    found: dict[int, Any] = {}
+    for key, value in content.items():
+        if number_of(key) is None:
+            raise InputError(f"{path}: {shown(key)}: must be a whole number below {HIGHEST}")
+        if int(key) in found:
+            raise InputError(f"{path}: {shown(key)}: is there twice")
+        found[int(key)] = value
+    return found
+
+
+def number_of(text: str) -> int | None:
+    """The whole number below ``HIGHEST`` that a text is, zeros before it or not; None for any other text."""
+    plain = text.isascii() and text.isdigit() and len(text.lstrip("0")) < len(str(HIGHEST))
+    return int(text) if plain else None
 
 
 def entry_of(entries: Mapping[int, Any], number: int, path: Path) -> Any:  # noqa: ANN401 - parsed JSON
@@ -67,8 +87,8 @@ def member(entry: object, key: str, place: str) -> Any:  # noqa: ANN401 - parsed
 
 def whole(value: object, place: str) -> int:
     """A whole number that is not negative."""
-    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise InputError(f"{place}: must be a whole number from 0, not {shown(value)}")
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < HIGHEST:
+        raise InputError(f"{place}: must be a whole number from 0 and below {HIGHEST}, not {shown(value)}")
     return value
 
 
@@ -78,8 +98,8 @@ def numbers(value: object, count: int, place: str) -> NDArray[np.float64]:
         array = np.asarray(value)
     except ValueError:
         array = np.zeros(0)
-    if array.dtype.kind not in "iuf" or array.size != count or not np.isfinite(array).all():
-        raise InputError(f"{place}: must hold {count} finite numbers, not {shown(value)}")
+    if array.dtype.kind not in "iuf" or array.size != count or not (np.abs(array.astype(np.float64)) < HIGHEST).all():
+        raise InputError(f"{place}: must hold {count} finite numbers below {HIGHEST:g}, not {shown(value)}")
     return array.astype(np.float64).ravel()
 
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geometry.mesh_files import beside, reason
+from geometry.plain_files import IS_MISSING, fault_of
 from plogic.bop.json_files import MM, entry_of, member, numbered, numbers
 from plogic.bop.symmetries import symmetry_motions
 from plogic.errors import InputError
@@ -16,6 +18,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
+
+
+MAX_BYTES = 512 * 2**20
+"""Largest file of a model."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +60,14 @@ def _model(folder: Path, obj_id: int, info: object, place: str) -> Model:
 def _points(path: Path) -> NDArray[np.float64]:
     import trimesh
 
-    if not path.is_file():
-        raise InputError(f"{path}: there is no such model")
+    fault = fault_of(path, MAX_BYTES)
+    if fault is not None:
+        raise InputError(f"{path}: there is no such model" if fault == IS_MISSING else f"{path}: {fault}")
     try:
-        mesh: Any = trimesh.load(path, process=False)
+        mesh: Any = trimesh.load(path, process=False, resolver=beside(path))
         points = np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3) / MM
     except Exception as error:
-        raise InputError(f"{path}: trimesh cannot read it: {' '.join(str(error).split())}") from error
+        raise InputError(f"{path}: trimesh cannot read it: {reason(path, error)}") from error
     if not len(points) or not np.isfinite(points).all():
         raise InputError(f"{path}: must have vertices, all of them finite")
     return points

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.bop.json_files import MM, motion
+from plogic.bop.json_files import HIGHEST, MM, motion, number_of
 from plogic.errors import InputError
 
 if TYPE_CHECKING:
@@ -94,9 +94,10 @@ def _estimate(line: str, place: str) -> Estimate:
 
 
 def _whole(text: str, place: str) -> int:
-    if not (text.strip().isascii() and text.strip().isdigit()):
-        raise InputError(f"{place}: must be a whole number from 0, not {text!r:.40}")
-    return int(text)
+    number = number_of(text.strip())
+    if number is None:
+        raise InputError(f"{place}: must be a whole number from 0 and below {HIGHEST}, not {text!r:.40}")
+    return number
 
 
 def _numbers(text: str, count: int, place: str) -> NDArray[np.float64]:

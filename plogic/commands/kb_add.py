@@ -13,12 +13,13 @@ def add_command(name: str, mesh: Path, units: str | None, folder: Path, *, as_js
 
     Raises IntakeError, InputError, SensingError.
     """
+    from geometry.plain_files import is_there
     from kb.intake.new_type import check_name, new_type
     from kb.intake.source import read_source
     from plogic.commands.kb_new import new_command
     from plogic.commands.kb_types import check_kb, check_places, told, write_types
 
-    fresh = not folder.exists()
+    fresh = not is_there(folder)
     if not fresh:
         check_kb(folder)
     check_name(name)

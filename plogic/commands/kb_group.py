@@ -149,9 +149,6 @@ def kb_learn_rates(scenes: tuple[str, ...], kb_folder: str, as_json: bool, **opt
     _out(learn_rates_command(scenes, kb_folder, options, say=_say, as_json=as_json))
 
 
-# `kb learn` goes here: `from plogic.commands.kb_learn import kb_learn` at the top, where it is a click.Command, then `kb.add_command(kb_learn)`.
-
-
 def _out(text: str) -> None:
     sys.stdout.write(text if text.endswith("\n") else text + "\n")
 

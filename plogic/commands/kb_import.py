@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from geometry.plain_files import IS_FOLDER, IS_MISSING, fault_of
 from plogic.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,9 +23,10 @@ def import_command(source: Path, folder: Path, units: str | None, *, as_json: bo
     from plogic.commands.kb_types import check_kb, told, write_types
 
     check_kb(folder)
-    if not source.exists():
-        raise InputError(f"{source}: there is no such file or folder")
-    types = _of_bop(source, folder, units) if source.is_dir() else [_of_robot(source, folder, units)]
+    fault = fault_of(source)
+    if fault not in (None, IS_FOLDER):
+        raise InputError(f"{source}: {'there is no such file or folder' if fault == IS_MISSING else fault}")
+    types = _of_bop(source, folder, units) if fault == IS_FOLDER else [_of_robot(source, folder, units)]
     write_types(folder, types)
     return told(folder, types, "kb_import", as_json=as_json)
 

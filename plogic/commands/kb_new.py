@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pathlib import Path
+import os.path
+from pathlib import Path
 
 
 def new_command(folder: Path, name: str | None) -> str:
@@ -13,6 +11,6 @@ def new_command(folder: Path, name: str | None) -> str:
     from kb.intake.new_kb import new_kb_files
     from sensing.whole_files import write_folder
 
-    write_folder(folder, new_kb_files(name or folder.resolve().name))
+    write_folder(folder, new_kb_files(name or Path(os.path.realpath(folder)).name))
     (folder / "objects").mkdir()
     return f"wrote {folder}: kb.yaml, rules.pl, their schemas and objects/\nnext: plogic kb add NAME --mesh FILE --units m|cm|mm --kb {folder}"

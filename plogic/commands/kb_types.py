@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from geometry.plain_files import IS_FOLDER, fault_of, is_there
 from plogic.errors import InputError
 
 if TYPE_CHECKING:
@@ -16,14 +17,14 @@ if TYPE_CHECKING:
 
 def check_kb(folder: Path) -> None:
     """Raise InputError where there is no knowledge base to add to."""
-    if not (folder / "kb.yaml").is_file():
+    if fault_of(folder / "kb.yaml") is not None:
         raise InputError(f"{folder}: holds no kb.yaml; make a knowledge base with: plogic kb new {folder}")
 
 
 def check_own(kb_folder: str) -> Path:
     """The folder of a KB that is there to be changed. Raises InputError for one that is shipped with plogic."""
     folder = Path(kb_folder)
-    if not (folder / "kb.yaml").exists():
+    if not is_there(folder / "kb.yaml"):
         raise InputError(f"{kb_folder}: is shipped with plogic: copy its folder, and change the copy")
     return folder
 
@@ -31,18 +32,20 @@ def check_own(kb_folder: str) -> Path:
 def check_places(folder: Path, names: Sequence[str]) -> None:
     """Raise InputError for all the names that are types of the KB already, before the work is done."""
     there = type_folders(folder)
-    taken = [place for name in names if (place := there.get(name, folder / "objects" / name)).exists()]
+    taken = [place for name in names if is_there(place := there.get(name, folder / "objects" / name))]
     if taken:
         raise InputError("\n".join(f"{place}: exists already; remove it first, or choose another name" for place in taken))
 
 
 def type_folders(folder: Path) -> dict[str, Path]:
     """Where each type of a KB's folder is described, by the name that its object.yaml states; what cannot be read is left out."""
-    from kb.yaml_text import load
+    from kb.yaml_text import MAX_BYTES, load
 
-    found = {}
+    found: dict[str, Path] = {}
+    if fault_of(folder / "objects") != IS_FOLDER:
+        return found
     for file in sorted((folder / "objects").glob("[!.]*/object.yaml")):
-        data = load(file.name, file.read_bytes()).data if file.is_file() else None
+        data = load(file.name, file.read_bytes()).data if fault_of(file, MAX_BYTES) is None else None
         name = data.get("object") if isinstance(data, dict) else None
         if isinstance(name, str):
             found[name] = file.parent

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plogic.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from pathlib import Path
 
     from kb.cloud import Counts, KnowledgeBase, Rates
     from plogic.learning.records import Record
@@ -23,13 +23,14 @@ def learn_rates_command(
 ) -> str:
     """Learn, and write unless ``dry_run``. ``options``: dry_run, add (to the counts that the KB has)."""
     from kb.cloud import Counts
+    from plogic.commands.kb_types import check_own
     from plogic.commands.sources import kb_of
     from plogic.learning.em import expected_counts
     from plogic.learning.estimates import added, counted, learnt, open_slots, without
     from plogic.learning.scenes import scene_folders
 
     kb = kb_of(kb_folder)
-    file = None if options["dry_run"] else _file(kb_folder, kb)
+    file = None if options["dry_run"] else check_own(kb_folder) / "kb.yaml"
     records = _records(scene_folders(scenes), kb, say)
     words = frozenset(kb.words.names if kb.words is not None else ())
     observed = without(added(kb.rates.counts if options["add"] else Counts(), counted(records)), words)
@@ -42,13 +43,6 @@ def learn_rates_command(
     if unknown:
         say(f"{len(unknown)} instances of unknown presence were weighed by EM")
     return _document(kb, rates, counts, len(records)) if as_json else _table(kb, rates, counts)
-
-
-def _file(kb_folder: str, kb: KnowledgeBase) -> Path:
-    """The ``kb.yaml`` that will be written; the shipped knowledge bases are nobody's to change."""
-    if kb.folder is None or not (Path(kb_folder) / "kb.yaml").exists():
-        raise InputError(f"{kb_folder}: is shipped with plogic: copy its folder and give the copy, or only look with --dry-run")
-    return Path(kb_folder) / "kb.yaml"
 
 
 def _records(folders: Sequence[Path], kb: KnowledgeBase, say: Callable[[str], None]) -> list[Record]:

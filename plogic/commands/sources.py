@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from geometry.plain_files import is_there
 from plogic.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def kb_of(folder: str) -> KnowledgeBase:
     from plogic.program.author import author_rules
 
     path = Path(folder)
-    kb = read_kb(path if path.exists() or "/" in folder else shipped(folder))
+    kb = read_kb(path if is_there(path) or "/" in folder else shipped(folder))
     author_rules(kb.rules, Names({}, {}))
     return kb
 

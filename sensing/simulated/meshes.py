@@ -1,4 +1,4 @@
-"""Mesh files for the simulated camera: OBJ with its MTL and PNG, or whatever else trimesh reads."""
+"""Mesh files for the simulated camera, with the texture that they name (OBJ, PLY) or carry (GLB): whatever trimesh reads."""
 
 from __future__ import annotations
 
@@ -7,58 +7,90 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geometry.mesh_files import meshes_of, reason, triangles_of
+from geometry.mesh_textures import textures_in
+from geometry.plain_files import IS_MISSING, fault_of
 from sensing.errors import SceneError
-from sensing.images import read_image
+from sensing.images import image_from, read_image
 from sensing.simulated.body import TexturedMesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from geometry.mesh_files import Placed
+    from geometry.mesh_textures import Texture
+
 GREY = (0.75, 0.75, 0.75)
 """The colour of a mesh that brings none."""
+ONE = "a mesh that is rendered has one picture for all of it: plogic kb add makes it of several"
 
 
 def read_mesh(path: str | Path, metres_per_unit: float = 1.0) -> TexturedMesh:
     """Read a painted mesh; no mesh format carries its unit, so it is given.
 
     Raises:
-        SceneError: The file cannot be read as a triangle mesh.
+        SceneError: The file cannot be read as a triangle mesh, or it has several textures.
         ImageError: Its texture cannot be read.
     """
-    import trimesh
-
     path = Path(path)
-    if not path.is_file():
-        raise SceneError(f"{path}: there is no such mesh file")
+    fault = fault_of(path)
+    if fault is not None:
+        raise SceneError(f"{path}: there is no such mesh file" if fault == IS_MISSING else f"{path}: {fault}")
     try:
-        mesh: Any = trimesh.load(path, force="mesh", process=False)
+        meshes = [(mesh, placed) for mesh, placed in meshes_of(path) if len(mesh.faces)]
     except Exception as error:
-        raise SceneError(f"{path}: trimesh cannot read it: {error}") from error
-    texture = _texture(mesh, path)
-    uv = getattr(mesh.visual, "uv", None) if texture is not None else None
-    if uv is None or len(uv) != len(mesh.vertices):
-        return TexturedMesh(np.asarray(mesh.vertices) * metres_per_unit, np.asarray(mesh.faces), colour=GREY)
-    return TexturedMesh(np.asarray(mesh.vertices) * metres_per_unit, np.asarray(mesh.faces), np.asarray(uv), texture)
+        raise SceneError(f"{path}: trimesh cannot read it: {reason(path, error)}") from error
+    if not meshes:
+        raise SceneError(f"{path}: holds no triangles")
+    vertices, triangles = _whole(meshes)
+    uv = _uv(meshes)
+    texture = _texture(path, meshes) if uv is not None else None
+    if texture is None:
+        return TexturedMesh(vertices * metres_per_unit, triangles, colour=GREY)
+    return TexturedMesh(vertices * metres_per_unit, triangles, uv, texture)
 
 
-def _texture(mesh: Any, path: Path) -> NDArray[np.uint8] | None:  # noqa: ANN401 - trimesh is untyped
-    """The texture that the file names (OBJ: through its MTL) or carries inside (GLB and the like); None where there is none."""
-    if path.suffix.lower() == ".obj":
-        named = _named_by_obj(path)
-        return None if named is None else read_image(named)
-    material = getattr(mesh.visual, "material", None)
-    image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
-    return None if image is None else np.ascontiguousarray(np.asarray(image.convert("RGB"))[:, :, ::-1])
+def _whole(meshes: Placed) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """All vertices (V, 3) and triangles (T, 3)."""
+    parts = [triangles_of(mesh, placed) for mesh, placed in meshes]
+    starts = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
+    triangles = [corners + start for (_, corners), start in zip(parts, starts, strict=False)]
+    return np.concatenate([vertices for vertices, _ in parts]), np.concatenate(triangles)
 
 
-def _named_by_obj(path: Path) -> Path | None:
-    for library in _values(path, "mtllib"):
-        if (path.parent / library).is_file():
-            for name in _values(path.parent / library, "map_Kd"):
-                return path.parent / name
-    return None
+def _uv(meshes: Placed) -> NDArray[np.float64] | None:
+    """(V, 2); None where a vertex has none."""
+    rows = [getattr(mesh.visual, "uv", None) for mesh, _ in meshes]
+    complete = all(uv is not None and len(uv) == len(mesh.vertices) for uv, (mesh, _) in zip(rows, meshes, strict=True))
+    return np.concatenate([np.asarray(uv, dtype=np.float64) for uv in rows]) if complete else None
 
 
-def _values(path: Path, key: str) -> list[str]:
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
-    return [line.split(maxsplit=1)[1].strip() for line in lines if line.split()[:1] == [key] and len(line.split()) > 1]
+def _texture(path: Path, meshes: Placed) -> NDArray[np.uint8] | None:
+    """The one texture, (H, W, 3), blue first; None where there is none."""
+    found = textures_in(path)[0]
+    if len(found) > 1 or path.suffix.lower() != ".obj":  # the one picture of an OBJ paints all of it, whatever its materials are called
+        found = _used(found, meshes, path)
+    if not found:
+        return None
+    first = found[0]
+    if first.file is not None:
+        return read_image(first.file)
+    if first.data is None:
+        raise SceneError(f"{path}: the {first.label} is missing")
+    return image_from(first.data, f"{path}: the {first.label}")
+
+
+def _used(found: list[Texture], meshes: Placed, path: Path) -> list[Texture]:
+    """The one texture that all the meshes have, none where none has one. Raises SceneError where they differ."""
+    known = {texture.material: texture for texture in found}
+    own = [known.get(_material(mesh), known.get("")) for mesh, _ in meshes]
+    different = {(texture.file, texture.data) for texture in own if texture is not None}
+    if len(different) > 1:
+        raise SceneError(f"{path}: has {len(different)} textures; {ONE}")
+    if different and None in own:
+        raise SceneError(f"{path}: only {len(own) - own.count(None)} of its {len(own)} pieces have a texture; {ONE}")
+    return [texture for texture in own if texture is not None][:1]
+
+
+def _material(mesh: Any) -> str:  # noqa: ANN401 - trimesh is untyped
+    return str(getattr(getattr(mesh.visual, "material", None), "name", ""))

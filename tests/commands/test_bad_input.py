@@ -88,7 +88,7 @@ def test_a_kb_that_is_not_there(tmp_path, gamma):
         "nowhere": "no knowledge base 'nowhere' comes with plogic; these do: towers",
         "./nowhere": "nowhere: there is no such folder",
         "empty": "empty: the folder holds no kb.yaml",
-        "gamma.json": "gamma.json: there is no such folder",
+        "gamma.json": "gamma.json: is a file, not a folder",
     }
     for name, line in wanted.items():
         assert_lines(refused(tmp_path, "perceive", "gamma.json", "--kb", name, "-o", "out.json"), [line])

@@ -162,7 +162,7 @@ def test_bad_meshes_write_nothing(tmp_path, folder, case):
 def test_a_large_file_is_refused_before_it_is_read(tmp_path, folder):
     with (tmp_path / "large.obj").open("wb") as file:
         file.truncate(200_000_001)
-    assert "more than the 200000000 that a mesh file may have" in refused(folder, "x", "--mesh", tmp_path / "large.obj", "--units", "m")
+    assert "more than the 200000000 that are read" in refused(folder, "x", "--mesh", tmp_path / "large.obj", "--units", "m")
 
 
 def test_a_name_that_is_taken_or_none(tmp_path, folder):

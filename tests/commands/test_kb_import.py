@@ -71,7 +71,7 @@ BAD = {
     "entities": ('<!DOCTYPE x [<!ENTITY a "b">]><robot/>', "defines entities"),
     "no shapes": ("<robot/>", "holds no visible shape"),
     "no mesh": (URDF.replace("box.obj", "gone.obj").replace('<box size="1 2 3"/>', ""), "the mesh 'package://arm/gone.obj' is missing"),
-    "no number": (URDF.replace("10 0 0", "10 nan 0"), "xyz: must be 3 finite numbers, not '10 nan 0'"),
+    "no number": (URDF.replace("10 0 0", "10 nan 0"), "xyz: must be 3 finite numbers below 1e+09, not '10 nan 0'"),
     "no link": (URDF.replace('<child link="tip"', '<child link="top"'), "its child 'top' is no link"),
     "circle": (URDF.replace("</robot>", '<joint name="k"><parent link="tip"/><child link="base"/></joint></robot>'), "run in a circle"),
     "flat": (URDF.replace("1 2 3", "1 0 3"), "sizes of a box must be above 0"),

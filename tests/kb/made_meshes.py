@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import struct
+
 import numpy as np
 
 CORNERS = np.array([[x, y, z] for x in (0.0, 1) for y in (0.0, 1) for z in (0.0, 1)])
@@ -46,3 +49,37 @@ def write_painted(folder, *, picture=True):
     if picture:
         cv2.imwrite(str(folder / "paint.png"), np.arange(48, dtype=np.uint8).reshape(4, 4, 3) * 5)
     return folder / "box.obj"
+
+
+def glb_bytes(pictures, materials):
+    """The split cube as GLB: its triangles shared by ``materials``, each the number of its one of ``pictures`` (image files' bytes) or None."""
+    vertices, triangles, uv = split_box()
+    chunks = [vertices.astype("<f4").tobytes(), np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1).astype("<f4").tobytes()]
+    chunks += [part.astype("<u4").tobytes() for part in np.split(triangles, len(materials))]
+    chunks, views, blob = [*chunks, *pictures], [], b""
+    for chunk in chunks:
+        views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": len(chunk)})
+        blob += chunk + b"\0" * (-len(chunk) % 4)
+    places = {"min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}
+    accessors = [{"bufferView": 0, "componentType": 5126, "count": 24, "type": "VEC3"} | places]
+    accessors += [{"bufferView": 1, "componentType": 5126, "count": 24, "type": "VEC2"}]
+    accessors += [{"bufferView": 2 + i, "componentType": 5125, "count": 36 // len(materials), "type": "SCALAR"} for i in range(len(materials))]
+    named = [{"pbrMetallicRoughness": {} if m is None else {"baseColorTexture": {"index": m}}, "name": f"m{i}"} for i, m in enumerate(materials)]
+    corners = {"POSITION": 0, "TEXCOORD_0": 1}
+    tree = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": corners, "indices": 2 + i, "material": i} for i in range(len(materials))]}],
+        "materials": named,
+        "textures": [{"source": i} for i in range(len(pictures))],
+        "images": [{"bufferView": 2 + len(materials) + i, "mimeType": "image/png"} for i in range(len(pictures))],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": len(blob)}],
+    }
+    text = json.dumps(tree).encode()
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + len(blob), len(text), b"JSON")
+    return head + text + struct.pack("<I4s", len(blob), b"BIN\0") + blob

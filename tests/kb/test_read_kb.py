@@ -262,7 +262,7 @@ def test_bytes_that_are_no_text(tmp_path):
 
 
 def test_rules_of_more_than_the_limit(tmp_path):
-    assert mistakes(write_small(tmp_path, rules="% \n" * 400_000)) == ["rules.pl: the file has more than 1000000 bytes"]
+    assert mistakes(write_small(tmp_path, rules="% \n" * 400_000)) == ["rules.pl: the file has 1200000 bytes, more than the 1000000 that are read"]
 
 
 def test_a_bomb_of_aliases_ends_in_a_mistake(tmp_path):

@@ -8,7 +8,8 @@ from kb.read import read_kb
 from kb.schema import SymmetryModel
 from kb.shipped import shipped
 from kb.symmetries import motions, symmetry_entries
-from kb.write import kb_files, write_kb
+from kb.write import flow, kb_files, write_kb
+from kb.yaml_text import load
 
 
 def assert_same_type(first, second):
@@ -48,6 +49,11 @@ def test_the_second_writing_has_the_same_bytes(folder, tmp_path):
     write_kb(read_kb(folder), tmp_path / "copy")
     assert kb_files(read_kb(tmp_path / "copy")) == first
     assert sorted(path.name for path in (tmp_path / "copy").rglob(".*")) == []
+
+
+@pytest.mark.parametrize("name", ["y", "1e5", "a: b", "\N{GRINNING FACE}", "a\x85b", "a\x7fb", "\ufeffa", "a\u2028b", "'", '"', "\\\\x"])
+def test_any_text_is_quoted_as_yaml_reads_it(name):
+    assert load("f", f"name: {flow(name)}\n".encode()).data == {"name": name}
 
 
 def test_names_that_yaml_would_read_otherwise_are_quoted(tmp_path):
