@@ -47,7 +47,7 @@ class LearntCloud:
         word: (F,) index of the feature's dominant visual word.
         feature: (L,) whose appearance it is; in order.
         lobe_word: (L,) index of the appearance's visual word.
-        descriptor: (L, D) uint8, 128 of SIFT or 32 of ORB: its mean over the views of the lobe.
+        descriptor: (L, D) uint8, 128 of SIFT, or 138 with its colours, or 32 of ORB: its mean over the views of the lobe.
         axis: (L, 3) unit axis of the lobe, from the feature to the viewpoint.
         half_angle: (L,) of the lobe.
         r_min: (L,) least distance at the reference focal length.
@@ -129,8 +129,8 @@ def _check(arrays: dict[str, NDArray[Any]]) -> None:
             raise CloudError(f"{name}: has a number that is not finite")
     _check_indices(arrays, counts["F"])
     _check_numbers({name: np.asarray(arrays[name], np.float64) for name, (_, _, kind) in _SHAPES.items() if kind == "f"})
-    if arrays["descriptor"].shape[1] not in (32, 128):
-        raise CloudError(f"descriptor: has {arrays['descriptor'].shape[1]} bytes, not 128 (SIFT) or 32 (ORB)")
+    if arrays["descriptor"].shape[1] not in (32, 128, 138):
+        raise CloudError(f"descriptor: has {arrays['descriptor'].shape[1]} bytes, not 128 or 138 (SIFT) or 32 (ORB)")
 
 
 def _check_indices(arrays: dict[str, NDArray[Any]], features: int) -> None:

@@ -22,14 +22,14 @@ MOST, PER_WORD = 1024, 20
 """Words at most, and descriptors that a word stands for at least, on average."""
 MAX_BYTES = 10_000_000
 """Largest ``words.npz``."""
-WIDTHS = {128: "sift", 32: "orb"}
-"""Whose descriptors have so many bytes."""
+WIDTHS = {128: "sift", 138: "sift", 32: "orb"}
+"""Whose descriptors have so many bytes; those of SIFT in an image with colours have ten more."""
 _BLOCK = 4096
 
 
 @dataclass(frozen=True, eq=False)
 class Words:
-    """``centroids`` (W, D) uint8: 128 bytes of ``sift``, compared by Euclid's distance, or 32 of ``orb``, by Hamming's."""
+    """``centroids`` (W, D) uint8: 128 or 138 bytes of ``sift``, compared by Euclid's distance, or 32 of ``orb``, by Hamming's."""
 
     detector: str
     centroids: NDArray[np.uint8]
@@ -40,24 +40,25 @@ class Words:
         return tuple(f"{self.detector}_w{i:04d}" for i in range(len(self.centroids)))
 
     def nearest(self, descriptors: NDArray[np.uint8], /) -> NDArray[np.int64]:
-        """(N,) index of the word nearest to (N, D) descriptors, the first of several."""
+        """(N,) index of the word nearest to (N, D) descriptors, the first of several; colours count where both have them."""
         blocks = [self._nearest(descriptors[i : i + _BLOCK]) for i in range(0, len(descriptors), _BLOCK)]
         return np.concatenate([*blocks, np.zeros(0, np.int64)])
 
     def _nearest(self, descriptors: NDArray[np.uint8]) -> NDArray[np.int64]:
-        some, words = _spread(descriptors), _spread(self.centroids)
+        width = min(descriptors.shape[1], self.centroids.shape[1])
+        some, words = _spread(descriptors[:, :width]), _spread(self.centroids[:, :width])
         return np.asarray(((words**2).sum(axis=1)[None] - 2.0 * (some @ words.T)).argmin(axis=1), np.int64)
 
 
 def _spread(descriptors: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """As vectors whose squared distance is Euclid's squared (128 bytes) or Hamming's (256 bits)."""
+    """As vectors whose squared distance is Euclid's squared (SIFT) or Hamming's (ORB's 256 bits)."""
     if descriptors.shape[1] == 32:
         return np.unpackbits(descriptors, axis=1).astype(np.float32)
     return descriptors.astype(np.float32)
 
 
 def learn_words(descriptors: NDArray[np.uint8], seed: int = 0) -> Words:
-    """k-means over descriptors (N, 128) or (N, 32), N ≥ 1: the same descriptors and seed give the same words."""
+    """k-means over descriptors (N, 128), (N, 138) or (N, 32), N ≥ 1: the same descriptors and seed give the same words."""
     import cv2
 
     count = max(1, min(MOST, len(descriptors) // PER_WORD))
@@ -85,5 +86,5 @@ def read_words(content: bytes) -> Words:
     except CloudError as error:
         raise CloudError(f"is no vocabulary of visual words: {error}") from None
     if centroids.ndim != 2 or centroids.shape[1] not in WIDTHS or centroids.dtype != np.uint8 or not 0 < len(centroids) <= MOST:
-        raise CloudError(f"centroids: has shape {centroids.shape} of {centroids.dtype}, not (W, 128) or (W, 32) of uint8")
+        raise CloudError(f"centroids: has shape {centroids.shape} of {centroids.dtype}, not (W, 128), (W, 138) or (W, 32) of uint8")
     return Words(WIDTHS[centroids.shape[1]], centroids.astype(np.uint8))

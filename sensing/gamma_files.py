@@ -200,8 +200,8 @@ def _descriptor_mistake(a_type: object, text: object) -> str | None:
         return f"is not base64: {text!r:.60}"
     kind = a_type.split("_", 1)[0] if isinstance(a_type, str) else ""
     wanted = WIDTHS.get(kind)
-    if wanted is not None and size != wanted:
-        return f"has {size} bytes, and one of {a_type!r:.60} has {wanted}"
+    if wanted is not None and size not in wanted:
+        return f"has {size} bytes, and one of {a_type!r:.60} has {' or '.join(map(str, wanted))}"
     return None if 0 < size <= MAX_DESCRIPTOR else f"has {size} bytes, not 1 to {MAX_DESCRIPTOR}"
 
 

@@ -7,14 +7,17 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
 from sensing.appearance import Appearance
+from sensing.colour import colours, is_grey
 from sensing.edge_points import edge_points
 from sensing.keypoints import MOST, Keypoints, grey_of, keypoints, sift_at
+from sensing.regions import MOST as REGIONS
+from sensing.regions import regions
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,10 +51,13 @@ class WordIndex(Protocol):
         """(N,) indices into ``names`` of the words nearest to (N, D) descriptors."""
 
 
-def described(image: Bytes, name: str = "sift", *, contrast: float | None = None, most: int = MOST, cell: int = CELL) -> Keypoints:
-    """Keypoints of an (H, W) or (H, W, 3) uint8 image, the strongest first, and then, of ``sift``, points along its edges, the strongest first.
+def described(
+    image: Bytes, name: str = "sift", *, contrast: float | None = None, most: int = MOST, cell: int = CELL, calm: Bytes | None = None
+) -> Keypoints:
+    """Keypoints of an (H, W) or (H, W, 3) uint8 image and, of ``sift``, points along its edges and then its regions, of each the strongest first.
 
-    At most ``most`` of each; of edges one in each cell of ``cell`` pixels, and at most ``EDGES``.
+    At most ``most`` of each; of edges one in each cell of ``cell`` pixels, and at most ``EDGES``. Regions are looked for in ``calm``, as large,
+    where it is given. Where the image has colours, they are part of the descriptors of ``sift`` (``sensing.colour``).
 
     Raises:
         DetectorError: There is no such keypoint detector.
@@ -62,7 +68,15 @@ def described(image: Bytes, name: str = "sift", *, contrast: float | None = None
     grey = grey_of(image)
     points = edge_points(grey, cell, min(EDGES, most))
     edges = sift_at(grey, points.uv, points.angle, np.full(len(points.uv), EDGE_SIZE), points.rise * RISE)
-    return Keypoints(*(np.concatenate([getattr(blobs, f.name), getattr(edges, f.name)]) for f in fields(Keypoints)))
+    local = joined(blobs, edges)
+    if not is_grey(image):
+        local = replace(local, descriptors=np.column_stack([local.descriptors, colours(image, local.uv, local.angle, local.scale)]))
+    return joined(local, regions(image if calm is None else calm, min(REGIONS, most)))
+
+
+def joined(first: Keypoints, second: Keypoints) -> Keypoints:
+    """Both, in this order; their descriptors are of one length."""
+    return Keypoints(*(np.concatenate([getattr(first, f.name), getattr(second, f.name)]) for f in fields(Keypoints)))
 
 
 class KeypointDetector:

@@ -36,8 +36,8 @@ SHRINK, LEVELS = 1.2, 8
 """ORB's pyramid: each of 8 levels is 1.2 times smaller than the one before."""
 LEAST_SIDE = 8
 """An image with a shorter side has no keypoints: no neighbourhood fits into it."""
-WIDTHS = {"sift": 128, "orb": 32}
-"""Bytes of a descriptor."""
+WIDTHS = {"sift": (128, 138), "orb": (32,)}
+"""Bytes that a descriptor may have: SIFT's without colours and with them (``sensing.colour``)."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def _arrays(found: Sequence[cv2.KeyPoint], descriptors: Bytes | None, name: str,
     height, width = shape[:2]
     uv = np.clip(uv, -0.5, (width - 0.5, height - 0.5))
     angle = np.mod(np.radians(rows[:, 2]), 2 * np.pi)
-    described = np.zeros((0, WIDTHS[name]), np.uint8) if descriptors is None else descriptors
+    described = np.zeros((0, WIDTHS[name][0]), np.uint8) if descriptors is None else descriptors
     return Keypoints(uv, angle, rows[:, 3], np.maximum(rows[:, 4], 0), described)
 
 

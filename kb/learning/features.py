@@ -21,11 +21,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-SAME_PLACE = 1.6
-"""Pixels (of the coarser of two pictures) within which observations are of one place."""
+SAME_PLACE, OF_SIZE = 1.6, 0.25
+"""Pixels (of the coarser of two pictures), or share of the size, within which observations are of one place: what is large has its middle less
+exactly, and the middle of what is round moves over it with the viewpoint. ORB's sizes are those of its patches, and do not count."""
 SAME_SIZE, SAME_UP = 0.3, 0.8
 """Greatest logarithm of the ratio of sizes, least cosine between directions, of one feature."""
-ALIKE = {128: 200.0, 32: 45.0}
+ALIKE = {128: 200.0, 138: 210.0, 32: 45.0}
 """Distance of descriptors within one lobe, by their bytes."""
 TOGETHER = 0.85
 """Least cosine between directions of view within one lobe."""
@@ -63,7 +64,7 @@ def _places(seen: Observations) -> list[NDArray[np.intp]]:
     if not len(seen):
         return []
     tree, free = cKDTree(seen.at), np.ones(len(seen), bool)
-    reach = SAME_PLACE * seen.pixel
+    reach = reaches(seen)
     groups = []
     for i in np.lexsort((np.arange(len(seen)), reach, -seen.hit)):
         if not free[i]:
@@ -76,6 +77,12 @@ def _places(seen: Observations) -> list[NDArray[np.intp]]:
         free[near[one]] = False
         groups.append(near[one])
     return groups
+
+
+def reaches(seen: Observations) -> Floats:
+    """(N,) metres within which others are of one place with each."""
+    share = 0.0 if seen.descriptor.shape[1] == 32 else OF_SIZE
+    return np.maximum(SAME_PLACE * seen.pixel, share * seen.size)
 
 
 def _best(seen: Observations, groups: list[NDArray[np.intp]], count: int) -> list[int]:

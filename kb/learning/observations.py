@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from kb.learning.views import View
 
     Floats = NDArray[np.float64]
-    Detect = Callable[[NDArray[np.uint8], int], "Seen"]
-    """Of a picture; the number is how many pixels lie between points along an edge."""
+    Detect = Callable[[NDArray[np.uint8], NDArray[np.uint8], int], "Seen"]
+    """Of a picture and the same before a calm background; the number is how many pixels lie between points along an edge."""
 
 PICTURES = 4
 """Pictures of each size, all different; the first is where keypoints are looked for again in the others."""
@@ -32,8 +32,8 @@ SPARSE, DENSE = 9, 5
 """Pixels between points along an edge: of those that become features, and of those among which they are looked for, as at run time."""
 NEAR, SIMILAR, TURNED = 3.0, 0.3, 0.35
 """The same keypoint: within so many pixels (plus 8 % of its size), a logarithm of the ratio of sizes, radians."""
-ALIKE = {128: 280.0, 32: 60.0}
-"""... and with descriptors no farther apart, by their bytes: Euclid's distance of SIFT's, Hamming's of ORB's."""
+ALIKE = {128: 280.0, 138: 290.0, 32: 60.0}
+"""... and with descriptors no farther apart, by their bytes: Euclid's distance of SIFT's, without and with colours, Hamming's of ORB's."""
 EDGE = 3
 """Pixels of the large picture that a keypoint must keep from the outline, where depth is that of the background."""
 
@@ -103,7 +103,7 @@ def observed(view: View, number: int, detect: Detect, seed: int = 0) -> Observat
     levels = []
     for level, pixels in enumerate(PIXELS):
         rng = np.random.default_rng([seed, number, level])
-        first, *others = [detect(variant(view, pixels, rng), SPARSE if i == 0 else DENSE) for i in range(PICTURES)]
+        first, *others = [detect(*variant(view, pixels, rng), SPARSE if i == 0 else DENSE) for i in range(PICTURES)]
         hit, uv, descriptor = _again(first, others)
         levels.append(_on_surface(view, inner, pixels, first, uv, hit, descriptor, (number, level)))
     return joined(levels)
@@ -141,7 +141,7 @@ def same(one: Seen, other: Seen) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 
 def differences(some: NDArray[np.uint8], others: NDArray[np.uint8]) -> Floats:
-    """(N,) distances of descriptors (N, D) to their partners: Euclid's for 128 bytes, Hamming's for 32."""
+    """(N,) distances of descriptors (N, D) to their partners: Euclid's of SIFT's, Hamming's of ORB's (32 bytes)."""
     if some.shape[1] == 32:
         return np.asarray(np.unpackbits(some ^ others, axis=1).sum(axis=1), np.float64)
     return np.asarray(np.linalg.norm(some.astype(np.float32) - others.astype(np.float32), axis=1), np.float64)

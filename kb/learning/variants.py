@@ -15,6 +15,8 @@ GAIN, GAMMA = (0.7, 1.4), (0.8, 1.25)
 """Ranges of exposure; what is too bright is cut off at 255."""
 BLUR, NOISE = (0.4, 1.1), (2.0, 8.0)
 """Ranges of the blur's and the noise's standard deviation: pixels, grey levels."""
+LEVEL, TINT, CLOUDY = (20.0, 235.0), 20.0, 6.0
+"""Of a calm background: range of its brightness, standard deviations of its channels about it and of the clouds in it; grey levels."""
 
 
 def size_of(view: View, pixels: float) -> tuple[int, int]:
@@ -23,22 +25,40 @@ def size_of(view: View, pixels: float) -> tuple[int, int]:
     return max(1, round(width * pixels / view.pixels)), max(1, round(height * pixels / view.pixels))
 
 
-def variant(view: View, pixels: float, rng: np.random.Generator) -> NDArray[np.uint8]:
-    """(h, w, 3) uint8: the view, ``pixels`` large, before a random background, under random light, with blur and noise."""
+def variant(view: View, pixels: float, rng: np.random.Generator) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """(h, w, 3) uint8: the view, ``pixels`` large, under random light, with blur and noise; before random spots, and before a calm background.
+
+    Before spots no keypoint at the outline comes twice; but a region of one colour, which ends there, would hardly ever come at all.
+    """
     import cv2
 
     size = size_of(view, pixels)
     whole = np.asarray(cv2.resize(view.image * view.mask[..., None], size, interpolation=cv2.INTER_AREA), np.float32)
     share = np.asarray(cv2.resize(view.mask.astype(np.float32), size, interpolation=cv2.INTER_AREA))[..., None]
     own = np.clip(whole / 255.0 / np.maximum(share, 1e-3), 0.0, 1.0) ** rng.uniform(*GAMMA) * (255.0 * rng.uniform(*GAIN))
-    picture = np.clip(share * own + (1.0 - share) * _background(size, rng), 0.0, 255.0)
-    picture = np.asarray(cv2.GaussianBlur(picture, (0, 0), rng.uniform(*BLUR)))
-    picture = picture + rng.uniform(*NOISE) * rng.standard_normal(picture.shape, dtype=np.float32)
-    return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+    behind = _spots(size, rng)
+    blur, noise = rng.uniform(*BLUR), rng.uniform(*NOISE) * rng.standard_normal((*size[::-1], 3), dtype=np.float32)
+
+    def taken(background: NDArray[np.float32]) -> NDArray[np.uint8]:
+        picture = np.clip(share * own + (1.0 - share) * background, 0.0, 255.0)
+        picture = np.asarray(cv2.GaussianBlur(picture, (0, 0), blur)) + noise
+        return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+
+    return taken(behind), taken(_calm(size, rng))
 
 
-def _background(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
-    """(h, w, 3) coarse and fine spots, so that no keypoint at the outline comes twice."""
+def _calm(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
+    """(h, w, 3) of nearly one colour, as floors, tables and walls are."""
+    import cv2
+
+    (width, height), colour = size, rng.uniform(*LEVEL) + rng.normal(0.0, TINT, 3)
+    cloudy = rng.normal(0.0, CLOUDY, (height // 16 + 2, width // 16 + 2, 1)).astype(np.float32)
+    clouds = np.asarray(cv2.resize(cloudy, size, interpolation=cv2.INTER_CUBIC), np.float32)
+    return np.asarray(np.clip(colour + clouds[..., None], 0.0, 255.0), np.float32)
+
+
+def _spots(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
+    """(h, w, 3) coarse and fine spots."""
     import cv2
 
     (width, height), spots = size, np.zeros((size[1], size[0], 3), np.float32)

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 def worded(clouds: Mapping[str, LearntCloud], seed: int = 0) -> tuple[Words, dict[str, LearntCloud]]:
     """The words of at least one cloud by name, all of one detector, and the clouds with their words: the same clouds give the same words."""
     names = sorted(clouds)
-    words = learn_words(np.concatenate([clouds[name].descriptor for name in names]), seed)
+    width = min(clouds[name].descriptor.shape[1] for name in names)  # one learnt from a grey photo: no colours for any
+    words = learn_words(np.concatenate([clouds[name].descriptor[:, :width] for name in names]), seed)
     return words, {name: _named(clouds[name], words) for name in names}
 
 

@@ -29,13 +29,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """One case, what ours found and in how many seconds, what the peer came to at every setting and the seconds of one setting."""
+    """One case, what ours found and in how many seconds, what the peer came to at every setting, and its seconds of one setting, by what it sees."""
 
     case: Case
     found: tuple[Found, ...]
     seconds: float
     peer: Candidates
-    peer_seconds: float
+    peer_seconds: dict[str, float]
 
 
 def run(

@@ -1,8 +1,9 @@
 """The peer of ``plogic bench recognition``: SIFT, the ratio test against a type's learnt keypoints, OpenCV's USAC RANSAC per type.
 
 It gets its best: exact nearest neighbours instead of approximate ones, the next best of *another* feature in the ratio test (a learnt feature
-has many descriptors), local optimisation, several instances of a type, Levenberg-Marquardt on the inliers, and of all its ratios, inlier
-thresholds and minimal numbers of inliers those that are best over all scenes, chosen with the truth known.
+has many descriptors), local optimisation, several instances of a type, Levenberg-Marquardt on the inliers, and of all that
+it may look at (SIFT's keypoints, or the points along edges that ours sees as well), its ratios, inlier thresholds and minimal numbers of inliers
+those that are best over all scenes, chosen with the truth known.
 """
 
 from __future__ import annotations
@@ -23,12 +24,16 @@ if TYPE_CHECKING:
 
     from geometry.camera import Camera
 
+SEEN = ("keypoints", "edges too")
+"""What the peer looks at: SIFT's keypoints, or points along edges besides."""
 RATIOS = (0.7, 0.8, 0.9)
 THRESHOLDS = (1.5, 3.0, 5.0, 8.0)
 """Pixels within which a match is an inlier."""
 LEAST_INLIERS = tuple(range(5, 41))
 """Numbers of inliers at which a pose may be accepted; all are tried."""
 FEWEST = 5
+WIDTH = 128
+"""Bytes of a descriptor that are SIFT's; the others are colours."""
 ITERATIONS, CONFIDENCE = 20_000, 0.999
 INSTANCES = 2
 """Poses of one type that are looked for in an image, one after the other in what is left."""
@@ -47,20 +52,21 @@ class Learnt(Protocol):
 
     @property
     def descriptor(self) -> NDArray[np.uint8]:
-        """(L, 128) SIFT."""
+        """(L, 128) SIFT, or more: the others are left out."""
 
 
 @dataclass(frozen=True)
 class Setting:
-    """Ratio of the ratio test, inlier threshold in pixels, inliers at which a pose is accepted."""
+    """What is looked at, ratio of the ratio test, inlier threshold in pixels, inliers at which a pose is accepted."""
 
+    seen: str
     ratio: float
     threshold: float
     inliers: int = FEWEST
 
     def __str__(self) -> str:
         """As the benchmark prints it."""
-        return f"ratio {self.ratio:g}, {self.threshold:g} px, {self.inliers} inliers"
+        return f"{self.seen}, ratio {self.ratio:g}, {self.threshold:g} px, {self.inliers} inliers"
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +86,8 @@ class Matches:
     ratio: NDArray[np.float64]
 
 
-Candidates = dict[tuple[float, float], list[Candidate]]
-"""By ratio and threshold, of one image and all types."""
+Candidates = dict[tuple[str, float, float], list[Candidate]]
+"""By what is looked at, ratio and threshold, of one image and all types."""
 
 
 class Peer:
@@ -91,41 +97,47 @@ class Peer:
         """Sort each type's descriptors by feature; a type of fewer than two features is left out."""
         self._types = {name: _sorted(cloud) for name, cloud in learnt.items() if len(np.unique(cloud.feature)) > 1}
 
-    def candidates(self, image: NDArray[np.uint8], camera: Camera, limit: float = np.inf) -> tuple[Candidates, float]:
-        """Of every ratio and threshold, the poses with at least ``FEWEST`` inliers; and the seconds that one setting takes on average.
+    def candidates(self, image: NDArray[np.uint8], camera: Camera, limit: float = np.inf) -> tuple[Candidates, dict[str, float]]:
+        """Of all settings, the poses with at least ``FEWEST`` inliers; and of all ``SEEN``, the seconds that one setting takes on average.
 
         What has not been tried after ``limit`` seconds is left out.
         """
+        answer: Candidates = {setting: [] for setting in product(SEEN, RATIOS, THRESHOLDS)}
+        begun, seconds = perf_counter(), dict.fromkeys(SEEN, 0.0)
+        for seen in SEEN:
+            start = perf_counter()
+            matches = self._matches(image, edges=seen != SEEN[0])
+            shared = perf_counter() - start
+            for ratio, threshold in product(RATIOS, THRESHOLDS):
+                for name, found in matches.items():
+                    if perf_counter() - begun < limit:
+                        answer[seen, ratio, threshold] += _poses(name, found, camera, ratio, threshold)
+            seconds[seen] = shared + (perf_counter() - start - shared) / (len(RATIOS) * len(THRESHOLDS))
+        return answer, seconds
+
+    def _matches(self, image: NDArray[np.uint8], *, edges: bool) -> dict[str, Matches]:
+        from sensing.keypoint_detector import described
         from sensing.keypoints import keypoints
 
-        start = perf_counter()
-        seen = keypoints(image)
-        matches = {name: _matches(np.asarray(seen.uv), seen.descriptors, *rows) for name, rows in self._types.items()} if len(seen) else {}
-        shared = perf_counter() - start
-        settings = list(product(RATIOS, THRESHOLDS))
-        answer: Candidates = {setting: [] for setting in settings}
-        for setting in settings:
-            for name, found in matches.items():
-                if perf_counter() - start < limit:
-                    answer[setting] += _poses(name, found, camera, *setting)
-        return answer, shared + (perf_counter() - start - shared) / len(settings)
+        seen = described(image) if edges else keypoints(image)
+        return {name: _matches(np.asarray(seen.uv), seen.descriptors[:, :WIDTH], *rows) for name, rows in self._types.items()} if len(seen) else {}
 
 
 def accepted(candidates: Candidates, setting: Setting) -> list[Found]:
     """What the peer reports of one image at one setting."""
-    return [c.found for c in candidates[setting.ratio, setting.threshold] if c.inliers >= setting.inliers]
+    return [c.found for c in candidates[setting.seen, setting.ratio, setting.threshold] if c.inliers >= setting.inliers]
 
 
 def settings() -> Iterator[Setting]:
     """All that are tried."""
-    return (Setting(*values) for values in product(RATIOS, THRESHOLDS, LEAST_INLIERS))
+    return (Setting(*values) for values in product(SEEN, RATIOS, THRESHOLDS, LEAST_INLIERS))
 
 
 def _sorted(cloud: Learnt) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float64]]:
     """Descriptors (L, 128) in the order of their features, the first row (G,) of each feature that has any, and its place (G, 3)."""
     order = np.argsort(cloud.feature, kind="stable")
     which, first = np.unique(np.asarray(cloud.feature)[order], return_index=True)
-    return np.asarray(cloud.descriptor, np.float32)[order], first, np.asarray(cloud.at, np.float64)[which]
+    return np.asarray(cloud.descriptor[:, :WIDTH], np.float32)[order], first, np.asarray(cloud.at, np.float64)[which]
 
 
 def _matches(

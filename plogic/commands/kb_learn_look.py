@@ -86,8 +86,8 @@ def _look(task: tuple[str, float, str, int], part: range) -> list[Observations]:
     cv2.setNumThreads(1)
     file, scale, detector, seed = task
 
-    def detect(image: NDArray[np.uint8], cell: int) -> Keypoints:
-        return described(image, detector, cell=cell)
+    def detect(image: NDArray[np.uint8], calm: NDArray[np.uint8], cell: int) -> Keypoints:
+        return described(image, detector, cell=cell, calm=calm)
 
     views = turned(read_mesh(file, scale), [even_directions(DIRECTIONS)[i] for i in part], PIXELS[0], MARGIN, AWAY)
     return [observed(view, number, detect, seed) for number, view in zip(part, views, strict=True)]

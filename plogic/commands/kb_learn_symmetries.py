@@ -48,8 +48,8 @@ def _new_pictures(kind: ObjectType, options: Mapping[str, Any], directions: NDAr
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
 
-    def detect(image: NDArray[np.uint8], cell: int) -> Keypoints:
-        return described(image, options["detector"], cell=cell)
+    def detect(image: NDArray[np.uint8], calm: NDArray[np.uint8], cell: int) -> Keypoints:
+        return described(image, options["detector"], cell=cell, calm=calm)
 
     views = turned(read_mesh(kind.mesh_file, kind.mesh_scale), list(directions), PIXELS[0], MARGIN, AWAY)
     try:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kb.words import WIDTHS
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -81,8 +83,11 @@ def centre_of(camera: Camera) -> NDArray[np.float64]:
     return np.array([(camera.width - 1) / 2.0, (camera.height - 1) / 2.0])
 
 
-def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 128) -> Data:
-    """Pack appearances into arrays, undistorting their places; ``width``: bytes of those descriptors that the KB's words are made of."""
+def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138) -> Data:
+    """Pack appearances into arrays, undistorting their places.
+
+    ``width``: bytes of those descriptors that the KB's words are made of; colours count where all have them.
+    """
     uv = np.array([a.uv for a in appearances], dtype=float).reshape(-1, 2)
     most = max((len(a.arms) for a in appearances), default=0)
     arms = np.full((len(appearances), most), np.nan)
@@ -92,7 +97,9 @@ def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 128)
     ids = tuple(a.id for a in appearances)
     angle = np.array([np.nan if a.angle is None else a.angle for a in appearances], dtype=float)
     scale = np.array([np.nan if a.scale is None else a.scale for a in appearances], dtype=float)
-    described = np.array([len(a.descriptor or b"") == width for a in appearances], dtype=bool) & np.isfinite(angle) & (scale > 0.0)
-    whole = b"".join((a.descriptor or b"") if has else bytes(width) for a, has in zip(appearances, described, strict=True))
+    sizes = np.array([len(a.descriptor or b"") for a in appearances], dtype=int)
+    described = np.isin(sizes, [size for size in WIDTHS if WIDTHS[size] == WIDTHS[width]]) & np.isfinite(angle) & (scale > 0.0)
+    width = min([width, *sizes[described].tolist()])
+    whole = b"".join((a.descriptor or b"")[:width] if has else bytes(width) for a, has in zip(appearances, described, strict=True))
     descriptors = np.frombuffer(whole, np.uint8).reshape(len(appearances), width)
     return Data(ids, tuple(a.type for a in appearances), uv, ideal, arms, camera, angle, scale, descriptors, described)

@@ -15,7 +15,7 @@ from geometry.frames import from_rotation_translation
 from plogic.bench import recognition, recognition_kb, recognition_scenes
 from plogic.bench.recognition import Answer, answered, judgement
 from plogic.bench.recognition_kb import Ours
-from plogic.bench.recognition_peer import RATIOS, THRESHOLDS, Candidate, Peer, Setting, _matches, accepted
+from plogic.bench.recognition_peer import RATIOS, SEEN, THRESHOLDS, Candidate, Peer, Setting, _matches, accepted
 from plogic.bench.recognition_scenes import Case, half_turns, ycb_meshes
 from plogic.bench.recognition_score import Found, Tally, Truth, errors_of, matched, pose_right, tally
 from plogic.bench.recognition_table import claims, judged, rows
@@ -115,9 +115,9 @@ def some_case(seed=0, truths=(), hard=0.0):
 
 def some_answer(found, truths, peer=(), seconds=1.0):
     """``peer``: (found, inliers) at the first setting; none at the others."""
-    candidates = {(r, t): [] for r in RATIOS for t in THRESHOLDS}
-    candidates[RATIOS[1], THRESHOLDS[1]] = [Candidate(f, n) for f, n in peer]
-    return Answer(some_case(truths=truths), tuple(found), seconds, candidates, 2.0)
+    candidates = {(s, r, t): [] for s in SEEN for r in RATIOS for t in THRESHOLDS}
+    candidates[SEEN[0], RATIOS[1], THRESHOLDS[1]] = [Candidate(f, n) for f, n in peer]
+    return Answer(some_case(truths=truths), tuple(found), seconds, candidates, dict.fromkeys(SEEN, 2.0))
 
 
 def all_good():
@@ -134,7 +134,7 @@ def unmet(answers):
 def test_all_claims_can_be_met_and_the_peer_gets_its_best():
     verdict = judged(all_good())
     assert unmet(all_good()) == []
-    assert verdict.by_f1 == Setting(RATIOS[1], THRESHOLDS[1], 6)
+    assert verdict.by_f1 == Setting(SEEN[0], RATIOS[1], THRESHOLDS[1], 6)
     assert verdict.peers({"box", "can"}, verdict.by_f1) == Tally(10, 9, 9, 0, 0)
     assert verdict.textured == {"box", "can"}
     assert verdict.plain == {"mug"}
@@ -165,7 +165,7 @@ def test_rows_name_both_sides_every_type_and_every_hardness():
     assert (listed[0]["found"], listed[1]["found"], listed[3]["posed"]) == (10, 9, 0)
     text, met = judgement(all_good(), as_json=False)
     assert met
-    assert "peer at its best: ratio 0.8, 3 px, 6 inliers" in text
+    assert "peer at its best: keypoints, ratio 0.8, 3 px, 6 inliers" in text
     assert max(len(line) for line in text.splitlines()) < 150
     assert json.loads(judgement(all_good(), as_json=True)[0])["bench"] == "recognition"
 
@@ -181,8 +181,8 @@ def test_the_ratio_is_to_the_next_other_feature():
 
 
 def test_a_pose_is_accepted_from_its_inliers_on():
-    candidates = {(0.8, 2.0): [Candidate(Found("box", pose()), n) for n in (5, 7, 20)]}
-    assert [len(accepted(candidates, Setting(0.8, 2.0, n))) for n in (5, 6, 8, 21)] == [3, 2, 1, 0]
+    candidates = {(SEEN[1], 0.8, 2.0): [Candidate(Found("box", pose()), n) for n in (5, 7, 20)]}
+    assert [len(accepted(candidates, Setting(SEEN[1], 0.8, 2.0, n))) for n in (5, 6, 8, 21)] == [3, 2, 1, 0]
 
 
 def boxes():
@@ -214,9 +214,10 @@ def test_a_peer_without_time_or_features_finds_nothing():
     cloud = RoughCloud(np.zeros((1, 3)), np.zeros(4, int), np.zeros((4, 128), np.uint8))
     image = np.random.default_rng(0).integers(0, 255, (120, 160, 3), dtype=np.uint8)
     found, seconds = Peer({"box": cloud}).candidates(image, CAMERA)
-    assert set(found) == {(r, t) for r in RATIOS for t in THRESHOLDS}
+    assert set(found) == {(s, r, t) for s in SEEN for r in RATIOS for t in THRESHOLDS}
     assert not any(found.values())
-    assert seconds >= 0
+    assert set(seconds) == set(SEEN)
+    assert min(seconds.values()) >= 0
     assert not any(Peer({}).candidates(np.zeros((480, 640, 3), np.uint8), CAMERA, limit=0.0)[0].values())
 
 

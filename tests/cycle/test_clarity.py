@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
-from math import exp, log, pi
+from math import exp, log, pi, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +33,11 @@ from plogic.evidence import (
 )
 from plogic.freedom import log_share
 from plogic.search.indices import settle
-from plogic.search.learnt.looks import AROUND, BY_CHANCE
+from plogic.search.learnt.agreement import ANGLES, SIZES
+from plogic.search.learnt.looks import AROUND, BY_CHANCE, GROWTH, RAREST, TURNS
+
+EXACT = (0.9 * 2 * ANGLES / (sqrt(2 * pi) * TURNS) + 0.1) * (0.9 * 2 * SIZES / (sqrt(2 * pi) * GROWTH) + 0.1)
+"""How much likelier the very angle and size are of what is right than of what merely may be."""
 
 
 @pytest.fixture(scope="module")
@@ -95,13 +99,13 @@ def test_types_written_by_hand_are_as_before():
 
 
 def test_a_match_of_a_keypoint_counts_against_clutter_that_looks_as_right(thing, pose):
-    """No other keypoint looks right here: then against the share of usual clutter that has the angle and the size."""
+    """No other keypoint looks right here: then against the share of usual clutter that has the angle, the size, and looks so right."""
     posed, _ = settled(thing, pose, range(20))
     near = match_density(posed, thing.kb)
     for f in range(30):
         sigma = posed.sigma[f]
         n = exp(-0.5 * (posed.residual[f] / sigma) ** 2) / (2 * pi * sigma**2)
-        assert near[f] == (0.0 if posed.matches[f] < 0 else pytest.approx(n / BY_CHANCE))
+        assert near[f] == (0.0 if posed.matches[f] < 0 else pytest.approx(EXACT * n / (RAREST * BY_CHANCE), rel=1e-3))
 
 
 def test_what_is_everywhere_around_says_little(thing, pose):
@@ -118,7 +122,7 @@ def test_what_is_everywhere_around_says_little(thing, pose):
         posed = settle(thing.index, pose, crowd, thing.kb, rounds=0)
         assert posed.matches.tolist() == before.matches.tolist()
         counts.append(posed.likeness[0])
-        assert posed.likeness[0] == pytest.approx(usual / (copies / (pi * AROUND**2) + BY_CHANCE * usual))
+        assert posed.likeness[0] == pytest.approx(EXACT * usual / (copies / (pi * AROUND**2) + RAREST * BY_CHANCE * usual), rel=1e-3)
         assert posed.likeness[1:].tolist() == before.likeness[1:].tolist()
     assert before.likeness[0] > counts[0] > counts[1]
 

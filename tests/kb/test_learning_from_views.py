@@ -7,7 +7,7 @@ import pytest
 from painted_cube import CORNER, COUNT, F_REF, PIXELS, SIDE, cloud, cube, facing, seen, seen_of, sizes
 
 from kb.cones import even_directions, spacing
-from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of
+from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of, reaches
 from kb.learning.observations import EDGE, OFTEN, joined
 from kb.learning.variants import variant
 from kb.learning.views import AWAY, MARGIN, distance
@@ -62,7 +62,7 @@ def test_features_are_where_they_were_seen_and_their_lobes_hold_who_saw_them():
     assert len(here.at) == len(groups) > 50
     assert sorted(i for g in _places(some) for i in g.tolist()) == list(range(len(some)))
     for number, group in enumerate(groups):
-        assert np.linalg.norm(some.at[group] - here.at[number], axis=1).max() < 3.2 * some.pixel[group].max()
+        assert np.linalg.norm(some.at[group] - here.at[number], axis=1).max() <= 2 * reaches(some)[group].max()
         lobes = _lobes(some, group, COUNT)
         mine = np.flatnonzero(here.feature == number)
         assert sorted(i for lobe in lobes for i in lobe.members.tolist()) == sorted(group.tolist())
@@ -144,15 +144,23 @@ def test_orb_learns_too():
     assert np.abs(np.abs(here.at).max(axis=1) - SIDE / 2).max() < 0.003
 
 
-def test_what_nothing_is_seen_of_has_an_empty_cloud():
+def test_of_what_is_plain_there_are_regions_alone():
+    """Its outline, before whatever lies behind: one colour in all cells, large, and no print."""
     with sizes():
-        plain = replace(cube(), texture=np.full((8, 8, 3), 120, np.uint8))
-        nothing = seen_of(plain, FEW[:1])
-        here = cloud_of(nothing, 0.1, F_REF, COUNT)
-    assert len(nothing) < 5
+        some = seen_of(replace(cube(), texture=np.full((8, 8, 3), (40, 60, 160), np.uint8)), FEW[:3])
+    colour = some.descriptor[:, 128:].reshape(len(some), -1, 2)
+    regions = (np.abs(colour - colour[:, :1]).max(axis=(1, 2)) == 0) & (some.size > 0.3 * SIDE)
+    assert regions.sum() > 10
+    assert (~regions).sum() < 0.3 * len(some)
+
+
+def test_what_nothing_is_seen_of_has_an_empty_cloud():
+    some = seen()
+    nothing = replace(some, **{f.name: getattr(some, f.name)[:0] for f in fields(some)})
+    here = cloud_of(nothing, 0.1, F_REF, COUNT)
     assert here.at.shape == (0, 3)
-    assert here.descriptor.shape == (0, 128)
-    assert read_cloud(cloud_bytes(here)).descriptor.shape == (0, 128)
+    assert here.descriptor.shape == (0, 138)
+    assert read_cloud(cloud_bytes(here)).descriptor.shape == (0, 138)
 
 
 def test_the_most_seen_features_are_kept_in_order():
@@ -166,8 +174,17 @@ def test_the_most_seen_features_are_kept_in_order():
 
 def test_a_variant_shows_the_object_before_a_background_that_is_never_the_same():
     view = next(iter(turned(cube(), [even_directions(COUNT)[FEW[0]]], PIXELS[0], MARGIN, AWAY)))
-    one, again = (variant(view, PIXELS[1], np.random.default_rng(1)) for _ in range(2))
-    other = variant(view, PIXELS[1], np.random.default_rng(2))
+    firsts, seconds = (variant(view, PIXELS[1], np.random.default_rng(1)) for _ in range(2))
+    others = variant(view, PIXELS[1], np.random.default_rng(2))
+    for one, again, other in zip(firsts, seconds, others, strict=True):
+        check_variant(view, one, again, other)
+    busy, calm = (picture[:5].astype(float) for picture in firsts)
+    assert calm.std(axis=(0, 1)).max() < 0.5 * busy.std(axis=(0, 1)).min()
+    middle = tuple(slice(side // 2 - 3, side // 2 + 3) for side in firsts[0].shape[:2])
+    assert np.array_equal(firsts[0][middle], firsts[1][middle])  # the object itself is the same in both, its light and noise too
+
+
+def check_variant(view, one, again, other):
     assert one.dtype == np.uint8
     assert one.shape == (*(round(side * PIXELS[1] / view.pixels) for side in view.image.shape[:2]), 3)
     assert np.array_equal(one, again)

@@ -30,7 +30,7 @@ def residual_by_hand(index, pose, lobe, datum, data, tolerance):
     if z <= 1e-6:
         return inf
     u, v = data.ideal[datum] - centre_of(data.camera)
-    off = hypot(f * x / z - u, f * y / z - v)
+    off = hypot(f * x / z - u, f * y / z - v) * tolerance / (tolerance + 2 * cloud.sigma[cloud.feature[lobe]] * f / z)
     line = viewpoint(pose) - place
     aside = acos(np.clip(line @ cloud.axis[lobe] / np.linalg.norm(line), -1, 1))
     if off > tolerance or aside >= min(cloud.half_angle[lobe] + ASIDE, GRAZING):

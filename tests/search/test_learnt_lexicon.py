@@ -13,10 +13,10 @@ from random_cloud import random_cloud, random_words
 
 from plogic.search.data import data_of
 from plogic.search.indices import indices_of
-from plogic.search.learnt.lexicon import FARTHEST, NTH, WORDS, lexicon_of, spread
+from plogic.search.learnt.lexicon import FARTHEST, FARTHEST_BITS, NTH, WORDS, lexicon_of, spread
 from sensing.appearance import Appearance
 
-WIDTHS = pytest.mark.parametrize("width", [32, 128])
+WIDTHS = pytest.mark.parametrize("width", [32, 128, 138])
 
 
 def noisy(rng, descriptors):
@@ -49,9 +49,9 @@ def some_clouds(rng, width, words=None, sizes=(9, 14, 5)):
 
 def distances(a, b):
     """(A, B) in SIFT's measure: Euclid's, of ORB the root of the bits that differ, scaled."""
-    if a.shape[1] == 128:
+    if a.shape[1] != 32:
         return np.sqrt(((a.astype(float)[:, None] - b[None]) ** 2).sum(axis=2))
-    return np.sqrt(np.unpackbits(a[:, None] ^ b[None], axis=2).sum(axis=2)) * FARTHEST[128] / FARTHEST[256]
+    return np.sqrt(np.unpackbits(a[:, None] ^ b[None], axis=2).sum(axis=2)) * FARTHEST / FARTHEST_BITS
 
 
 def nearest(descriptors, words, count):
@@ -69,7 +69,7 @@ def all_pairs(cloud, data, words=None, most=NTH):
     for lobe in range(len(cloud.feature)):
         there = [d for d in np.flatnonzero(data.described) if looked is None or cloud.lobe_word[lobe] in looked[d]]
         limit = sorted(apart[there, lobe])[most - 1] + 1e-3 if len(there) > most else np.inf
-        rows |= {(int(d), lobe): float(apart[d, lobe]) for d in there if apart[d, lobe] < min(limit, FARTHEST[128])}
+        rows |= {(int(d), lobe): float(apart[d, lobe]) for d in there if apart[d, lobe] < min(limit, FARTHEST)}
     return rows
 
 

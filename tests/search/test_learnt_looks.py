@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import acos, log, pi
+from math import acos, exp, log, pi, sqrt
 
 import numpy as np
 import pytest
@@ -16,7 +16,20 @@ from plogic.evidence import clutter_density
 from plogic.search.data import data_of
 from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, screen_angle
 from plogic.search.learnt.lexicon import FARTHEST
-from plogic.search.learnt.looks import AROUND, BY_CHANCE, LOOSER, SAME, likeness, lobes_about, right_pairs
+from plogic.search.learnt.looks import (
+    AROUND,
+    AS_RIGHT,
+    BY_CHANCE,
+    GROWTH,
+    LOOSER,
+    POWER,
+    RAREST,
+    SAME,
+    TURNS,
+    likeness,
+    lobes_about,
+    right_pairs,
+)
 from plogic.search.learnt.settle import pose_of
 
 FEATURES = 8
@@ -46,17 +59,25 @@ def about(thing, posed, lobe):
     return aside <= min(cloud.half_angle[lobe] + ASIDE, GRAZING)
 
 
-def looks_right(thing, posed, data, lobe, datum):
+def how_right(thing, posed, data, lobe, datum):
+    """How far apart the descriptors are (of the farthest) and how well angle and size fit; None where it does not look right."""
     cloud, at = thing.cloud, posed.at[thing.cloud.feature[lobe]]
-    if abs(log(cloud.size[lobe] * data.camera.f / at[2] / data.scale[datum])) >= SIZES:
-        return False
+    grown = log(cloud.size[lobe] * data.camera.f / at[2] / data.scale[datum])
     turned = float(screen_angle(posed.camera_from_object[:3, :3] @ cloud.up[lobe], at)) - data.angle[datum]
-    apart = np.linalg.norm(cloud.descriptor[lobe].astype(float) - data.descriptors[datum])
-    return abs((turned + pi) % (2 * pi) - pi) < ANGLES and apart < LOOSER * FARTHEST[128]
+    turned = (turned + pi) % (2 * pi) - pi
+    apart = np.linalg.norm(cloud.descriptor[lobe].astype(float) - data.descriptors[datum]) / (LOOSER * FARTHEST)
+    if abs(grown) >= SIZES or abs(turned) >= ANGLES or apart >= 1:
+        return None
+    return apart, against_even(turned, TURNS, ANGLES) * against_even(grown, GROWTH, SIZES)
+
+
+def against_even(off, sigma, most):
+    """Nine tenths normal and one tenth even, over even in [-most, most]."""
+    return (0.9 * exp(-0.5 * (off / sigma) ** 2) / (sqrt(2 * pi) * sigma) + 0.1 / (2 * most)) * 2 * most
 
 
 def by_loop(thing, posed, data, features, free, reach):
-    """{(feature, datum): the lobes by which it looks right}."""
+    """{(feature, datum): {lobe by which it looks right: how right}}."""
     found = {}
     for lobe in range(len(thing.cloud.feature)):
         feature = int(thing.cloud.feature[lobe])
@@ -64,8 +85,9 @@ def by_loop(thing, posed, data, features, free, reach):
             continue
         for datum in np.flatnonzero(free):
             near = np.linalg.norm(data.uv[datum] - posed.uv[feature]) <= reach
-            if near and looks_right(thing, posed, data, lobe, datum):
-                found.setdefault((feature, int(datum)), set()).add(lobe)
+            how = how_right(thing, posed, data, lobe, datum) if near else None
+            if how is not None:
+                found.setdefault((feature, int(datum)), {})[lobe] = how
     return found
 
 
@@ -82,7 +104,9 @@ def test_right_pairs_are_those_of_a_loop_among_what_is_free(seed, some, bits, re
     ways = {row: set() for row in rows}
     for pair, lobe in zip(found.pair.tolist(), found.lobe.tolist(), strict=True):
         ways[rows[pair]].add(lobe)
-    assert ways == expected
+    assert ways == {row: set(by) for row, by in expected.items()}
+    for row, apart, fit in zip(rows, found.apart, found.fit, strict=True):
+        assert (apart, fit) == pytest.approx(min(expected[row].values()), rel=1e-4)
     held = np.arange(0, 20, 3)
     assert found.held(held).tolist() == [bool(ways[row] & set(held.tolist())) for row in rows]
 
@@ -110,9 +134,17 @@ def test_likeness_is_what_a_loop_counts(seed):
     right = by_loop(thing, posed, data, set(range(FEATURES)), data.described, AROUND)
     expected = []
     for feature, match in enumerate(matches.tolist()):
-        others = [d for f, d in right if f == feature and np.linalg.norm(data.uv[d] - data.uv[match]) > SAME]
-        expected.append(1.0 if match < 0 else usual[match] / (len(others) / (pi * AROUND**2) + BY_CHANCE * usual[match]))
-    assert likeness(thing.index, posed, near(thing, posed), matches, data, thing.kb).tolist() == pytest.approx(expected)
+        how = {d: min(by.values()) for (f, d), by in right.items() if f == feature}
+        apart, fit = how.get(match, (1.0, 1.0))
+        others = [d for d, (off, _) in how.items() if np.linalg.norm(data.uv[d] - data.uv[match]) > SAME and off <= apart + AS_RIGHT]
+        expected.append(1.0 if match < 0 else rarity(usual[match], len(others), apart, fit))
+    assert likeness(thing.index, posed, near(thing, posed), matches, data, thing.kb).tolist() == pytest.approx(expected, rel=1e-4)
+
+
+def rarity(usual, others, apart, fit):
+    """How much rarer what looks as right is than clutter of the word."""
+    chance = BY_CHANCE * max(POWER * apart ** (POWER - 1), RAREST)
+    return fit * usual / (others / (pi * AROUND**2) + chance * usual)
 
 
 @pytest.mark.parametrize(("apart", "counts"), [(0.0, False), (SAME - 1.0, False), (SAME + 1.0, True), (AROUND - 1.0, True), (AROUND + 1.0, False)])
@@ -124,8 +156,29 @@ def test_the_same_edge_seen_again_is_no_clutter(apart, counts):
     data.uv[10] = data.uv[0] + [0.6 * apart, 0.8 * apart]
     matches = np.arange(10)
     usual = clutter_density(thing.kb, data)[0]
-    others = counts / (pi * AROUND**2)
-    assert likeness(thing.index, posed, near(thing, posed), matches, data, thing.kb)[0] == pytest.approx(usual / (others + BY_CHANCE * usual))
+    exact = against_even(0, TURNS, ANGLES) * against_even(0, GROWTH, SIZES)
+    found = likeness(thing.index, posed, near(thing, posed), matches, data, thing.kb)[0]
+    assert found == pytest.approx(rarity(usual, counts, 0.0, exact), rel=1e-3)
+
+
+def test_the_more_a_match_looks_right_the_rarer_it_is():
+    """Descriptors farther apart, an angle or a size that is off: each makes a match say less."""
+    thing, pose = ready(one_sided(1, 10)), pose_before(np.random.default_rng(5))
+    rows = [keypoint_of(thing.cloud, lobe, pose, number=lobe) for lobe in range(10)]
+    said = []
+    for change in ({}, {"descriptors": 7}, {"descriptors": 15}, {"angle": 0.2}, {"angle": 0.4}, {"scale": 1.15}, {"scale": 1.4}):
+        data = data_of(rows, gamma_at(thing.cloud, [0], pose).camera)
+        data = replace(
+            data,
+            descriptors=np.clip(data.descriptors.astype(int) + change.get("descriptors", 0), 0, 255).astype(np.uint8),
+            angle=data.angle + change.get("angle", 0.0),
+            scale=data.scale * change.get("scale", 1.0),
+        )
+        posed = pose_of(thing.index, pose, data, thing.kb)
+        said.append(likeness(thing.index, posed, near(thing, posed), np.arange(10), data, thing.kb)[0])
+    assert said[0] >= said[1] > said[2]
+    assert said[0] > said[3] > said[4]
+    assert said[0] > said[5] > said[6]
 
 
 def test_what_is_not_matched_is_one_and_so_is_all_where_nothing_is():

@@ -13,7 +13,7 @@ from learnt_scenes import gamma_at, pose_before, ready
 from random_cloud import random_cloud
 
 from plogic.search.learnt import pairs as pairs_module
-from plogic.search.learnt.lexicon import FARTHEST, NTH
+from plogic.search.learnt.lexicon import FARTHEST, FARTHEST_BITS, NTH
 from plogic.search.learnt.lexicon import spread as spread_out
 from plogic.search.learnt.pairs import CELL, CLOSE, EACH, OFF, pairs_of
 
@@ -47,11 +47,11 @@ def kept_by_loop(thing, data):
     """{(datum, lobe): weight} of the pairs that are kept."""
     cloud = thing.cloud
     wide = spread_out(data.descriptors).astype(float)[:, None] - spread_out(cloud.descriptor)[None]
-    limit = FARTHEST[wide.shape[2]]
-    apart = np.linalg.norm(wide, axis=2) * FARTHEST[128] / limit
+    limit = FARTHEST_BITS if wide.shape[2] == 256 else FARTHEST
+    apart = np.linalg.norm(wide, axis=2) * FARTHEST / limit
     weights = {}
     for lobe in range(len(cloud.feature)):
-        near = [d for d in range(len(data.ids)) if data.described[d] and apart[d, lobe] < FARTHEST[128]]
+        near = [d for d in range(len(data.ids)) if data.described[d] and apart[d, lobe] < FARTHEST]
         for place, d in enumerate(sorted(near, key=lambda d: apart[d, lobe])[:NTH]):
             weights[d, lobe] = weight_of(apart[d, lobe], place)
     kept = {}

@@ -17,7 +17,7 @@ from plogic.search.indices import generate, settle
 from plogic.search.learnt.agreement import ANGLES, ASIDE, SIZES, screen_angle
 from plogic.search.learnt.lexicon import FARTHEST
 from plogic.search.learnt.looks import LOOSER
-from plogic.search.learnt.settle import FEWEST, NOISE, blur, lobes_held, matched, pose_of
+from plogic.search.learnt.settle import FEWEST, NOISE, WIDE, blur, lobes_held, matched, pose_of
 
 
 def posed_of(thing, pose, data):
@@ -51,7 +51,7 @@ def may_be(thing, posed, data, lobe, datum):
         return False
     turned = screen_angle(posed.camera_from_object[:3, :3] @ cloud.up[lobe], at) - data.angle[datum]
     apart = np.linalg.norm(cloud.descriptor[lobe].astype(float) - data.descriptors[datum])
-    return abs((turned + pi) % (2 * pi) - pi) < ANGLES and apart < LOOSER * FARTHEST[128]
+    return abs((turned + pi) % (2 * pi) - pi) < ANGLES and apart < LOOSER * FARTHEST
 
 
 def best_worth(possible, off, tolerance):
@@ -77,7 +77,9 @@ def test_the_assignment_takes_expected_features_first_and_is_the_best(seed):
     data.uv[:] += rng.normal(0, 0.8, data.uv.shape)
     free, hidden, tolerance = rng.random(3) < 0.8, rng.random(4) < 0.25, thing.kb.rates.match_tolerance
     posed = matched(thing.index, posed_of(thing, pose, data), data, thing.kb, free, hidden)
-    off = np.linalg.norm(posed.uv[:, None] - data.uv[None], axis=2)
+    apart = np.linalg.norm(posed.uv[:, None] - data.uv[None], axis=2)
+    reach = np.maximum(tolerance, WIDE * thing.cloud.sigma * data.camera.f / posed.at[:, 2])  # less exact places are looked for farther off
+    off = apart * (tolerance / reach)[:, None]
     possible = np.array([[may_be(thing, posed, data, f, d) and free[d] and off[f, d] <= tolerance for d in range(3)] for f in range(4)])
     expected = posed.candidate & ~hidden
     taken = posed.matches
@@ -91,7 +93,7 @@ def test_the_assignment_takes_expected_features_first_and_is_the_best(seed):
     worth = sum(1 - 0.5 * (off[f, taken[f]] / tolerance) ** 2 for f in np.flatnonzero(~expected & (taken >= 0)))
     assert worth == pytest.approx(best_worth(rest, off, tolerance))
     found = taken >= 0
-    np.testing.assert_allclose(posed.residual[found], off[np.flatnonzero(found), taken[found]])
+    np.testing.assert_allclose(posed.residual[found], apart[np.flatnonzero(found), taken[found]])
     assert np.isnan(posed.residual[~found]).all()
 
 

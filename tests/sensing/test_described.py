@@ -15,6 +15,7 @@ from sensing.edge_points import edge_points
 from sensing.errors import DetectorError
 from sensing.keypoint_detector import CELL, EDGE_SIZE, EDGES, RISE, KeypointDetector, described
 from sensing.keypoints import CONTRAST, EDGE, LAYERS, LEAST_SIDE, SIGMA, Keypoints, keypoints, sift_at
+from sensing.regions import MOST, regions
 
 
 def same(one, other):
@@ -29,14 +30,15 @@ def part(found, start, stop=None):
 
 @settings(max_examples=10, deadline=None, derandomize=True)
 @given(st.integers(0, 999), st.integers(3, 12), st.integers(1, 400))
-def test_blobs_come_first_then_points_along_edges_each_the_strongest_first(seed, cell, most):
+def test_blobs_come_first_then_points_along_edges_then_regions_each_the_strongest_first(seed, cell, most):
     image = texture(120, 140, seed)
     found, blobs, edges = described(image, cell=cell, most=most), keypoints(image, most=most), edge_points(image, cell, min(most, EDGES))
     assert len(blobs) > 0
     assert len(edges.uv) > 0
     same(part(found, 0, len(blobs)), blobs)
-    rest = part(found, len(blobs))
-    assert len(rest) == len(edges.uv)
+    own = regions(image, min(most, MOST))
+    same(part(found, len(blobs) + len(edges.uv)), own)
+    rest = part(found, len(blobs), len(blobs) + len(edges.uv))
     np.testing.assert_allclose(rest.uv, edges.uv, atol=1e-5)
     np.testing.assert_allclose(np.exp(1j * rest.angle), np.exp(1j * edges.angle), atol=1e-6)
     np.testing.assert_allclose(rest.response, RISE * edges.rise, rtol=1e-6)
@@ -54,11 +56,12 @@ def test_blobs_come_first_then_points_along_edges_each_the_strongest_first(seed,
 def test_larger_cells_make_edges_sparser_and_leave_blobs_as_they_are(seed, cell):
     image = texture(120, 140, seed)
     dense, sparse = described(image, cell=cell), described(image, cell=2 * cell)
-    blobs = len(keypoints(image))
+    blobs, rest = len(keypoints(image)), len(regions(image))
     same(part(dense, 0, blobs), part(sparse, 0, blobs))
-    assert 0 < len(sparse) - blobs < len(dense) - blobs
-    rows = {tuple(uv) for uv in dense.uv[blobs:].tolist()}
-    assert {tuple(uv) for uv in sparse.uv[blobs:].tolist()} <= rows
+    same(part(dense, len(dense) - rest), part(sparse, len(sparse) - rest))
+    many, few = ({tuple(uv) for uv in some.uv[blobs : len(some) - rest].tolist()} for some in (dense, sparse))
+    assert 0 < len(few) < len(many)
+    assert few <= many
 
 
 def test_orb_has_no_points_along_edges():

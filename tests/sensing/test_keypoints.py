@@ -37,7 +37,7 @@ def paired(a, uv, angle):
 
     Near is 0.5 px for SIFT and 0.7 px of its level for ORB, which knows places to a pixel of the level alone.
     """
-    level = 0.7 * a.scale / 31 if a.descriptors.shape[1] == WIDTHS["orb"] else np.full(len(a), 0.5)
+    level = 0.7 * a.scale / 31 if a.descriptors.shape[1] == WIDTHS["orb"][0] else np.full(len(a), 0.5)
     gap = np.linalg.norm(a.uv[:, None] - uv[None], axis=2)
     turn = np.abs(np.angle(np.exp(1j * (a.angle[:, None] - angle[None]))))
     return float(((gap < level[:, None]) & (turn < 0.1)).any(axis=1).mean())
@@ -132,7 +132,7 @@ def test_the_strongest_come_first_and_no_more_than_asked(name):
     assert 15 <= len(few) <= 20
     assert len(every) <= MOST
     assert (np.diff(every.response) <= 0).all()
-    assert every.descriptors.shape == (len(every), WIDTHS[name])
+    assert every.descriptors.shape == (len(every), WIDTHS[name][0])
     key = np.column_stack([np.round(every.uv, 2), np.round(every.angle, 3)])
     assert len(np.unique(key, axis=0)) == len(every)
 
@@ -155,7 +155,7 @@ def test_constant_and_tiny_images_have_none_and_do_not_crash(name):
     for shape in [(1, 1), (1, 300), (2, 2), (LEAST_SIDE, LEAST_SIDE), (9, 200), (31, 31), (0, 0)]:
         found = keypoints(rng.integers(0, 256, shape).astype(np.uint8), name)
         assert np.isfinite(found.uv).all()
-        assert found.descriptors.shape == (len(found), WIDTHS[name])
+        assert found.descriptors.shape == (len(found), WIDTHS[name][0])
 
 
 def test_colour_is_read_as_its_grey():
@@ -222,4 +222,4 @@ def test_keypoints_survive_a_gamma_file(name):
     again = gamma_from_dict(gamma_to_dict(gamma))
     assert isinstance(again, Gamma)
     assert again.appearances == gamma.appearances
-    assert {len(a.descriptor) for a in again.appearances} == {WIDTHS[name]}
+    assert {len(a.descriptor) for a in again.appearances} == {WIDTHS[name][0]}

@@ -38,7 +38,10 @@ class Agreement:
 
 
 def agreement(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share: float, pixels: float) -> Agreement:
-    """Of poses (H, 4, 4); a pair agrees in place within ``share`` of the object's diameter on the screen plus ``pixels``."""
+    """Of poses (H, 4, 4); a pair agrees in place within ``share`` of the object's diameter on the screen plus ``pixels``.
+
+    What is less exact in space, as the middle of a region is, may be farther off by twice its σ, and its residual is told as that much smaller.
+    """
     f, lobe, datum = data.camera.f, pairs.lobe, pairs.datum
     R, t = poses[:, :3, :3], poses[:, :3, 3]
     places, ideal = index.places[lobe].astype(np.float32), (data.ideal[datum] - centre_of(data.camera)).astype(np.float32)
@@ -46,6 +49,8 @@ def agreement(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share
     pixels_a_metre = np.float32(f) / np.maximum(z, np.float32(1e-6))
     residual = np.hypot(x * pixels_a_metre - ideal[:, 0], y * pixels_a_metre - ideal[:, 1])
     tolerance = share * index.diameter * f / np.maximum(R[:, 2] @ index.centre + t[:, 2], 1e-6) + pixels
+    slack = 2.0 * index.cloud.sigma[index.cloud.feature[lobe]].astype(np.float32) * pixels_a_metre
+    residual = residual * (tolerance[:, None].astype(np.float32) / (tolerance[:, None].astype(np.float32) + slack))
     h, p = np.nonzero((residual <= tolerance[:, None]) & (z > 1e-6))
     at = np.column_stack([x[h, p], y[h, p], z[h, p]])
     right = _right(index, R[h], t[h], at, (lobe[p], data.scale[datum[p]], data.angle[datum[p]]), f)

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
     Indices = NDArray[np.intp]
 
-FARTHEST = {128: 270.0, 256: 7.65}
-"""Farthest descriptors that look alike, by their length as vectors: of SIFT, and of ORB's bits (58 of them)."""
+FARTHEST, FARTHEST_BITS = 270.0, 7.65
+"""Farthest descriptors that look alike: of SIFT, with or without colours, and of ORB's bits (58 of them)."""
 WORDS = 8
 """Words of a keypoint whose appearances are looked at, the nearest."""
 NTH = 8
@@ -40,6 +40,11 @@ class Alike(NamedTuple):
 def spread(descriptors: NDArray[np.uint8]) -> NDArray[np.float32]:
     """(N, D) as vectors whose distance is Euclid's (SIFT) or the root of Hamming's (ORB)."""
     return np.unpackbits(descriptors, axis=1).astype(np.float32) if descriptors.shape[1] == 32 else descriptors.astype(np.float32)
+
+
+def farthest(vectors: NDArray[np.float32]) -> float:
+    """The farthest that such vectors (N, D) may be apart and look alike."""
+    return FARTHEST_BITS if vectors.shape[1] == 256 else FARTHEST
 
 
 @dataclass(eq=False)
@@ -91,29 +96,30 @@ class Lexicon:
         word, row = self._sorted_by_word(vectors)
         ends = np.searchsorted(word, np.arange(len(self.words) + 1))
         own = (vectors**2).sum(axis=1)
-        limit = FARTHEST[vectors.shape[1]]
+        limit = farthest(vectors)
         rows, places, squares = [], [], []
         for w in np.flatnonzero((np.diff(ends) > 0) & (np.diff(self.starts) > 0)):
             first, last = self.starts[w], self.starts[w + 1]
-            mine = spread(self.descriptors[first:last])
+            mine = spread(self.descriptors[first:last])[:, : vectors.shape[1]]
             square = (mine**2).sum(axis=1)
             for start in range(ends[w], ends[w + 1], _BLOCK):
                 some = row[start : min(start + _BLOCK, ends[w + 1])]
                 apart = own[some][:, None] - 2.0 * (vectors[some] @ mine.T) + square
-                farthest = np.partition(apart, NTH - 1, axis=0)[NTH - 1] if len(some) > NTH else limit**2
-                near, place = np.nonzero((apart <= farthest) & (apart < limit**2))
+                most = np.partition(apart, NTH - 1, axis=0)[NTH - 1] if len(some) > NTH else limit**2
+                near, place = np.nonzero((apart <= most) & (apart < limit**2))
                 rows.append(some[near])
                 places.append(place + first)
                 squares.append(apart[near, place])
         nothing = np.zeros(0, np.intp)
-        distance = np.sqrt(np.maximum(np.concatenate([*squares, np.zeros(0)]), 0.0)) * (FARTHEST[128] / limit)
+        distance = np.sqrt(np.maximum(np.concatenate([*squares, np.zeros(0)]), 0.0)) * (FARTHEST / limit)
         return np.concatenate([*rows, nothing]), np.concatenate([*places, nothing]), distance
 
     def _sorted_by_word(self, vectors: NDArray[np.float32]) -> tuple[Indices, Indices]:
         """Words and rows of (N, D) vectors, each row with its ``WORDS`` nearest words, by word."""
         count = min(WORDS, len(self.words))
-        squares = (self.words**2).sum(axis=1)
-        blocks = [squares - 2.0 * (vectors[i : i + _BLOCK] @ self.words.T) for i in range(0, len(vectors), _BLOCK)]
+        words = self.words[:, : vectors.shape[1]]  # an image without colours is compared without them
+        squares = (words**2).sum(axis=1)
+        blocks = [squares - 2.0 * (vectors[i : i + _BLOCK] @ words.T) for i in range(0, len(vectors), _BLOCK)]
         nearest = np.concatenate([np.argpartition(block, count - 1, axis=1)[:, :count] for block in blocks]).ravel()
         order = np.argsort(nearest, kind="stable")
         return nearest[order], np.repeat(np.arange(len(vectors)), count)[order]
@@ -122,10 +128,11 @@ class Lexicon:
 def lexicon_of(clouds: Mapping[str, LearntCloud], words: NDArray[np.uint8] | None = None) -> Lexicon:
     """Of types' clouds, at least one; ``words`` (W, D) bytes are the vocabulary's, which the clouds' words are indices of."""
     sizes = [len(cloud.feature) for cloud in clouds.values()]
-    descriptors = np.concatenate([cloud.descriptor for cloud in clouds.values()])
+    width = min(cloud.descriptor.shape[1] for cloud in clouds.values())
+    descriptors = np.concatenate([cloud.descriptor[:, :width] for cloud in clouds.values()])
     word = np.concatenate([cloud.lobe_word for cloud in clouds.values()]) if words is not None else np.zeros(sum(sizes), np.int64)
     order = np.argsort(word, kind="stable")
-    centres = np.zeros((1, 8 * 32 if descriptors.shape[1] == 32 else 128), np.float32) if words is None else spread(words)
+    centres = spread(np.zeros((1, width), np.uint8) if words is None else words[:, :width])
     owner, lobe = np.repeat(np.arange(len(sizes), dtype=np.uint16), sizes), np.concatenate([np.arange(size) for size in sizes])
     starts = np.searchsorted(word[order], np.arange(len(centres) + 1))
     return Lexicon(tuple(clouds), centres, starts, descriptors[order], owner[order], lobe[order])

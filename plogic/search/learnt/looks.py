@@ -17,7 +17,7 @@ import numpy as np
 from geometry.frames import inverse
 from plogic.evidence import clutter_density
 from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, screen_angle
-from plogic.search.learnt.lexicon import FARTHEST, spread
+from plogic.search.learnt.lexicon import farthest, spread
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,18 +36,30 @@ AROUND = 50.0
 """Pixels around a match within which clutter that looks right is counted."""
 SAME = 10.0
 """Pixels around a match within which what looks right is the same thing, seen again at another point of its edge."""
+TURNS, GROWTH = 0.14, 0.13
+"""Standard deviations of a right keypoint's angle (radians) and of the logarithm of its size about what the pose makes of its appearance."""
+POWER, RAREST = 6.0, 0.03
+"""How the descriptors' distances of clutter that looks right are spread; the least ratio of it to what is right that is believed."""
+AS_RIGHT = 0.06
+"""What looks no less right than a match by this share of the greatest distance counts as clutter beside it."""
 BY_CHANCE = 0.06
 """Chance that a keypoint of clutter has the angle (0.6 rad either way of 2π) and the size (a factor of 1.6 either way) that a pose demands."""
 
 
 @dataclass(frozen=True)
 class RightPairs:
-    """``feature`` (N,), ``datum`` (N,); of all M ways to look right, ``pair`` (M,) says which pair and ``lobe`` (M,) by which appearance."""
+    """``feature`` (N,), ``datum`` (N,); of all M ways to look right, ``pair`` (M,) says which pair and ``lobe`` (M,) by which appearance.
+
+    Of the way that looks most right, ``apart`` (N,) is how far apart the descriptors are, as a share of the farthest that look right, and ``fit``
+    (N,) how much likelier such an angle and size are of what is right than of what merely may be.
+    """
 
     feature: Indices
     datum: Indices
     pair: Indices
     lobe: Indices
+    apart: Floats
+    fit: Floats
 
     def held(self, lobes: Indices) -> NDArray[np.bool_]:
         """(N,) whether a pair looks right by one of some lobes."""
@@ -57,14 +69,15 @@ class RightPairs:
 
 
 def right_pairs(
-    index: LearntIndex, posed: Posed, data: Data, lobes: Indices, features: Indices, free: NDArray[np.bool_], reach: float
+    index: LearntIndex, posed: Posed, data: Data, lobes: Indices, features: Indices, free: NDArray[np.bool_], reach: Floats | float
 ) -> RightPairs:
-    """Of some features (increasing) and the keypoints that are ``free`` (A,), those within ``reach`` pixels of where the feature is that look right.
+    """Of some features (increasing) and keypoints that are ``free`` (A,), those that look right within ``reach`` pixels (one, or each its own).
 
     ``lobes`` (increasing) are those by which they may: a feature looks as it does from about this viewpoint (``lobes_about``).
     """
     first = np.searchsorted(index.cloud.feature[lobes], np.arange(len(index.points) + 1))
-    features = features[np.diff(first)[features] > 0]
+    some = np.diff(first)[features] > 0
+    features, reach = features[some], np.broadcast_to(reach, len(some))[some]
     found = data.tree.query_ball_point(posed.uv[features], reach, return_sorted=True) if len(features) else []
     feature = np.repeat(features, [len(some) for some in found])
     datum = np.fromiter(chain.from_iterable(found), np.intp)
@@ -73,9 +86,10 @@ def right_pairs(
     count = np.diff(first)[feature]
     place = np.repeat(first[feature], count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     pair = np.repeat(np.arange(len(feature)), count)
-    right = _right(index, posed, data, lobes, place, datum[pair])
-    some, pair = np.unique(pair[right], return_inverse=True)
-    return RightPairs(feature[some], datum[some], np.asarray(pair, np.intp), lobes[place[right]])
+    right, off, fit = _right(index, posed, data, lobes, place, datum[pair])
+    order = np.lexsort((off, pair[right]))
+    some, first, pair = np.unique(pair[right][order], return_index=True, return_inverse=True)
+    return RightPairs(feature[some], datum[some], np.asarray(pair, np.intp), lobes[place[right]][order], off[order][first], fit[order][first])
 
 
 def lobes_about(index: LearntIndex, pose: Floats) -> Indices:
@@ -85,30 +99,45 @@ def lobes_about(index: LearntIndex, pose: Floats) -> Indices:
     return np.flatnonzero((line * index.cloud.axis).sum(axis=1) >= wide * np.linalg.norm(line, axis=1))
 
 
-def _right(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, place: Indices, datum: Indices) -> Indices:
-    """Which of N pairs look right: of an appearance of this pose, ``place`` (N,) in ``lobes``, and a keypoint ``datum`` (N,)."""
+def _right(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, place: Indices, datum: Indices) -> tuple[Indices, Floats, Floats]:
+    """Which of N pairs look right, how far apart, and their fit: of an appearance of this pose, ``place`` in ``lobes``, and a keypoint ``datum``."""
     at = posed.at[index.cloud.feature[lobes]]
     size = np.log(index.cloud.size[lobes] * data.camera.f / np.maximum(at[:, 2], 1e-6))
     turn = screen_angle(index.cloud.up[lobes] @ posed.camera_from_object[:3, :3].T, at)
-    right = np.flatnonzero(np.abs(size[place] - np.log(data.scale[datum])) < SIZES)
-    turned = turn[place[right]] - data.angle[datum[right]]
-    right = right[np.abs((turned + np.pi) % (2.0 * np.pi) - np.pi) < ANGLES]
-    mine, its = (spread(some) for some in (index.cloud.descriptor[lobes[place[right]]], data.descriptors[datum[right]]))
-    return np.asarray(right[((mine - its) ** 2).sum(axis=1) < (LOOSER * FARTHEST[mine.shape[1]]) ** 2])
+    grown = size[place] - np.log(data.scale[datum])
+    right = np.flatnonzero(np.abs(grown) < SIZES)
+    turned = (turn[place[right]] - data.angle[datum[right]] + np.pi) % (2.0 * np.pi) - np.pi
+    right, turned = right[np.abs(turned) < ANGLES], turned[np.abs(turned) < ANGLES]
+    fit = _against_even(turned, TURNS, ANGLES) * _against_even(grown[right], GROWTH, SIZES)
+    width = min(index.cloud.descriptor.shape[1], data.descriptors.shape[1])
+    mine, its = (spread(some[:, :width]) for some in (index.cloud.descriptor[lobes[place[right]]], data.descriptors[datum[right]]))
+    off = np.linalg.norm(mine - its, axis=1) / (LOOSER * farthest(mine))
+    return right[off < 1.0], off[off < 1.0], fit[off < 1.0]
+
+
+def _against_even(off: Floats, sigma: float, most: float) -> Floats:
+    """How much likelier it is to be ``off`` (N,) by chance of measurement than evenly anywhere up to ``most``; a tenth of what is right is even."""
+    return np.asarray(0.9 * np.exp(-0.5 * (off / sigma) ** 2) / (np.sqrt(2.0 * np.pi) * sigma) * 2.0 * most + 0.1)
 
 
 def likeness(index: LearntIndex, posed: Posed, lobes: Indices, matches: Indices, data: Data, kb: KnowledgeBase) -> Floats:
-    """(F,) of each match, how much rarer a keypoint that looks right is there than clutter of its word is in an image; 1 where unmatched.
+    """(F,) of each match, how much rarer a keypoint that looks as right is there than clutter of its word is in an image; 1 where unmatched.
 
-    Print is full of keypoints of one angle and size that look alike. What clutter is there is therefore counted there: the keypoints that
-    would be right were they in place, within ``AROUND`` pixels, besides those expected of any image.
+    Clutter that happens to look right seldom looks quite right: the share of it within a distance a of the descriptors (of the greatest, 1) grows
+    as a^``POWER``, that of what is right about evenly. And print is full of keypoints of one angle and size that look alike: so what would
+    look as right were it in place is counted, within ``AROUND`` pixels.
     """
     result = np.ones(len(matches))
     found = np.flatnonzero(matches >= 0)
     if len(found):
         wide = right_pairs(index, posed, data, lobes, found, data.described, AROUND)
         apart = np.linalg.norm(data.uv[wide.datum] - data.uv[matches[wide.feature]], axis=1)
-        others = np.bincount(wide.feature[apart > SAME], minlength=len(matches))[found]
+        match = wide.datum == matches[wide.feature]
+        how, fit = np.ones((2, len(matches)))
+        how[wide.feature[match]], fit[wide.feature[match]] = wide.apart[match], wide.fit[match]
+        as_right = (apart > SAME) & (wide.apart <= how[wide.feature] + AS_RIGHT)
+        others = np.bincount(wide.feature[as_right], minlength=len(matches))[found]
         usual = clutter_density(kb, data, matches[found])
-        result[found] = usual / (others / (np.pi * AROUND**2) + BY_CHANCE * usual)
+        chance = BY_CHANCE * np.maximum(POWER * how[found] ** (POWER - 1.0), RAREST)
+        result[found] = fit[found] * usual / (others / (np.pi * AROUND**2) + chance * usual)
     return result

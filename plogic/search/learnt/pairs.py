@@ -51,7 +51,7 @@ class Pairs:
 def pairs_of(index: LearntIndex, data: Data) -> Pairs:
     """At most ``EACH`` features a keypoint, by their most similar appearance, and ``MOST`` pairs."""
     datum, lobe, apart = index.lexicon.alike(index.object_type.name, data)
-    order = np.argsort(lobe + apart / (2.0 * FARTHEST[128]), kind="stable")
+    order = np.argsort(lobe + apart / (2.0 * FARTHEST), kind="stable")
     starts = np.searchsorted(lobe[order], np.arange(len(index.places)))
     place = np.arange(len(lobe)) - starts[lobe[order]]
     order, place = order[place < NTH], place[place < NTH]

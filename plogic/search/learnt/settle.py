@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 ROBUST = 1.5
 MEDIAN = 1.177
 """Median of the distance of two normal errors of σ = 1."""
+WIDE = 2.5
+"""Standard deviations of a feature's place within which its keypoint is looked for, where that is farther than the tolerance."""
 NOISE = (0.3, 2.0)
 """Bounds of the location noise, pixels."""
 
@@ -101,21 +103,24 @@ def matched(
     expected = posed.candidate if hidden is None else posed.candidate & ~hidden
     described = data.described if free is None else data.described & free
     about = lobes_about(index, posed.camera_from_object)
-    near = right_pairs(index, posed, data, about, np.flatnonzero(posed.in_image), described, kb.rates.match_tolerance)
+    features, tolerance = np.flatnonzero(posed.in_image), kb.rates.match_tolerance
+    spread = index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)
+    reach = np.maximum(tolerance, WIDE * spread)  # the middle of a region is not as exact as a corner
+    near = right_pairs(index, posed, data, about, features, described, reach[features])
     feature, datum, held = near.feature, near.datum, near.held(lobes_held(index, posed.camera_from_object, data.camera.f / kb.f_ref))
-    off = np.linalg.norm(posed.uv[feature] - data.uv[datum], axis=1)
+    off = np.linalg.norm(posed.uv[feature] - data.uv[datum], axis=1) * (tolerance / reach[feature])
     matches = np.full(len(posed.uv), -1, np.intp)
     awaited = expected[feature] & held
-    assigned(matches, feature[awaited], datum[awaited], off[awaited], kb.rates.match_tolerance)
+    assigned(matches, feature[awaited], datum[awaited], off[awaited], tolerance)
     left = ~np.isin(datum, matches[matches >= 0]) & ~expected[feature]
-    assigned(matches, feature[left], datum[left], off[left], kb.rates.match_tolerance)
+    assigned(matches, feature[left], datum[left], off[left], tolerance)
     residual = np.where(matches >= 0, np.linalg.norm(posed.uv - data.uv[np.maximum(matches, 0)], axis=1), np.nan) if len(data.ids) else posed.residual
     used = expected & (matches >= 0)
     return replace(
         posed,
         matches=matches,
         residual=residual,
-        sigma=np.hypot(blur(residual[used]), index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)),
+        sigma=np.hypot(blur(residual[used & (reach <= tolerance)]), spread),
         likeness=likeness(index, posed, about, matches, data, kb),
     )
 
