@@ -54,6 +54,14 @@ class Data:
         return np.arange(len(self.ids)) if self.part_of is None else self.part_of[1]
 
     @cached_property
+    def namesakes(self) -> NDArray[np.intp]:
+        """(A,) how many of all of Γ are of each one's type."""
+        if self.part_of is not None:
+            return self.whole.namesakes[self.rows]
+        _, which, count = np.unique(np.array(self.types, str), return_inverse=True, return_counts=True)
+        return np.asarray(count[which], np.intp)
+
+    @cached_property
     def tree(self) -> cKDTree:
         """All data by their places ``uv``."""
         from scipy.spatial import cKDTree

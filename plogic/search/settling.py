@@ -23,17 +23,17 @@ FEWEST = 4
 
 
 def settled(
-    pose: Floats,
+    pose: Floats | Posed,
     match: Callable[[Floats], Posed],
     better: Callable[[Posed], Floats | None],
     rounds: int,
     worth: Callable[[Posed], float] | None = None,
 ) -> Posed:
-    """Match, refine, and match again, until nothing changes or ``rounds``; ``better`` gives a better pose, or None.
+    """Match, refine, and match again, until nothing changes or ``rounds``; ``better`` gives a better pose, or None. What is posed is matched already.
 
     With ``worth``, the one of greatest worth on the way: a pose that fits its matches better may still explain less.
     """
-    posed = best = match(pose)
+    posed = best = match(pose) if isinstance(pose, np.ndarray) else pose
     for _ in range(rounds):
         refined = better(posed)
         if refined is None:

@@ -34,6 +34,7 @@ from plogic.evidence import (
 from plogic.freedom import log_share
 from plogic.search.indices import settle
 from plogic.search.learnt.agreement import ANGLES, SIZES
+from plogic.search.learnt.lexicon import NTH
 from plogic.search.learnt.looks import AROUND, BY_CHANCE, GROWTH, RAREST, TURNS
 
 EXACT = (0.9 * 2 * ANGLES / (sqrt(2 * pi) * TURNS) + 0.1) * (0.9 * 2 * SIZES / (sqrt(2 * pi) * GROWTH) + 0.1)
@@ -100,12 +101,14 @@ def test_types_written_by_hand_are_as_before():
 
 def test_a_match_of_a_keypoint_counts_against_clutter_that_looks_as_right(thing, pose):
     """No other keypoint looks right here: then against the share of usual clutter that has the angle, the size, and looks so right."""
-    posed, _ = settled(thing, pose, range(20))
-    near = match_density(posed, thing.kb)
+    posed, of = settled(thing, pose, range(20))
+    near, usual = match_density(posed, thing.kb), clutter_density(thing.kb, of)
+    here = np.maximum(usual, of.namesakes / (of.camera.width * of.camera.height))  # the image may hold more of a word than is usual
     for f in range(30):
         sigma = posed.sigma[f]
         n = exp(-0.5 * (posed.residual[f] / sigma) ** 2) / (2 * pi * sigma**2)
-        assert near[f] == (0.0 if posed.matches[f] < 0 else pytest.approx(EXACT * n / (RAREST * BY_CHANCE), rel=1e-3))
+        says = EXACT * n / (RAREST * BY_CHANCE) * (usual / here)[posed.matches[f]]
+        assert near[f] == (0.0 if posed.matches[f] < 0 else pytest.approx(says, rel=1e-3))
 
 
 def test_what_is_everywhere_around_says_little(thing, pose):
@@ -122,8 +125,13 @@ def test_what_is_everywhere_around_says_little(thing, pose):
         posed = settle(thing.index, pose, crowd, thing.kb, rounds=0)
         assert posed.matches.tolist() == before.matches.tolist()
         counts.append(posed.likeness[0])
-        assert posed.likeness[0] == pytest.approx(EXACT * usual / (copies / (pi * AROUND**2) + RAREST * BY_CHANCE * usual), rel=1e-3)
-        assert posed.likeness[1:].tolist() == before.likeness[1:].tolist()
+        here = max(usual, crowd.namesakes[first] / (crowd.camera.width * crowd.camera.height))
+        chance = BY_CHANCE * copies / NTH * here  # so many look as right, of the most that are known
+        assert posed.likeness[0] == pytest.approx(EXACT * usual / (copies / (pi * AROUND**2) + chance), rel=1e-3)
+        others, same = before.matches[1:20], crowd.types[first]
+        word = np.array([crowd.types[m] == same for m in others])
+        np.testing.assert_allclose(posed.likeness[1:20][~word], before.likeness[1:20][~word])
+        assert (posed.likeness[1:20][word] <= before.likeness[1:20][word]).all()
     assert before.likeness[0] > counts[0] > counts[1]
 
 

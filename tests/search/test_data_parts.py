@@ -39,6 +39,7 @@ def test_rows_lead_from_any_part_to_the_whole(count, choices):
         assert part.ids == tuple(whole.ids[i] for i in rows)
         assert part.types == tuple(whole.types[i] for i in rows)
         assert part.camera is whole.camera
+        assert part.namesakes.tolist() == [whole.types.count(name) for name in part.types]
         for name in ARRAYS:
             np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[rows])
     assert whole.whole is whole

@@ -15,7 +15,7 @@ from random_cloud import random_cloud
 from plogic.evidence import clutter_density
 from plogic.search.data import data_of
 from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, screen_angle
-from plogic.search.learnt.lexicon import FARTHEST
+from plogic.search.learnt.lexicon import FARTHEST, NTH
 from plogic.search.learnt.looks import (
     AROUND,
     AS_RIGHT,
@@ -137,14 +137,25 @@ def test_likeness_is_what_a_loop_counts(seed):
         how = {d: min(by.values()) for (f, d), by in right.items() if f == feature}
         apart, fit = how.get(match, (1.0, 1.0))
         others = [d for d, (off, _) in how.items() if np.linalg.norm(data.uv[d] - data.uv[match]) > SAME and off <= apart + AS_RIGHT]
-        expected.append(1.0 if match < 0 else rarity(usual[match], len(others), apart, fit))
-    assert likeness(thing.index, posed, near(thing, posed), matches, data, thing.kb).tolist() == pytest.approx(expected, rel=1e-4)
+        by = right.get((feature, match))
+        rare = as_right(thing, data, min(by, key=by.get), match, apart) if by else 1.0
+        here = max(usual[match], data.types.count(data.types[match]) / (data.camera.width * data.camera.height))
+        expected.append(1.0 if match < 0 else rarity(usual[match], len(others), apart, fit, rare, here))
+    found = likeness(thing.index, posed, near(thing, posed), matches, data, thing.kb)
+    assert found.tolist() == pytest.approx(expected, rel=2e-3)  # distances are in single precision, and their fifth power counts
 
 
-def rarity(usual, others, apart, fit):
+def as_right(thing, data, lobe, match, apart):
+    """Of the most alike keypoints of the whole image, how many beside the match look as right as it, as a share of the most that are known."""
+    off = np.linalg.norm(thing.cloud.descriptor[lobe].astype(float) - data.descriptors, axis=1) / FARTHEST
+    known = [d for d in range(len(off)) if off[d] < 1 and off[d] <= np.sort(off)[NTH - 1]]  # of equals all
+    return min(1.0, sum(off[d] <= LOOSER * (apart + AS_RIGHT) and np.linalg.norm(data.uv[d] - data.uv[match]) >= SAME for d in known) / NTH)
+
+
+def rarity(usual, others, apart, fit, rare=0.0, here=0.0):
     """How much rarer what looks as right is than clutter of the word."""
-    chance = BY_CHANCE * max(POWER * apart ** (POWER - 1), RAREST)
-    return fit * usual / (others / (pi * AROUND**2) + chance * usual)
+    chance = BY_CHANCE * max(POWER * apart ** (POWER - 1), rare, RAREST)
+    return fit * usual / (others / (pi * AROUND**2) + chance * max(usual, here))
 
 
 @pytest.mark.parametrize(("apart", "counts"), [(0.0, False), (SAME - 1.0, False), (SAME + 1.0, True), (AROUND - 1.0, True), (AROUND + 1.0, False)])
@@ -158,7 +169,9 @@ def test_the_same_edge_seen_again_is_no_clutter(apart, counts):
     usual = clutter_density(thing.kb, data)[0]
     exact = against_even(0, TURNS, ANGLES) * against_even(0, GROWTH, SIZES)
     found = likeness(thing.index, posed, near(thing, posed), matches, data, thing.kb)[0]
-    assert found == pytest.approx(rarity(usual, counts, 0.0, exact), rel=1e-3)
+    here = data.types.count(data.types[0]) / (data.camera.width * data.camera.height)
+    rare = (apart >= SAME) / NTH  # wherever it is in the image
+    assert found == pytest.approx(rarity(usual, counts, 0.0, exact, rare, here), rel=1e-3)
 
 
 def test_the_more_a_match_looks_right_the_rarer_it_is():

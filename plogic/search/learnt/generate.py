@@ -56,7 +56,7 @@ def generate(index: LearntIndex, data: Data, kb: KnowledgeBase, *, refined: int 
     best = _refined(index, np.concatenate([best[:verified], tilted(index, best[:verified], pairs, data)]), pairs, data) if len(best) else best
     seen = [settle(index, pose, data, kb, rounds=0) for pose in _distinct_poses(index, best, verified)]
     hopeful = [posed for posed in seen if _enough(posed) and evidence(posed, data, kb).surplus > HOPELESS]
-    settled = [settle(index, posed.camera_from_object, data, kb, rounds=2) for posed in hopeful]
+    settled = [settle(index, posed, data, kb, rounds=2) for posed in hopeful]
     scored = [(evidence(posed, data, kb).ratio, posed) for posed in settled if _enough(posed)]
     return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
 

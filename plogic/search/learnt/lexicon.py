@@ -72,19 +72,36 @@ class Lexicon:
 
     def alike(self, name: str, data: Data) -> Alike:
         """The pairs of one type that look alike; those of all types and all of Γ are found at the first question about it."""
-        if self._last is None or self._last[0] is not data.whole:
-            self._last = (data.whole, self._all(data.whole))
-        found = self._last[1][name]
+        found = self._found(data)[name]
         place = np.full(len(data.whole.ids), -1, np.intp)
         place[data.rows] = np.arange(len(data.ids))
         here = place[found.datum] >= 0
         return Alike(place[found.datum[here]], found.lobe[here], found.apart[here])
 
+    def as_right(self, name: str, data: Data, lobe: Indices, datum: Indices, apart: NDArray[np.float64], aside: float) -> NDArray[np.float64]:
+        """(N,) of appearances of a type, how many other keypoints of all of Γ look as right, as a share of ``NTH``, the most that are known.
+
+        ``datum`` (N,) are those that are theirs; others are ``aside`` pixels away from them at least. ``apart`` (N,) is a share of ``FARTHEST``.
+        """
+        found, rows = self._found(data)[name], data.rows[datum]
+        first, last = np.searchsorted(found.lobe, lobe, "left"), np.searchsorted(found.lobe, lobe, "right")
+        owner = np.repeat(np.arange(len(lobe)), last - first)
+        pair = np.arange(len(owner)) + np.repeat(first - np.cumsum(last - first) + (last - first), last - first)
+        off = np.linalg.norm(data.whole.uv[found.datum[pair]] - data.whole.uv[rows[owner]], axis=1)
+        other = (off >= aside) & (found.apart[pair] <= FARTHEST * apart[owner])
+        return np.bincount(owner[other], minlength=len(lobe)) / NTH
+
+    def _found(self, data: Data) -> dict[str, Alike]:
+        """The pairs of all types and all of Γ that look alike, each type's by appearance."""
+        if self._last is None or self._last[0] is not data.whole:
+            self._last = (data.whole, self._all(data.whole))
+        return self._last[1]
+
     def _all(self, data: Data) -> dict[str, Alike]:
         described = np.flatnonzero(data.described)
         vectors = spread(data.descriptors[described])
         row, at, apart = self._within(vectors) if len(described) and len(self.lobe) else (np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0))
-        order = np.argsort(self.owner[at], kind="stable")
+        order = np.lexsort((self.lobe[at], self.owner[at]))
         row, at, apart = row[order], at[order], apart[order]
         ends = np.searchsorted(self.owner[at], np.arange(len(self.names) + 1))
         return {

@@ -42,6 +42,8 @@ POWER, RAREST = 6.0, 0.03
 """How the descriptors' distances of clutter that looks right are spread; the least ratio of it to what is right that is believed."""
 AS_RIGHT = 0.06
 """What looks no less right than a match by this share of the greatest distance counts as clutter beside it."""
+MOST = 150_000
+"""Places times data that are compared one by one; of more a tree is asked."""
 BY_CHANCE = 0.06
 """Chance that a keypoint of clutter has the angle (0.6 rad either way of 2π) and the size (a factor of 1.6 either way) that a pose demands."""
 
@@ -50,14 +52,15 @@ BY_CHANCE = 0.06
 class RightPairs:
     """``feature`` (N,), ``datum`` (N,); of all M ways to look right, ``pair`` (M,) says which pair and ``lobe`` (M,) by which appearance.
 
-    Of the way that looks most right, ``apart`` (N,) is how far apart the descriptors are, as a share of the farthest that look right, and ``fit``
-    (N,) how much likelier such an angle and size are of what is right than of what merely may be.
+    ``best`` (N,) is the appearance by which a pair looks most right; ``apart`` (N,) how far apart the descriptors are then, as a share of the
+    farthest that look right; ``fit`` (N,) how much likelier such an angle and size are of what is right than of what merely may be.
     """
 
     feature: Indices
     datum: Indices
     pair: Indices
     lobe: Indices
+    best: Indices
     apart: Floats
     fit: Floats
 
@@ -78,18 +81,31 @@ def right_pairs(
     first = np.searchsorted(index.cloud.feature[lobes], np.arange(len(index.points) + 1))
     some = np.diff(first)[features] > 0
     features, reach = features[some], np.broadcast_to(reach, len(some))[some]
-    found = data.tree.query_ball_point(posed.uv[features], reach, return_sorted=True) if len(features) else []
-    feature = np.repeat(features, [len(some) for some in found])
-    datum = np.fromiter(chain.from_iterable(found), np.intp)
-    some = free[datum]
-    feature, datum = feature[some], datum[some]
+    feature, datum = _within(posed.uv[features], reach, data, free)
+    feature = features[feature]
     count = np.diff(first)[feature]
     place = np.repeat(first[feature], count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     pair = np.repeat(np.arange(len(feature)), count)
     right, off, fit = _right(index, posed, data, lobes, place, datum[pair])
     order = np.lexsort((off, pair[right]))
     some, first, pair = np.unique(pair[right][order], return_index=True, return_inverse=True)
-    return RightPairs(feature[some], datum[some], np.asarray(pair, np.intp), lobes[place[right]][order], off[order][first], fit[order][first])
+    ways = lobes[place[right]][order]
+    return RightPairs(feature[some], datum[some], np.asarray(pair, np.intp), ways, ways[first], off[order][first], fit[order][first])
+
+
+def _within(places: Floats, reach: Floats, data: Data, free: NDArray[np.bool_]) -> tuple[Indices, Indices]:
+    """All pairs of a place (F, 2) and a datum that is free at most its ``reach`` (F,) from it: indices of places, in order, and of data."""
+    if not len(places):
+        return np.zeros(0, np.intp), np.zeros(0, np.intp)
+    low, high = (places - reach[:, None]).min(axis=0), (places + reach[:, None]).max(axis=0)
+    some = np.flatnonzero(free & ((data.uv >= low) & (data.uv <= high)).all(axis=1))
+    if len(places) * len(some) > MOST:
+        found = data.tree.query_ball_point(places, reach, return_sorted=True)
+        place, datum = np.repeat(np.arange(len(places)), [len(near) for near in found]), np.fromiter(chain.from_iterable(found), np.intp)
+        return place[free[datum]], datum[free[datum]]
+    across, down = (places[:, None, axis] - data.uv[None, some, axis] for axis in (0, 1))
+    place, near = np.nonzero(across * across + down * down <= (reach * reach)[:, None])
+    return place, some[near]
 
 
 def lobes_about(index: LearntIndex, pose: Floats) -> Indices:
@@ -124,8 +140,8 @@ def likeness(index: LearntIndex, posed: Posed, lobes: Indices, matches: Indices,
     """(F,) of each match, how much rarer a keypoint that looks as right is there than clutter of its word is in an image; 1 where unmatched.
 
     Clutter that happens to look right seldom looks quite right: the share of it within a distance a of the descriptors (of the greatest, 1) grows
-    as a^``POWER``, that of what is right about evenly. And print is full of keypoints of one angle and size that look alike: so what would
-    look as right were it in place is counted, within ``AROUND`` pixels.
+    as a^``POWER``, that of what is right about evenly; unless the image holds more that looks as right, by its ``lexicon``. And print is full
+    of keypoints of one angle and size that look alike: so what would look as right were it in place is counted, within ``AROUND`` pixels.
     """
     result = np.ones(len(matches))
     found = np.flatnonzero(matches >= 0)
@@ -133,11 +149,15 @@ def likeness(index: LearntIndex, posed: Posed, lobes: Indices, matches: Indices,
         wide = right_pairs(index, posed, data, lobes, found, data.described, AROUND)
         apart = np.linalg.norm(data.uv[wide.datum] - data.uv[matches[wide.feature]], axis=1)
         match = wide.datum == matches[wide.feature]
-        how, fit = np.ones((2, len(matches)))
+        how, fit, rare = np.ones((3, len(matches)))
         how[wide.feature[match]], fit[wide.feature[match]] = wide.apart[match], wide.fit[match]
+        as_far = LOOSER * (wide.apart[match] + AS_RIGHT)
+        of_all = index.lexicon.as_right(index.object_type.name, data, wide.best[match], wide.datum[match], as_far, SAME)
+        rare[wide.feature[match]] = np.clip(of_all, RAREST, 1.0)
         as_right = (apart > SAME) & (wide.apart <= how[wide.feature] + AS_RIGHT)
         others = np.bincount(wide.feature[as_right], minlength=len(matches))[found]
         usual = clutter_density(kb, data, matches[found])
-        chance = BY_CHANCE * np.maximum(POWER * how[found] ** (POWER - 1.0), RAREST)
-        result[found] = fit[found] * usual / (others / (np.pi * AROUND**2) + chance * usual)
+        chance = BY_CHANCE * np.maximum(POWER * how[found] ** (POWER - 1.0), rare[found])
+        here = np.maximum(usual, data.namesakes[matches[found]] / float(data.camera.width * data.camera.height))
+        result[found] = fit[found] * usual / (others / (np.pi * AROUND**2) + chance * here)
     return result

@@ -37,14 +37,14 @@ NOISE = (0.3, 2.0)
 
 def settle(
     index: LearntIndex,
-    pose: Floats,
+    pose: Floats | Posed,
     data: Data,
     kb: KnowledgeBase,
     free: NDArray[np.bool_] | None = None,
     hidden: NDArray[np.bool_] | None = None,
     rounds: int = 2,
 ) -> Posed:
-    """The type at a pose: matched (D7, D8), refined, and matched again."""
+    """The type at a pose, or one that is matched there already: matched (D7, D8), refined, and matched again."""
 
     def match(pose: Floats) -> Posed:
         return matched(index, pose_of(index, pose, data, kb), data, kb, free, hidden)
