@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from plogic.bench.claims import report
 from plogic.bench.recognition_kb import ours as learnt_ours
-from plogic.bench.recognition_peer import Peer
+from plogic.bench.recognition_peer import SEEN, Peer
 from plogic.bench.recognition_scenes import cases, ycb_meshes
 from plogic.bench.recognition_table import CAPTION, claims, judged, peer_said, rows
 
@@ -61,7 +61,7 @@ def answered(
     mine: Ours, shapes: Sequence[tuple[str, TexturedMesh]], folder: Path, *, seed: int, limit: float, quick: bool, say: Callable[[str], None]
 ) -> list[Answer]:
     """Both sides on every picture, each read back from its file."""
-    peer = Peer(mine.learnt)
+    peer = Peer(mine.learnt, SEEN if quick else SEEN[:1])  # with points along edges too a picture takes half a minute
     answers = []
     for case in cases(shapes, folder, seed, quick=quick):
         answers.append(answer(mine, peer, case, limit))

@@ -18,7 +18,7 @@ import numpy as np
 from plogic.bench.recognition_score import Found
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -93,18 +93,19 @@ Candidates = dict[tuple[str, float, float], list[Candidate]]
 class Peer:
     """``Peer({"cracker_box": cloud, ...}).candidates(image, camera)``."""
 
-    def __init__(self, learnt: Mapping[str, Learnt]) -> None:
-        """Sort each type's descriptors by feature; a type of fewer than two features is left out."""
+    def __init__(self, learnt: Mapping[str, Learnt], seen: Sequence[str] = SEEN) -> None:
+        """Sort each type's descriptors by feature; a type of fewer than two features is left out. ``seen``, of ``SEEN``: what it looks at."""
+        self._seen = tuple(seen)
         self._types = {name: _sorted(cloud) for name, cloud in learnt.items() if len(np.unique(cloud.feature)) > 1}
 
     def candidates(self, image: NDArray[np.uint8], camera: Camera, limit: float = np.inf) -> tuple[Candidates, dict[str, float]]:
-        """Of all settings, the poses with at least ``FEWEST`` inliers; and of all ``SEEN``, the seconds that one setting takes on average.
+        """Of all settings, the poses with at least ``FEWEST`` inliers; and of all that it looks at, the seconds that one setting takes on average.
 
         What has not been tried after ``limit`` seconds is left out.
         """
-        answer: Candidates = {setting: [] for setting in product(SEEN, RATIOS, THRESHOLDS)}
-        begun, seconds = perf_counter(), dict.fromkeys(SEEN, 0.0)
-        for seen in SEEN:
+        answer: Candidates = {setting: [] for setting in product(self._seen, RATIOS, THRESHOLDS)}
+        begun, seconds = perf_counter(), dict.fromkeys(self._seen, 0.0)
+        for seen in self._seen:
             start = perf_counter()
             matches = self._matches(image, edges=seen != SEEN[0])
             shared = perf_counter() - start
@@ -128,9 +129,9 @@ def accepted(candidates: Candidates, setting: Setting) -> list[Found]:
     return [c.found for c in candidates[setting.seen, setting.ratio, setting.threshold] if c.inliers >= setting.inliers]
 
 
-def settings() -> Iterator[Setting]:
-    """All that are tried."""
-    return (Setting(*values) for values in product(SEEN, RATIOS, THRESHOLDS, LEAST_INLIERS))
+def settings(seen: Sequence[str] = SEEN) -> Iterator[Setting]:
+    """All that are tried where it looks at ``seen``."""
+    return (Setting(*values) for values in product(seen, RATIOS, THRESHOLDS, LEAST_INLIERS))
 
 
 def _sorted(cloud: Learnt) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float64]]:

@@ -7,7 +7,7 @@ from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from plogic.bench.claims import Claim
-from plogic.bench.recognition_peer import accepted, best_setting, settings
+from plogic.bench.recognition_peer import SEEN, accepted, best_setting, settings
 from plogic.bench.recognition_scenes import PLAIN
 from plogic.bench.recognition_score import Tally, tally
 
@@ -22,10 +22,10 @@ CAPTION = """\
 there: objects at least half visible; found: those that an accepted object of their type stands for, its centre within the box of their picture;
 posed: of these, within 5 degrees and 5 % of the distance, up to symmetries; false: accepted objects that stand for none, in scenes with none of
 the types too; empty: these alone. Who stands for an object less than half visible does not count. F1 of the identities; pose F1 of those posed.
-peer: SIFT ratio test against the same learnt keypoints, OpenCV's USAC RANSAC per type, of keypoints alone or with the points along edges that ours
-sees too, at the ratio, inlier threshold (pixels) and least number of inliers with the best F1 over these very scenes; peer by pose F1: at those with
-the best pose F1. Its seconds are those of one setting. hard: how hard light and camera were made (0 good; 1 over-exposed, noisy, blurred), seconds:
-median of wall time a picture of 640 x 480."""
+peer: SIFT ratio test against the same learnt keypoints, OpenCV's USAC RANSAC per type, of keypoints alone or (with --quick) with the points along
+edges that ours sees too, at the ratio, inlier threshold (pixels) and least number of inliers with the best F1 over these very scenes; peer by pose
+F1: at those with the best pose F1. Its seconds are those of one setting. hard: how hard light and camera were made (0 good; 1 over-exposed, noisy,
+blurred), seconds: median of wall time a picture of 640 x 480."""
 NOTHING = Tally()
 LEAD = 0.001
 """What counts as above the peer."""
@@ -55,7 +55,8 @@ def judged(answers: Sequence[Answer]) -> Verdict:
     names = {t.type for a in answers for t in a.case.truths} | {f.type for a in answers for f in a.found}
     names |= {c.found.type for a in answers for some in a.peer.values() for c in some}
     textured = frozenset(names - set(PLAIN))
-    tallies = {s: _total(answers, textured, lambda a, s=s: accepted(a.peer, s)) for s in settings()}  # type: ignore[misc]
+    seen = [name for name in SEEN if any(key[0] == name for a in answers for key in a.peer)]
+    tallies = {s: _total(answers, textured, lambda a, s=s: accepted(a.peer, s)) for s in settings(seen)}  # type: ignore[misc]
     return Verdict(
         tuple(answers), textured, frozenset(names & set(PLAIN)),
         best_setting({s: t.f1 for s, t in tallies.items()}), best_setting({s: t.pose_f1 for s, t in tallies.items()}),
