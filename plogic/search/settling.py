@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.refine import refine_poses
+from plogic.expectation import Posed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from plogic.expectation import Posed
     from plogic.search.data import Data
 
     Floats = NDArray[np.float64]
@@ -33,7 +33,7 @@ def settled(
 
     With ``worth``, the one of greatest worth on the way: a pose that fits its matches better may still explain less.
     """
-    posed = best = match(pose) if isinstance(pose, np.ndarray) else pose
+    posed = best = pose if isinstance(pose, Posed) else match(pose)
     for _ in range(rounds):
         refined = better(posed)
         if refined is None:
