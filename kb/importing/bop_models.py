@@ -5,7 +5,6 @@ The format: https://github.com/thodan/bop_toolkit/blob/master/docs/bop_datasets_
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.frames import quat_xyzw_from_rotation
+from geometry.json_files import JsonError, json_of
 from geometry.plain_files import fault_of, is_there
 from kb.errors import IntakeError
 from kb.quantities import LENGTHS
@@ -59,17 +59,9 @@ def _info(path: Path) -> dict[str, Any]:
     if fault is not None:
         raise IntakeError(f"{path}: {fault}")
     try:
-        info = json.loads(path.read_text(encoding="utf-8-sig"))
-    except json.JSONDecodeError as error:
-        raise IntakeError(f"{path}:{error.lineno}:{error.colno}: is no JSON: {error.msg}") from None
-    except UnicodeDecodeError as error:
-        raise IntakeError(f"{path}: is no JSON: byte {error.start} is no UTF-8") from None
-    except RecursionError:
-        raise IntakeError(f"{path}: is nested too deeply: models' numbers, their properties, and lists of numbers are all it may hold") from None
-    except ValueError:  # json's own is above
-        raise IntakeError(f"{path}: holds a whole number of more digits than can be read") from None
-    except OSError as error:
-        raise IntakeError(f"{path}: cannot be read: {error.strerror}") from None
+        info = json_of(path, MAX_BYTES, "models' numbers, their properties, and lists of numbers are all it may hold")
+    except JsonError as error:
+        raise IntakeError(str(error)) from None
     if not isinstance(info, dict) or not all(isinstance(row, dict) for row in info.values()):
         raise IntakeError(f"{path}: must map the models' numbers to their properties")
     return info

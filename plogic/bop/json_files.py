@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geometry.frames import from_rotation_translation
+from geometry.json_files import JsonError, json_of
 from geometry.plain_files import fault_of
 from plogic.errors import InputError
 
@@ -30,19 +30,9 @@ MM = 1000.0
 def read_json(path: Path) -> Any:  # noqa: ANN401 - parsed JSON
     """The document of a file. Raises InputError that names it."""
     try:
-        if path.stat().st_size > LARGEST:
-            raise InputError(f"{path}: is larger than the {LARGEST} bytes that are read")
-        return json.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}:{error.lineno}: is no JSON: {error.msg} in column {error.colno}") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is no JSON: byte {error.start} is no UTF-8") from None
-    except RecursionError:
-        raise InputError(f"{path}: is nested too deeply: a BOP file holds lists of objects and of numbers") from None
-    except ValueError:  # json's own is above
-        raise InputError(f"{path}: holds a whole number of more digits than can be read") from None
+        return json_of(path, LARGEST, "a BOP file holds lists of objects and of numbers")
+    except JsonError as error:
+        raise InputError(str(error)) from None
 
 
 def numbered(path: Path) -> dict[int, Any]:

@@ -109,7 +109,7 @@ def test_bad_files_are_lines_too(folder):
     put(folder / "test/000002/scene_camera.json", "{")
     lines, say = told()
     done = run(open_dataset(folder), perfect, IDS, say)
-    assert "000002/scene_camera.json:1: is no JSON" in lines[0]
+    assert "000002/scene_camera.json:1:2: is no JSON" in lines[0]
     assert "000000.png" in lines[1]
     assert (len(done.wrong), len(done.estimates), done.frames) == (2, 2, 2)
 

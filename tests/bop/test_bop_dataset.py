@@ -101,7 +101,7 @@ def test_nothing_is_read_before_it_is_asked_for(tmp_path):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ('{"0": ', "scene_camera.json:1: is no JSON"),
+        ('{"0": ', "scene_camera.json:1:7: is no JSON"),
         ([], "scene_camera.json: must be an object with numbers as keys"),
         ({"a": {}}, "scene_camera.json: 'a': must be a whole number"),
         ({"1": {"cam_K": K}}, "scene_camera.json: 0: is missing"),
