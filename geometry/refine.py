@@ -22,6 +22,7 @@ class _Task(NamedTuple):
     weights: Floats  # (B, N), 0 for a missing point
     K: Floats  # (2, 3)
     huber: float  # px
+    onto: Floats | None  # (B, N, 2, 2), what of an offset counts
 
 
 def refine_poses(
@@ -33,11 +34,13 @@ def refine_poses(
     iterations: int = 8,
     *,
     huber: float | None = None,
+    across: ArrayLike | None = None,
 ) -> tuple[Floats, Floats, Floats]:
     """Poses (B, 4, 4) that reproject `points` (B, N, 3) m nearest to the pixels `uv` (B, N, 2), from those given.
 
     `weights` (B, N) are 1/variance in 1/px^2 (or plain 1); a point of weight 0 is missing and may be NaN. `huber` (px)
-    makes residuals beyond it count linearly. No pose gets worse than it came.
+    makes residuals beyond it count linearly. `across` (B, N, 2), where it is given, holds unit vectors across the lines
+    that points may lie anywhere along, or NaN for a point that is to be met. No pose gets worse than it came.
 
     Returns:
         The poses; the weighted rms distance (B,) in px (inf where a point of weight lies behind the camera, NaN without
@@ -48,7 +51,7 @@ def refine_poses(
         GeometryError: where the shapes do not fit, or a weight is negative or not finite.
     """
     poses = np.array(last_axes(camera_from_object, (4, 4), "camera_from_object"))
-    task = _task(poses, points, uv, weights, camera, np.inf if huber is None else huber)
+    task = _task(poses, points, uv, weights, camera, np.inf if huber is None else huber, across)
     cost, damping = _cost(poses, task), np.full(len(poses), _GENTLE)
     for _ in range(iterations):
         hessian, slope = _normal_equations(poses, task)
@@ -65,7 +68,7 @@ def refine_poses(
 
 
 def _task(
-    poses: Floats, points: ArrayLike, uv: ArrayLike, weights: ArrayLike, camera: Camera, huber: float
+    poses: Floats, points: ArrayLike, uv: ArrayLike, weights: ArrayLike, camera: Camera, huber: float, across: ArrayLike | None
 ) -> _Task:
     objects, seen = last_axes(points, (-1, 3), "points"), last_axes(uv, (-1, 2), "uv")
     weight = last_axes(weights, (-1,), "weights")
@@ -75,12 +78,25 @@ def _task(
         raise GeometryError(f"{rule}, not {poses.shape}, {objects.shape}, {seen.shape}, {weight.shape}")
     if not (np.isfinite(weight).all() and (weight >= 0).all()):
         raise GeometryError("weights must be finite and not negative")
+    lines = None if across is None else last_axes(across, (-1, 2), "across")
+    if lines is not None and lines.shape != seen.shape:
+        raise GeometryError(f"across (B, N, 2) must have the shape of uv, {seen.shape}, not {lines.shape}")
     pixels = camera.to_pixels(camera.normalised(seen))
     known = (weight > 0) & np.isfinite(pixels).all(axis=-1) & np.isfinite(objects).all(axis=-1)
     there = known[..., None]
     return _Task(
-        np.where(there, objects, 0.0), np.where(there, pixels, 0.0), np.where(known, weight, 0.0), camera.K[:2], huber
+        np.where(there, objects, 0.0),
+        np.where(there, pixels, 0.0),
+        np.where(known, weight, 0.0),
+        camera.K[:2],
+        huber,
+        None if lines is None else _onto(lines),
     )
+
+
+def _onto(across: Floats) -> Floats:
+    """(..., 2, 2) the projection onto unit vectors (..., 2); all of an offset where they are NaN."""
+    return np.where(np.isnan(across[..., :1, None]), np.eye(2), across[..., :, None] * across[..., None, :])
 
 
 def _placed(poses: Floats, task: _Task) -> tuple[Floats, Floats]:
@@ -93,7 +109,8 @@ def _residuals(placed: Floats, task: _Task) -> tuple[Floats, Floats]:
     """Offsets (B, N, 2) px from the pixels, and inverse depths (B, N), 0 behind the camera."""
     inverse_depth = np.where(placed[..., 2] > NEAREST, 1.0 / np.maximum(placed[..., 2], NEAREST), 0.0)
     pixels = (placed[..., :2] * inverse_depth[..., None]) @ task.K[:, :2].T + task.K[:, 2]
-    return pixels - task.pixels, inverse_depth
+    off = pixels - task.pixels
+    return (off if task.onto is None else (task.onto @ off[..., None])[..., 0]), inverse_depth
 
 
 def _cost(poses: Floats, task: _Task) -> Floats:
@@ -120,7 +137,7 @@ def _normal_equations(poses: Floats, task: _Task) -> tuple[Floats, Floats]:
     weight = task.weights
     if np.isfinite(task.huber):
         weight = weight * np.minimum(1.0, task.huber / np.maximum(np.linalg.norm(off, axis=-1), 1e-12))
-    jacobian = _jacobian(turned, placed, s, task.K)
+    jacobian = _counting(_jacobian(turned, placed, s, task.K), task.onto)
     weighted = np.swapaxes(jacobian * np.repeat(weight, 2, axis=1)[..., None], 1, 2)
     return weighted @ jacobian, (weighted @ off.reshape(len(poses), -1, 1))[..., 0]
 
@@ -135,12 +152,21 @@ def _jacobian(turned: Floats, placed: Floats, s: Floats, K: Floats) -> Floats:
     return np.concatenate([by_turn, by_point], axis=-1).reshape(len(placed), -1, 6)
 
 
-def information(at: Floats, centre: Floats, weights: Floats, camera: Camera) -> Floats:
+def _counting(jacobian: Floats, onto: Floats | None) -> Floats:
+    """(B, 2 N, 6) what of it counts."""
+    if onto is None:
+        return jacobian
+    by_point = jacobian.reshape(*onto.shape[:2], 2, 6)
+    return np.asarray((onto @ by_point).reshape(jacobian.shape))
+
+
+def information(at: Floats, centre: Floats, weights: Floats, camera: Camera, across: Floats | None = None) -> Floats:
     """J^T W J (6, 6) of places `at` (N, 3) m, before the camera, in its frame, that turn by w rad about `centre` (3,) and move by v m.
 
-    `weights` (N,) are 1/variance of their pixels, undistorted.
+    `weights` (N,) are 1/variance of their pixels, undistorted; `across` (N, 2) as in `refine_poses`.
     """
-    jacobian = _jacobian((at - centre)[None], at[None], 1.0 / at[None, :, 2], camera.K[:2])[0]
+    onto = None if across is None else _onto(across)[None]
+    jacobian = _counting(_jacobian((at - centre)[None], at[None], 1.0 / at[None, :, 2], camera.K[:2]), onto)[0]
     return np.asarray((jacobian * np.repeat(weights, 2)[:, None]).T @ jacobian)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import zipfile
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -54,7 +55,8 @@ class LearntCloud:
         r_max: (L,) greatest.
         hit: (L,) how often the detector reported it within the lobe, measured.
         up: (L, 3) unit, perpendicular to the axis: what the keypoint's angle is on the screen, as a direction in space.
-        size: (L,) the keypoint's diameter in space.
+        size: (L,) the keypoint's diameter in space; 0 of the side of an edge (``sensing.edge_sides``), whose ``up`` is across the edge towards
+            the side, and of whose descriptor bytes 128 to 132 are its looks, and 133 how much the last of them varied.
         part: (F,) which object of its type's tree the feature belongs to (``kb.tree.object_nodes``); 0, the whole, where there are no parts.
     """
 
@@ -84,6 +86,20 @@ class LearntCloud:
                 array = array.reshape(counts[rows], *shape)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
+
+    @cached_property
+    def sided(self) -> NDArray[np.bool_]:
+        """(L,) which are sides of edges."""
+        return np.asarray(self.size == 0.0)
+
+    @property
+    def keypoints(self) -> LearntCloud:
+        """The same without the sides of edges."""
+        lobes = np.flatnonzero(~self.sided)
+        used, feature = np.unique(self.feature[lobes], return_inverse=True)
+        features = {name: getattr(self, name)[used] for name, (rows, _, _) in (_SHAPES | _OPTIONAL).items() if rows == "F"}
+        appearances = {name: getattr(self, name)[lobes] for name, (rows, _, _) in _SHAPES.items() if rows == "L"}
+        return LearntCloud(**features | appearances | {"feature": feature})
 
     @property
     def detector(self) -> str:
@@ -148,7 +164,9 @@ def _check_numbers(arrays: dict[str, Floats]) -> None:
             raise CloudError(f"{name}: must be of length 1")
     if np.abs((arrays["axis"] * arrays["up"]).sum(axis=1)).max(initial=0.0) > 1e-3:
         raise CloudError("up: must be perpendicular to axis")
-    for name in ("size", "half_angle", "r_max", "sigma"):
+    if arrays["size"].min(initial=0.0) < 0.0:
+        raise CloudError("size: must be at least 0")
+    for name in ("half_angle", "r_max", "sigma"):
         if arrays[name].min(initial=1.0) <= 0.0:
             raise CloudError(f"{name}: must be above 0")
     if arrays["hit"].min(initial=0.0) < 0.0 or arrays["hit"].max(initial=0.0) > 1.0:

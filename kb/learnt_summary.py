@@ -21,7 +21,7 @@ DIRECTIONS, AT_A_TIME = 200, 20
 
 @dataclass(frozen=True)
 class LearntSummary:
-    """``words``: different visual words of its appearances; ``hit`` and ``sigma`` (m): medians.
+    """``features``: ``keypoints`` and ``sides`` of edges; ``words``: different visual words of its appearances; ``hit`` and ``sigma`` (m): medians.
 
     ``distance`` (m at the reference focal length): where it is looked at from all around; ``share`` of these viewpoints expects at least
     ``MANY`` features; ``most``: how many the best of them expects.
@@ -36,11 +36,14 @@ class LearntSummary:
     distance: float
     share: float
     most: int
+    keypoints: int
+    sides: int
 
     @property
     def lines(self) -> tuple[str, str]:
         """For people."""
-        first = f"learnt with {self.detector}: {self.features} features, {self.appearances} appearances, {self.words} visual words"
+        what = f"{self.keypoints} keypoints and {self.sides} sides of edges" if self.sides else f"{self.features} features"
+        first = f"learnt with {self.detector}: {what}, {self.appearances} appearances, {self.words} visual words"
         sure = f"hit rate {self.hit:.2f} and sigma {1000.0 * self.sigma:.2g} mm (medians)"
         seen = f"{MANY} or more features are expected from {self.share:.0%} of the view sphere, {self.distance:.2g} m away"
         return first, f"{sure}; {seen}"
@@ -51,9 +54,10 @@ def learnt_summary(kind: ObjectType) -> LearntSummary:
     cloud = kind.learnt
     assert cloud is not None  # noqa: S101 - the caller looks
     if not len(cloud.feature):
-        return LearntSummary(cloud.detector, len(cloud.at), 0, 0, 0.0, 0.0, 0.0, 0.0, 0)
+        return LearntSummary(cloud.detector, len(cloud.at), 0, 0, 0.0, 0.0, 0.0, 0.0, 0, len(cloud.at), 0)
     distance = float(np.median(np.sqrt(np.maximum(cloud.r_min, 1e-3 * cloud.r_max) * cloud.r_max)))
     expected = _expected(kind, distance)
+    sides = len(np.unique(cloud.feature[cloud.sided]))
     return LearntSummary(
         cloud.detector,
         len(cloud.at),
@@ -64,6 +68,8 @@ def learnt_summary(kind: ObjectType) -> LearntSummary:
         distance,
         float((expected >= MANY).mean()),
         int(expected.max()),
+        len(cloud.at) - sides,
+        sides,
     )
 
 

@@ -24,6 +24,10 @@ MAX_BYTES = 10_000_000
 """Largest ``words.npz``."""
 WIDTHS = {128: "sift", 138: "sift", 32: "orb"}
 """Whose descriptors have so many bytes; those of SIFT in an image with colours have ten more."""
+POINT, SIDE = 128, 5
+"""Bytes of a descriptor of SIFT before its colours, and of the looks of the side of an edge, which has those and 0 before them."""
+COLOURS = 4
+"""Those of these bytes that are the side's own, whatever is beyond the edge; the other is its brightness against that."""
 _BLOCK = 4096
 
 
@@ -38,6 +42,19 @@ class Words:
     def names(self) -> tuple[str, ...]:
         """The words as appearance types."""
         return tuple(f"{self.detector}_w{i:04d}" for i in range(len(self.centroids)))
+
+    @cached_property
+    def sided(self) -> NDArray[np.bool_]:
+        """(W,) which are words of the sides of edges."""
+        wide = self.centroids.shape[1] > POINT
+        return np.asarray(~self.centroids[:, :POINT].any(axis=1)) if wide else np.zeros(len(self.centroids), bool)
+
+    def nearest_side(self, looks: NDArray[np.uint8], /) -> NDArray[np.int64]:
+        """(N,) index of the word nearest to the looks (N, 5) of sides of edges, among the words of sides, of which there must be one."""
+        some = np.flatnonzero(self.sided)
+        words = self.centroids[some, POINT : POINT + SIDE].astype(np.float32)
+        apart = (words**2).sum(axis=1) - 2.0 * (looks.astype(np.float32) @ words.T)
+        return np.asarray(some[apart.argmin(axis=1)], np.int64)
 
     def nearest(self, descriptors: NDArray[np.uint8], /) -> NDArray[np.int64]:
         """(N,) index of the word nearest to (N, D) descriptors, the first of several; colours count where both have them."""

@@ -17,10 +17,15 @@ ALONG, BENT = 10.0, 0.2
 """The same along a line across which both turn, pixels, and how much they may differ in that, radians: one line of clutter is right for all."""
 
 
-def shares(uv: Floats, turn: Floats) -> Floats:
+LINKED = 0.4
+"""How much of that holds where one of the two is the side of an edge: of those that lie along one line of clutter so large a share is found
+together, as the correlation over development scenes says."""
+
+
+def shares(uv: Floats, turn: Floats, sided: NDArray[np.bool_]) -> Floats:
     """(N,) for how much of an independent observation each of N features counts: one over those that go with it, itself included.
 
-    ``uv`` (N, 2) pixels; ``turn`` (N,) radians, the screen angle of what is seen of each, across its edge.
+    ``uv`` (N, 2) pixels; ``turn`` (N,) radians, the screen angle of what is seen of each, across its edge; ``sided`` (N,) which are sides.
     """
     from scipy.spatial import cKDTree
 
@@ -31,5 +36,6 @@ def shares(uv: Floats, turn: Floats) -> Floats:
     square = (apart**2).sum(axis=1)
     crowd = np.exp(-0.5 * square / CROWDED**2)
     line = np.exp(-0.5 * ((across / CROWDED) ** 2 + (square - across**2) / ALONG**2 + (bent / BENT) ** 2))
-    together = np.bincount(np.concatenate([one, other]), np.tile(np.maximum(crowd, line), 2), len(uv))
+    linked = np.where(sided[one] | sided[other], LINKED, 1.0) * np.maximum(crowd, line)
+    together = np.bincount(np.concatenate([one, other]), np.tile(linked, 2), len(uv))
     return np.asarray(1.0 / (1.0 + together))

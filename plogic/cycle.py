@@ -38,6 +38,8 @@ POOL_OF_TYPE = 3
 """... and so many for each type of the knowledge base, where these are more."""
 POLISHED = 6
 """Poses of a round that are refined beside Δi before they are accepted or not, the best first."""
+POLISH = 10.0
+"""What refinement beside Δi may add to the evidence of a learnt type, which was refined when it was found: one that lacks more is not refined."""
 MOST_RIVALS = 2
 """Rivals of an accepted hypothesis that enter Δh with it."""
 
@@ -106,6 +108,8 @@ class Perception:
         judged = sorted(self._judged(pool), key=lambda b: -b.worth)
         pool[:] = [b.posed for b in judged[: max(POOL, POOL_OF_TYPE * len(self.indices))]]
         for belief in judged[:POLISHED]:
+            if isinstance(belief.index, LearntIndex) and belief.surplus < significant(belief.index) - POLISH:
+                continue
             better = self._judge(belief.posed, self.free(), rounds=2)
             if self._refusal(better) is None:
                 self._accept(better)
@@ -145,7 +149,8 @@ class Perception:
     def _judge(self, posed: Posed, free: NDArray[np.bool_], rounds: int = 2, skip: Belief | None = None) -> Belief:
         index = self.indices[posed.object_type.name]
         hidden = self._hidden(posed, skip)
-        posed = settle(index, posed.camera_from_object, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
+        if rounds or self.accepted or not isinstance(index, LearntIndex):  # else it was matched so when it was found
+            posed = settle(index, posed.camera_from_object, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
         hidden = self._hidden(posed, skip) if rounds else hidden
         ev = explanatory_value(posed.support(), self.dv)
         again = explanatory_value(posed.support(hidden), self.dv)

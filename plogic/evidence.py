@@ -46,7 +46,7 @@ def match_density(posed: Posed, kb: KnowledgeBase) -> NDArray[np.float64]:
 def hit_rates(posed: Posed, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
     """h_F (F,) of each feature; of a learnt type the measured rates, times the share of them that holds in this image (``clarity``)."""
     if posed.hit is not None:
-        return np.asarray(np.clip(posed.hit * clarity(posed, hidden), LEAST_HIT, MOST_HIT))
+        return np.asarray(np.clip(posed.hit * clarities(posed, hidden), LEAST_HIT, MOST_HIT))
     return np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.features])
 
 
@@ -59,16 +59,28 @@ def _expected(posed: Posed, hidden: NDArray[np.bool_] | None) -> NDArray[np.bool
     return posed.candidate if hidden is None else posed.candidate & ~hidden
 
 
-def clarity(posed: Posed, hidden: NDArray[np.bool_] | None = None) -> float:
-    """Which share of the measured hit rates holds of this instance in this image: light, focus, noise and a changed print cost detections.
+def clarity(posed: Posed, hidden: NDArray[np.bool_] | None = None, of: NDArray[np.bool_] | None = None) -> float:
+    """Which share of the measured hit rates, of features ``of`` (F,) or of all, holds of this instance in this image.
 
+    Light, focus, noise and a changed print cost detections.
     The most likely one: expected features that were detected, over the sum of their rates, in [``LEAST_CLEAR``, 1].
     """
     if posed.hit is None:
         return 1.0
-    expected, shares = _expected(posed, hidden), posed.counted
+    expected, shares = _expected(posed, hidden) & (True if of is None else of), posed.counted
     hoped = float((shares * posed.hit)[expected].sum())
     return float(np.clip(shares[expected & posed.detected].sum() / hoped, LEAST_CLEAR, 1.0)) if hoped > 0.0 else 1.0
+
+
+def kinds(posed: Posed) -> list[NDArray[np.bool_]]:
+    """Features (F,) that are seen clearly or not apart from the others: what is printed, and the sides of edges, which blur hurts less."""
+    sided = np.zeros(len(posed.uv), bool) if posed.sided is None else posed.sided
+    return [~sided, sided]
+
+
+def clarities(posed: Posed, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+    """(F,) the clarity of each feature's kind."""
+    return np.asarray(np.sum([kind * clarity(posed, hidden, kind) for kind in kinds(posed)], axis=0))
 
 
 def as_counted(
@@ -118,6 +130,7 @@ def evidence(posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.boo
     ratio = float(gain.sum() + (shares * np.log(1.0 - hit))[expected & ~posed.detected].sum())
     if posed.hit is None:
         return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))
-    ratio += CLEAR * float(np.log(clarity(posed, hidden)))
+    ratio += CLEAR * float(np.sum([np.log(clarity(posed, hidden, kind)) for kind in kinds(posed)]))
     precision = shares[found] / sigmas(posed, kb)[found] ** 2
-    return Evidence(ratio, ratio + log_share(posed.at[found], precision, posed.middle, data.camera))
+    across = None if posed.across is None else posed.across[found]
+    return Evidence(ratio, ratio + log_share(posed.at[found], precision, posed.middle, data.camera, across))

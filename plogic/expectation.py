@@ -33,8 +33,9 @@ class Posed:
     ``at`` (F, 3) metres, camera frame; ``uv`` (F, 2) pixels; ``in_image``, ``in_lobe``, ``self_hidden`` (F,); ``right`` (F, A) the data of
     a type whose lobe holds the viewpoint; ``matches`` (F,) datum index or −1; ``residual`` (F,) pixels, NaN where unmatched. Of a
     learnt type ``hit`` (F,) is the measured rate of the lobes that hold the viewpoint, ``turn`` (F,) the screen angle that they make expect,
-    ``sigma`` (F,) the noise of places, pixels, and ``likeness`` (F,) how much rarer what looks like the match is than clutter of its type; of any
-    other these are None.
+    ``sigma`` (F,) the noise of places, pixels, ``likeness`` (F,) how much rarer what looks like the match is than clutter of its type, ``sided``
+    (F,) which features are sides of edges, and ``across`` (F, 2) unit vectors on the screen across those edges, NaN of other features: what is
+    off along them is not ``residual``. Of any other type these are None.
     """
 
     object_type: ObjectType
@@ -51,6 +52,8 @@ class Posed:
     turn: NDArray[np.float64] | None = None
     sigma: NDArray[np.float64] | None = None
     likeness: NDArray[np.float64] | None = None
+    sided: NDArray[np.bool_] | None = None
+    across: NDArray[np.float64] | None = None
 
     @property
     def candidate(self) -> NDArray[np.bool_]:
@@ -63,7 +66,8 @@ class Posed:
         """(F,) for how much of an independent observation each feature counts: of a learnt type, shares of what crowds the expected ones."""
         result = np.ones(len(self.uv))
         if self.turn is not None and self.candidate.any():
-            result[self.candidate] = shares(self.uv[self.candidate], self.turn[self.candidate])
+            sided = np.zeros(len(self.uv), bool) if self.sided is None else self.sided
+            result[self.candidate] = shares(self.uv[self.candidate], self.turn[self.candidate], sided[self.candidate])
         return result
 
     @property
@@ -178,8 +182,13 @@ def _assign(matches: NDArray[np.intp], off: NDArray[np.float64], possible: NDArr
 
 
 def hidden_by(posed: Posed, other: Posed) -> NDArray[np.bool_]:
-    """(F,) Behind(f, other, v): the line of sight to each feature of ``posed`` meets the other's surface first (§3.4)."""
-    surface = other.object_type.surface
+    """(F,) Behind(f, other, v): the line of sight to each feature of ``posed`` meets the other's surface first (§3.4).
+
+    Of a learnt type's thousands of features it is asked of those alone that are expected or detected: of others nothing is said.
+    """
+    surface, mask = other.object_type.surface, np.zeros(len(posed.at), dtype=bool)
     if surface is None:
-        return np.zeros(len(posed.at), dtype=bool)
-    return np.asarray(behind(posed.at, surface.rays, other.camera_from_object, 0.004 * surface.diameter))
+        return mask
+    asked = np.flatnonzero(posed.candidate | posed.detected) if posed.hit is not None else np.arange(len(posed.at))
+    mask[asked] = behind(posed.at[asked], surface.rays, other.camera_from_object, 0.004 * surface.diameter)
+    return mask

@@ -3,7 +3,7 @@
 The evidence of presence is that of all poses, not of the best (the marginal likelihood, by Laplace's method): the likelihood at the best
 pose, times the share of all poses that fit about as well.
 
-* ``log_share(at, precision, centre, camera)``: the logarithm of that share, at most 0
+* ``log_share(at, precision, centre, camera, across)``: the logarithm of that share, at most 0
 """
 
 from __future__ import annotations
@@ -27,13 +27,14 @@ LOOSE = (0.3, 0.35)
 """Even one appearance fixes the distance (its size) and the rotation (its angle and its lobe) so well: logarithm, radians."""
 
 
-def log_share(at: Floats, precision: Floats, centre: Floats, camera: Camera) -> float:
+def log_share(at: Floats, precision: Floats, centre: Floats, camera: Camera, across: Floats | None = None) -> float:
     """The share of all poses, even in the image, in the logarithm of depth and in rotation, that fit matched places as well as theirs.
 
-    ``at`` (N, 3) metres, camera frame; ``precision`` (N,) 1/pixel²; ``centre`` (3,) of the object, before the camera.
+    ``at`` (N, 3) metres, camera frame; ``precision`` (N,) 1/pixel²; ``centre`` (3,) of the object, before the camera; ``across`` (N, 2) unit
+    vectors across the edges that sides lie anywhere along, NaN of others.
     """
     scale = np.array([1.0, 1.0, 1.0, *[centre[2]] * 3])  # moves are counted in depths
     loose = np.array([*[LOOSE[1]] * 3, camera.width / camera.f, camera.height / camera.f, LOOSE[0]])
-    known = information(at, centre, precision, camera) * np.outer(scale, scale) + np.diag(loose**-2.0)
+    known = information(at, centre, precision, camera, across) * np.outer(scale, scale) + np.diag(loose**-2.0)
     volume = 3.0 * np.log(2.0 * np.pi) - 0.5 * float(np.linalg.slogdet(known)[1])
     return float(volume - np.log(camera.width * camera.height / camera.f**2 * DEPTHS * 8.0 * np.pi**2))

@@ -7,17 +7,22 @@ eyes); a strip below explains the marks.
 
 Where an accepted type is learnt, or Γ has more than ``MANY`` appearances, the same four cases are drawn as dots: a
 filled dot found, a hollow one missed, a small square unexpected, nothing where neither; and appearances that nothing
-claims, thousands in a photo, are left out.
+claims, thousands in a photo, are left out. Of the sides of edges a found one is a stroke along its edge with a tick towards
+its side, and a missed one, of which no angle is known, a small cross.
 """
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
 
-from plogic.pencil import Box, Colour, Pencil, free_place
+from plogic.pencil import Box, Colour, Pencil, Place, free_place
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,6 +44,9 @@ CASES = (
     ("D", "detected, not expected", False, True),
 )
 GREY: Colour = (170, 170, 170)
+Draw = Callable[[Pencil, Place], None]
+Entry = tuple[str, Draw]
+"""A text of the legend and what draws the mark before it."""
 
 
 def overlay(document: dict[str, Any], image: NDArray[np.uint8] | None) -> NDArray[np.uint8]:
@@ -59,14 +67,15 @@ def overlay(document: dict[str, Any], image: NDArray[np.uint8] | None) -> NDArra
     pencil = Pencil(picture, scale)
     accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
     if crowded(document):
-        draw_dots(pencil, accepted)
-        return np.concatenate([picture, _legend(picture.shape[1], accepted, [], dots=True)])
+        sides = sides_of(document)
+        draw_dots(pencil, accepted, sides)
+        return np.concatenate([picture, _legend(picture.shape[1], accepted, [], sides)])
     _draw_hypotheses(pencil, accepted)
     kinds = sorted({a["type"] for a in document.get("appearances", [])})
     for a in document.get("appearances", []):
         pencil.sign(a["uv"], a["type"], kinds)
     _draw_names(pencil, accepted, [a["uv"] for a in document.get("appearances", [])])
-    return np.concatenate([picture, _legend(picture.shape[1], accepted, kinds, dots=False)])
+    return np.concatenate([picture, _legend(picture.shape[1], accepted, kinds)])
 
 
 def crowded(document: dict[str, Any]) -> bool:
@@ -75,8 +84,28 @@ def crowded(document: dict[str, Any]) -> bool:
     return len(document.get("appearances", [])) > MANY or any(f.get("stands_for", 1) > 1 for h in accepted for f in h.get("features", []))
 
 
-def draw_dots(pencil: Pencil, accepted: list[dict[str, Any]]) -> None:
-    """Outlines, then a dot for each feature by its case, then the names with their probabilities."""
+@dataclass(frozen=True)
+class Sides:
+    """The sides of edges of a document: the ``angle`` of each appearance that is one, by its id, and their ``types``."""
+
+    angle: dict[str, float]
+    types: frozenset[str]
+
+    def case(self, feature: dict[str, Any]) -> str | None:
+        """Case A or C of a feature that is the side of an edge, as its match or else its type tells; None of any other."""
+        match = feature.get("match")
+        own = feature["type"] in self.types if match is None else match in self.angle
+        return feature["case"] if own and feature.get("case") in ("A", "C") else None
+
+
+def sides_of(document: dict[str, Any]) -> Sides:
+    """Of SIFT's appearances those that have an angle and no scale."""
+    rows = [a for a in document.get("appearances", []) if a.get("detector") == "sift" and "angle" in a and "scale" not in a]
+    return Sides({a["id"]: a["angle"] for a in rows}, frozenset(a["type"] for a in rows))
+
+
+def draw_dots(pencil: Pencil, accepted: list[dict[str, Any]], sides: Sides) -> None:
+    """Outlines, then a mark for each feature by its case, then the names with their probabilities."""
     for i, h in enumerate(accepted):
         for ring in h.get("outline", []):
             pencil.polygon(ring, colour_of(i), width=2)
@@ -84,10 +113,20 @@ def draw_dots(pencil: Pencil, accepted: list[dict[str, Any]]) -> None:
         for i, h in enumerate(accepted):
             for f in h.get("features", []):
                 if f.get("case") == wanted:
-                    pencil.dot(f["uv"], colour_of(i), circle=bool(f["expected"]), filled=wanted == "A")
+                    _draw_small(pencil, f, colour_of(i), sides)
     taken: list[Box] = []
     for i, h in enumerate(accepted):
         _write_name(pencil, h, i, taken, f"{_name(h)}{_chance(h)}")
+
+
+def _draw_small(pencil: Pencil, f: dict[str, Any], colour: Colour, sides: Sides) -> None:
+    case = sides.case(f)
+    if case == "A":
+        pencil.side(f["uv"], sides.angle[f["match"]], colour)
+    elif case == "C":
+        pencil.cross(f["uv"], colour)
+    else:
+        pencil.dot(f["uv"], colour, circle=bool(f["expected"]), filled=f["case"] == "A")
 
 
 def bgr(colour: str) -> Colour:
@@ -163,37 +202,48 @@ def _chance(h: dict[str, Any]) -> str:
     return "" if p is None else f" {'>0.999' if 0.9995 < p < 1 else f'{p:.3f}'}"
 
 
-def _legend(width: int, accepted: list[dict[str, Any]], kinds: list[str], *, dots: bool) -> NDArray[np.uint8]:
-    """Return the strip (lines, width, 3) that explains colours, cases and signs; it wraps."""
-    features = [f for h in accepted for f in h.get("features", [])]
-    counts = {letter: sum(f.get("stands_for", 1) for f in features if f.get("case") == letter) for letter, *_ in CASES}
-    entries: list[tuple[str, Any]] = [
-        (f"{letter} {name}: {counts[letter]}", (circle, filled) if not dots else (circle, filled, letter, "dot"))
-        for letter, name, circle, filled in CASES
-    ]
-    entries += [(f"{_name(h)}{_chance(h) if dots else ''}", colour_of(i)) for i, h in enumerate(accepted)]
-    entries += [(k.replace("_", " "), k) for k in kinds]
+def _legend(width: int, accepted: list[dict[str, Any]], kinds: list[str], sides: Sides | None = None) -> NDArray[np.uint8]:
+    """Return the strip (lines, width, 3) that explains colours, cases and signs; it wraps. ``sides``: of the small marks of many features."""
+    entries = _case_entries(accepted, sides)
+    entries += [(f"{_name(h)}{'' if sides is None else _chance(h)}", _swatch(colour_of(i))) for i, h in enumerate(accepted)]
+    entries += [(k.replace("_", " "), partial(Pencil.sign, kind=k, kinds=kinds)) for k in kinds]
     strip = np.full((LINE * (3 + len(entries)), width, 3), 34, np.uint8)
     pencil, x, y = Pencil(strip, 1), 14.0, 12 + LINE / 2
-    for text, key in entries:
-        advance = pencil.size(text, 0.55)[0] + 62
-        if x + advance > width and x > 14:
+    for text, draw in entries:
+        wide, high = pencil.size(text, 0.55)
+        if x + wide + 62 > width and x > 14:
             x, y = 14.0, y + LINE
-        _entry(pencil, (x + 10, y), text, key, kinds)
-        x += advance
+        draw(pencil, (x + 10, y))
+        pencil.text(text, (x + 28, y - high / 2, x + 28 + wide, y + high / 2), 0.55, (235, 235, 235))
+        x += wide + 62
     return strip[: int(y + LINE / 2 + 12)]
 
 
-def _entry(pencil: Pencil, place: tuple[float, float], text: str, key: Any, kinds: list[str]) -> None:  # noqa: ANN401 - one of three keys
-    x, y = place
-    if isinstance(key, str):
-        pencil.sign(place, key, kinds)
-    elif len(key) == 4:
-        if key[2] != "B":
-            pencil.dot(place, GREY, circle=key[0], filled=key[2] == "A")
-    elif len(key) == 2:
-        pencil.feature(place, GREY, circle=key[0], filled=key[1])
-    else:
-        cv2.rectangle(pencil.picture, (int(x) - 8, int(y) - 8), (int(x) + 8, int(y) + 8), key, -1)
-    width, height = pencil.size(text, 0.55)
-    pencil.text(text, (x + 18, y - height / 2, x + 18 + width, y + height / 2), 0.55, (235, 235, 235))
+def _case_entries(accepted: list[dict[str, Any]], sides: Sides | None) -> list[Entry]:
+    """The four cases with their counts, and how many of them are sides of edges where there are any."""
+    features = [f for h in accepted for f in h.get("features", [])]
+    counts = Counter({letter: 0 for letter, *_ in CASES})
+    for f in features:
+        counts[f.get("case")] += f.get("stands_for", 1)
+    entries: list[Entry] = []
+    for letter, name, circle, filled in CASES:
+        full = partial(Pencil.feature, colour=GREY, circle=circle, filled=filled)
+        small = partial(Pencil.dot, colour=GREY, circle=circle, filled=letter == "A") if letter != "B" else _nothing
+        entries.append((f"{letter} {name}: {counts[letter]}", full if sides is None else small))
+    along = Counter(sides.case(f) for f in features) if sides is not None else Counter()
+    if along["A"] + along["C"]:
+        entries.append((f"A, sides of edges: {along['A']}", partial(Pencil.side, angle=np.pi / 2, colour=GREY)))
+        entries.append((f"C, sides of edges: {along['C']}", partial(Pencil.cross, colour=GREY)))
+    return entries
+
+
+def _swatch(colour: Colour) -> Draw:
+    def draw(pencil: Pencil, at: Place) -> None:
+        x, y = int(at[0]), int(at[1])
+        cv2.rectangle(pencil.picture, (x - 8, y - 8), (x + 8, y + 8), colour, -1)
+
+    return draw
+
+
+def _nothing(_pencil: Pencil, _at: Place) -> None:
+    """Case B of a photo has no mark."""

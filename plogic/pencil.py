@@ -71,6 +71,18 @@ class Pencil:
             for paint, width in ((DARK, 3), (colour, 1)):
                 self._line(centre + ring, paint, width)
 
+    def side(self, uv: Place, angle: float, colour: Colour) -> None:
+        """Draw the small mark of the side of an edge: a stroke along the edge and a tick at ``angle``, across it towards the side."""
+        across = np.array([np.cos(angle), np.sin(angle)])
+        along = np.array([-across[1], across[0]])
+        centre, strokes = np.array(self.at(uv)), (np.stack([-5 * along, 5 * along]), np.stack([0 * across, 6 * across]))
+        self._strokes([centre + stroke for stroke in strokes], colour, 4, 2)
+
+    def cross(self, uv: Place, colour: Colour) -> None:
+        """Draw the small mark of a side that was missed."""
+        centre, arm = np.array(self.at(uv)), np.array([2.5, 2.5])
+        self._strokes([centre + np.stack([-arm, arm]), centre + np.stack([-arm, arm]) * [1, -1]], colour, 3, 1)
+
     def feature(self, uv: Place, colour: Colour, *, circle: bool, filled: bool) -> None:
         """Draw the mark of one feature: circle or square, filled or dashed. What is neither stays small."""
         centre, faint = np.array(self.at(uv)), not circle and not filled
@@ -108,6 +120,11 @@ class Pencil:
         for cover, paint in ((casing, DARK), (mask, colour)):
             share = cover[..., None] / np.float32(255)
             self.picture[:] = np.round(self.picture * (1 - share) + np.array(paint, np.float32) * share)
+
+    def _strokes(self, strokes: Sequence[NDArray[np.float64]], colour: Colour, casing: int, width: int) -> None:
+        for paint, wide in ((DARK, casing), (colour, width)):
+            for stroke in strokes:
+                self._line(stroke, paint, wide)
 
     def _line(self, points: NDArray[np.float64], colour: Colour, width: int, *, closed: bool = False) -> None:
         fixed = np.round(points * (1 << SHIFT)).astype(np.int32).reshape(-1, 1, 2)

@@ -34,7 +34,8 @@ class Appearance:
         scale: Diameter in pixels, or None.
         score: The detector's own confidence in [0, 1], or None.
         arms: Directions of a junction's arms, radians, same convention as ``angle``, ascending in [0, 2π); empty for other types.
-        descriptor: Raw bytes of a keypoint's descriptor: 128 of SIFT, or 138 with its colours, 32 of ORB; None where the detector gives none.
+        descriptor: Raw bytes of a keypoint's descriptor: 128 of SIFT, or 138 with its colours, 32 of ORB; 5 of the looks of the side of an edge;
+            None where the detector gives none.
     """
 
     id: str

@@ -46,7 +46,7 @@ def colours(image: Bytes, uv: Floats, angle: Floats, scale: Floats) -> Bytes:
     seen = np.zeros((len(uv), len(CELLS), 3))
     for number, picture in enumerate(_pyramid(image)):
         here = np.flatnonzero(level == number)
-        seen[here] = _between(picture, place[here].reshape(-1, 2) / 2.0**number).reshape(len(here), len(CELLS), 3)
+        seen[here] = between(picture, place[here].reshape(-1, 2) / 2.0**number).reshape(len(here), len(CELLS), 3)
     return ratios(seen).reshape(len(uv), WIDTH)
 
 
@@ -66,8 +66,8 @@ def _pyramid(image: Bytes) -> list[NDArray[np.float32]]:
     return pictures
 
 
-def _between(picture: NDArray[np.float32], places: Floats) -> Floats:
-    """(N, 3) values at places (N, 2) between pixels; beyond the border those at it."""
+def between(picture: NDArray[np.float32], places: Floats) -> Floats:
+    """(N, 3) values of an (H, W, 3) picture at places (N, 2) between pixels; beyond the border those at it."""
     import cv2
 
     rows = [places[i : i + _ROW].astype(np.float32) for i in range(0, len(places), _ROW)]

@@ -6,7 +6,6 @@ point of the group ``plogic.detectors`` whose object is a factory without argume
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Literal, Protocol
@@ -136,9 +135,10 @@ def detect(image_bgr: NDArray[np.uint8], camera: Camera, vocabulary: Collection[
     _check(image_bgr, camera)
     wanted = frozenset(vocabulary)
     known = {name: made(name, factory) for name, factory in detectors(words).items()}
-    found = [_rounded(a) for name, d in known.items() if not wanted.isdisjoint(d.types) for a in reported(name, d, image_bgr) if a.type in wanted]
-    found.sort(key=lambda a: (a.detector, a.uv[1], a.uv[0], a.type, a.angle or 0.0, a.scale or 0.0))
-    return Gamma(camera, tuple(replace(a, id=f"a{i}") for i, a in enumerate(found, start=1)))
+    found = [a for name, d in known.items() if not wanted.isdisjoint(d.types) for a in reported(name, d, image_bgr) if a.type in wanted]
+    places = [(round(a.uv[0], 4), round(a.uv[1], 4), _cut(a.angle, 5), _cut(a.scale, 3)) for a in found]
+    order = sorted(range(len(found)), key=lambda i: _order(found[i], places[i]))
+    return Gamma(camera, tuple(_named(f"a{number}", found[i], places[i]) for number, i in enumerate(order, start=1)))
 
 
 def _check(image_bgr: NDArray[np.uint8], camera: Camera) -> None:
@@ -149,9 +149,16 @@ def _check(image_bgr: NDArray[np.uint8], camera: Camera) -> None:
         raise ImageError(f"image: {width}x{height} is not the camera's size, {camera.width}x{camera.height}")
 
 
-def _rounded(a: Appearance) -> Appearance:
-    def cut(x: float | None, digits: int) -> float | None:
-        return None if x is None else round(x, digits)
+def _cut(x: float | None, digits: int) -> float | None:
+    return None if x is None else round(x, digits)
 
-    uv = (round(a.uv[0], 4), round(a.uv[1], 4))
-    return replace(a, uv=uv, angle=cut(a.angle, 5), scale=cut(a.scale, 3), score=cut(a.score, 4), arms=tuple(round(x, 5) for x in a.arms))
+
+def _order(a: Appearance, place: tuple[float, float, float | None, float | None]) -> tuple[str, float, float, str, float, float]:
+    u, v, angle, scale = place
+    return a.detector, v, u, a.type, angle or 0.0, scale or 0.0
+
+
+def _named(name: str, a: Appearance, place: tuple[float, float, float | None, float | None]) -> Appearance:
+    """The appearance with its id, rounded; there are thousands, and ``replace`` is slow."""
+    u, v, angle, scale = place
+    return Appearance(name, a.type, (u, v), a.detector, angle, scale, _cut(a.score, 4), tuple(round(x, 5) for x in a.arms), a.descriptor)

@@ -36,32 +36,43 @@ class EdgePoints:
     rise: Floats
 
 
-def edge_points(grey: NDArray[np.uint8], cell: int, most: int) -> EdgePoints:
-    """The strongest point of an edge in each square cell of an (H, W) image, ``cell`` pixels wide; at most ``most``, the strongest first.
+def edge_points(image: NDArray[np.uint8], cell: int, most: int, least: float = LEAST) -> EdgePoints:
+    """The strongest point of an edge in each square cell of an image, ``cell`` pixels wide; at most ``most``, the strongest first.
 
-    A point is where the gradient is greatest along its own direction, to a part of a pixel.
+    It rises by more than ``least`` grey levels a pixel.
+    A point is where the gradient is greatest along its own direction, to a part of a pixel. Of an image (H, W, 3) the gradient is that of
+    the channel in which it is greatest, so that colours of one brightness have an edge between them too.
     """
-    import cv2
-
-    if min(grey.shape) <= 2 * BORDER:
+    if min(image.shape[:2]) <= 2 * BORDER:
         return EdgePoints(np.zeros((0, 2)), np.zeros(0), np.zeros(0))
-    smooth = np.asarray(cv2.GaussianBlur(grey.astype(np.float32), (0, 0), SMOOTH))
-    gx, gy = (np.asarray(cv2.Sobel(smooth, cv2.CV_32F, *order, ksize=3)) / 8.0 for order in ((1, 0), (0, 1)))
+    gx, gy = _gradient(image)
     rise = np.hypot(gx, gy)
-    inner = np.zeros(grey.shape, bool)
+    inner = np.zeros(rise.shape, bool)
     inner[BORDER:-BORDER, BORDER:-BORDER] = True
-    y, x = np.nonzero((rise > LEAST) & inner)
+    y, x = np.nonzero((rise > least) & inner)
     here = rise[y, x].astype(float)
     across = np.column_stack([gx[y, x], gy[y, x]]) / here[:, None]
     ahead, behind = (_between(rise, np.column_stack([x, y]) + sign * across) for sign in (1.0, -1.0))
     ridge = (here >= ahead) & (here > behind)
-    x, y, here, across, ahead, behind = (values[ridge] for values in (x, y, here, across, ahead, behind))
+    x, y, here, across, ahead, behind = x[ridge], y[ridge], here[ridge], across[ridge], ahead[ridge], behind[ridge]
     bend = np.minimum(ahead + behind - 2.0 * here, -1e-6)
     uv = np.column_stack([x, y]) + np.clip(0.5 * (behind - ahead) / bend, -0.5, 0.5)[:, None] * across
     order = np.argsort(-here, kind="stable")
-    cells = (y[order] // cell) * grey.shape[1] + x[order] // cell
+    cells = (y[order] // cell) * rise.shape[1] + x[order] // cell
     best = order[np.sort(np.unique(cells, return_index=True)[1])[:most]]
     return EdgePoints(uv[best], np.arctan2(across[best, 1], across[best, 0]), here[best])
+
+
+def _gradient(image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """(H, W) grey levels a pixel along x and y."""
+    import cv2
+
+    smooth = np.asarray(cv2.GaussianBlur(image.astype(np.float32), (0, 0), SMOOTH), np.float32)
+    gx, gy = (np.asarray(cv2.Sobel(smooth, cv2.CV_32F, *order, ksize=3) / 8.0, np.float32) for order in ((1, 0), (0, 1)))
+    if image.ndim == 2:
+        return gx, gy
+    steepest = (gx * gx + gy * gy).argmax(axis=2)[..., None]
+    return np.take_along_axis(gx, steepest, 2)[..., 0], np.take_along_axis(gy, steepest, 2)[..., 0]
 
 
 def _between(values: NDArray[np.float32], at: Floats) -> Floats:

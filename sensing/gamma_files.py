@@ -18,6 +18,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from geometry.camera import Camera, camera_from_dict, camera_to_dict
 from geometry.errors import CameraError
 from sensing.appearance import Appearance, Gamma
+from sensing.edge_sides import WIDTH as SIDE
 from sensing.errors import GammaError
 from sensing.keypoints import WIDTHS
 from sensing.whole_files import write_whole
@@ -199,8 +200,8 @@ def _descriptor_mistake(a_type: object, text: object) -> str | None:
     except (binascii.Error, ValueError):  # ValueError: letters that are not ASCII
         return f"is not base64: {text!r:.60}"
     kind = a_type.split("_", 1)[0] if isinstance(a_type, str) else ""
-    wanted = WIDTHS.get(kind)
-    if wanted is not None and size not in wanted:
+    wanted = WIDTHS.get(kind, ()) + ((SIDE,) if kind == "sift" else ())
+    if wanted and size not in wanted:
         return f"has {size} bytes, and one of {a_type!r:.60} has {' or '.join(map(str, wanted))}"
     return None if 0 < size <= MAX_DESCRIPTOR else f"has {size} bytes, not 1 to {MAX_DESCRIPTOR}"
 

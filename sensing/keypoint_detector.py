@@ -15,6 +15,7 @@ import numpy as np
 from sensing.appearance import Appearance
 from sensing.colour import colours, is_grey
 from sensing.edge_points import edge_points
+from sensing.edge_sides import edge_sides
 from sensing.keypoints import MOST, Keypoints, grey_of, keypoints, sift_at
 from sensing.regions import MOST as REGIONS
 from sensing.regions import regions
@@ -47,8 +48,15 @@ class WordIndex(Protocol):
     def names(self) -> tuple[str, ...]:
         """The words' names, which are appearance types."""
 
+    @property
+    def sided(self) -> NDArray[np.bool_]:
+        """(W,) which of them are words of the sides of edges."""
+
     def nearest(self, descriptors: Bytes, /) -> NDArray[np.integer]:
         """(N,) indices into ``names`` of the words nearest to (N, D) descriptors."""
+
+    def nearest_side(self, looks: Bytes, /) -> NDArray[np.integer]:
+        """(N,) indices into ``names`` of the words nearest to the (N, 5) looks of sides of edges."""
 
 
 def described(
@@ -90,9 +98,20 @@ class KeypointDetector:
         self.types: tuple[str, ...] = (name,) if self._words is None else tuple(self._words.names)
 
     def detect(self, image_bgr: Bytes) -> list[Appearance]:
-        """``described`` of an (H, W, 3) uint8 image, in that order."""
+        """``described`` of an (H, W, 3) uint8 image, in that order; then the sides of its edges, where words know any and it has colours."""
         found = described(image_bgr, self.name, contrast=self._contrast, most=self._most)
         word = self._words.nearest(found.descriptors) if self._words is not None and len(found) else np.zeros(len(found), np.intp)
         score = found.response / (found.response + _HALF[self.name])
         columns = zip(word, found.uv.tolist(), found.angle.tolist(), found.scale.tolist(), score.tolist(), found.descriptors, strict=True)
-        return [Appearance("", self.types[w], (u, v), self.name, a, s, q, descriptor=d.tobytes()) for w, (u, v), a, s, q, d in columns]
+        points = [Appearance("", self.types[w], (u, v), self.name, a, s, q, descriptor=d.tobytes()) for w, (u, v), a, s, q, d in columns]
+        return points + self._sides(image_bgr)
+
+    def _sides(self, image: Bytes) -> list[Appearance]:
+        """The sides of edges: they have no ``scale``, and their ``descriptor`` is their five bytes of looks."""
+        if self._words is None or not self._words.sided.any() or is_grey(image):
+            return []
+        found = edge_sides(image, CELL)
+        score = found.rise * RISE / (found.rise * RISE + _HALF[self.name])
+        word = self._words.nearest_side(found.looks)
+        columns = zip(word, found.uv.tolist(), found.angle.tolist(), score.tolist(), found.looks, strict=True)
+        return [Appearance("", self.types[w], (u, v), self.name, a, None, q, descriptor=d.tobytes()) for w, (u, v), a, q, d in columns]

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from kb.cones import even_directions, spacing
+from kb.learning.sides import LOOKS, VARIED, side_places
 from kb.learning.views import PIXELS, distance
 from kb.learnt import LearntCloud
+from kb.words import COLOURS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,8 +34,12 @@ TOGETHER = 0.85
 """Least cosine between directions of view within one lobe."""
 LEAST_SEEN = 3
 """Pictures that must show a feature."""
-MOST = 4000
-"""Features of one type."""
+MOST, MOST_SIDES = 4000, 2000
+"""Features of one type: keypoints, and sides of edges."""
+TINTED = 25.0
+"""The same of sides, by their colours."""
+SIDES_SEEN = 0.25
+"""Least hit rate of a side's lobe: what is seen more seldom is not worth the looking."""
 BEYOND = 0.8
 """So much of the angle between neighbouring directions a lobe reaches beyond those that showed it."""
 STEP, END = 1.25, 1.5
@@ -48,28 +54,38 @@ class _Lobe(NamedTuple):
 
 def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most: int = MOST) -> LearntCloud:
     """The cloud of a type from what was seen of it from ``even_directions(count)``; its words are not assigned yet (all 0)."""
-    groups = [group for group in _places(seen) if len(group) >= LEAST_SEEN]
-    chosen = [groups[i] for i in sorted(_best(seen, groups, count)[:most], key=lambda i: int(groups[i][0]))]
-    lobes = [(f, lobe) for f, group in enumerate(chosen) for lobe in _lobes(seen, group, count)]
+    sided = seen.sided
+    points = _chosen(seen, _places(seen, np.flatnonzero(~sided)), count, most)
+    sides = _chosen(seen, side_places(seen, np.flatnonzero(sided), diameter), count, MOST_SIDES)
+    several = [(group, _lobes(seen, group, count)) for group in points]
+    several += [(group, [lobe for lobe in _lobes(seen, group, count) if _share(seen, lobe, count) >= SIDES_SEEN]) for group in sides]
+    chosen = [group for group, some in several if some]
+    lobes = [(f, lobe) for f, some in enumerate(some for _, some in several if some) for lobe in some]
     return LearntCloud(
         **_feature_arrays(seen, chosen),
         **_lobe_arrays(seen, lobes, diameter, f_ref, count),
     )
 
 
-def _places(seen: Observations) -> list[NDArray[np.intp]]:
-    """Observations in groups, each about one place, size and direction; the surest first."""
+def _chosen(seen: Observations, groups: list[NDArray[np.intp]], count: int, most: int) -> list[NDArray[np.intp]]:
+    """Those of the groups that become features."""
+    groups = [group for group in groups if len(group) >= LEAST_SEEN]
+    return [groups[i] for i in sorted(_best(seen, groups, count)[:most], key=lambda i: int(groups[i][0]))]
+
+
+def _places(seen: Observations, which: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """The observations ``which`` in groups, each about one place, size and direction; the surest first."""
     from scipy.spatial import cKDTree
 
-    if not len(seen):
+    if not len(which):
         return []
-    tree, free = cKDTree(seen.at), np.ones(len(seen), bool)
+    tree, free = cKDTree(seen.at[which]), np.ones(len(seen), bool)
     reach = reaches(seen)
     groups = []
-    for i in np.lexsort((np.arange(len(seen)), reach, -seen.hit)):
+    for i in which[np.lexsort((which, reach[which], -seen.hit[which]))]:
         if not free[i]:
             continue
-        near = np.array(sorted(tree.query_ball_point(seen.at[i], 2.0 * reach[i])), np.intp)
+        near = which[np.array(sorted(tree.query_ball_point(seen.at[i], 2.0 * reach[i])), np.intp)]
         near = near[free[near]]
         apart = np.linalg.norm(seen.at[near] - seen.at[i], axis=1)
         one = (apart <= np.maximum(reach[near], reach[i])) & (np.abs(np.log(seen.size[near] / seen.size[i])) < SAME_SIZE)
@@ -102,10 +118,11 @@ def _best(seen: Observations, groups: list[NDArray[np.intp]], count: int) -> lis
 def _lobes(seen: Observations, group: NDArray[np.intp], count: int) -> list[_Lobe]:
     """One feature's observations by what they look like."""
     lobes = []
+    looks = seen.descriptor[:, LOOKS][:, :COLOURS] if seen.sided[group[0]] else seen.descriptor
     left = group[np.argsort(-seen.hit[group], kind="stable")]
-    limit = ALIKE[seen.descriptor.shape[1]]
+    limit = TINTED if seen.sided[group[0]] else ALIKE[seen.descriptor.shape[1]]
     while len(left):
-        alike = _apart(seen.descriptor[left], seen.descriptor[left[0]]) < limit
+        alike = _apart(looks[left], looks[left[0]]) < limit
         alike &= seen.direction[left] @ seen.direction[left[0]] > TOGETHER
         alike[0] = True
         members = left[alike]
@@ -127,7 +144,7 @@ def _apart(some: NDArray[np.float32], one: NDArray[np.float32]) -> Floats:
 
 def _feature_arrays(seen: Observations, groups: list[NDArray[np.intp]]) -> dict[str, Any]:
     at = np.array([np.average(seen.at[g], axis=0, weights=seen.hit[g]) for g in groups]).reshape(-1, 3)
-    spread = [np.sqrt(((seen.at[g] - middle) ** 2).sum(axis=1).mean() / 2.0) for g, middle in zip(groups, at, strict=True)]
+    spread = [_spread(seen, g, middle) for g, middle in zip(groups, at, strict=True)]
     least = [0.3 * float(seen.pixel[g].min()) for g in groups]
     normal = np.array([seen.normal[g].mean(axis=0) for g in groups]).reshape(-1, 3)
     length = np.linalg.norm(normal, axis=1, keepdims=True)
@@ -141,6 +158,28 @@ def _feature_arrays(seen: Observations, groups: list[NDArray[np.intp]]) -> dict[
     }
 
 
+def _spread(seen: Observations, group: NDArray[np.intp], middle: Floats) -> float:
+    """Standard deviation of a place along one axis; of a stretch of an edge across it."""
+    off = seen.at[group] - middle
+    if not seen.sided[group[0]]:
+        return float(np.sqrt((off**2).sum(axis=1).mean() / 2.0))
+    return float(np.sqrt(((off * seen.up[group]).sum(axis=1) ** 2).mean()))
+
+
+def _share(seen: Observations, lobe: _Lobe, count: int) -> float:
+    """The hit rate of a lobe. A picture that shows several points of one stretch of an edge shows that once."""
+    level, view = seen.level[lobe.members], seen.view[lobe.members]
+    held = int((even_directions(count) @ lobe.axis >= np.cos(lobe.half_angle)).sum())
+    pictures = max(held, count * (1.0 - np.cos(lobe.half_angle)) / 2.0) * (level.max() - level.min() + 1)
+    hit = seen.hit[lobe.members]
+    if seen.sided[lobe.members[0]]:
+        best: dict[tuple[int, int], float] = {}
+        for key, one in zip(zip(level.tolist(), view.tolist(), strict=True), hit.tolist(), strict=True):
+            best[key] = max(one, best.get(key, 0.0))
+        return float(min(sum(best.values()) / max(pictures, 1.0), 1.0))
+    return float(np.clip(hit.sum() / max(pictures, 1.0), 0.0, 1.0))
+
+
 def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: float, f_ref: float, count: int) -> dict[str, Any]:
     ranges = np.array([distance(pixels, diameter, f_ref) for pixels in PIXELS])
     axis = np.array([lobe.axis for _, lobe in lobes]).reshape(-1, 3)
@@ -150,10 +189,7 @@ def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: f
     up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
     nearest = np.array([seen.level[lobe.members].min() for _, lobe in lobes], int)
     farthest = np.array([seen.level[lobe.members].max() for _, lobe in lobes], int)
-    held = (axis @ even_directions(count).T >= np.cos(half)[:, None]).sum(axis=1)
-    pictures = np.maximum(held, count * (1.0 - np.cos(half)) / 2.0) * (farthest - nearest + 1)
-    hits = np.array([seen.hit[lobe.members].sum() for _, lobe in lobes])
-    descriptor = np.rint([seen.descriptor[lobe.members].mean(axis=0) for _, lobe in lobes])
+    descriptor = np.rint([_mean(seen, lobe.members) for _, lobe in lobes])
     return {
         "feature": np.array([f for f, _ in lobes], np.int64),
         "lobe_word": np.zeros(len(lobes), np.int64),
@@ -162,7 +198,20 @@ def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: f
         "half_angle": half,
         "r_min": ranges[nearest] / np.where(nearest == 0, END, STEP),
         "r_max": ranges[farthest] * np.where(farthest == len(PIXELS) - 1, END, STEP),
-        "hit": np.clip(hits / np.maximum(pictures, 1), 0.0, 1.0),
+        "hit": np.array([_share(seen, lobe, count) for _, lobe in lobes]),
         "up": up,
-        "size": np.array([np.exp(np.log(seen.size[lobe.members]).mean()) for _, lobe in lobes]),
+        "size": np.array([_size(seen.size[lobe.members]) for _, lobe in lobes]),
     }
+
+
+def _mean(seen: Observations, members: NDArray[np.intp]) -> NDArray[np.float32]:
+    """The mean descriptor (D,); of sides also how much their contrast varies."""
+    mean = seen.descriptor[members].mean(axis=0)
+    if seen.sided[members[0]]:
+        mean[VARIED] = min(float(seen.descriptor[members, LOOKS.stop - 1].std()), 255.0)
+    return np.asarray(mean, np.float32)
+
+
+def _size(sizes: Floats) -> float:
+    """The geometric mean (N,); 0 of sides of edges."""
+    return float(np.exp(np.log(sizes).mean())) if sizes[0] > 0.0 else 0.0

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from kb.learning.sides import INSIDE, descriptors, sides_again
 from kb.learning.variants import size_of, variant
 from kb.learning.views import PIXELS
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from kb.learning.sides import Look
     from kb.learning.views import View
 
     Floats = NDArray[np.float64]
@@ -26,14 +28,22 @@ if TYPE_CHECKING:
 
 PICTURES = 4
 """Pictures of each size, all different; the first is where keypoints are looked for again in the others."""
+PICTURES_OF_SIDES, ALWAYS = 3, 1.0
+"""Those of them in which sides of edges are looked for, and the share of the others in which one must come again: noise makes edges too."""
 OFTEN = 0.5
 """Share of the other pictures in which a keypoint must come again: what comes less often is not expected (D7)."""
 SPARSE, DENSE = 9, 5
 """Pixels between points along an edge: of those that become features, and of those among which they are looked for, as at run time."""
+SMALL = 200.0
+"""Pixels: in a picture of a smaller object sides are taken densely, for a stretch of an edge is short there."""
 NEAR, SIMILAR, TURNED = 3.0, 0.3, 0.35
 """The same keypoint: within so many pixels (plus 8 % of its size), a logarithm of the ratio of sizes, radians."""
 ALIKE = {128: 280.0, 138: 290.0, 32: 60.0}
 """... and with descriptors no farther apart, by their bytes: Euclid's distance of SIFT's, without and with colours, Hamming's of ORB's."""
+STEEP = 0.2
+"""Least cosine between a ray and the normal of a plane for it to be said where they meet."""
+FLAT = 1.0
+"""Pixels of the large picture by which a surface may be off a plane and is that plane."""
 EDGE = 3
 """Pixels of the large picture that a keypoint must keep from the outline, where depth is that of the background."""
 
@@ -67,7 +77,7 @@ class Observations:
         normal: (N, 3) unit normals there, towards the viewpoint.
         direction: (N, 3) unit vectors to the viewpoint.
         up: (N, 3) unit: the keypoint's angle as a direction, perpendicular to ``direction``.
-        size: (N,) diameter in space.
+        size: (N,) diameter in space; 0 of the side of an edge, which has none.
         pixel: (N,) how large a pixel was there, metres.
         view: (N,) index of the direction.
         level: (N,) index into ``PIXELS``.
@@ -89,24 +99,59 @@ class Observations:
     def __len__(self) -> int:
         return len(self.at)
 
+    @property
+    def sided(self) -> NDArray[np.bool_]:
+        """(N,) which are sides of edges."""
+        return np.asarray(self.size == 0.0)
+
 
 def joined(several: Sequence[Observations]) -> Observations:
     """All observations of at least one view, in order."""
     return Observations(*(np.concatenate([getattr(one, f.name) for one in several]) for f in fields(Observations)))
 
 
-def observed(view: View, number: int, detect: Detect, seed: int = 0) -> Observations:
-    """What is seen from direction ``number`` at all sizes; the same arguments give the same observations."""
+def observed(view: View, number: int, detect: Detect, seed: int = 0, look: Look | None = None) -> Observations:
+    """What is seen from direction ``number`` at all sizes, with ``look`` sides of edges too; the same arguments give the same observations."""
     import cv2
 
     inner = cv2.erode(view.mask.astype(np.uint8), np.ones((2 * EDGE + 1, 2 * EDGE + 1), np.uint8)) > 0
     levels = []
     for level, pixels in enumerate(PIXELS):
         rng = np.random.default_rng([seed, number, level])
-        first, *others = [detect(*variant(view, pixels, rng), SPARSE if i == 0 else DENSE) for i in range(PICTURES)]
+        pictures = [variant(view, pixels, rng) for _ in range(PICTURES)]
+        first, *others = [detect(*both, DENSE if i else SPARSE) for i, both in enumerate(pictures)]
         hit, uv, descriptor = _again(first, others)
         levels.append(_on_surface(view, inner, pixels, first, uv, hit, descriptor, (number, level)))
+        if look is not None:
+            levels.append(_sides(view, pixels, [busy for busy, _ in pictures[:PICTURES_OF_SIDES]], look, (number, level)))
     return joined(levels)
+
+
+def _sides(view: View, pixels: float, pictures: Sequence[NDArray[np.uint8]], look: Look, number_level: tuple[int, int]) -> Observations:
+    """Carry sides of edges back to the surface that is on their side; those seldom seen are left out."""
+    first, *others = [look(busy, SPARSE if i == 0 and pixels > SMALL else DENSE) for i, busy in enumerate(pictures)]
+    large = np.array(view.image.shape[1::-1])
+    factors = large / np.array(size_of(view, pixels))
+    inward = np.column_stack([np.cos(first.angle), np.sin(first.angle)])
+    cells = [np.clip(np.rint((first.uv + deep * inward + 0.5) * factors - 0.5).astype(int), 0, large - 1) for deep in INSIDE]
+    good = np.flatnonzero(np.all([view.mask[cell[:, 1], cell[:, 0]] for cell in cells[:2]], axis=0))
+    hit = np.zeros(len(first.uv))
+    some = _Some(first.uv[good], first.angle[good], first.looks[good])
+    hit[good] = sides_again(some, others)
+    good = good[hit[good] >= ALWAYS]
+    place, cell = (first.uv[good] + 0.5) * factors - 0.5, cells[0][good]
+    here = _on_plane(view, place, cell, cells[-1][good])
+    seen = _Taken(first.angle[good], np.zeros(len(good)), hit[good], descriptors(first.looks[good]))
+    return _carried(view, here, cell, factors, seen, number_level)
+
+
+@dataclass(frozen=True)
+class _Some:
+    """Some of the sides of a picture."""
+
+    uv: Floats
+    angle: Floats
+    looks: NDArray[np.uint8]
 
 
 def _again(first: Seen, others: Sequence[Seen]) -> tuple[Floats, Floats, NDArray[np.float32]]:
@@ -163,29 +208,42 @@ def _on_surface(
     place = (uv + 0.5) * factors - 0.5
     cell = np.clip(np.rint(place).astype(int), 0, large - 1)
     good = inner[cell[:, 1], cell[:, 0]] & (hit >= OFTEN)
-    place, cell, f = place[good], cell[good], view.camera.f
-    here = _points(view, place, cell)
+    seen = _Taken(first.angle[good], first.scale[good], hit[good], descriptor[good])
+    return _carried(view, _points(view, place[good], cell[good]), cell[good], factors, seen, number_level)
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """What is carried back: angles, sizes in pixels, hits, descriptors."""
+
+    angle: Floats
+    scale: Floats
+    hit: Floats
+    descriptor: NDArray[np.float32]
+
+
+def _carried(view: View, here: Floats, cell: NDArray[np.intp], factors: Floats, seen: _Taken, number_level: tuple[int, int]) -> Observations:
+    """What is seen at places (N, 3) in the camera's frame; at ``cell`` (N, 2) of the large picture, ``factors`` larger than what was looked at."""
     object_from_camera = view.camera.world_from_camera
     assert object_from_camera is not None  # noqa: S101 - a view has one
     R, viewpoint = object_from_camera[:3, :3], object_from_camera[:3, 3]
     at = here @ R.T + viewpoint
     direction = _unit(viewpoint - at)
-    angle = first.angle[good]
-    up = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))], axis=1) @ R.T
+    up = np.stack([np.cos(seen.angle), np.sin(seen.angle), np.zeros(len(at))], axis=1) @ R.T
     up = _unit(up - (up * direction).sum(axis=1, keepdims=True) * direction)
-    pixel = here[:, 2] * factors.mean() / f
+    pixel = here[:, 2] * factors.mean() / view.camera.f
     number, level = number_level
     return Observations(
         at=at,
         normal=_normals(view, cell) @ R.T,
         direction=direction,
         up=up,
-        size=first.scale[good] * pixel,
+        size=seen.scale * pixel,
         pixel=pixel,
         view=np.full(len(at), number, np.int64),
         level=np.full(len(at), level, np.int64),
-        hit=hit[good],
-        descriptor=descriptor[good],
+        hit=seen.hit,
+        descriptor=seen.descriptor,
     )
 
 
@@ -193,6 +251,19 @@ def _points(view: View, place: Floats, cell: NDArray[np.intp]) -> Floats:
     """(N, 3) in the camera's frame: the ray of each place, as deep as the picture is there."""
     rays = np.column_stack([view.camera.normalised(place), np.ones(len(place))])
     return np.asarray(rays * view.depth[cell[:, 1], cell[:, 0]].astype(float)[:, None])
+
+
+def _on_plane(view: View, place: Floats, cell: NDArray[np.intp], inner: NDArray[np.intp]) -> Floats:
+    """(N, 3) in the camera's frame: where the rays of places on edges meet the plane of the surface at cells ``inner``, farther in.
+
+    Where the surface at ``cell``, beside the edge, is not that plane, the place is as deep as that cell.
+    """
+    rays, there, normal = _points(view, place, cell), _points(view, inner.astype(float), inner), _normals(view, inner)
+    beside, level = _points(view, cell.astype(float), cell), (there * normal).sum(axis=1)
+    slope = (rays * normal).sum(axis=1)
+    flat = np.abs((beside * normal).sum(axis=1) - level) < FLAT * there[:, 2] / view.camera.f
+    flat &= np.abs(slope) > STEEP * np.linalg.norm(rays, axis=1)
+    return np.asarray(np.where(flat[:, None], rays * (level / np.where(flat, slope, 1.0))[:, None], rays))
 
 
 def _normals(view: View, cell: NDArray[np.intp], reach: int = EDGE) -> Floats:

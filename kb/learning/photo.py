@@ -43,6 +43,8 @@ SHARP = 1000.0
 """Pixels that the object's diameter has at least in the texture (a photo of it that is smaller is enlarged, up to four times)."""
 CLEAR = 1.0
 """Of its diameter: a keypoint nearer to a grey triangle that the same view shows owes itself to the paint's rim."""
+SIDED = 8.0
+"""Pixels: so does the side of an edge that is nearer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,5 +189,5 @@ def on_shown(mesh: PaintedMesh, seen: Observations) -> Observations:
         to_shown = cKDTree(middle[facing & mesh.shown]).query(seen.at[rows])[0]
         grey = facing & ~mesh.shown
         to_grey = cKDTree(middle[grey]).query(seen.at[rows])[0] if grey.any() else np.full(len(rows), np.inf)
-        keep[rows] = (to_shown < to_grey) & (to_grey > CLEAR * seen.size[rows])
+        keep[rows] = (to_shown < to_grey) & (to_grey > np.where(seen.sided[rows], SIDED * seen.pixel[rows], CLEAR * seen.size[rows]))
     return replace(seen, **{field.name: getattr(seen, field.name)[keep] for field in fields(seen)})

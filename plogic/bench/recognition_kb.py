@@ -43,7 +43,7 @@ def ours(meshes: Mapping[str, Path], folder: Path, say: Callable[[str], None]) -
 
     learn_into(folder, meshes, say)
     kb = read_kb(folder)
-    clouds = {t.name: t.learnt for t in kb.types if t.learnt is not None}
+    clouds = {t.name: t.learnt.keypoints for t in kb.types if t.learnt is not None}
     missing = [t.name for t in kb.types if t.learnt is None]
     if missing:
         raise InputError(f"bench recognition: nothing was learnt of {', '.join(missing)}")

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kb.learnt import LearntCloud
     from sensing.keypoints import Keypoints
 
-CHUNK = 10
+CHUNK = 20
 """Directions that a process renders at a time."""
 
 
@@ -79,6 +79,7 @@ def _look(task: tuple[str, float, str, int], part: range) -> list[Observations]:
     from kb.cones import even_directions
     from kb.learning.observations import observed
     from kb.learning.views import AWAY, DIRECTIONS, MARGIN, PIXELS
+    from sensing.edge_sides import edge_sides
     from sensing.keypoint_detector import described
     from sensing.simulated.meshes import read_mesh
     from sensing.simulated.turntable import turned
@@ -90,7 +91,8 @@ def _look(task: tuple[str, float, str, int], part: range) -> list[Observations]:
         return described(image, detector, cell=cell, calm=calm)
 
     views = turned(read_mesh(file, scale), [even_directions(DIRECTIONS)[i] for i in part], PIXELS[0], MARGIN, AWAY)
-    return [observed(view, number, detect, seed) for number, view in zip(part, views, strict=True)]
+    look = edge_sides if detector == "sift" else None
+    return [observed(view, number, detect, seed, look) for number, view in zip(part, views, strict=True)]
 
 
 def _progress(text: str) -> None:

@@ -27,6 +27,7 @@ def symmetries_of(kind: ObjectType, cloud: LearntCloud, options: Mapping[str, An
 
     if kind.surface is None:
         return []
+    cloud = cloud.keypoints
     groups, directions = trials(cloud, kind.surface), even_directions(DIRECTIONS)
     if not any(trial.likely for group in groups for trial in group):
         return judged(groups, cloud, None, directions)

@@ -8,7 +8,7 @@ from plogic.page.one_file import PageParts, one_file
 
 PARTS = PageParts(
     package="plogic.report",
-    scripts=("model.js", "signs.js", "dots.js", "picture.js", "panels.js", "scene.js", "webgl.js", "canvas.js", "stage.js"),
+    scripts=("model.js", "sides.js", "signs.js", "dots.js", "picture.js", "panels.js", "scene.js", "webgl.js", "canvas.js", "stage.js"),
     first="worlds",
     unscripted="The numbers are also in the interpretation's JSON, at the end of this file.",
 )

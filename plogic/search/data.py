@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kb.words import WIDTHS
+from kb.words import POINT, SIDE, WIDTHS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
-    from scipy.spatial import cKDTree
 
     from geometry.camera import Camera
+    from plogic.search.learnt.place_grid import PlaceGrid
+    from plogic.search.learnt.side_grid import SideGrid
     from sensing.appearance import Appearance
 
 
@@ -28,7 +29,8 @@ class Data:
     """``ideal`` (A, 2) ideal pixels; ``types`` (A,) names; ``arms`` (A, K) screen angles, NaN where a junction has fewer.
 
     ``angle`` (A,) rad, ``scale`` (A,) pixels, NaN where the detector gives none; ``descriptors`` (A, D) uint8; ``described`` (A,) whether a
-    datum has place, angle, scale and descriptor: a keypoint. ``rows`` (A,) are their indices in ``whole``, of which these are some.
+    datum has place, angle, scale and descriptor: a keypoint; ``sided`` (A,) whether it is the side of an edge, which has no scale, and ``looks``
+    (A, 5) uint8 how it looks. ``rows`` (A,) are their indices in ``whole``, of which these are some.
     """
 
     ids: tuple[str, ...]
@@ -41,6 +43,8 @@ class Data:
     scale: NDArray[np.float64]
     descriptors: NDArray[np.uint8]
     described: NDArray[np.bool_]
+    sided: NDArray[np.bool_]
+    looks: NDArray[np.uint8]
     part_of: tuple[Data, NDArray[np.intp]] | None = None
 
     @property
@@ -53,6 +57,11 @@ class Data:
         """(A,) where these are in ``whole``."""
         return np.arange(len(self.ids)) if self.part_of is None else self.part_of[1]
 
+    @property
+    def coloured(self) -> bool:
+        """Whether colours count."""
+        return self.descriptors.shape[1] > POINT
+
     @cached_property
     def namesakes(self) -> NDArray[np.intp]:
         """(A,) how many of all of Γ are of each one's type."""
@@ -62,11 +71,20 @@ class Data:
         return np.asarray(count[which], np.intp)
 
     @cached_property
-    def tree(self) -> cKDTree:
-        """All data by their places ``uv``."""
-        from scipy.spatial import cKDTree
+    def keypoints(self) -> PlaceGrid:
+        """The keypoints among these, by place."""
+        from plogic.search.learnt.place_grid import place_grid
 
-        return cKDTree(self.uv)
+        which = np.flatnonzero(self.described)
+        return place_grid(which, self.uv[which], (self.camera.width, self.camera.height))
+
+    @cached_property
+    def sides(self) -> SideGrid:
+        """The sides of edges among these, by place and direction."""
+        from plogic.search.learnt.side_grid import side_grid
+
+        which = np.flatnonzero(self.sided)
+        return side_grid(which, self.uv[which], self.angle[which], (self.camera.width, self.camera.height))
 
     def only(self, keep: NDArray[np.bool_]) -> Data:
         """The appearances where ``keep`` (A,) holds."""
@@ -82,6 +100,8 @@ class Data:
             self.scale[index],
             self.descriptors[index],
             self.described[index],
+            self.sided[index],
+            self.looks[index],
             (self.whole, self.rows[index]),
         )
 
@@ -110,4 +130,7 @@ def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138)
     width = min([width, *sizes[described].tolist()])
     whole = b"".join((a.descriptor or b"")[:width] if has else bytes(width) for a, has in zip(appearances, described, strict=True))
     descriptors = np.frombuffer(whole, np.uint8).reshape(len(appearances), width)
-    return Data(ids, tuple(a.type for a in appearances), uv, ideal, arms, camera, angle, scale, descriptors, described)
+    sided = (sizes == SIDE) & np.isfinite(angle) & np.isnan(scale)
+    looks = np.zeros((len(appearances), SIDE), np.uint8)
+    looks[sided] = np.frombuffer(b"".join(a.descriptor or b"" for a, has in zip(appearances, sided, strict=True) if has), np.uint8).reshape(-1, SIDE)
+    return Data(ids, tuple(a.type for a in appearances), uv, ideal, arms, camera, angle, scale, descriptors, described, sided, looks)

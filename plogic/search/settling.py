@@ -56,5 +56,6 @@ def polished(posed: Posed, points: Floats, precision: Floats, data: Data, hidden
     used = used if hidden is None else used & ~hidden
     if used.sum() < FEWEST:
         return None
-    uv = data.uv[np.maximum(posed.matches, 0)][None]
-    return np.asarray(refine_poses(posed.camera_from_object[None], points[None], uv, used[None] * precision, data.camera, huber=robust)[0][0])
+    uv, across = data.uv[posed.matches[used]][None], None if posed.across is None else posed.across[used][None]
+    found = refine_poses(posed.camera_from_object[None], points[used][None], uv, precision[used][None], data.camera, huber=robust, across=across)[0]
+    return np.asarray(found[0])

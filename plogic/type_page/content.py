@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase, ObjectType
+    from kb.learnt import LearntCloud
 
 MOST_FEATURES = 6_000
 """That are drawn."""
@@ -84,8 +85,19 @@ def _features(kind: ObjectType, kept: NDArray[np.int64], types: dict[str, int]) 
         "part": shorts([part[i] for i in kept]),
         "at": floats([feature.at for feature in features]),
         "sigma": floats(kind.learnt.sigma[kept]) if kind.learnt is not None else None,
+        "sides": None if kind.learnt is None else _sides(kind.learnt, kept),
         "of": len(kind.features),
     }
+
+
+def _sides(cloud: LearntCloud, kept: NDArray[np.int64]) -> dict[str, str] | None:
+    """Which of the features are sides of edges and, of each as its surest lobe saw it, two unit vectors: along its edge, and across towards it."""
+    lobes = np.flatnonzero(cloud.sided & np.isin(cloud.feature, kept))
+    surest = lobes[np.lexsort((-cloud.hit[lobes], cloud.feature[lobes]))]
+    feature, first = np.unique(cloud.feature[surest], return_index=True)
+    rows = surest[first]
+    strokes = np.column_stack([np.cross(cloud.axis[rows], cloud.up[rows]), cloud.up[rows]])
+    return {"feature": shorts(np.searchsorted(kept, feature)), "strokes": floats(strokes)} if len(rows) else None
 
 
 def _lobes(kind: ObjectType, kept: NDArray[np.int64]) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import networkx as nx
 import numpy as np
@@ -11,6 +11,7 @@ from random_cloud import random_cloud, random_words, unit
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, inverse, transform_points
 from kb.cloud import KnowledgeBase, ObjectType, Rates
+from kb.learning.sides import LOOKS, VARIED
 from kb.learnt_reading import learnt_features, learnt_lobes
 from plogic.search.data import data_of
 from plogic.search.indices import index_of
@@ -60,9 +61,11 @@ def keypoint_of(cloud, lobe, pose, camera=CAMERA, number=0):
     """What a detector reports of an appearance at a pose."""
     at = transform_points(pose, cloud.at[[cloud.feature[lobe]]])[0]
     angle = float(screen_angle(pose[:3, :3] @ cloud.up[lobe], at))
-    scale = float(cloud.size[lobe] * camera.f / at[2])
+    sided = cloud.sided[lobe]
+    scale = None if sided else float(cloud.size[lobe] * camera.f / at[2])
     uv = tuple(camera.project(at[None])[0].tolist())
-    return Appearance(f"a{number}", "sift", uv, "made", angle=angle % (2 * np.pi), scale=scale, descriptor=cloud.descriptor[lobe].tobytes())
+    descriptor = cloud.descriptor[lobe, LOOKS] if sided else cloud.descriptor[lobe]
+    return Appearance(f"a{number}", "sift", uv, "made", angle=angle % (2 * np.pi), scale=scale, descriptor=descriptor.tobytes())
 
 
 def gamma_at(cloud, lobes, pose, camera=CAMERA):
@@ -77,6 +80,15 @@ def one_sided(seed=0, features=24, **changed):
     up = unit(np.cross(axis, rng.normal(size=(features, 3))))
     ranges = {"half_angle": np.full(features, 0.9), "r_min": np.full(features, 0.2), "r_max": np.full(features, 3.0)}
     return random_cloud(seed, features, features, **({"axis": axis, "up": up, "size": rng.uniform(0.01, 0.03, features)} | ranges | changed))
+
+
+def with_sides(cloud, features, looks=(90, 140, 95, 135, 150), varied=0):
+    """The same, 138 bytes wide, but these features are sides of edges; ``looks`` (5,), or (L, 5) of each lobe."""
+    sided = np.isin(cloud.feature, features)
+    descriptor = np.where(sided[:, None], 0, cloud.descriptor)
+    descriptor[sided, LOOKS] = np.broadcast_to(looks, (len(sided), 5))[sided]
+    descriptor[sided, VARIED] = varied
+    return replace(cloud, size=np.where(sided, 0.0, cloud.size), descriptor=descriptor.astype(np.uint8))
 
 
 def pose_before(rng, distance=0.8, tilt=0.2):

@@ -10,7 +10,7 @@ from kb.words import Words
 
 def random_words(seed=0, count=7, width=128):
     centroids = np.random.default_rng(seed).integers(0, 256, (count, width), np.uint8)
-    return Words("sift" if width == 128 else "orb", centroids)
+    return Words("orb" if width == 32 else "sift", centroids)
 
 
 def random_cloud(seed=0, features=6, lobes=11, words=7, width=128, **changed):

@@ -104,8 +104,10 @@ def test_command_learns_what_the_photo_shows(folder, tmp_path, monkeypatch):
     assert row["f px"] == pytest.approx(F, rel=0.05)
     assert 0.45 < row["shown"] <= 0.5
     cloud = read_kb(kb).type("crate").learnt
-    assert len(cloud.at) > 20
-    assert on_faces(cloud.at).any(axis=1).all(), f"every feature is on {SHOWN}"
+    points, coarse = cloud.keypoints.at, np.linalg.norm(SIDES) / 160.0
+    assert len(points) > 20
+    assert on_faces(points).any(axis=1).all(), f"every keypoint is on {SHOWN}"
+    assert on_faces(cloud.at, 2.0 * coarse).any(axis=1).all(), "sides of outlines are as deep as the object is beside them"
     assert run("check", kb)[0] == 0
 
 

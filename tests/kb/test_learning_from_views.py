@@ -46,7 +46,7 @@ def test_observations_are_unit_and_perpendicular_and_of_the_size_of_things():
 def test_a_keypoint_is_seen_where_the_same_place_is_seen_in_a_larger_picture():
     """Places of one spot from pictures of different sizes agree to a part of a pixel: there is no half-pixel bias between levels."""
     some = seen()
-    groups = [g for g in _places(some) if len(set(some.level[g].tolist())) == len(PIXELS)]
+    groups = [g for g in _places(some, np.arange(len(some))) if len(set(some.level[g].tolist())) == len(PIXELS)]
     assert len(groups) > 20
     camera_right = [np.cross(some.up[g[0]], some.direction[g[0]]) for g in groups]
     off = [
@@ -58,9 +58,9 @@ def test_a_keypoint_is_seen_where_the_same_place_is_seen_in_a_larger_picture():
 
 def test_features_are_where_they_were_seen_and_their_lobes_hold_who_saw_them():
     some, here = seen(), cloud(seen())
-    groups = sorted((g for g in _places(some) if len(g) >= LEAST_SEEN), key=lambda g: int(g[0]))
+    groups = sorted((g for g in _places(some, np.arange(len(some))) if len(g) >= LEAST_SEEN), key=lambda g: int(g[0]))
     assert len(here.at) == len(groups) > 50
-    assert sorted(i for g in _places(some) for i in g.tolist()) == list(range(len(some)))
+    assert sorted(i for g in _places(some, np.arange(len(some))) for i in g.tolist()) == list(range(len(some)))
     for number, group in enumerate(groups):
         assert np.linalg.norm(some.at[group] - here.at[number], axis=1).max() <= 2 * reaches(some)[group].max()
         lobes = _lobes(some, group, COUNT)
@@ -90,7 +90,7 @@ def test_a_hit_rate_is_what_was_found_of_the_pictures_that_could_have_shown_it()
     A lobe that holds fewer directions than a cone of its size holds on average counts as many as that.
     """
     some, here, row = seen(), cloud(seen()), 0
-    for group in sorted((g for g in _places(some) if len(g) >= LEAST_SEEN), key=lambda g: int(g[0])):
+    for group in sorted((g for g in _places(some, np.arange(len(some))) if len(g) >= LEAST_SEEN), key=lambda g: int(g[0])):
         for lobe in _lobes(some, group, COUNT):
             levels = some.level[lobe.members].tolist()
             could = [i for i, d in enumerate(even_directions(COUNT)) if d @ here.axis[row] >= np.cos(here.half_angle[row])]

@@ -144,7 +144,7 @@ def test_numbers_that_are_not_finite(name, value):
         ("hit", 1.5, float),
         ("hit", -0.1, float),
         ("sigma", 0.0, float),
-        ("size", 0.0, float),
+        ("size", -0.01, float),
         ("half_angle", -0.2, float),
         ("r_max", 0.0, float),
         ("r_min", -0.1, float),

@@ -1,6 +1,7 @@
 """What is shown of learnt types: a few lines each, never a line a feature or a word; and what of them may be meant otherwise."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -48,6 +49,24 @@ def test_a_learnt_type_is_summed_up(kb):
     assert summary.share == np.mean(np.array(counts) >= MANY)
     assert 0.03 < summary.share < 0.3  # a cone of 0.7 rad is 12 % of the sphere
     assert summary.most == max(counts) > 200
+
+
+def test_keypoints_and_sides_of_edges_are_counted(tmp_path):
+    cloud = many(1)
+    sided = read_kb(write_knowledge(tmp_path, {"one": replace(cloud, size=np.where(cloud.feature < 40, 0.0, cloud.size))}))
+    summary = learnt_summary(sided.type("one"))
+    assert (summary.features, summary.keypoints, summary.sides) == (300, 260, 40)
+    told = "learnt with sift: 260 keypoints and 40 sides of edges, 600 appearances, "
+    assert told in check_report(sided)[1]
+    assert told in tree_text(sided)
+    learnt = tree_document(sided)["types"][0]["learnt"]
+    assert (learnt["features"], learnt["keypoints"], learnt["sides"]) == (300, 260, 40)
+
+
+def test_without_sides_of_edges_nothing_is_said_of_them(kb):
+    summary = learnt_summary(kb.type("one"))
+    assert (summary.keypoints, summary.sides) == (300, 0)
+    assert not any("edge" in line for line in summary.lines)
 
 
 def test_the_report_has_two_lines_a_learnt_type_and_no_notes(kb):

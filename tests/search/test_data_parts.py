@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from learnt_scenes import CAMERA
 
 from plogic.search.data import data_of
+from plogic.search.learnt.place_grid import CELL
 from sensing.appearance import Appearance
 
 ARRAYS = ("uv", "ideal", "arms", "angle", "scale", "descriptors", "described")
@@ -22,8 +23,6 @@ def some(count, seed=0):
         more = {"angle": 1.0 + i, "scale": 4.0, "descriptor": rng.bytes(128)} if keypoint else {"arms": (0.1 * i, 2.0)}
         rows.append(Appearance(f"a{i}", "sift" if keypoint else "corner", uv, "made", **more))
     return data_of(rows, CAMERA)
-
-
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -48,10 +47,15 @@ def test_rows_lead_from_any_part_to_the_whole(count, choices):
 
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.integers(0, 12), st.lists(st.booleans(), min_size=12, max_size=12), st.floats(0, 300))
-def test_the_tree_of_a_part_is_of_its_own_places(count, choice, reach):
+def test_the_keypoints_of_a_part_are_its_own_and_all_that_are_near_are_found_once(count, choice, reach):
     whole = some(count)
-    assert whole.tree is whole.tree
+    assert whole.keypoints is whole.keypoints
     part = whole.only(np.array(choice[:count], bool))
-    assert part.tree.n == len(part.ids)
-    expected = np.flatnonzero(np.linalg.norm(part.uv - [320.0, 240.0], axis=1) <= reach)
-    assert sorted(part.tree.query_ball_point([320.0, 240.0], reach)) == expected.tolist()
+    asked = np.array([[320.0, 240.0], [-0.5, 479.5], [700.0, -80.0]])
+    place, datum = part.keypoints.near(asked, reach)
+    pairs = list(zip(place.tolist(), datum.tolist(), strict=True))
+    apart = np.linalg.norm(asked[:, None] - part.uv[None], axis=2)
+    assert len(pairs) == len(set(pairs))
+    assert set(zip(*(i.tolist() for i in np.nonzero((apart <= reach) & part.described)), strict=True)) <= set(pairs)
+    assert part.described[datum].all()
+    assert (np.abs(asked[place] - part.uv[datum]) < reach + CELL + 1).all()

@@ -16,6 +16,7 @@ from plogic.evidence import clutter_density
 from plogic.search.data import data_of
 from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, screen_angle
 from plogic.search.learnt.lexicon import FARTHEST, NTH
+from plogic.search.learnt.lobes import lobes_about
 from plogic.search.learnt.looks import (
     AROUND,
     AS_RIGHT,
@@ -27,7 +28,6 @@ from plogic.search.learnt.looks import (
     SAME,
     TURNS,
     likeness,
-    lobes_about,
     right_pairs,
 )
 from plogic.search.learnt.settle import pose_of

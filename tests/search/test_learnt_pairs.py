@@ -16,6 +16,7 @@ from plogic.search.learnt import pairs as pairs_module
 from plogic.search.learnt.lexicon import FARTHEST, FARTHEST_BITS, NTH
 from plogic.search.learnt.lexicon import spread as spread_out
 from plogic.search.learnt.pairs import CELL, CLOSE, EACH, OFF, pairs_of
+from sensing.fairness import fairly
 
 FIELDS = ("datum", "lobe", "weight")
 
@@ -108,7 +109,7 @@ def turns_by_loop(weights, uv):
 def test_half_of_them_are_the_weightiest_and_half_the_weightiest_of_parts_of_the_image(seed, count, spread):
     rng = np.random.default_rng(seed)
     uv, weights = rng.uniform(-0.5, spread, (count, 2)), np.sort(rng.uniform(0, 1, count))[::-1]
-    order = pairs_module._fairly(uv).tolist()
+    order = fairly(uv, CELL).tolist()
     assert order == turns_by_loop(weights, uv)
     assert sorted(order) == list(range(count))
 
@@ -143,6 +144,6 @@ def test_a_textured_floor_does_not_drown_what_stands_elsewhere():
     rng = np.random.default_rng(0)
     floor_uv = rng.uniform(0, CELL - 1, (100, 2))
     others = np.column_stack([CELL * (1.5 + np.arange(10)), np.full(10, 200.0)])
-    order = pairs_module._fairly(np.concatenate([floor_uv, others]))
+    order = fairly(np.concatenate([floor_uv, others]), CELL)
     assert set(range(100, 110)) <= set(order[:22].tolist())
     assert set(range(11)) <= set(order[:22].tolist())

@@ -171,7 +171,7 @@ def test_an_unknown_name_is_one_line():
 class Halves:
     """Two words: descriptors whose first byte is small, and the others."""
 
-    detector, names = "sift", ("sift_w0000", "sift_w0001")
+    detector, names, sided = "sift", ("sift_w0000", "sift_w0001"), np.zeros(2, bool)
 
     def nearest(self, descriptors):
         """By the first byte."""

@@ -42,7 +42,7 @@ const and = (xs) => (xs.length < 2 ? xs.join('') : xs.slice(0, -1).join(', ') + 
 // Why the feature is in its case, in one sentence.
 function reason(h, f, world) {
   const c = caseOf(h, f, world), a = appearanceById.get(f.match), cause = f.match != null ? claimant(f.match, world) : null;
-  const found = a ? `${a.id} (${words(a.type)})` + (f.residual != null ? `, ${fixed(f.residual, 1)} px from its place` : '') : '';
+  const found = a ? `${a.id} (${named(a.type)})` + (f.residual != null ? `, ${fixed(f.residual, 1)} px ${isSide(f) ? 'off across the edge' : 'from its place'}` : '') : '';
   const because = c.hiders.length ? `it is hidden behind ${and(c.hiders.map((g) => `${label(g)} (${g})`))}`
     : f.self_hidden ? 'its own object hides it' : !f.in_lobe ? 'it does not show itself from this viewpoint' : 'it lies outside the image';
   if (c.letter === 'A') return `Expected and detected as ${found}.`;

@@ -2,6 +2,8 @@
 const W = doc.camera.width || 640, H = doc.camera.height || 480;
 const IMAGE = address(doc.assets.image);
 const canvasSvg = svg('svg', {viewBox: `-0.5 -0.5 ${W} ${H}`, role: 'group', 'aria-label': 'The image with what was detected and what was expected. Arrow keys go from mark to mark.'});
+// Names stand above the dots of a photo.
+const over = svg('svg', {viewBox: canvasSvg.getAttribute('viewBox'), class: 'over', 'aria-hidden': 'true'});
 let marks = [], focusable = 0;
 
 function mark(uv, parts, tell, key) {
@@ -14,7 +16,7 @@ function mark(uv, parts, tell, key) {
   return g;
 }
 
-const featureTell = (h, f, letter) => [`${f.id}`, `of ${label(h.id)} (${h.id}), ${words(f.type)}, case ${letter}.`, reason(h, f, state.shown)];
+const featureTell = (h, f, letter) => [`${f.id}`, `of ${label(h.id)} (${h.id}), ${named(f.type)}, case ${letter}.`, reason(h, f, state.shown)];
 function featureMark(h, f) {
   const c = caseOf(h, f, state.shown);
   const layer = c.expected ? 'expected' : 'hidden';
@@ -29,7 +31,7 @@ function appearanceTell(a) {
   const because = cause ? `Explained by ${cause.f ? cause.f.id : 'a feature'} of ${label(cause.h.id)} (${cause.h.id}).`
     : raw === 'noise' ? 'Noise in this world: no object explains it.' : raw ? `Explained by ${raw}.` : 'Nothing here explains it.';
   const score = a.score != null ? `, score ${fixed(a.score, 2)}` : '';
-  return [`${a.id}`, `${words(a.type)}, found by ${a.detector || 'a detector'}${score}.`, because];
+  return [`${a.id}`, `${named(a.type)}, found by ${a.detector || 'a detector'}${score}.`, because];
 }
 const appearanceMark = (a) => mark(a.uv, [svg('circle', {r: 5, fill: 'transparent'}), ...sign(a.type)], appearanceTell(a), [a.id]);
 
@@ -66,6 +68,7 @@ function drawPicture() {
     svg('g', {id: 'signs'}, on('appearances') && !crowded ? appearances.map(appearanceMark) : []),
     svg('g', {id: 'hint'}), svg('g', {id: 'names'}, on('labels') ? names(shown, pixel()) : []),
   ].filter(Boolean));
+  if (crowded) over.replaceChildren(canvasSvg.lastChild);
   focusable = Math.min(focusable, Math.max(0, marks.length - 1));
   if (marks.length) marks[focusable].g.setAttribute('tabindex', 0);
   resizeMarks();
@@ -85,7 +88,7 @@ function resizeMarks() {
   paintDots();
   const k = pixel(), small = k * (innerWidth < 560 ? 0.72 : 1);
   for (const m of marks) m.g.setAttribute('transform', `translate(${Number(m.uv[0])} ${Number(m.uv[1])}) scale(${small})`);
-  const shown = state.shown.present.map((id) => byId.get(id)).filter(Boolean), layer = canvasSvg.querySelector('#names');
+  const shown = state.shown.present.map((id) => byId.get(id)).filter(Boolean), layer = at('picture').querySelector('#names');
   if (layer && state.layers.has('labels')) layer.replaceChildren(...names(shown, k).filter(Boolean));
 }
 
@@ -102,7 +105,12 @@ function countCases(features) {
   const count = (letter) => features.reduce((n, [h, f]) => n + (caseOf(h, f, state.shown).letter === letter ? f.stands_for || 1 : 0), 0);
   put('cases', CASES.map(([letter, e, d, name, means]) => el('div', {'data-case': letter},
     crowded ? dotIcon(letter) : icon(glyph(e, d, '#9aa0a6')),
-    el('dt', null, el('span', {class: 'id'}, letter), ' ' + name), el('dd', null, String(count(letter))), el('small', null, means))));
+    el('dt', null, el('span', {class: 'id'}, letter), ' ' + name), el('dd', null, String(count(letter))), el('small', null, means, sidesNote(features, letter)))));
+}
+// How many of the found and of the missed are sides of edges, with their mark.
+function sidesNote(features, letter) {
+  const n = letter === 'A' || letter === 'C' ? features.filter(([h, f]) => isSide(f) && caseOf(h, f, state.shown).letter === letter).length : 0;
+  return n ? el('span', {class: 'sides', 'data-sides': letter}, sideIcon(letter === 'A' ? Math.PI / 2 : null), plural(n, 'side of an edge', 'sides of edges')) : null;
 }
 
 function walk(event) {
@@ -122,9 +130,9 @@ const layer = (name, shown, text) => toggle(name, shown, text, (on) => { state.l
 function startPicture() {
   put('picture', canvasSvg);
   startDots();
-  if (crowded) put('layers', [...DOTS.map(([name, text, on]) => layer(name, on, [dotIcon(name), text])), ...LAYERS.slice(3).map(([name, text]) => layer(name, true, [text]))]);
+  if (crowded) put('layers', [...(sideTypes.size ? [...DOTS, SIDES] : DOTS).map(([name, text, on]) => layer(name, on, [dotIcon(name), text])), ...LAYERS.slice(3).map(([name, text]) => layer(name, true, [text]))]);
   else put('layers', LAYERS.map(([name, text, form]) => layer(name, true, [form == null ? null : icon(glyph(form, true, '#9aa0a6')), text])));
-  put('signs-key', kinds.map((k) => el('li', null, icon(crowded ? dotIcon('appearances').firstChild : sign(k)), words(k), crowded ? el('span', {class: 'id'}, ` ${appearances.filter((a) => plain(a.type) === k).length}`) : null)));
+  put('signs-key', kinds.map((k) => el('li', null, crowded ? keyIcon(k) : icon(sign(k)), words(k), crowded ? el('span', {class: 'id'}, ` ${appearances.filter((a) => plain(a.type) === k).length}`) : null)));
   canvasSvg.addEventListener('keydown', walk);
   new ResizeObserver(resizeMarks).observe(canvasSvg);
   watchers.push((what) => (what === 'chosen' ? showChosen() : drawPicture()));

@@ -66,8 +66,8 @@ function sight(h, f, c, scene, theme) {
   const k = caseOf(h, f, state.shown), chosen = state.chosen && state.chosen.key.join(' ') === h.id + ' ' + f.id;
   if (!k.letter || !f.at || f.stands_for > 1) return;
   const paint = chosen ? theme.ink : mix(c, [0, 0, 0], 0.25);
-  if (shape.lines && (k.expected || chosen)) scene.lines.push({p: [0, 0, 0], q: f.at, c: [...paint, chosen ? 1 : k.detected ? 0.42 : 0.16]});
-  if (shape.features) scene.points.push({p: f.at, c: [...paint, 1], kind: (k.expected ? 0 : 2) + (k.detected ? 0 : 1), size: chosen ? 15 : k.expected || k.detected ? 9 : 6});
+  if (shape.lines && ((k.expected && !isSide(f)) || chosen)) scene.lines.push({p: [0, 0, 0], q: f.at, c: [...paint, chosen ? 1 : k.detected ? 0.42 : 0.16]});
+  if (shape.features) scene.points.push({p: f.at, c: [...paint, 1], kind: (k.expected ? 0 : 2) + (k.detected ? 0 : 1), size: chosen ? 15 : isSide(f) ? 5 : k.expected || k.detected ? 9 : 6});
 }
 
 // The eye that orbits: angles in radians, distance in the document's metres.

@@ -31,7 +31,7 @@ const SIGNS = {
 };
 const OTHER = ['M0,-3.6L3.6,0L0,3.6L-3.6,0Z', 'M0,-3.4L3.2,2.6H-3.2Z', 'M-3.4,0H3.4M0,-3.4V3.4', 'M-3,-3L3,3M3,-3L-3,3'];
 // Visual words are hundreds of types; for a reader they are one.
-const plain = (type) => String(type).replace(/^(sift|orb)_w\d+$/, '$1 keypoint');
+const plain = (type) => (sideTypes.has(type) ? 'side of an edge' : String(type).replace(/^(sift|orb)_w\d+$/, '$1 keypoint'));
 const kinds = [...new Set(appearances.map((a) => plain(a.type)))].sort();
 function sign(type) {
   const d = Object.hasOwn(SIGNS, type) ? SIGNS[type] : OTHER[Math.max(0, kinds.indexOf(plain(type))) % OTHER.length];

@@ -82,10 +82,12 @@ def screen_angle(direction: Floats, at: Floats) -> Floats:
 
 def votes(found: Agreement, pairs: Pairs) -> Floats:
     """(H,) sum over keypoints of their best agreeing pair: its weight, the less the farther off."""
-    order = np.argsort(pairs.datum, kind="stable")
-    starts = np.unique(pairs.datum[order], return_index=True)[1]
-    worth = np.where(np.isfinite(found.residual), pairs.weight * np.exp(-2.0 * (found.residual / found.tolerance[:, None]) ** 2), 0.0)
-    return np.asarray(np.maximum.reduceat(worth[:, order], starts, axis=1).sum(axis=1))
+    pose, pair = np.nonzero(np.isfinite(found.residual))  # few agree
+    worth = pairs.weight[pair] * np.exp(-2.0 * (found.residual[pose, pair] / found.tolerance[pose]) ** 2)
+    order = np.lexsort((worth, pairs.datum[pair], pose))
+    pose, datum, worth = pose[order], pairs.datum[pair[order]], worth[order]
+    best = np.append((pose[1:] != pose[:-1]) | (datum[1:] != datum[:-1]), True)[: len(pose)]
+    return np.asarray(np.bincount(pose[best], worth[best], minlength=len(found.tolerance)), float)
 
 
 def one_to_one(weights: Floats, pairs: Pairs, feature: NDArray[np.int64]) -> Floats:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kb.words import POINT, SIDE
 from plogic.search.learnt.lexicon import Lexicon, lexicon_of
 
 if TYPE_CHECKING:
@@ -38,6 +39,26 @@ class LearntIndex:
         """(F, 3) metres, object frame."""
         return self.cloud.at
 
+    def seen_from(self, viewpoints: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """(H, L) how far each viewpoint (H, 3), object frame, is along each lobe's axis, and how far it is away, metres."""
+        away = (viewpoints - self.centre).astype(np.float32)
+        axes, places, along, square = self._sight
+        apart = (away * away).sum(axis=1)[:, None] - 2.0 * (away @ places) + square
+        return away @ axes - along, np.sqrt(np.maximum(apart, 0.0))
+
+    @cached_property
+    def _sight(self) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+        """(3, L) axes and places from the centre, (L,) each place along its axis, and its squared distance."""
+        places = self.places - self.centre
+        columns = self.cloud.axis.T, places.T, (self.cloud.axis * places).sum(axis=1), (places * places).sum(axis=1)
+        axes, at, along, square = (np.ascontiguousarray(column, np.float32) for column in columns)
+        return axes, at, along, square
+
+    @cached_property
+    def cos_half(self) -> NDArray[np.float32]:
+        """(L,) cosine of each lobe's half angle."""
+        return np.cos(self.cloud.half_angle).astype(np.float32)
+
     @cached_property
     def anchors(self) -> NDArray[np.intp]:
         """All features: each is as good as any to start from."""
@@ -47,6 +68,19 @@ class LearntIndex:
     def places(self) -> Floats:
         """(L, 3) where each appearance's feature is."""
         return self.cloud.at[self.cloud.feature]
+
+    @cached_property
+    def sided(self) -> NDArray[np.bool_]:
+        """(F,) which features are sides of edges: so are all of their appearances."""
+        result = np.zeros(len(self.points), bool)
+        result[self.cloud.feature[self.cloud.sided]] = True
+        return result
+
+    @cached_property
+    def looks(self) -> NDArray[np.float32]:
+        """(L, 6) looks of each appearance that is the side of an edge, and how much the last of them varies; 0 where there are no colours."""
+        looks = self.cloud.descriptor[:, POINT : POINT + SIDE + 1].astype(np.float32)
+        return looks if looks.shape[1] else np.zeros((len(looks), SIDE + 1), np.float32)
 
     @cached_property
     def centre(self) -> Floats:

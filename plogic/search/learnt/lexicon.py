@@ -143,13 +143,15 @@ class Lexicon:
 
 
 def lexicon_of(clouds: Mapping[str, LearntCloud], words: NDArray[np.uint8] | None = None) -> Lexicon:
-    """Of types' clouds, at least one; ``words`` (W, D) bytes are the vocabulary's, which the clouds' words are indices of."""
-    sizes = [len(cloud.feature) for cloud in clouds.values()]
+    """Of the keypoints of types' clouds, at least one; ``words`` (W, D) bytes are the vocabulary's, which the clouds' words are indices of."""
+    points = [np.flatnonzero(~cloud.sided) for cloud in clouds.values()]
+    sizes = [len(some) for some in points]
     width = min(cloud.descriptor.shape[1] for cloud in clouds.values())
-    descriptors = np.concatenate([cloud.descriptor[:, :width] for cloud in clouds.values()])
-    word = np.concatenate([cloud.lobe_word for cloud in clouds.values()]) if words is not None else np.zeros(sum(sizes), np.int64)
+    descriptors = np.concatenate([cloud.descriptor[some, :width] for cloud, some in zip(clouds.values(), points, strict=True)])
+    named = [cloud.lobe_word[some] for cloud, some in zip(clouds.values(), points, strict=True)]
+    word = np.concatenate(named) if words is not None else np.zeros(sum(sizes), np.int64)
     order = np.argsort(word, kind="stable")
     centres = spread(np.zeros((1, width), np.uint8) if words is None else words[:, :width])
-    owner, lobe = np.repeat(np.arange(len(sizes), dtype=np.uint16), sizes), np.concatenate([np.arange(size) for size in sizes])
+    owner, lobe = np.repeat(np.arange(len(sizes), dtype=np.uint16), sizes), np.concatenate(points)
     starts = np.searchsorted(word[order], np.arange(len(centres) + 1))
     return Lexicon(tuple(clouds), centres, starts, descriptors[order], owner[order], lobe[order])

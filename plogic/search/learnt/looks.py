@@ -9,14 +9,12 @@ appearance.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.frames import inverse
 from plogic.evidence import clutter_density
-from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, screen_angle
+from plogic.search.learnt.agreement import ANGLES, SIZES, screen_angle
 from plogic.search.learnt.lexicon import farthest, spread
 
 if TYPE_CHECKING:
@@ -43,8 +41,8 @@ POWER, RAREST = 6.0, 0.03
 """How the descriptors' distances of clutter that looks right are spread; the least ratio of it to what is right that is believed."""
 AS_RIGHT = 0.06
 """What looks no less right than a match by this share of the greatest distance counts as clutter beside it."""
-MOST = 150_000
-"""Places times data that are compared one by one; of more a tree is asked."""
+NARROW = 8.0
+"""Pixels: places of which keypoints are looked for no farther away are asked together."""
 BY_CHANCE = 0.06
 """Chance that a keypoint of clutter has the angle (0.6 rad either way of 2π) and the size (a factor of 1.6 either way) that a pose demands."""
 
@@ -77,7 +75,7 @@ def right_pairs(
 ) -> RightPairs:
     """Of some features (increasing) and keypoints that are ``free`` (A,), those that look right within ``reach`` pixels (one, or each its own).
 
-    ``lobes`` (increasing) are those by which they may: a feature looks as it does from about this viewpoint (``lobes_about``).
+    ``lobes`` (increasing) are those by which they may: a feature looks as it does from about this viewpoint (``lobes.lobes_about``).
     """
     first = np.searchsorted(index.cloud.feature[lobes], np.arange(len(index.points) + 1))
     some = np.diff(first)[features] > 0
@@ -95,25 +93,16 @@ def right_pairs(
 
 
 def _within(places: Floats, reach: Floats, data: Data, free: NDArray[np.bool_]) -> tuple[Indices, Indices]:
-    """All pairs of a place (F, 2) and a datum that is free at most its ``reach`` (F,) from it: indices of places, in order, and of data."""
-    if not len(places):
-        return np.zeros(0, np.intp), np.zeros(0, np.intp)
-    low, high = (places - reach[:, None]).min(axis=0), (places + reach[:, None]).max(axis=0)
-    some = np.flatnonzero(free & ((data.uv >= low) & (data.uv <= high)).all(axis=1))
-    if len(places) * len(some) > MOST:
-        found = data.tree.query_ball_point(places, reach, return_sorted=True)
-        place, datum = np.repeat(np.arange(len(places)), [len(near) for near in found]), np.fromiter(chain.from_iterable(found), np.intp)
-        return place[free[datum]], datum[free[datum]]
-    across, down = (places[:, None, axis] - data.uv[None, some, axis] for axis in (0, 1))
-    place, near = np.nonzero(across * across + down * down <= (reach * reach)[:, None])
-    return place, some[near]
-
-
-def lobes_about(index: LearntIndex, pose: Floats) -> Indices:
-    """Indices of the lobes that hold the viewpoint, or would if they were wider by ``ASIDE``."""
-    line = inverse(pose)[:3, 3] - index.places
-    wide = np.cos(np.minimum(index.cloud.half_angle + ASIDE, GRAZING))
-    return np.flatnonzero((line * index.cloud.axis).sum(axis=1) >= wide * np.linalg.norm(line, axis=1))
+    """All pairs of a place (F, 2) and a keypoint that is free at most its ``reach`` (F,) from it: indices of places, in order, and of data."""
+    groups = [np.flatnonzero(reach <= NARROW), np.flatnonzero(reach > NARROW)]  # few reach far
+    found = [(group, data.keypoints.near(places[group], float(reach[group].max(initial=0.0)))) for group in groups]
+    place = np.concatenate([group[place] for group, (place, _) in found])
+    datum = np.concatenate([datum for _, (_, datum) in found])
+    apart = places[place] - data.uv[datum]
+    near = ((apart * apart).sum(axis=1) <= reach[place] ** 2) & free[datum]
+    place, datum = place[near], datum[near]
+    order = np.lexsort((datum, place))
+    return place[order], datum[order]
 
 
 def _right(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, place: Indices, datum: Indices) -> tuple[Indices, Floats, Floats]:

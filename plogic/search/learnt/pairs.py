@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.search.learnt.lexicon import FARTHEST, NTH
+from sensing.fairness import fairly
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,22 +62,8 @@ def pairs_of(index: LearntIndex, data: Data) -> Pairs:
     keep = _leading(np.lexsort((lobe, -weight, feature, datum)), datum * len(index.points) + feature, 1)
     keep = _leading(keep[np.lexsort((lobe[keep], -weight[keep], datum[keep]))], datum, EACH)
     keep = keep[np.lexsort((lobe[keep], datum[keep], -weight[keep]))]
-    best = keep[_fairly(data.uv[datum[keep]])[:MOST]]
+    best = keep[fairly(data.uv[datum[keep]], CELL)[:MOST]]
     return Pairs(datum[best], lobe[best], weight[best])
-
-
-def _fairly(uv: NDArray[np.float64]) -> NDArray[np.intp]:
-    """(N,) order of pairs at places (N, 2), the weightiest first: by turns the weightiest left and the next cell's weightiest left.
-
-    The cells' turns: the first of every cell of the image, then the second of every one, and so on.
-    """
-    column, row = np.floor(uv / CELL).astype(np.intp).T + 1
-    cell = row * (column.max(initial=0) + 1) + column
-    order = np.argsort(cell, kind="stable")
-    turn, place = np.empty(len(uv), np.intp), np.empty(len(uv), np.intp)
-    turn[order] = np.arange(len(uv)) - np.searchsorted(cell[order], cell[order])
-    place[np.argsort(turn, kind="stable")] = np.arange(len(uv))
-    return np.argsort(np.minimum(2 * np.arange(len(uv)), 2 * place + 1), kind="stable")
 
 
 def _leading(order: NDArray[np.intp], owner: NDArray[np.intp], most: int) -> NDArray[np.intp]:

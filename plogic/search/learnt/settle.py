@@ -14,7 +14,9 @@ from geometry.frames import inverse, transform_points
 from plogic.evidence import evidence
 from plogic.expectation import Posed, assigned
 from plogic.search.learnt.agreement import screen_angle
-from plogic.search.learnt.looks import likeness, lobes_about, right_pairs
+from plogic.search.learnt.lobes import held_from, lobes_about
+from plogic.search.learnt.looks import likeness, right_pairs
+from plogic.search.learnt.sides import side_likeness, side_matches
 from plogic.search.settling import FEWEST, polished, settled
 
 if TYPE_CHECKING:
@@ -27,8 +29,12 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 ROBUST = 1.5
-MEDIAN = 1.177
-"""Median of the distance of two normal errors of σ = 1."""
+MEDIAN, MEDIAN_ACROSS = 1.177, 0.6745
+"""Median of the distance of two normal errors of σ = 1, and of the size of one."""
+SIDES_NOISE = 0.6
+"""Least location noise of sides across their edge: where a body is round its outline is not quite where it was learnt."""
+SIDES_REACH = (3.0, 6.0)
+"""Bounds of how far off across its edge a side is looked for, pixels."""
 WIDE = 2.5
 """Standard deviations of a feature's place within which its keypoint is looked for, where that is farther than the tolerance."""
 NOISE = (0.3, 2.0)
@@ -62,6 +68,8 @@ def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> 
     uv = camera.project(at)
     held = lobes_held(index, pose, camera.f / kb.f_ref)
     count = len(at)
+    if not data.whole.sided.any():  # an image without colours, or detected by others: sides are not looked for, and not missed
+        held = held[~cloud.sided[held]]
     best = held[np.lexsort((cloud.hit[held], cloud.feature[held]))]  # of each feature the lobe of the greatest rate comes last
     hit, turn = np.zeros(count), np.zeros(count)
     hit[cloud.feature[best]] = cloud.hit[best]
@@ -79,16 +87,13 @@ def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> 
         residual=np.full(count, np.nan),
         hit=hit,
         turn=turn,
+        sided=index.sided,
     )
 
 
 def lobes_held(index: LearntIndex, pose: Floats, granularity: float) -> NDArray[np.intp]:
     """Indices of the lobes that hold the viewpoint (§2.7)."""
-    cloud = index.cloud
-    line = inverse(pose)[:3, 3] - index.places
-    distance = np.linalg.norm(line, axis=1)
-    inside = (line * cloud.axis).sum(axis=1) >= np.cos(cloud.half_angle) * distance
-    return np.flatnonzero(inside & (distance >= cloud.r_min * granularity) & (distance <= cloud.r_max * granularity))
+    return np.flatnonzero(held_from(index, inverse(pose)[None, :3, 3], granularity)[0])
 
 
 def matched(
@@ -103,11 +108,12 @@ def matched(
     expected = posed.candidate if hidden is None else posed.candidate & ~hidden
     described = data.described if free is None else data.described & free
     about = lobes_about(index, posed.camera_from_object)
-    features, tolerance = np.flatnonzero(posed.in_image), kb.rates.match_tolerance
+    features, tolerance = np.flatnonzero(posed.in_image & ~index.sided), kb.rates.match_tolerance
     spread = index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)
     reach = np.maximum(tolerance, WIDE * spread)  # the middle of a region is not as exact as a corner
     near = right_pairs(index, posed, data, about, features, described, reach[features])
-    feature, datum, held = near.feature, near.datum, near.held(lobes_held(index, posed.camera_from_object, data.camera.f / kb.f_ref))
+    lobes = lobes_held(index, posed.camera_from_object, data.camera.f / kb.f_ref)
+    feature, datum, held = near.feature, near.datum, near.held(lobes)
     off = np.linalg.norm(posed.uv[feature] - data.uv[datum], axis=1) * (tolerance / reach[feature])
     matches = np.full(len(posed.uv), -1, np.intp)
     awaited = expected[feature] & held
@@ -116,13 +122,16 @@ def matched(
     assigned(matches, feature[left], datum[left], off[left], tolerance)
     residual = np.where(matches >= 0, np.linalg.norm(posed.uv - data.uv[np.maximum(matches, 0)], axis=1), np.nan) if len(data.ids) else posed.residual
     used = expected & (matches >= 0)
-    return replace(
-        posed,
-        matches=matches,
-        residual=residual,
-        sigma=np.hypot(blur(residual[used & (reach <= tolerance)]), spread),
-        likeness=likeness(index, posed, about, matches, data, kb),
-    )
+    sigma = np.hypot(blur(residual[used & (reach <= tolerance)]), spread)
+    like = likeness(index, posed, about, matches, data, kb)
+    across = np.full((len(posed.uv), 2), np.nan)
+    sided = lobes[index.cloud.sided[lobes] & expected[index.cloud.feature[lobes]]]
+    if len(sided) and data.sided.any():
+        sides = side_matches(index, posed, data, sided, data.sided if free is None else data.sided & free, np.clip(WIDE * spread, *SIDES_REACH))
+        matches[sides.feature], residual[sides.feature], across[sides.feature] = sides.datum, np.abs(sides.off), sides.across
+        sigma[index.sided] = np.hypot(blur(np.abs(sides.off), MEDIAN_ACROSS, SIDES_NOISE), spread[index.sided])
+        like[sides.feature] = side_likeness(sides, sigma[sides.feature], data, kb)
+    return replace(posed, matches=matches, residual=residual, sigma=sigma, likeness=like, across=across)
 
 
 def precision(posed: Posed) -> Floats:
@@ -131,9 +140,11 @@ def precision(posed: Posed) -> Floats:
     return np.nan_to_num(posed.counted / (posed.sigma**2 + 0.25 * posed.residual**2))
 
 
-def blur(residual: Floats) -> float:
+def blur(residual: Floats, median: float = MEDIAN, least: float = NOISE[0]) -> float:
     """Location noise of this instance in this image, pixels, by the median of its matches' residuals (N,): sharp where the image is sharp.
+
+    ``median`` is that of residuals of noise of σ = 1; there is never less noise than ``least``.
 
     A pose that is wrong but near has worse residuals than the right one, which only their own scale tells.
     """
-    return float(np.clip(np.median(residual) / MEDIAN, *NOISE)) if len(residual) >= FEWEST else NOISE[1]
+    return float(np.clip(np.median(residual) / median, least, NOISE[1])) if len(residual) >= FEWEST else NOISE[1]

@@ -10,6 +10,7 @@ function flatPainter(canvas) {
     for (let t = 0; t < (state.surface ? count : 0); t++) flat.add(corners(t), 0, (s) => flat.fill(s, colour(t), doc.type.opaque ? 0.6 * ratio : 0));
     for (const t of scene.triangles) flat.add(t.p, 0, (s) => flat.fill(s, css(t.c, t.c[3]), 0));
     for (const l of scene.lines) flat.add([l.p, l.q], 0, (s) => flat.line(s, css(l.c, l.c[3]), ratio));
+    for (const s of sideStrokes()) flat.add([s.p, s.q], 0.12, (t) => flat.line(t, css(s.c, s.c[3]), ratio));
     for (const q of points()) flat.add([q.p], q.chosen ? 9 : 0.12, ([[x, y]]) => {
       ctx.beginPath();
       ctx.arc(x, y, q.size * ratio / 2, 0, 7);

@@ -22,7 +22,7 @@ function drawFeature() {
   if (f < 0) return put('about', el('p', {class: 'none'}, 'Point at a feature to see its lobes; click it to keep it, click beside it or press Escape to let it go. The buttons and the keys n and p go through the lit ones.'));
   const t = TYPES[feature.type[f]], names = [], at3 = three(feature.at, f);
   for (let p = feature.part[f]; p != null; p = PARTS[p].under) names.unshift(PARTS[p].name);
-  const facts = [['Type', [swatch(css(colours[feature.type[f]])), `${words(t.name)}, dv ${dvText(t)}`]], ['Part', names.join(' / ')], ['Place', place(at3)],
+  const facts = [['Type', [swatch(css(colours[feature.type[f]])), `${named(feature.type[f])}, dv ${dvText(t)}`]], ['Part', names.join(' / ')], ['Place', place(at3)],
     ['Sigma', feature.sigma ? `${metres(feature.sigma[f])} along one axis` : `${round(t.sigma)} px in an image (the place is exact as written)`],
     ['Hit rate', feature.sigma ? 'measured for each lobe' : `${t.hit.toFixed(2)} of its type`], ['In the KB', `${t.all} of this type, ${t.here} here`]];
   const scroll = document.activeElement && document.activeElement.dataset.lobe;

@@ -34,11 +34,25 @@ function lobeScene() {
 }
 const lobeColour = (l) => { const f = lobe.feature[l], looks = [...new Set(lobe.look.subarray(first[f], first[f + 1]))]; return rgb(PALETTE[looks.indexOf(lobe.look[l]) % PALETTE.length]); };
 
-// The features as points for whoever draws them: {p, c, size, on}.
+// The sides of edges as strokes: each [from, to, unit vector beside it], along its edge and towards its side.
+const LONG = 0.018 * RADIUS;
+function sideStrokes() {
+  const rows = [];
+  for (let f = 0; f < COUNT; f++) {
+    if (!isSide(f) || !state.sides) continue;
+    const p = three(feature.at, f), on = bright(f), c = on ? [...colours[feature.type[f]], 1] : [0.5, 0.52, 0.55, 0.55];
+    const along = three(strokes, 2 * sideAt[f]), across = three(strokes, 2 * sideAt[f] + 1);
+    rows.push({p: add(p, times(along, -LONG)), q: add(p, times(along, LONG)), beside: across, c, on}, {p, q: add(p, times(across, 1.2 * LONG)), beside: along, c, on});
+  }
+  return rows.sort((a, b) => a.on - b.on);
+}
+
+// The features as points for whoever draws them: {p, c, size, on}; of the sides of edges only the one that is shown.
 const SIZE = Math.max(6.6, Math.min(10, 260 / Math.sqrt(COUNT || 1)));
 function points() {
   const rows = [];
   for (let f = 0; f < COUNT; f++) {
+    if (isSide(f) && f !== shown()) continue;
     const on = bright(f) || f === shown(), c = colours[feature.type[f]];
     rows.push({p: three(feature.at, f), c: on ? [...c, 1] : [0.5, 0.52, 0.55, 0.55], size: f === shown() ? SIZE + 8 : on ? SIZE : 0.55 * SIZE, on: on || f === shown(), chosen: f === shown()});
   }

@@ -8,6 +8,11 @@ const lobe = {look: shorts(doc.lobes.look), feature: shorts(doc.lobes.feature), 
 const COUNT = feature.names.length, LOBES = lobe.look.length, cosine = Float64Array.from(lobe.half, Math.cos);
 const surface = doc.surface && {vertices: floats(doc.surface.vertices), triangles: shorts(doc.surface.triangles), uv: doc.surface.uv ? floats(doc.surface.uv) : null};
 const PICTURE = doc.surface && address(doc.surface.picture);
+// Sides of edges: the place of each among the strokes, -1 of a keypoint.
+const sideAt = new Int32Array(COUNT).fill(-1), strokes = doc.features.sides ? floats(doc.features.sides.strokes) : [], SIDES = strokes.length / 6;
+if (SIDES) shorts(doc.features.sides.feature).forEach((f, i) => { sideAt[f] = i; });
+const isSide = (f) => sideAt[f] >= 0, sideTypes = new Set([...feature.type].filter((_, f) => isSide(f)));
+const named = (t) => words(TYPES[t].name) + (sideTypes.has(t) ? ', the side of an edge' : '');
 const three = (array, i) => [array[3 * i], array[3 * i + 1], array[3 * i + 2]];
 
 // The lobes of each feature: from first[f] up to first[f + 1].
@@ -51,11 +56,12 @@ const warmth = (dv) => (RARE > COMMON ? (surprise(dv) - surprise(COMMON)) / (sur
 const colours = TYPES.map((t) => ramp(warmth(t.dv)));
 
 // What is shown: `pinned` stays until it is let go, `pointed` while the pointer is on it; `alone` is one lobe of it; `only` a part or a type.
-const state = {pinned: -1, pointed: -1, alone: -1, only: null, here: false, surface: true, lit: new Uint8Array(COUNT), seen: 0};
+const state = {pinned: -1, pointed: -1, alone: -1, only: null, here: false, surface: true, sides: true, lit: new Uint8Array(COUNT), seen: 0};
 const shown = () => (state.pinned >= 0 ? state.pinned : state.pointed);
 const within = (part, top) => part === top || (PARTS[part].under != null && within(PARTS[part].under, top));
 const chosen = (f) => !state.only || ((state.only.part == null || within(feature.part[f], state.only.part)) && (state.only.type == null || feature.type[f] === state.only.type));
-const bright = (f) => chosen(f) && (!state.here || state.lit[f] === 1);
+const drawn = (f) => state.sides || !isSide(f);
+const bright = (f) => drawn(f) && chosen(f) && (!state.here || state.lit[f] === 1);
 
 const round = (x, n = 3) => Number(x.toPrecision(n)).toString();
 const metres = (x, n = 3) => (x === 0 ? '0' : x < 0.001 ? round(x * 1e3, 2) + ' mm' : x < 0.1 ? round(x * 1e2, 2) + ' cm' : x < 1e5 ? round(x, n) + ' m' : x.toExponential(1) + ' m');

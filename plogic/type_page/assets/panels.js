@@ -25,7 +25,7 @@ function branch(i) {
   const under = PARTS.map((p, k) => k).filter((k) => PARTS[k].under === i);
   const inside = PARTS.flatMap((p, k) => (within(k, i) ? p.counts.map(([t]) => TYPES[t].dv) : []));
   const dvs = inside.length ? [Math.min(...inside), Math.max(...inside)].map((dv) => dv.toFixed(DIGITS - 1)) : [];
-  const leaf = ([t, k]) => el('li', null, treeRow({part: i, type: t}, 'kind', [swatch(css(colours[t])), words(TYPES[t].name)], k, 'dv ' + dvText(TYPES[t])));
+  const leaf = ([t, k]) => el('li', null, treeRow({part: i, type: t}, 'kind', [swatch(css(colours[t])), named(t)], k, 'dv ' + dvText(TYPES[t])));
   const list = el('ul', null, kinds.slice(0, MANY).map(leaf));
   if (kinds.length > MANY) {
     const more = el('li', null, button(`Show all ${kinds.length} feature types`, () => {
@@ -42,7 +42,8 @@ function drawLegend() {
   const strip = el('canvas', {width: 256, height: 1, 'aria-hidden': 'true'}), g = strip.getContext('2d');
   for (let i = 0; i < 256; i++) { g.fillStyle = css(ramp(i / 255)); g.fillRect(i, 0, 1, 1); }
   const ends = RARE > COMMON ? [`${COMMON.toFixed(DIGITS)} common`, `${RARE.toFixed(DIGITS)} rare`] : ['', `${RARE.toFixed(DIGITS)}, of every type here`];
-  put('legend', el('span', null, 'Colour: dv'), strip, el('span', {class: 'ends'}, ends.map((e) => el('span', null, e))));
+  put('legend', el('span', null, 'Colour: dv'), strip, el('span', {class: 'ends'}, ends.map((e) => el('span', null, e))),
+    ...(SIDES ? [el('span', null, 'T-shaped mark'), el('span', null, 'the side of an edge: a stroke along the edge, a tick towards the side')] : []));
 }
 
 function startPanels() {
@@ -53,7 +54,7 @@ function startPanels() {
   drawLegend();
   const notes = [`A feature is seen from here where one of its lobes holds the viewpoint; ranges hold for a focal length of ${round(doc.kb.f_ref)} px. Whether the surface hides it is another matter, and is counted only where the mesh is small.`,
     `Lobes are drawn up to ${metres(CUT)}, and begin no farther than 30 % of that, so that they fit the picture; their whole ranges stand in the list.`,
-    COUNT < all ? 'A compound feature is one point, and its parts are counted in the tree only.' : null, ...doc.notes];
+    doc.features.of < all ? 'A compound feature is one point, and its parts are counted in the tree only.' : null, ...doc.notes];
   put('notes', notes.filter(Boolean).map((n) => el('li', null, n)));
   foot(`the knowledge base ${doc.kb.name}`, doc.kb.digest);
 }

@@ -32,6 +32,7 @@ function goTo(yaw, pitch) {
 function under(event) {
   const box = stage.getBoundingClientRect(), m = clipMatrix(box.width / box.height), near = [];
   for (let f = 0; f < COUNT; f++) {
+    if (!drawn(f)) continue;
     const s = project(m, three(feature.at, f), box.width, box.height), far = s ? Math.hypot(s[0] - (event.clientX - box.left), s[1] - (event.clientY - box.top)) : Infinity;
     if (far < 10) near.push({f, far: far + (bright(f) ? 0 : 4)});
   }
@@ -64,6 +65,7 @@ function startStage() {
   const label = 'The surface with its features. Arrow keys turn it, plus and minus zoom, n and p go from feature to feature, Escape lets go, Home resets.';
   mountStage({label, webgl: webglPainter, flat: flatPainter, paint, turn, zoom, point, tap: (e) => pin(under(e)), leave, keys: {Home: home, n: () => walk(1), p: () => walk(-1), Escape: () => pin(-1)}});
   put('stage-bar', toggle('here', false, 'Only what is seen from here', (on) => { state.here = on; redraw(); }), toggle('surface', true, 'Surface', (on) => { state.surface = on; redraw(); }),
+    SIDES ? toggle('sides', true, 'Sides of edges', (on) => { state.sides = on; redraw(); }) : null,
     button('Best view', () => goTo(...bestView(-1.6, 1.6)), {'data-view': 'best'}), look('Front', 0, 0), look('Side', Math.PI / 2, 0), look('Back', Math.PI, 0), look('Top', 0, 1.55));
   put('stage-hint', 'Drag or press the arrow keys to turn: the eye is the viewpoint. Click, then use the wheel to zoom; + and \u2212 do the same. The lens keeps the object as large as it is, however far the viewpoint.');
   startDistance();

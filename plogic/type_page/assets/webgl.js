@@ -25,6 +25,12 @@ function textureOf(gl, image) {
   return id;
 }
 
+// A stroke as two triangles, so wide to each side.
+function ribbon({p, q, beside}, wide, c) {
+  const [a, b, d, e] = [[p, wide], [p, -wide], [q, wide], [q, -wide]].map(([o, w]) => [...add(o, times(beside, w)), ...c, 1]);
+  return [...a, ...b, ...d, ...b, ...d, ...e];
+}
+
 function webglPainter(canvas) {
   const gl = webgl(canvas), solid = gl && program(gl, SOLID, ['p', 'n', 't']), plain = gl && program(gl, PLAIN, ['p', 'c', 's']);
   if (!solid || !plain) return null;
@@ -51,6 +57,9 @@ function webglPainter(canvas) {
     clear(gl);
     if (surface && state.surface) drawSolid(m, eyeAxes().z, [...wall, doc.type.opaque ? 1 : 0.4]);
     use(gl, plain, m);
+    const sides = sideStrokes();
+    draw(gl.TRIANGLES, sides.filter((s) => s.on).flatMap((s) => ribbon(s, 0.4 * LONG, [0.07, 0.08, 0.1, 1])), 0.0296, 0);
+    draw(gl.TRIANGLES, sides.flatMap((s) => ribbon(s, 0.2 * LONG, s.c)), 0.03, 0);
     draw(gl.POINTS, packed(dots), 0.03, 1);
     gl.depthMask(false);
     draw(gl.TRIANGLES, scene.triangles.flatMap((t) => t.p.flatMap((p) => [...p, ...t.c, 1])), 0, 0);

@@ -1,0 +1,122 @@
+"""Which sides of edges a pose's own are (D8), and how rare that is where they are.
+
+Where along an edge a side is reported is arbitrary. So a side is that of an expected feature if it lies on its line, near its place, faces
+as it does and has its colours; what is off along the line says nothing. Edges are everywhere: what would look as right in the
+neighbourhood, were it in place, is counted, and a side is evidence for as much as it is rarer than that.
+
+* ``SideMatches``: N features and the sides that are theirs
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.evidence import clutter_density, density
+from plogic.search.learnt.agreement import screen_angle
+from plogic.search.learnt.patterns import share_elsewhere
+from plogic.search.learnt.side_looks import colours_off, looks_fit
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase
+    from plogic.expectation import Posed
+    from plogic.search.data import Data
+    from plogic.search.learnt.index import LearntIndex
+
+    Floats = NDArray[np.float64]
+    Indices = NDArray[np.intp]
+
+ALONG = 4.0
+"""Pixels along its line within which a side is an expected feature's."""
+TURNED = 0.34
+"""Radians by which it may face another way."""
+AROUND = 32.0
+"""Pixels around a feature within which what looks as right is counted."""
+FEW = 0.5
+"""What is counted besides, since nowhere there can be none."""
+ORDERED = 0.7
+"""Least share of the sides found that is found elsewhere as well, for the image to be a pattern of them."""
+FEW_SIDES, MANY = 6, 0.2
+"""Of fewer sides found, or a smaller share of those expected, no pattern is sought."""
+TURNS = 0.12
+"""Standard deviation of how a right side faces, radians."""
+
+
+@dataclass(frozen=True)
+class SideMatches:
+    """``feature`` (N,), ``datum`` (N,); ``off`` (N,) pixels across the line; ``across`` (N, 2) unit vector there; ``rare`` (N,).
+
+    ``pattern``: the share of them that is found at several other places nearby as well (``patterns``), 0 where that is less than ``ORDERED``.
+    ``rare``: per pixel along its line and across it, how much likelier a side that faces so is as this feature's than as clutter's, for a
+    certain hit, density across its line aside.
+    """
+
+    feature: Indices
+    datum: Indices
+    off: Floats
+    across: Floats
+    rare: Floats
+    pattern: float
+
+
+def side_matches(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, free: NDArray[np.bool_], reach: Floats) -> SideMatches:
+    """Of the appearances ``lobes``, which hold the viewpoint, those of sides in the image; of data that are ``free`` (A,).
+
+    ``reach`` (F,) pixels across. One side a feature, one feature a side.
+    """
+    feature = index.cloud.feature[lobes]
+    angle = screen_angle(index.cloud.up[lobes] @ posed.camera_from_object[:3, :3].T, posed.at[feature])
+    inward = np.column_stack([np.cos(angle), np.sin(angle)])
+    place, datum = data.sides.near(posed.uv[feature], angle)
+    place, datum = place[free[datum]], datum[free[datum]]
+    turned = (data.angle[datum] - angle[place] + np.pi) % (2.0 * np.pi) - np.pi
+    facing = np.abs(turned) < TURNED
+    place, datum, turned = place[facing], datum[facing], turned[facing]
+    colours = colours_off(index.looks[lobes[place]], data.looks[datum], coloured=data.coloured)
+    right = colours < 1.0
+    place, datum, turned, colours = place[right], datum[right], turned[right], colours[right]
+    apart = data.uv[datum] - posed.uv[feature[place]]
+    off = (apart * inward[place]).sum(axis=1)
+    along = apart[:, 1] * inward[place, 0] - apart[:, 0] * inward[place, 1]
+    within = np.abs(off) <= reach[feature[place]]
+    clutter = ~within & (off**2 + along**2 < AROUND**2)
+    area = np.pi * AROUND**2 - 4.0 * AROUND * np.minimum(reach[feature], AROUND / 2.0)
+    usual = (np.bincount(place[clutter], minlength=len(lobes)) + FEW) / area
+    mine = np.flatnonzero(within & (np.abs(along) <= ALONG))
+    fit = 0.9 * np.exp(-0.5 * (turned[mine] / TURNS) ** 2) / (np.sqrt(2.0 * np.pi) * TURNS) * 2.0 * TURNED + 0.1
+    fit *= looks_fit(index.looks[lobes[place[mine]]], data.looks[datum[mine]], colours[mine])
+    rare = fit / (2.0 * ALONG) / usual[place[mine]]
+    worth = np.log(rare) - 0.5 * (off[mine] / 1.5) ** 2
+    chosen = _one_to_one(feature[place[mine]], datum[mine], worth)
+    mine, rare, of = mine[chosen], rare[chosen], place[mine[chosen]]
+    many = len(of) >= max(FEW_SIDES, MANY * len(np.unique(feature)))
+    pattern = share_elsewhere(posed.uv[feature[of]], angle[of], index.looks[lobes[of]], data) if many else 0.0
+    return SideMatches(feature[of], datum[mine], off[mine], inward[of], rare, pattern if pattern >= ORDERED else 0.0)
+
+
+def _one_to_one(feature: Indices, datum: Indices, worth: Floats) -> Indices:
+    """Which of N pairs are taken: again and again those that are the best left of their feature and of their datum."""
+    left = np.lexsort((datum, feature, -worth))
+    chosen = []
+    while len(left):
+        first = np.zeros(len(left), bool)
+        first[np.intersect1d(np.unique(feature[left], return_index=True)[1], np.unique(datum[left], return_index=True)[1])] = True
+        chosen.append(left[first])
+        left = left[~np.isin(feature[left], feature[left[first]]) & ~np.isin(datum[left], datum[left[first]])]
+    return np.concatenate([*chosen, np.zeros(0, np.intp)])
+
+
+def side_likeness(found: SideMatches, sigma: Floats, data: Data, kb: KnowledgeBase) -> Floats:
+    """(N,) as ``looks.likeness`` is of keypoints: what the density about a place, times this, is to the usual clutter of the datum's word.
+
+    In a pattern nothing is rarer than that: a side is found elsewhere with the chance ``pattern``.
+    """
+    usual = clutter_density(kb, data, found.datum)
+    like = found.rare * usual * sigma * np.sqrt(2.0 * np.pi)
+    if found.pattern > 0.0:
+        like = np.minimum(like, usual / np.maximum(found.pattern * density(found.off, sigma), 1e-300))
+    return np.asarray(like)
