@@ -92,7 +92,8 @@ def test_votes_and_the_choice_of_one_each_are_those_of_loops(seed, count):
     datum, feature = rng.integers(0, 5, count), rng.integers(0, 4, count)
     some = pairs(datum, np.zeros(count, np.intp), rng.uniform(0.1, 1, count))
     residual = np.where(rng.random((3, count)) < 0.4, inf, rng.uniform(0, 6, (3, count)))
-    found = Agreement(residual, rng.uniform(4, 8, 3))
+    agree = np.nonzero(np.isfinite(residual))
+    found = Agreement(*agree, residual[agree], rng.uniform(4, 8, 3), count)
     off = residual / found.tolerance[:, None]
     worth = [[some.weight[p] * exp(-2 * off[h, p] ** 2) for p in range(count)] for h in range(3)]
     expected = [sum(max(row[p] for p in range(count) if datum[p] == d) for d in set(datum.tolist())) for row in worth]

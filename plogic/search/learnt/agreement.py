@@ -1,6 +1,6 @@
 """How well poses agree with pairs: in place, size, angle and direction of view, all at once.
 
-* ``Agreement``: of H poses with P pairs, ``residual`` (H, P) ideal pixels, inf where a pair contradicts a pose
+* ``Agreement``: of H poses with P pairs, those that agree, and how far off they are, ideal pixels
 """
 
 from __future__ import annotations
@@ -31,10 +31,20 @@ SIZES, ANGLES = 0.5, 0.6
 
 @dataclass(frozen=True)
 class Agreement:
-    """``residual`` (H, P) pixels, inf where a pair contradicts; ``tolerance`` (H,) pixels."""
+    """``pose``, ``pair`` (N,) those that agree, ``off`` (N,) pixels; ``tolerance`` (H,) pixels; ``pairs``: how many there are, P."""
 
-    residual: Floats
+    pose: NDArray[np.intp]
+    pair: NDArray[np.intp]
+    off: Floats
     tolerance: Floats
+    pairs: int
+
+    @property
+    def residual(self) -> Floats:
+        """(H, P) pixels, inf where a pair contradicts."""
+        result = np.full((len(self.tolerance), self.pairs), np.inf)
+        result[self.pose, self.pair] = self.off
+        return result
 
 
 def agreement(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share: float, pixels: float) -> Agreement:
@@ -47,16 +57,15 @@ def agreement(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share
     places, ideal = index.places[lobe].astype(np.float32), (data.ideal[datum] - centre_of(data.camera)).astype(np.float32)
     x, y, z = (R[:, axis].astype(np.float32) @ places.T + t[:, axis, None].astype(np.float32) for axis in range(3))
     pixels_a_metre = np.float32(f) / np.maximum(z, np.float32(1e-6))
-    residual = np.hypot(x * pixels_a_metre - ideal[:, 0], y * pixels_a_metre - ideal[:, 1])
+    across, down = x * pixels_a_metre - ideal[:, 0], y * pixels_a_metre - ideal[:, 1]
     tolerance = share * index.diameter * f / np.maximum(R[:, 2] @ index.centre + t[:, 2], 1e-6) + pixels
     slack = 2.0 * index.cloud.sigma[index.cloud.feature[lobe]].astype(np.float32) * pixels_a_metre
-    residual = residual * (tolerance[:, None].astype(np.float32) / (tolerance[:, None].astype(np.float32) + slack))
-    h, p = np.nonzero((residual <= tolerance[:, None]) & (z > 1e-6))
+    square, reach = across * across + down * down, tolerance[:, None].astype(np.float32) + slack
+    h, p = np.nonzero((square <= reach * reach) & (z > 1e-6))  # few
     at = np.column_stack([x[h, p], y[h, p], z[h, p]])
     right = _right(index, R[h], t[h], at, (lobe[p], data.scale[datum[p]], data.angle[datum[p]]), f)
-    result = np.full(residual.shape, np.inf, np.float32)
-    result[h[right], p[right]] = residual[h[right], p[right]]
-    return Agreement(result, tolerance)
+    h, p = h[right], p[right]
+    return Agreement(h, p, np.sqrt(square[h, p]) * (tolerance[h] / reach[h, p]), tolerance, len(lobe))
 
 
 def _right(
@@ -82,10 +91,9 @@ def screen_angle(direction: Floats, at: Floats) -> Floats:
 
 def votes(found: Agreement, pairs: Pairs) -> Floats:
     """(H,) sum over keypoints of their best agreeing pair: its weight, the less the farther off."""
-    pose, pair = np.nonzero(np.isfinite(found.residual))  # few agree
-    worth = pairs.weight[pair] * np.exp(-2.0 * (found.residual[pose, pair] / found.tolerance[pose]) ** 2)
-    order = np.lexsort((worth, pairs.datum[pair], pose))
-    pose, datum, worth = pose[order], pairs.datum[pair[order]], worth[order]
+    worth = pairs.weight[found.pair] * np.exp(-2.0 * (found.off / found.tolerance[found.pose]) ** 2)
+    order = np.lexsort((worth, pairs.datum[found.pair], found.pose))
+    pose, datum, worth = found.pose[order], pairs.datum[found.pair[order]], worth[order]
     best = np.append((pose[1:] != pose[:-1]) | (datum[1:] != datum[:-1]), True)[: len(pose)]
     return np.asarray(np.bincount(pose[best], worth[best], minlength=len(found.tolerance)), float)
 

@@ -145,8 +145,9 @@ def _weights(
 ) -> Floats:
     """(H, P) of the agreeing pairs, one a keypoint and one a feature."""
     found = agreement(index, poses, pairs, data, share, pixels)
-    near = np.exp(-0.5 * (1.5 * np.where(np.isfinite(found.residual), found.residual, 0.0) / found.tolerance[:, None]) ** 2)
-    return one_to_one(np.where(np.isfinite(found.residual), pairs.weight * near, 0.0), pairs, feature)
+    weights = np.zeros((len(poses), len(pairs)))
+    weights[found.pose, found.pair] = pairs.weight[found.pair] * np.exp(-0.5 * (1.5 * found.off / found.tolerance[found.pose]) ** 2)
+    return one_to_one(weights, pairs, feature)
 
 
 def tilted(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Floats:

@@ -14,14 +14,16 @@ from plogic.evidence import MOST_HIT
 from plogic.search.learnt.agreement import screen_angle
 from plogic.search.learnt.lobes import held_from
 from plogic.search.learnt.side_grid import TURNS
-from plogic.search.learnt.side_looks import colours_off, looks_fit
-from plogic.search.learnt.sides import ALONG, AROUND, FEW
+from plogic.search.learnt.side_looks import looks_fit
+from plogic.search.learnt.side_pairs import side_pairs
+from plogic.search.learnt.sides import ALONG
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.search.data import Data
     from plogic.search.learnt.index import LearntIndex
+    from plogic.search.learnt.side_pairs import SidePairs
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
@@ -52,47 +54,30 @@ def side_fit(index: LearntIndex, poses: Floats, data: Data, granularity: float, 
     angle = screen_angle(np.einsum("nij,nj->ni", poses[pose, :3, :3], index.cloud.up[lobe]), at)
     inside = data.camera.contains(uv)
     pose, lobe, uv, angle = pose[inside], lobe[inside], uv[inside], angle[inside]
-    inward = np.column_stack([np.cos(angle), np.sin(angle)])
-    place, datum = data.sides.near(uv, angle)
-    turned = (data.angle[datum] - angle[place] + np.pi) % (2.0 * np.pi) - np.pi
-    facing = np.abs(turned) < TURNED
-    place, datum, turned = place[facing], datum[facing], turned[facing]
-    colours = colours_off(index.looks[lobe[place]], data.looks[datum], coloured=data.coloured)
-    right = colours < 1.0
-    place, datum, turned, colours = place[right], datum[right], turned[right], colours[right]
-    apart = data.uv[datum] - uv[place]
-    off = (apart * inward[place]).sum(axis=1)
-    along = apart[:, 1] * inward[place, 0] - apart[:, 0] * inward[place, 1]
-    within = np.abs(off) <= reach
-    clutter = ~within & (off**2 + along**2 < AROUND**2)
-    usual = (np.bincount(place[clutter], minlength=len(lobe)) + FEW) / (np.pi * AROUND**2 - 4.0 * AROUND * reach)
-    near = np.flatnonzero(within & (np.abs(along) <= ALONG + reach / 3.0))
+    pairs, further = side_pairs(index, data, lobe, uv, angle, TURNED), ALONG + reach / 3.0
+    near = pairs.only((np.abs(pairs.off) <= reach) & (np.abs(pairs.along) <= further))
     sigma = max(reach / 2.5, 1.0)
-    fit = np.exp(-0.5 * (off[near] / sigma) ** 2 - 0.5 * (turned[near] / LOOSE) ** 2) / (np.sqrt(2.0 * np.pi) * sigma * 2.0 * (ALONG + reach / 3.0))
-    fit *= looks_fit(index.looks[lobe[place[near]]], data.looks[datum[near]], colours[near]) / usual[place[near]]
-    near, fit = _best(near, fit, place, datum)
+    fit = np.exp(-0.5 * (near.off / sigma) ** 2 - 0.5 * (near.turned / LOOSE) ** 2) / (np.sqrt(2.0 * np.pi) * sigma * 2.0 * further)
+    fit *= looks_fit(index.looks[lobe[near.place]], data.looks[near.datum], near.colours) / pairs.usual(reach, len(lobe))[near.place]
+    best = _best(near, fit)
+    place, datum, fit = near.place[best], near.datum[best], fit[best]
     hit = np.minimum(index.cloud.hit[lobe], MOST_HIT)
     gain = np.log1p(-hit)
-    gain[place[near]] = np.log1p(hit[place[near]] * (fit - 1.0))
-    weight = np.zeros(len(lobe))
-    weight[place[near]] = hit[place[near]] * fit / (fit + 1.0)
-    seen = np.zeros(len(lobe), np.intp)
-    seen[place[near]] = datum[near]
-    worth = np.asarray(np.bincount(pose, gain, minlength=len(poses)), float)
+    gain[place] = np.log1p(hit[place] * (fit - 1.0))
     slot = np.arange(len(pose)) - np.searchsorted(pose, pose)
-    widest = int(slot.max(initial=-1)) + 1
-    table = len(poses), widest
+    table = len(poses), int(slot.max(initial=-1)) + 1
+    worth = np.asarray(np.bincount(pose, gain, minlength=len(poses)), float)
     result = SideFit(np.zeros((*table, 3)), np.zeros((*table, 2)), np.zeros((*table, 2)), np.zeros(table), worth)
-    result.points[pose, slot], result.uv[pose, slot] = index.places[lobe], data.uv[seen] if len(seen) else 0.0
-    result.across[pose, slot], result.weight[pose, slot] = inward, weight
+    result.points[pose, slot] = index.places[lobe]
+    result.across[pose, slot] = np.column_stack([np.cos(angle), np.sin(angle)])
+    result.uv[pose[place], slot[place]], result.weight[pose[place], slot[place]] = data.uv[datum], hit[place] * fit / (fit + 1.0)
     return result
 
 
-def _best(near: Indices, fit: Floats, place: Indices, datum: Indices) -> tuple[Indices, Floats]:
-    """Of the pairs ``near`` (N,) the one of each place that fits best."""
-    order = np.lexsort((datum[near], -fit, place[near]))
-    first = order[np.unique(place[near][order], return_index=True)[1]]
-    return near[first], fit[first]
+def _best(near: SidePairs, fit: Floats) -> Indices:
+    """Of the pairs the one of each place that fits best."""
+    order = np.lexsort((near.datum, -fit, near.place))
+    return order[np.unique(near.place[order], return_index=True)[1]]
 
 
 def _expected(index: LearntIndex, poses: Floats, data: Data, granularity: float, most: int) -> tuple[Indices, Indices]:

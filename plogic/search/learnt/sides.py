@@ -17,7 +17,8 @@ import numpy as np
 from plogic.evidence import clutter_density, density
 from plogic.search.learnt.agreement import screen_angle
 from plogic.search.learnt.patterns import share_elsewhere
-from plogic.search.learnt.side_looks import colours_off, looks_fit
+from plogic.search.learnt.side_looks import looks_fit
+from plogic.search.learnt.side_pairs import side_pairs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,16 +35,14 @@ ALONG = 4.0
 """Pixels along its line within which a side is an expected feature's."""
 TURNED = 0.34
 """Radians by which it may face another way."""
-AROUND = 32.0
-"""Pixels around a feature within which what looks as right is counted."""
-FEW = 0.5
-"""What is counted besides, since nowhere there can be none."""
 ORDERED = 0.7
 """Least share of the sides found that is found elsewhere as well, for the image to be a pattern of them."""
 FEW_SIDES, MANY = 6, 0.2
 """Of fewer sides found, or a smaller share of those expected, no pattern is sought."""
-TURNS = 0.12
-"""Standard deviation of how a right side faces, radians."""
+TURNS, WILD = 0.12, 0.1
+"""Standard deviation of how a right side faces, radians, and the share of what is right that faces any way that may be right."""
+NEARER = 1.5
+"""Pixels (standard deviation): of several sides that might be a feature's, that is taken which is rarer and nearer to its line."""
 
 
 @dataclass(frozen=True)
@@ -71,31 +70,24 @@ def side_matches(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, f
     feature = index.cloud.feature[lobes]
     angle = screen_angle(index.cloud.up[lobes] @ posed.camera_from_object[:3, :3].T, posed.at[feature])
     inward = np.column_stack([np.cos(angle), np.sin(angle)])
-    place, datum = data.sides.near(posed.uv[feature], angle)
-    place, datum = place[free[datum]], datum[free[datum]]
-    turned = (data.angle[datum] - angle[place] + np.pi) % (2.0 * np.pi) - np.pi
-    facing = np.abs(turned) < TURNED
-    place, datum, turned = place[facing], datum[facing], turned[facing]
-    colours = colours_off(index.looks[lobes[place]], data.looks[datum], coloured=data.coloured)
-    right = colours < 1.0
-    place, datum, turned, colours = place[right], datum[right], turned[right], colours[right]
-    apart = data.uv[datum] - posed.uv[feature[place]]
-    off = (apart * inward[place]).sum(axis=1)
-    along = apart[:, 1] * inward[place, 0] - apart[:, 0] * inward[place, 1]
-    within = np.abs(off) <= reach[feature[place]]
-    clutter = ~within & (off**2 + along**2 < AROUND**2)
-    area = np.pi * AROUND**2 - 4.0 * AROUND * np.minimum(reach[feature], AROUND / 2.0)
-    usual = (np.bincount(place[clutter], minlength=len(lobes)) + FEW) / area
-    mine = np.flatnonzero(within & (np.abs(along) <= ALONG))
-    fit = 0.9 * np.exp(-0.5 * (turned[mine] / TURNS) ** 2) / (np.sqrt(2.0 * np.pi) * TURNS) * 2.0 * TURNED + 0.1
-    fit *= looks_fit(index.looks[lobes[place[mine]]], data.looks[datum[mine]], colours[mine])
-    rare = fit / (2.0 * ALONG) / usual[place[mine]]
-    worth = np.log(rare) - 0.5 * (off[mine] / 1.5) ** 2
-    chosen = _one_to_one(feature[place[mine]], datum[mine], worth)
-    mine, rare, of = mine[chosen], rare[chosen], place[mine[chosen]]
+    pairs, within = side_pairs(index, data, lobes, posed.uv[feature], angle, TURNED), reach[feature]
+    pairs = pairs.only(free[pairs.datum])
+    usual = pairs.usual(within, len(lobes))
+    mine = pairs.only((np.abs(pairs.off) <= within[pairs.place]) & (np.abs(pairs.along) <= ALONG))
+    place, datum = mine.place, mine.datum
+    rare = _facing(mine.turned) * looks_fit(index.looks[lobes[place]], data.looks[datum], mine.colours) / (2.0 * ALONG) / usual[place]
+    worth = np.log(rare) - 0.5 * (mine.off / NEARER) ** 2
+    chosen = _one_to_one(feature[place], datum, worth)
+    of = place[chosen]
     many = len(of) >= max(FEW_SIDES, MANY * len(np.unique(feature)))
     pattern = share_elsewhere(posed.uv[feature[of]], angle[of], index.looks[lobes[of]], data) if many else 0.0
-    return SideMatches(feature[of], datum[mine], off[mine], inward[of], rare, pattern if pattern >= ORDERED else 0.0)
+    return SideMatches(feature[of], datum[chosen], mine.off[chosen], inward[of], rare[chosen], pattern if pattern >= ORDERED else 0.0)
+
+
+def _facing(turned: Floats) -> Floats:
+    """(N,) how much likelier a side is to face ``turned`` radians another way if it is right than evenly anywhere that may be right."""
+    bell = np.exp(-0.5 * (turned / TURNS) ** 2) / (np.sqrt(2.0 * np.pi) * TURNS)
+    return np.asarray((1.0 - WILD) * bell * 2.0 * TURNED + WILD)
 
 
 def _one_to_one(feature: Indices, datum: Indices, worth: Floats) -> Indices:
