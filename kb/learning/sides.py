@@ -2,7 +2,7 @@
 
 Where along an edge a side is reported is arbitrary; so it is the same if it lies on the same line, and it belongs to all of a stretch of it.
 
-* ``sides_observed`` gives them as ``Observations`` of size 0: a side has a place, a direction and colours, and no size
+* ``sides_again``: which come again; ``observations`` carries them back, as ``Observations`` of size 0: a side has a place, a direction and looks
 * ``side_places`` puts those of one stretch of an edge together
 """
 

@@ -104,7 +104,10 @@ def matched(
     free: NDArray[np.bool_] | None = None,
     hidden: NDArray[np.bool_] | None = None,
 ) -> Posed:
-    """The hypothesis' one assignment (D8): expected features first, then unexpected ones; one keypoint a feature, one feature a keypoint."""
+    """The hypothesis' one assignment (D8): expected features first, then unexpected ones; one keypoint a feature, one feature a keypoint.
+
+    Sides of edges are looked for where they are expected alone: edges are everywhere, and those of a hidden feature would be found by chance.
+    """
     expected = posed.candidate if hidden is None else posed.candidate & ~hidden
     described = data.described if free is None else data.described & free
     about = lobes_about(index, posed.camera_from_object)
@@ -124,13 +127,20 @@ def matched(
     used = expected & (matches >= 0)
     sigma = np.hypot(blur(residual[used & (reach <= tolerance)]), spread)
     like = likeness(index, posed, about, matches, data, kb)
-    across = np.full((len(posed.uv), 2), np.nan)
+    posed = replace(posed, matches=matches, residual=residual, sigma=sigma, likeness=like, across=np.full((len(posed.uv), 2), np.nan))
     sided = lobes[index.cloud.sided[lobes] & expected[index.cloud.feature[lobes]]]
-    if len(sided) and data.sided.any():
-        sides = side_matches(index, posed, data, sided, data.sided if free is None else data.sided & free, np.clip(WIDE * spread, *SIDES_REACH))
-        matches[sides.feature], residual[sides.feature], across[sides.feature] = sides.datum, np.abs(sides.off), sides.across
-        sigma[index.sided] = np.hypot(blur(np.abs(sides.off), MEDIAN_ACROSS, SIDES_NOISE), spread[index.sided])
-        like[sides.feature] = side_likeness(sides, sigma[sides.feature], data, kb)
+    return _with_sides(index, posed, data, kb, sided, data.sided if free is None else data.sided & free) if len(sided) else posed
+
+
+def _with_sides(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, lobes: NDArray[np.intp], free: NDArray[np.bool_]) -> Posed:
+    """What is matched so far, and the sides of edges that are those of ``lobes``, which are expected; of data that are ``free`` (A,)."""
+    spread = index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)
+    found = side_matches(index, posed, data, lobes, free, np.clip(WIDE * spread, *SIDES_REACH))
+    names = "matches", "residual", "sigma", "likeness", "across"
+    matches, residual, sigma, like, across = (np.array(getattr(posed, name)) for name in names)
+    matches[found.feature], residual[found.feature], across[found.feature] = found.datum, np.abs(found.off), found.across
+    sigma[index.sided] = np.hypot(blur(np.abs(found.off), MEDIAN_ACROSS, SIDES_NOISE), spread[index.sided])
+    like[found.feature] = side_likeness(found, sigma[found.feature], data, kb)
     return replace(posed, matches=matches, residual=residual, sigma=sigma, likeness=like, across=across)
 
 
