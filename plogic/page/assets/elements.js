@@ -3,16 +3,18 @@ const read = JSON.parse(document.getElementById('data').textContent);
 const watchers = [];
 const changed = (what) => watchers.forEach((w) => w(what));
 
-function make(space, tag, attributes, children) {
-  const node = space ? document.createElementNS(space, tag) : document.createElement(tag);
+function make(space, name, attributes, children) {
+  const node = space ? document.createElementNS(space, name) : document.createElement(name);
   for (const [k, v] of Object.entries(attributes || {})) if (v != null) node.setAttribute(k, v);
   node.append(...children.flat(Infinity).filter((c) => c != null));
   return node;
 }
-const el = (tag, attributes, ...children) => make(null, tag, attributes, children);
-const svg = (tag, attributes, ...children) => make('http://www.w3.org/2000/svg', tag, attributes, children);
+const el = (name, attributes, ...children) => make(null, name, attributes, children);
+const tag = (kind, ...children) => el('span', {class: kind}, ...children);
+const svg = (name, attributes, ...children) => make('http://www.w3.org/2000/svg', name, attributes, children);
 const at = (id) => document.getElementById(id);
-const put = (id, ...children) => at(id).replaceChildren(...children.flat(Infinity).filter((c) => c != null));
+const fill = (node, ...children) => node.replaceChildren(...children.flat(Infinity).filter((c) => c != null));
+const put = (id, ...children) => fill(at(id), ...children);
 
 function swatch(c) {
   const s = el('span', {class: 'swatch', 'aria-hidden': 'true'});

@@ -1,48 +1,48 @@
 // A photo's marks: thousands, so they are dots on one canvas over the picture, by case; pointing finds the nearest.
 const crowded = appearances.length > 500 || hypotheses.some((h) => list(h.features).some((f) => f.stands_for > 1));
 const sheet = el('canvas', {class: 'dots', tabindex: 0, role: 'img', 'aria-label': 'What was expected and detected, as dots. Arrow keys go from dot to dot.'});
-const DOTS = [['A', 'Found', true], ['C', 'Missed', true], ['D', 'Unexpected', true], ['B', 'Hidden', false], ['appearances', 'All that was detected', false]];
-const SIDES = ['sides', 'Sides of edges', true];
+const DOTS = [['A', 'Found', true], ['C', 'Missed', true], ['D', 'Unexpected', true], ['B', 'Hidden', false], ['appearances', 'All that was detected', false],
+  ...(sideTypes.size ? [['sides', 'Sides of edges', true]] : [])];
 const NEAR = 9;
 let dots = [], at_dot = -1;
 
 function gatherDots(features) {
-  const on = (name) => state.layers.has(name), told = features.filter(([, f]) => !(f.stands_for > 1));
-  const seen = on('appearances') ? appearances.map((a) => ({uv: a.uv, letter: '', a, side: sideAngles.has(a.id), angle: sideAngles.get(a.id)})) : [];
-  const rows = told.map(([h, f]) => ({uv: f.uv, h, f, letter: caseOf(h, f, state.shown).letter, side: isSide(f), angle: sideAngles.get(f.match)})).filter((d) => d.letter && on(d.letter));
+  const on = (name) => state.layers.has(name);
+  const seen = on('appearances') ? appearances.map((a) => ({uv: a.uv, letter: '', a, side: sideAngles.has(a.id)})) : [];
+  const rows = features.filter((r) => on(r.letter) && !(r.f.stands_for > 1)).map((r) => ({...r, uv: r.f.uv, side: isSide(r.f)}));
   dots = [...seen, ...['B', 'D', 'C', 'A'].flatMap((letter) => rows.filter((d) => d.letter === letter))].filter((d) => on('sides') || !d.side);
   at_dot = -1;
 }
 
 // A side that is expected, or only seen, is strokes; any other case is a square as a keypoint's is.
 const stroked = (d) => d.side && d.letter !== 'B' && d.letter !== 'D';
+const spot = (d, k) => d.uv.map((x) => (Number(x) + 0.5) * k);
 function dotPath(g, d, k) {
-  const [u, v] = [(Number(d.uv[0]) + 0.5) * k, (Number(d.uv[1]) + 0.5) * k], r = (!d.letter ? 1.3 : stroked(d) ? 2.4 : 2.9) * (devicePixelRatio || 1);
+  const [u, v] = spot(d, k), r = (!d.letter ? 1.3 : stroked(d) ? 2.4 : 2.9) * (devicePixelRatio || 1);
   g.beginPath();
-  if (stroked(d)) for (const [a, b, c, e] of sideStrokes(d.angle, r)) { g.moveTo(u + a, v + b); g.lineTo(u + c, v + e); }
+  if (stroked(d)) for (const [a, b, c, e] of sideStrokes(angleOf(d), r)) { g.moveTo(u + a, v + b); g.lineTo(u + c, v + e); }
   else if (d.letter === 'A' || d.letter === 'C' || !d.letter) g.arc(u, v, r, 0, 7);
   else g.rect(u - 0.85 * r, v - 0.85 * r, 1.7 * r, 1.7 * r);
 }
 
+// How opaque a mark's inside is, how wide its casing and its line are, and how opaque both; '' is what was detected.
+const FORMS = {A: [1, 1, 0, 1], C: [0, 3, 1.4, 1], D: [0, 3, 1.4, 1], B: [0, 3, 1.4, 0.6], '': [0.6, 1, 0, 0.35]}, STROKES = {A: [0, 3, 1.6, 1], C: [0, 2.6, 1.2, 1], '': [0, 1, 0.8, 0.35]};
 function paintDots() {
   const wide = canvasSvg.getBoundingClientRect().width * (devicePixelRatio || 1);
   if (!crowded || !wide) return;
   sheet.width = Math.round(wide);
   sheet.height = Math.round(wide * H / W);
   const g = sheet.getContext('2d'), k = sheet.width / W, px = devicePixelRatio || 1;
+  const stroke = (paint, width) => { g.strokeStyle = paint; g.lineWidth = width * px; g.stroke(); };
   for (const d of dots) {
     dotPath(g, d, k);
-    const c = d.h ? colour(d.h.id) : '#fff';
-    const open = stroked(d), wide = open && d.letter === 'A' ? 1.6 : 1.2;
-    if (!open && (d.letter === 'A' || !d.letter)) { g.fillStyle = c; g.globalAlpha = d.letter ? 1 : 0.6; g.fill(); }
-    g.globalAlpha = d.letter === 'B' ? 0.6 : d.letter ? 1 : 0.35;
-    g.strokeStyle = '#14171a';
-    g.lineWidth = (open && d.letter ? wide + 1.4 : d.letter === 'A' || !d.letter ? 1 : 3) * px;
-    g.stroke();
-    if (open || (d.letter && d.letter !== 'A')) { g.strokeStyle = c; g.lineWidth = (d.letter ? wide : 0.8) * px; g.stroke(); }
+    const c = d.h ? colour(d.h.id) : '#fff', [inside, casing, line, alpha] = (stroked(d) ? STROKES : FORMS)[d.letter];
+    if (inside) { g.fillStyle = c; g.globalAlpha = inside; g.fill(); }
+    g.globalAlpha = alpha;
+    for (const [paint, width] of [['#14171a', casing], [c, line]]) if (width) stroke(paint, width);
     g.globalAlpha = 1;
   }
-  if (dots[at_dot]) { g.beginPath(); g.arc((Number(dots[at_dot].uv[0]) + 0.5) * k, (Number(dots[at_dot].uv[1]) + 0.5) * k, 9 * px, 0, 7); g.strokeStyle = '#fff'; g.lineWidth = 2 * px; g.stroke(); }
+  if (dots[at_dot]) { g.beginPath(); g.arc(...spot(dots[at_dot], k), 9 * px, 0, 7); stroke('#fff', 2); }
 }
 
 function chooseDot(i) {
@@ -61,10 +61,8 @@ function pointDot(event) {
 }
 
 function walkDots(event) {
-  const step = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1}[event.key];
-  if (!step || !dots.length) return;
-  event.preventDefault();
-  chooseDot((Math.max(at_dot, step > 0 ? -1 : 0) + step + dots.length) % dots.length);
+  const step = stepOf(event, dots.length > 0);
+  if (step) chooseDot((Math.max(at_dot, step > 0 ? -1 : 0) + step + dots.length) % dots.length);
 }
 
 function startDots() {
@@ -77,6 +75,9 @@ function startDots() {
 }
 
 // A dot for the key and the switches.
-const keyIcon = (kind) => (kind === 'side of an edge' ? sideIcon(Math.PI / 2) : dotIcon('appearances'));
-const dotIcon = (letter) => letter === 'sides' ? sideIcon(Math.PI / 2) : icon(letter === 'A' || letter === 'C' ? svg('circle', {r: 4, fill: letter === 'A' ? '#9aa0a6' : 'none', stroke: '#9aa0a6', 'stroke-width': 2})
-  : letter === 'appearances' ? svg('circle', {r: 1.8, fill: '#9aa0a6'}) : svg('rect', {x: -3.6, y: -3.6, width: 7.2, height: 7.2, fill: 'none', stroke: '#9aa0a6', 'stroke-width': 2, 'stroke-opacity': letter === 'B' ? 0.5 : 1}));
+function dotIcon(letter) {
+  if (letter === 'sides') return sideIcon(Math.PI / 2);
+  const line = {fill: letter === 'A' ? MUTED : 'none', stroke: MUTED, 'stroke-width': 2, 'stroke-opacity': letter === 'B' ? 0.5 : 1};
+  return icon(letter === 'appearances' ? svg('circle', {r: 1.8, fill: MUTED}) : letter === 'A' || letter === 'C' ? svg('circle', {r: 4, ...line})
+    : svg('rect', {x: -3.6, y: -3.6, width: 7.2, height: 7.2, ...line}));
+}

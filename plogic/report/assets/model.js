@@ -8,28 +8,25 @@ const byId = new Map(hypotheses.map((h) => [h.id, h]));
 const appearanceById = new Map(appearances.map((a) => [a.id, a]));
 const colours = new Map([...hypotheses.filter((h) => h.status === 'accepted'), ...hypotheses.filter((h) => h.status !== 'accepted')]
   .map((h, i) => [h.id, PALETTE[i % PALETTE.length]]));
-const colour = (id) => colours.get(id) || '#9aa0a6';
+const MUTED = '#9aa0a6', colour = (id) => colours.get(id) || MUTED;
+const standing = (world) => world.present.map((id) => byId.get(id)).filter(Boolean);
 const label = (id) => { const h = byId.get(id); return h ? String(h.label || h.type) : String(id); };
+const called = (id) => `${label(id)} (${id})`;
 const rivals = new Set(facts.filter((f) => f.fact === 'rival').flatMap((f) => [f.args.join('\n'), f.args.slice().reverse().join('\n')]));
 
 const state = {shown: worlds[0], layers: new Set(['appearances', 'expected', 'hidden', 'outlines', 'labels']), chosen: null};
 
-// The objects of this world that hide the feature: opaque, and no rivals of its host.
-function hiders(h, f, world) {
-  return list(f.hidden_by).filter((g) => world.present.includes(g) && (byId.get(g) || {}).opaque !== false && !rivals.has(h.id + '\n' + g));
-}
-
-// The feature in the world: {expected, detected, letter, hiders}; letter is null outside the image.
-function caseOf(h, f, world) {
-  const by = hiders(h, f, world);
+// The feature in the shown world: {expected, detected, letter, hiders}; letter is null outside the image. What hides it is opaque, and no rival of its host.
+function caseOf(h, f) {
+  const by = list(f.hidden_by).filter((g) => state.shown.present.includes(g) && (byId.get(g) || {}).opaque !== false && !rivals.has(h.id + '\n' + g));
   const expected = Boolean(f.in_image && f.in_lobe && !(f.self_hidden && h.opaque !== false) && !by.length);
-  const taken = doc.reconsider === 'reassign' && !expected && f.match && claimant(f.match, world) && claimant(f.match, world).h !== h;
+  const taken = doc.reconsider === 'reassign' && !expected && f.match && (claimant(f.match) || {h}).h !== h;
   const detected = f.match != null && !taken;
   return {expected, detected, hiders: by, letter: !f.in_image ? null : expected ? (detected ? 'A' : 'C') : (detected ? 'D' : 'B')};
 }
 
 // What causes the appearance in the world: {h, f}, or null for noise and for what nobody knows.
-function claimant(id, world) {
+function claimant(id, world = state.shown) {
   const cause = String((world.causes || {})[id] || ''), cut = cause.indexOf('/'), h = byId.get(cause.slice(0, cut));
   return h && cut > 0 ? {h, f: list(h.features).find((f) => f.id === cause.slice(cut + 1))} : null;
 }
@@ -40,20 +37,20 @@ const chance = (p) => (p == null ? '\u2013' : p > 0 && p < 0.0005 ? '<0.001' : p
 const and = (xs) => (xs.length < 2 ? xs.join('') : xs.slice(0, -1).join(', ') + ' and ' + xs[xs.length - 1]);
 
 // Why the feature is in its case, in one sentence.
-function reason(h, f, world) {
-  const c = caseOf(h, f, world), a = appearanceById.get(f.match), cause = f.match != null ? claimant(f.match, world) : null;
+function reason(h, f) {
+  const c = caseOf(h, f), a = appearanceById.get(f.match), cause = f.match != null ? claimant(f.match) : null;
   const found = a ? `${a.id} (${named(a.type)})` + (f.residual != null ? `, ${fixed(f.residual, 1)} px ${isSide(f) ? 'off across the edge' : 'from its place'}` : '') : '';
-  const because = c.hiders.length ? `it is hidden behind ${and(c.hiders.map((g) => `${label(g)} (${g})`))}`
+  const because = c.hiders.length ? `it is hidden behind ${and(c.hiders.map(called))}`
     : f.self_hidden ? 'its own object hides it' : !f.in_lobe ? 'it does not show itself from this viewpoint' : 'it lies outside the image';
   if (c.letter === 'A') return `Expected and detected as ${found}.`;
   if (c.letter === 'C') {
-    const would = list(f.hidden_by).filter((g) => !world.present.includes(g) && byId.has(g));
+    const would = list(f.hidden_by).filter((g) => !state.shown.present.includes(g) && byId.has(g));
     return 'Expected, but nothing was detected: missed by the detectors, or hidden by something unknown.'
-      + (would.length ? ` ${and(would.map((g) => `${label(g)} (${g})`))} would hide it, but is not in this world.` : '');
+      + (would.length ? ` ${and(would.map(called))} would hide it, but is not in this world.` : '');
   }
   if (c.letter === 'D') {
     return `Not expected, since ${because}; yet ${found} is there. `
-      + (cause && cause.h !== h ? `Here that is explained by ${label(cause.h.id)} (${cause.h.id}).` : 'Noise, or something that is not known.');
+      + (cause && cause.h !== h ? `Here that is explained by ${called(cause.h.id)}.` : 'Noise, or something that is not known.');
   }
   return c.letter === 'B' ? `Not expected, since ${because}; and not detected.` : 'It lies outside the image, so it counts neither way.';
 }

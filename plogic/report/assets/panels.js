@@ -1,5 +1,9 @@
 // Worlds, hypotheses, relations, measures, trace: everything that is words and numbers.
-const present = (world) => (world.present.length ? world.present.map(who) : [el('span', null, 'Nothing that the knowledge base knows')]);
+const listed = (b) => el('li', {class: 'fold'}, b);
+const across = (n) => (b) => el('tr', null, el('td', {colspan: n, class: 'fold'}, b));
+const boxed = (b) => el('div', null, b);
+const none = (text) => el('p', {class: 'none'}, text);
+const present = (world) => (world.present.length ? world.present.map(who) : [tag(null, 'Nothing that the knowledge base knows')]);
 
 function show(world) {
   state.shown = world;
@@ -9,25 +13,25 @@ function show(world) {
 
 function worldRow(world, i) {
   const b = button('', () => show(world), {'aria-pressed': String(state.shown === world), 'data-world': i});
-  b.append(el('span', {class: 'p'}, chance(world.probability)), el('span', null, present(world)), bar(world.probability));
+  b.append(tag('p', chance(world.probability)), tag(null, present(world)), bar(world.probability));
   return el('li', null, b);
 }
 
 function drawWorlds() {
-  const [low, high] = list(doc.unlisted_mass).length === 2 ? doc.unlisted_mass : [0, 0];
+  const [low = 0, high = 0] = list(doc.unlisted_mass);
   const mass = high - low < 0.0005 ? chance(high) : `${chance(low)} to ${chance(high)}`;
-  const rest = high > 0 ? el('li', {class: 'rest'}, el('span', null, high < 0.0005 ? chance(high) : '\u2264' + chance(high)), el('span', {title: mass}, 'not listed'), bar(high)) : null;
+  const rest = high > 0 ? el('li', {class: 'rest'}, tag(null, (high < 0.0005 ? '' : '\u2264') + chance(high)), el('span', {title: mass}, 'not listed'), bar(high)) : null;
   const active = document.activeElement && document.activeElement.dataset.world;
-  put('world-list', [...fold(worlds.map(worldRow), 8, 'worlds', (b) => el('li', {class: 'fold'}, b)), rest].filter(Boolean));
+  put('world-list', [...fold(worlds.map(worldRow), 8, 'worlds', listed), rest].filter(Boolean));
   if (active != null) at('world-list').querySelector(`[data-world="${Number(active)}"]`).focus();
   drawCauses();
 }
 
 // How many appearances each object explains in the shown world, as one stacked bar with its key.
 function drawCauses() {
-  const world = state.shown, causes = appearances.map((a) => claimant(a.id, world));
-  const rows = world.present.map((id) => [who(id), causes.filter((c) => c && c.h.id === id).length, colour(id)]);
-  const left = causes.filter((c) => !c).length, explained = appearances.length - left;
+  const world = state.shown, causes = appearances.map((a) => claimant(a.id)).filter(Boolean);
+  const rows = world.present.map((id) => [who(id), causes.filter((c) => c.h.id === id).length, colour(id)]);
+  const explained = causes.length, left = appearances.length - explained;
   if (!world.causes) return put('world', el('p', null, world.title));
   const stack = el('div', {class: 'stack', 'aria-hidden': 'true'}, [...rows, [null, left, 'transparent']].map(([, n, c]) => {
     const i = el('i');
@@ -36,28 +40,28 @@ function drawCauses() {
     return i;
   }));
   put('world', el('p', null, `${explained} of ${plural(appearances.length, 'appearance')} explained`), stack,
-    el('ul', {class: 'key'}, rows.map(([w, n]) => el('li', null, w, el('span', null, String(n)))), el('li', null, el('span', null, swatch('var(--line)'), 'noise'), el('span', null, String(left)))));
+    el('ul', {class: 'key'}, rows.map(([w, n]) => el('li', null, w, tag(null, String(n)))), el('li', null, tag(null, swatch('var(--line)'), 'noise'), tag(null, String(left)))));
 }
 
 const sentence = (s) => String(s).charAt(0).toUpperCase() + String(s).slice(1).replace(/\.?$/, '.');
 const cellSums = (h) => Object.values(h.support || {}).map(numbers).reduce((sum, row) => sum.map((n, i) => n + row[i]), [0, 0, 0, 0]);
 const EVENT = {rank: 'Ranked', try: 'Tried', accept: 'Accepted', reject: 'Rejected', release: 'Released', reconsider: 'Reconsidered', noise: 'Noise', stable: 'Stable'};
 function card(h, number) {
-  const look = () => { show({present: [h.id], causes: null, title: `Only ${label(h.id)} (${h.id}) is shown, as it was tried.`}); at('view').scrollIntoView({block: 'start'}); };
+  const look = () => { show({present: [h.id], causes: null, title: `Only ${called(h.id)} is shown, as it was tried.`}); at('view').scrollIntoView({block: 'start'}); };
   const [a, c, , d] = cellSums(h), box = el('div', {class: 'why'}, el('p', {class: 'top'}, who(h.id), number), el('p', null, `Of ${plural(a + c, 'expected feature')} ${a} found, ${c} missed${d ? `; ${d} more found that it does not expect` : ''}.`),
     h.why ? el('p', null, sentence(h.why)) : null, h.status === 'accepted' ? null : button('Show it alone', look, {'data-alone': h.id}));
   if (h.status !== 'accepted') for (const [event, id] of [['pointerenter', h.id], ['pointerleave', null], ['focusin', h.id], ['focusout', null]]) box.addEventListener(event, () => hint(id));
   return box;
 }
 function drawHypotheses() {
-  const number = (h) => el('span', {class: 'p'}, chance(h.probability));
+  const number = (h) => tag('p', chance(h.probability));
   const yes = hypotheses.filter((h) => h.status === 'accepted'), no = hypotheses.filter((h) => h.status !== 'accepted');
-  put('believed', yes.length ? yes.map((h) => card(h, number(h))) : el('p', {class: 'none'}, 'None was accepted.'));
-  put('rejected', no.length ? fold(no.map((h) => card(h, el('span', {class: 'p id'}, h.status === 'rival' ? `rival, ${chance(h.probability)}` : 'rejected'))), 4, 'that are not believed', (b) => el('div', null, b)) : el('p', {class: 'none'}, 'Nothing was tried in vain.'));
+  put('believed', yes.length ? yes.map((h) => card(h, number(h))) : none('None was accepted.'));
+  put('rejected', no.length ? fold(no.map((h) => card(h, tag('p id', h.status === 'rival' ? `rival, ${chance(h.probability)}` : 'rejected'))), 4, 'that are not believed', boxed) : none('Nothing was tried in vain.'));
   const once = (r, i, all) => r.probability >= 0.0005 && !(/^(non|mutually)_/.test(r.relation) && all.slice(0, i).some((q) => q.relation === r.relation && q.args[0] === r.args[1] && q.args[1] === r.args[0]));
   const related = list(doc.relations).filter(once);
   put('relations', related.length ? fold(related.map((r) => el('div', {class: 'why'}, el('p', {class: 'top'},
-    el('span', null, who(r.args[0]), el('span', {class: 'id'}, words(r.relation) + ' '), r.args.slice(1).map(who)), el('span', {class: 'p'}, chance(r.probability))))), 6, 'relations', (b) => el('div', null, b)) : el('p', {class: 'none'}, 'No two objects to relate.'));
+    tag(null, who(r.args[0]), tag('id', words(r.relation) + ' '), r.args.slice(1).map(who)), tag('p', chance(r.probability))))), 6, 'relations', boxed) : none('No two objects to relate.'));
 }
 
 const numbers = (row) => [row.expected_detected, row.expected_missed, row.hidden_missed, row.hidden_detected].map((n) => n || 0);
@@ -66,41 +70,40 @@ function evBar(x) {
   return svg('svg', {class: 'ev', width: 64, height: 10, viewBox: '-32 -5 64 10', 'aria-hidden': 'true'}, svg('rect', {x: -32, y: -3, width: 64, height: 6, rx: 3, fill: 'var(--fill)'}),
     svg('rect', {x: Math.min(0, 32 * x), y: -3, width: Math.abs(32 * x), height: 6, fill: x < 0 ? 'var(--bad)' : 'var(--mark)'}), svg('path', {d: 'M0,-5V5', stroke: 'var(--soft)'}));
 }
-function table(caption, heads, rows) {
-  const head = heads.map((h, i) => el('th', {scope: 'col', class: i >= heads.names ? 'n' : null}, ...String(h).split('\n').flatMap((t, k) => (k ? [el('br'), t] : [t]))));
+function table(caption, heads, rows, names = 1) {
+  const head = heads.map((h, i) => el('th', {scope: 'col', class: i >= names ? 'n' : null}, ...String(h).split('\n').flatMap((t, k) => (k ? [el('br'), t] : [t]))));
   return el('div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': caption}, el('table', null, el('caption', null, caption), el('thead', null, el('tr', null, head)), rows));
 }
 
+const falling = (names, by = {}) => names.sort((a, b) => by[b] - by[a] || (a < b ? -1 : 1));
 function supportRows(h) {
-  const kindsOf = Object.keys(h.support || {}).sort((a, b) => (doc.measures.dv || {})[b] - (doc.measures.dv || {})[a] || (a < b ? -1 : 1)), span = Math.max(1, kindsOf.length);
-  const wide = (text, extra, cls) => el('td', {rowspan: span, class: cls}, text, extra);
+  const types = falling(Object.keys(h.support || {}), doc.measures.dv), rowspan = Math.max(1, types.length);
+  const wide = (text, extra, cls) => el('td', {rowspan, class: cls}, text, extra);
   const tail = [wide(fixed(h.ev, 2)), wide(fixed(h.p_ev, 2)), wide(fixed(h.ev_reconsidered, 2), evBar(h.ev_reconsidered), 'strong')];
-  return (kindsOf.length ? kindsOf : [null]).map((type, i) => el('tr', {class: i ? null : 'first'}, i ? null : el('th', {scope: 'rowgroup', rowspan: span}, who(h.id), el('br'), el('span', {class: 'id'}, h.status)),
+  return (types.length ? types : [null]).map((type, i) => el('tr', {class: i ? null : 'first'}, i ? null : el('th', {scope: 'rowgroup', rowspan}, who(h.id), el('br'), tag('id', h.status)),
     el('th', {scope: 'row'}, type == null ? '\u2013' : words(type)), numbers((h.support || {})[type] || {}).map((n, j) => el('td', {class: n ? (j % 2 ? 'c' : null) : 'zero'}, String(n))), i ? null : tail));
 }
+const measured = (name, ...values) => el('tr', null, el('th', {scope: 'row'}, name), values.map((x) => el('td', null, fixed(x, 3))));
 function drawMeasures() {
   const heads = ['Hypothesis', 'Feature type', 'A  expected,\ndetected', 'C  expected,\nmissed', 'B  not expected,\nnot detected', 'D  not expected,\ndetected', 'ev', 'P(ev)', 'ev\nreconsidered'];
-  heads.names = 2;
-  put('support', hypotheses.length ? table('Support for each hypothesis', heads, fold(hypotheses.map((h) => el('tbody', null, supportRows(h))), 6, 'hypotheses', (b) => el('tbody', null, el('tr', null, el('td', {colspan: 9, class: 'fold'}, b))))) : el('p', {class: 'none'}, 'No hypothesis was made.'));
-  const {dv = {}, p_dv: pdv = {}, rank = {}} = doc.measures, types = Object.keys(dv).sort((a, b) => dv[b] - dv[a] || (a < b ? -1 : 1));
-  const heads2 = Object.assign(['Feature type', 'dv', 'P(dv)'], {names: 1}), heads3 = Object.assign(['Object type', 'rank'], {names: 1});
-  put('types', types.length ? table('How distinctive a feature type is', heads2, el('tbody', null, fold(types.map((t) => el('tr', null, el('th', {scope: 'row'}, words(t)), el('td', null, fixed(dv[t], 3)), el('td', null, fixed(pdv[t], 3)))), 14, 'feature types', (b) => el('tr', null, el('td', {colspan: 3, class: 'fold'}, b))))) : []);
-  const ranked = Object.keys(rank).sort((a, b) => rank[b] - rank[a] || (a < b ? -1 : 1));
-  put('ranks', ranked.length ? table('What drew attention first', heads3, el('tbody', null, ranked.map((t) => el('tr', null, el('th', {scope: 'row'}, t), el('td', null, fixed(rank[t], 3)))))) : []);
+  put('support', hypotheses.length ? table('Support for each hypothesis', heads, fold(hypotheses.map((h) => el('tbody', null, supportRows(h))), 6, 'hypotheses', (b) => el('tbody', null, across(9)(b))), 2) : none('No hypothesis was made.'));
+  const {dv = {}, p_dv: pdv = {}, rank = {}} = doc.measures, types = falling(Object.keys(dv), dv), ranked = falling(Object.keys(rank), rank);
+  put('types', types.length ? table('How distinctive a feature type is', ['Feature type', 'dv', 'P(dv)'], el('tbody', null, fold(types.map((t) => measured(words(t), dv[t], pdv[t])), 14, 'feature types', across(3)))) : []);
+  put('ranks', ranked.length ? table('What drew attention first', ['Object type', 'rank'], el('tbody', null, ranked.map((t) => measured(t, rank[t])))) : []);
 }
 
 function drawTrace() {
-  put('steps', fold(list(doc.trace).map((s) => el('li', null, el('span', {class: 'n'}, String(s.step)), el('span', {class: 'event ' + (Object.hasOwn(EVENT, s.event) ? s.event : '')}, Object.hasOwn(EVENT, s.event) ? EVENT[s.event] : String(s.event)),
-    el('span', {class: 'subject'}, s.hypothesis != null ? who(s.hypothesis) : s.type != null ? String(s.type) : ''), el('span', {class: 'text'}, String(s.why || '')), el('span', {class: 'num'}, s.ev == null ? '' : fixed(s.ev, 2)))), 40, 'steps', (b) => el('li', {class: 'fold'}, b)));
+  put('steps', fold(list(doc.trace).map((s) => el('li', null, tag('n', String(s.step)), tag('event ' + (Object.hasOwn(EVENT, s.event) ? s.event : ''), Object.hasOwn(EVENT, s.event) ? EVENT[s.event] : String(s.event)),
+    tag('subject', s.hypothesis != null ? who(s.hypothesis) : s.type != null ? String(s.type) : ''), tag('text', String(s.why || '')), tag('num', s.ev == null ? '' : fixed(s.ev, 2)))), 40, 'steps', listed));
   at('trace').hidden = !list(doc.trace).length;
 }
 
 function drawHead() {
-  const best = worlds[0], left = appearances.filter((a) => !claimant(a.id, best)).length;
+  const best = worlds[0], explained = appearances.filter((a) => claimant(a.id, best)).length;
   const names = best.present.map(label), text = names.length ? and(names) : 'Nothing known is in view';
   const mode = doc.reading === 'posterior' ? 'Posterior reading' : `Score reading, mode ${doc.reconsider || 'to_B'}`;
   head(`what one picture shows, by the knowledge base \u201c${doc.kb.name || ''}\u201d`, /^[a-z]{2,} /.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text,
-    `The most probable of ${plural(worlds.length, 'world')} has probability ${chance(best.probability)} and explains ${appearances.length - left} of ${plural(appearances.length, 'appearance')}. ${mode}.`);
+    `The most probable of ${plural(worlds.length, 'world')} has probability ${chance(best.probability)} and explains ${explained} of ${plural(appearances.length, 'appearance')}. ${mode}.`);
   foot(`${doc.format || 'an interpretation'} and the knowledge base ${doc.kb.name || ''}`, doc.kb.digest);
 }
 

@@ -16,19 +16,17 @@ function mark(uv, parts, tell, key) {
   return g;
 }
 
-const featureTell = (h, f, letter) => [`${f.id}`, `of ${label(h.id)} (${h.id}), ${named(f.type)}, case ${letter}.`, reason(h, f, state.shown)];
-function featureMark(h, f) {
-  const c = caseOf(h, f, state.shown);
-  const layer = c.expected ? 'expected' : 'hidden';
-  if (!c.letter || !state.layers.has(layer)) return null;
-  const g = mark(f.uv, glyph(c.expected, c.detected, colour(h.id)), featureTell(h, f, c.letter), [h.id, f.id]);
-  g.setAttribute('data-case', c.letter);
+const featureTell = (h, f, letter) => [`${f.id}`, `of ${called(h.id)}, ${named(f.type)}, case ${letter}.`, reason(h, f)];
+function featureMark({h, f, expected, detected, letter}) {
+  if (!letter || !state.layers.has(expected ? 'expected' : 'hidden')) return null;
+  const g = mark(f.uv, glyph(expected, detected, colour(h.id)), featureTell(h, f, letter), [h.id, f.id]);
+  g.setAttribute('data-case', letter);
   return g;
 }
 
 function appearanceTell(a) {
-  const cause = claimant(a.id, state.shown), raw = state.shown.causes ? state.shown.causes[a.id] || doc.causes_else : null;
-  const because = cause ? `Explained by ${cause.f ? cause.f.id : 'a feature'} of ${label(cause.h.id)} (${cause.h.id}).`
+  const cause = claimant(a.id), raw = state.shown.causes ? state.shown.causes[a.id] || doc.causes_else : null;
+  const because = cause ? `Explained by ${cause.f ? cause.f.id : 'a feature'} of ${called(cause.h.id)}.`
     : raw === 'noise' ? 'Noise in this world: no object explains it.' : raw ? `Explained by ${raw}.` : 'Nothing here explains it.';
   const score = a.score != null ? `, score ${fixed(a.score, 2)}` : '';
   return [`${a.id}`, `${named(a.type)}, found by ${a.detector || 'a detector'}${score}.`, because];
@@ -58,66 +56,66 @@ function names(shown, k) {
 const pixel = () => W / (canvasSvg.getBoundingClientRect().width || W);
 
 function drawPicture() {
-  const shown = state.shown.present.map((id) => byId.get(id)).filter(Boolean), on = (l) => state.layers.has(l);
+  const shown = standing(state.shown), on = (l) => state.layers.has(l);
   marks = [];
-  const features = shown.flatMap((h) => list(h.features).map((f) => [h, f]));
-  const order = (wanted) => crowded ? [] : features.filter(([h, f]) => caseOf(h, f, state.shown).expected === wanted).map(([h, f]) => featureMark(h, f));
-  canvasSvg.replaceChildren(...[
+  const rows = shown.flatMap((h) => list(h.features).map((f) => ({h, f, ...caseOf(h, f)})));
+  const order = (wanted) => crowded ? [] : rows.filter((r) => r.expected === wanted).map(featureMark);
+  fill(canvasSvg,
     IMAGE ? svg('image', {href: IMAGE, x: -0.5, y: -0.5, width: W, height: H, preserveAspectRatio: 'none'}) : svg('rect', {x: -0.5, y: -0.5, width: W, height: H, fill: '#c9c7c0'}),
-    ...(on('outlines') ? shown.map((h) => outline(h)) : []), svg('g', {id: 'squares'}, order(false)), svg('g', {id: 'circles'}, order(true)),
+    on('outlines') ? shown.map((h) => outline(h)) : [], svg('g', {id: 'squares'}, order(false)), svg('g', {id: 'circles'}, order(true)),
     svg('g', {id: 'signs'}, on('appearances') && !crowded ? appearances.map(appearanceMark) : []),
-    svg('g', {id: 'hint'}), svg('g', {id: 'names'}, on('labels') ? names(shown, pixel()) : []),
-  ].filter(Boolean));
+    svg('g', {id: 'hint'}), svg('g', {id: 'names'}, on('labels') ? names(shown, pixel()) : []));
   if (crowded) over.replaceChildren(canvasSvg.lastChild);
   focusable = Math.min(focusable, Math.max(0, marks.length - 1));
   if (marks.length) marks[focusable].g.setAttribute('tabindex', 0);
   resizeMarks();
-  if (crowded) gatherDots(features);
+  if (crowded) gatherDots(rows);
   paintDots();
   showChosen();
-  countCases(features);
+  countCases(rows);
 }
 
 // The outline of a hypothesis that is not shown, while a reader points at its row.
 function hint(id) {
   const h = byId.get(id), layer = canvasSvg.querySelector('#hint');
-  if (layer) layer.replaceChildren(...(h ? [outline(h, true), ...names([h], pixel())].filter(Boolean) : []));
+  if (layer) fill(layer, h ? [outline(h, true), names([h], pixel())] : []);
 }
 
 function resizeMarks() {
   paintDots();
   const k = pixel(), small = k * (innerWidth < 560 ? 0.72 : 1);
   for (const m of marks) m.g.setAttribute('transform', `translate(${Number(m.uv[0])} ${Number(m.uv[1])}) scale(${small})`);
-  const shown = state.shown.present.map((id) => byId.get(id)).filter(Boolean), layer = at('picture').querySelector('#names');
-  if (layer && state.layers.has('labels')) layer.replaceChildren(...names(shown, k).filter(Boolean));
+  const layer = at('picture').querySelector('#names');
+  if (layer && state.layers.has('labels')) fill(layer, names(standing(state.shown), k));
 }
 
 function showChosen() {
   const c = state.chosen, key = c && c.key.join(' ');
   marks.forEach((m) => m.g.classList.toggle('on', m.g.dataset.key === key));
   if (c) put('about', el('b', null, c.tell[0]), ' ', c.tell.slice(1).join(' '));
-  else put('about', el('span', {class: 'id'}, 'Point at a mark, or walk through them with the arrow keys, to read what it is and why.'));
+  else put('about', tag('id', 'Point at a mark, or walk through them with the arrow keys, to read what it is and why.'));
 }
 
 const CASES = [['A', 1, 1, 'Found', 'expected, detected'], ['B', 0, 0, 'Rightly unseen', 'neither'],
   ['C', 1, 0, 'Missed', 'expected, not detected'], ['D', 0, 1, 'Unexpected', 'detected, not expected']];
-function countCases(features) {
-  const count = (letter) => features.reduce((n, [h, f]) => n + (caseOf(h, f, state.shown).letter === letter ? f.stands_for || 1 : 0), 0);
-  put('cases', CASES.map(([letter, e, d, name, means]) => el('div', {'data-case': letter},
-    crowded ? dotIcon(letter) : icon(glyph(e, d, '#9aa0a6')),
-    el('dt', null, el('span', {class: 'id'}, letter), ' ' + name), el('dd', null, String(count(letter))), el('small', null, means, sidesNote(features, letter)))));
-}
-// How many of the found and of the missed are sides of edges, with their mark.
-function sidesNote(features, letter) {
-  const n = letter === 'A' || letter === 'C' ? features.filter(([h, f]) => isSide(f) && caseOf(h, f, state.shown).letter === letter).length : 0;
-  return n ? el('span', {class: 'sides', 'data-sides': letter}, sideIcon(letter === 'A' ? Math.PI / 2 : null), plural(n, 'side of an edge', 'sides of edges')) : null;
+function countCases(rows) {
+  put('cases', CASES.map(([letter, expected, detected, name, means]) => {
+    const mine = rows.filter((r) => r.letter === letter), sides = expected ? mine.filter((r) => isSide(r.f)).length : 0;
+    return el('div', {'data-case': letter}, crowded ? dotIcon(letter) : icon(glyph(expected, detected, MUTED)), el('dt', null, tag('id', letter), ' ' + name),
+      el('dd', null, String(mine.reduce((n, r) => n + (r.f.stands_for || 1), 0))),
+      el('small', null, means, sides ? el('span', {class: 'sides', 'data-sides': letter}, sideIcon(detected ? Math.PI / 2 : null), plural(sides, SIDE, 'sides of edges')) : null));
+  }));
 }
 
+// One mark on or back, by an arrow key; 0 for any other key.
+function stepOf(event, possible) {
+  const step = possible && {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1}[event.key] || 0;
+  if (step) event.preventDefault();
+  return step;
+}
 function walk(event) {
-  const step = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1}[event.key];
-  const here = marks.findIndex((m) => m.g === event.target);
-  if (!step || here < 0) return;
-  event.preventDefault();
+  const here = marks.findIndex((m) => m.g === event.target), step = stepOf(event, here >= 0);
+  if (!step) return;
   marks[here].g.setAttribute('tabindex', -1);
   focusable = (here + step + marks.length) % marks.length;
   marks[focusable].g.setAttribute('tabindex', 0);
@@ -130,9 +128,9 @@ const layer = (name, shown, text) => toggle(name, shown, text, (on) => { state.l
 function startPicture() {
   put('picture', canvasSvg);
   startDots();
-  if (crowded) put('layers', [...(sideTypes.size ? [...DOTS, SIDES] : DOTS).map(([name, text, on]) => layer(name, on, [dotIcon(name), text])), ...LAYERS.slice(3).map(([name, text]) => layer(name, true, [text]))]);
-  else put('layers', LAYERS.map(([name, text, form]) => layer(name, true, [form == null ? null : icon(glyph(form, true, '#9aa0a6')), text])));
-  put('signs-key', kinds.map((k) => el('li', null, crowded ? keyIcon(k) : icon(sign(k)), words(k), crowded ? el('span', {class: 'id'}, ` ${appearances.filter((a) => plain(a.type) === k).length}`) : null)));
+  if (crowded) put('layers', [...DOTS.map(([name, text, on]) => layer(name, on, [dotIcon(name), text])), ...LAYERS.slice(3).map(([name, text]) => layer(name, true, [text]))]);
+  else put('layers', LAYERS.map(([name, text, form]) => layer(name, true, [form == null ? null : icon(glyph(form, true, MUTED)), text])));
+  put('signs-key', kinds.map((k) => el('li', null, crowded ? dotIcon(k === SIDE ? 'sides' : 'appearances') : icon(sign(k)), words(k), crowded ? tag('id', ` ${appearances.filter((a) => plain(a.type) === k).length}`) : null)));
   canvasSvg.addEventListener('keydown', walk);
   new ResizeObserver(resizeMarks).observe(canvasSvg);
   watchers.push((what) => (what === 'chosen' ? showChosen() : drawPicture()));

@@ -47,7 +47,7 @@ function floor(points, ink, lines) {
 
 // All that is to be drawn of the shown world: {triangles, lines, points, picture}.
 function build(theme) {
-  const shown = state.shown.present.map((id) => byId.get(id)).filter(Boolean), scene = {triangles: [], lines: [], points: [], picture: null};
+  const shown = standing(state.shown), scene = {triangles: [], lines: [], points: [], picture: null};
   const all = shown.flatMap((h) => solid(h).points), deep = all.length ? Math.min(...all.map((p) => p[2])) : 1;
   if (GROUNDED && all.length) floor(all, theme.ink, scene.lines);
   for (const h of shown) {
@@ -63,7 +63,7 @@ function build(theme) {
 }
 
 function sight(h, f, c, scene, theme) {
-  const k = caseOf(h, f, state.shown), chosen = state.chosen && state.chosen.key.join(' ') === h.id + ' ' + f.id;
+  const k = caseOf(h, f), chosen = state.chosen && state.chosen.key.join(' ') === h.id + ' ' + f.id;
   if (!k.letter || !f.at || f.stands_for > 1) return;
   const paint = chosen ? theme.ink : mix(c, [0, 0, 0], 0.25);
   if (shape.lines && ((k.expected && !isSide(f)) || chosen)) scene.lines.push({p: [0, 0, 0], q: f.at, c: [...paint, chosen ? 1 : k.detected ? 0.42 : 0.16]});
@@ -73,7 +73,7 @@ function sight(h, f, c, scene, theme) {
 // The eye that orbits: angles in radians, distance in the document's metres.
 const eye = {yaw: 0, pitch: 0, distance: 1, centre: [0, 0, 1], far: 10};
 function resetEye(yaw = 0.95, pitch = 0.42, grow = 1) {
-  const all = [[0, 0, 0], ...worlds[0].present.map((id) => byId.get(id)).filter(Boolean).flatMap((h) => solid(h).points)];
+  const all = [[0, 0, 0], ...standing(worlds[0]).flatMap((h) => solid(h).points)];
   const side = [0, 1, 2].map((i) => [Math.min(...all.map((p) => p[i])), Math.max(...all.map((p) => p[i]))]);
   eye.centre = side.map(([a, b]) => (a + b) / 2);
   eye.far = Math.max(...all.map((p) => norm(sub(p, eye.centre)))) || 1;

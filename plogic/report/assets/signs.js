@@ -1,5 +1,5 @@
 // Elements of this page: who is meant, long lists folded, the marks of features and appearances.
-const who = (id) => el('span', {class: 'who'}, swatch(colour(id)), byId.has(id) ? label(id) + ' ' : null, el('span', {class: 'id'}, String(id)));
+const who = (id) => tag('who', swatch(colour(id)), byId.has(id) ? label(id) + ' ' : null, tag('id', String(id)));
 
 // Long lists show their first n; a button shows the rest, and what was unfolded stays so.
 const unfolded = new Set();
@@ -31,7 +31,7 @@ const SIGNS = {
 };
 const OTHER = ['M0,-3.6L3.6,0L0,3.6L-3.6,0Z', 'M0,-3.4L3.2,2.6H-3.2Z', 'M-3.4,0H3.4M0,-3.4V3.4', 'M-3,-3L3,3M3,-3L-3,3'];
 // Visual words are hundreds of types; for a reader they are one.
-const plain = (type) => (sideTypes.has(type) ? 'side of an edge' : String(type).replace(/^(sift|orb)_w\d+$/, '$1 keypoint'));
+const plain = (type) => (sideTypes.has(type) ? SIDE : String(type).replace(/^(sift|orb)_w\d+$/, '$1 keypoint'));
 const kinds = [...new Set(appearances.map((a) => plain(a.type)))].sort();
 function sign(type) {
   const d = Object.hasOwn(SIGNS, type) ? SIGNS[type] : OTHER[Math.max(0, kinds.indexOf(plain(type))) % OTHER.length];

@@ -4,7 +4,7 @@ const place = (p) => '[' + p.map((x) => round(x + 0)).join(', ') + '] m';
 const lobeHit = (l, t) => (lobe.hit ? lobe.hit[l] : t.hit).toFixed(2);
 function lobeRow(l, t, v) {
   const held = holds(l, v), b = button('', () => { state.alone = state.alone === l ? -1 : l; changed('chosen'); }, {'aria-pressed': String(state.alone === l), 'data-lobe': l, title: 'Show this lobe alone'});
-  b.append(swatch(css(lobeColour(l))), el('span', null, words(LOOKS[lobe.look[l]])));
+  b.append(swatch(css(lobeColour(l))), tag(null, words(LOOKS[lobe.look[l]])));
   const cells = [degrees(lobe.half[l]), span(lobe.near[l], lobe.far[l]), lobeHit(l, t), held ? 'yes' : 'no'];
   return el('tr', {class: [held ? null : 'away', state.alone === l ? 'on' : null].filter(Boolean).join(' ') || null}, el('th', {scope: 'row'}, b), cells.map((c) => el('td', null, c)));
 }

@@ -8,11 +8,11 @@ function choose(only) {
   changed('only');
 }
 const keyOf = (only) => `${only.part} ${only.type}`;
-const row = (only, cls, ...cells) => button('', () => choose(only), {class: cls, 'aria-pressed': 'false', 'data-key': keyOf(only)}).appendChild(el('span', null, cells[0])).parentNode;
+const row = (only, cls, ...cells) => button('', () => choose(only), {class: cls, 'aria-pressed': 'false', 'data-key': keyOf(only)}).appendChild(tag(null, cells[0])).parentNode;
 
 function treeRow(only, cls, name, count, dv) {
   const b = row(only, cls, name);
-  b.append(el('span', null, String(count)), el('span', null, dv));
+  b.append(tag(null, String(count)), tag(null, dv));
   b.setAttribute('title', cls === 'part' ? 'features of this part and of its parts' : 'features of this type in this part');
   return b;
 }
@@ -42,8 +42,8 @@ function drawLegend() {
   const strip = el('canvas', {width: 256, height: 1, 'aria-hidden': 'true'}), g = strip.getContext('2d');
   for (let i = 0; i < 256; i++) { g.fillStyle = css(ramp(i / 255)); g.fillRect(i, 0, 1, 1); }
   const ends = RARE > COMMON ? [`${COMMON.toFixed(DIGITS)} common`, `${RARE.toFixed(DIGITS)} rare`] : ['', `${RARE.toFixed(DIGITS)}, of every type here`];
-  put('legend', el('span', null, 'Colour: dv'), strip, el('span', {class: 'ends'}, ends.map((e) => el('span', null, e))),
-    ...(SIDES ? [el('span', null, 'T-shaped mark'), el('span', null, 'the side of an edge: a stroke along the edge, a tick towards the side')] : []));
+  put('legend', tag(null, 'Colour: dv'), strip, tag('ends', ends.map((e) => tag(null, e))),
+    ...(SIDES ? [tag(null, 'T-shaped mark'), tag(null, 'the side of an edge: a stroke along the edge, a tick towards the side')] : []));
 }
 
 function startPanels() {

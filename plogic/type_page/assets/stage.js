@@ -10,7 +10,7 @@ function moved() {
   state.seen = look(viewpoint(), state.lit);
   const some = state.only ? feature.names.filter((_, f) => chosen(f) && state.lit[f]).length : 0, of = state.only ? feature.names.filter((_, f) => chosen(f)).length : 0;
   const open = surface && state.seen * surface.triangles.length / 3 <= RAYS ? feature.names.filter((_, f) => state.lit[f] && !hidden(three(feature.at, f))).length : null;
-  put('here', el('span', null, 'Seen from here: ', el('b', null, `${state.seen} of ${COUNT}`), ` features, from ${metres(eye.distance)}`, open == null || open === state.seen ? null : `; the surface hides ${state.seen - open} of them`, state.only ? `; of the chosen ones ${some} of ${of}` : ''), bar(state.seen / (COUNT || 1)));
+  put('here', tag(null, 'Seen from here: ', el('b', null, `${state.seen} of ${COUNT}`), ` features, from ${metres(eye.distance)}`, open == null || open === state.seen ? null : `; the surface hides ${state.seen - open} of them`, state.only ? `; of the chosen ones ${some} of ${of}` : ''), bar(state.seen / (COUNT || 1)));
   redraw();
 }
 function turn(yaw, pitch) {
