@@ -146,11 +146,13 @@ class Perception:
     def _is_accepted(self, posed: Posed) -> bool:
         return any(same_hypothesis(posed, belief.posed) for belief in self.accepted)
 
-    def _judge(self, posed: Posed, free: NDArray[np.bool_], rounds: int = 2, skip: Belief | None = None) -> Belief:
+    def _judge(self, posed: Posed, free: NDArray[np.bool_], rounds: int, skip: Belief | None = None) -> Belief:
+        """A hypothesis beside Δi, matched on ``free`` data; or, by that many ``rounds``, refined, if it is matched so already."""
         index = self.indices[posed.object_type.name]
         hidden = self._hidden(posed, skip)
         if rounds or self.accepted or not isinstance(index, LearntIndex):  # else it was matched so when it was found
-            posed = settle(index, posed.camera_from_object, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
+            start = posed if rounds else posed.camera_from_object
+            posed = settle(index, start, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
         hidden = self._hidden(posed, skip) if rounds else hidden
         ev = explanatory_value(posed.support(), self.dv)
         again = explanatory_value(posed.support(hidden), self.dv)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kb.words import POINT, SIDE, WIDTHS
+from plogic.search.grid import grid_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,8 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.camera import Camera
-    from plogic.search.learnt.place_grid import PlaceGrid
-    from plogic.search.learnt.side_grid import SideGrid
+    from plogic.search.grid import Grid
     from sensing.appearance import Appearance
 
 
@@ -71,20 +71,16 @@ class Data:
         return np.asarray(count[which], np.intp)
 
     @cached_property
-    def keypoints(self) -> PlaceGrid:
+    def keypoints(self) -> Grid:
         """The keypoints among these, by place."""
-        from plogic.search.learnt.place_grid import place_grid
-
         which = np.flatnonzero(self.described)
-        return place_grid(which, self.uv[which], (self.camera.width, self.camera.height))
+        return grid_of(which, self.uv[which], (self.camera.width, self.camera.height))
 
     @cached_property
-    def sides(self) -> SideGrid:
+    def sides(self) -> Grid:
         """The sides of edges among these, by place and direction."""
-        from plogic.search.learnt.side_grid import side_grid
-
         which = np.flatnonzero(self.sided)
-        return side_grid(which, self.uv[which], self.angle[which], (self.camera.width, self.camera.height))
+        return grid_of(which, self.uv[which], (self.camera.width, self.camera.height), self.angle[which])
 
     def only(self, keep: NDArray[np.bool_]) -> Data:
         """The appearances where ``keep`` (A,) holds."""

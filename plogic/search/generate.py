@@ -162,14 +162,14 @@ def _plausible(pose: NDArray[np.float64], index: TypeIndex) -> bool:
 
 def settle(
     index: TypeIndex,
-    pose: NDArray[np.float64],
+    pose: NDArray[np.float64] | Posed,
     data: Data,
     kb: KnowledgeBase,
     free: NDArray[np.bool_] | None = None,
     hidden: NDArray[np.bool_] | None = None,
     rounds: int = 2,
 ) -> Posed:
-    """The type at a pose: matched exactly (D7, D8), refined, and matched again."""
+    """The type at a pose, or one that is matched there already: matched exactly (D7, D8), refined, and matched again."""
     allowed = index.allowed(data)
 
     def match(pose: NDArray[np.float64]) -> Posed:

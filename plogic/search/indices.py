@@ -60,7 +60,7 @@ def generate(index: Index, data: Data, kb: KnowledgeBase, covered: NDArray[np.bo
 
 def settle(
     index: Index,
-    pose: NDArray[np.float64],
+    pose: NDArray[np.float64] | Posed,
     data: Data,
     kb: KnowledgeBase,
     *,
@@ -68,7 +68,7 @@ def settle(
     hidden: NDArray[np.bool_] | None = None,
     rounds: int = 2,
 ) -> Posed:
-    """The type at a pose: matched, refined, and matched again.
+    """The type at a pose, or one that is matched there already: matched, refined, and matched again.
 
     ``free`` (A,) data that nobody else has claimed; ``hidden`` (F,) features that accepted opaque objects hide.
     """

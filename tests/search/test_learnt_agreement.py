@@ -12,7 +12,7 @@ from random_cloud import random_cloud
 from geometry.frames import transform_points
 from plogic.search.data import centre_of, data_of
 from plogic.search.indices import generate
-from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, one_to_one, screen_angle, votes
+from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, held_by, screen_angle, votes
 from plogic.search.learnt.pairs import Pairs, pairs_of
 
 SINGLE = 5e-4
@@ -21,6 +21,13 @@ SINGLE = 5e-4
 
 def pairs(datum, lobe, weight=None):
     return Pairs(datum, lobe, np.ones(len(datum)) if weight is None else weight)
+
+
+def residuals(found, count):
+    """(H, P) pixels, inf where a pair contradicts."""
+    result = np.full((len(found.tolerance), count), inf)
+    result[found.pose, found.pair] = found.off
+    return result
 
 
 def residual_by_hand(index, pose, lobe, datum, data, tolerance):
@@ -59,7 +66,7 @@ def test_agreement_is_what_a_loop_over_poses_and_pairs_says(seed, share, pixels)
         assert found.tolerance[h] == pytest.approx(share * thing.index.diameter * data.camera.f / depth + pixels)
         for p in range(len(some)):
             expected = residual_by_hand(thing.index, pose, lobes[p], some.datum[p], data, found.tolerance[h])
-            assert found.residual[h, p] == pytest.approx(expected, abs=SINGLE)
+            assert residuals(found, len(some))[h, p] == pytest.approx(expected, abs=SINGLE)
 
 
 def test_a_scene_agrees_with_its_own_pose_wholly():
@@ -68,13 +75,13 @@ def test_a_scene_agrees_with_its_own_pose_wholly():
     lobes = np.arange(24)
     own = pairs(lobes, lobes)
     found = agreement(thing.index, pose[None], own, gamma_at(thing.cloud, lobes, pose), 0.0, 1.0)
-    assert found.residual.max() < 0.01
+    assert residuals(found, 24).max() < 0.01
     assert votes(found, own)[0] == pytest.approx(24, abs=0.01)
     for spoilt in ({"angle": 1.0}, {"scale": 2.0}, {"ideal": 30.0}):
         data = gamma_at(thing.cloud, lobes, pose)
         for name, much in spoilt.items():
             getattr(data, name)[:] = getattr(data, name) * much if name == "scale" else getattr(data, name) + much
-        assert np.isinf(agreement(thing.index, pose[None], own, data, 0.0, 1.0).residual).all()
+        assert not len(agreement(thing.index, pose[None], own, data, 0.0, 1.0).pose)
 
 
 def test_the_angle_on_the_screen_is_that_of_a_short_step():
@@ -93,20 +100,24 @@ def test_votes_and_the_choice_of_one_each_are_those_of_loops(seed, count):
     some = pairs(datum, np.zeros(count, np.intp), rng.uniform(0.1, 1, count))
     residual = np.where(rng.random((3, count)) < 0.4, inf, rng.uniform(0, 6, (3, count)))
     agree = np.nonzero(np.isfinite(residual))
-    found = Agreement(*agree, residual[agree], rng.uniform(4, 8, 3), count)
+    found = Agreement(*agree, residual[agree], rng.uniform(4, 8, 3))
     off = residual / found.tolerance[:, None]
     worth = [[some.weight[p] * exp(-2 * off[h, p] ** 2) for p in range(count)] for h in range(3)]
     expected = [sum(max(row[p] for p in range(count) if datum[p] == d) for d in set(datum.tolist())) for row in worth]
     np.testing.assert_allclose(votes(found, some), expected)
-    weights = rng.uniform(0.1, 1, (3, count)) * (rng.random((3, count)) < 0.7)
-    kept = one_to_one(weights, some, feature)
+    held = held_by(found, some, feature)
+    kept = np.zeros((3, count))
+    kept[held.pose, held.pair] = held.weight
     for h in range(3):
-        row = weights[h].copy()
+        row = np.array([some.weight[p] * exp(-0.5 * (1.5 * off[h, p]) ** 2) for p in range(count)])
         for owner in (datum, feature):
             row = np.array([w if w == max(row[q] for q in range(count) if owner[q] == owner[p]) else 0.0 for p, w in enumerate(row)])
-        assert kept[h].tolist() == row.tolist()
+        np.testing.assert_allclose(kept[h], row)
         chosen = np.flatnonzero(kept[h])
         assert len(set(datum[chosen].tolist())) == len(set(feature[chosen].tolist())) == len(chosen)
+    np.testing.assert_allclose(held.sums(3), kept.sum(axis=1))
+    of_pairs = rng.normal(size=(count, 2))
+    np.testing.assert_allclose(held.sums(3, of_pairs), kept @ of_pairs)
 
 
 def test_descriptors_of_another_width_pair_with_nothing():

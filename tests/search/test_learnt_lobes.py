@@ -42,17 +42,17 @@ def test_lobes_hold_the_viewpoints_that_are_within_their_cone_and_range(seed, co
     near, far = cloud.r_min * granularity, cloud.r_max * granularity
     expected = (angle <= cloud.half_angle) & (away >= near) & (away <= far)
     rim = np.minimum(np.abs(angle - cloud.half_angle), np.minimum(np.abs(away / near - 1.0), np.abs(away / far - 1.0)))
-    found = held_from(thing.index, viewpoints, granularity)
+    found = held_from(thing.index.lobes, viewpoints, granularity)
     assert found.shape == (count, len(cloud.feature))
     assert found.dtype == bool
     assert (found == expected)[rim > RIM].all()
     assert (rim > RIM).mean() > 0.9
-    assert held_from(thing.index, viewpoints[:0], granularity).shape == (0, len(cloud.feature))
+    assert held_from(thing.index.lobes, viewpoints[:0], granularity).shape == (0, len(cloud.feature))
 
 
 def test_both_answers_are_given():
     thing = made(0)
-    share = held_from(thing.index, around(np.random.default_rng(0), 200), 1.0).mean()
+    share = held_from(thing.index.lobes, around(np.random.default_rng(0), 200), 1.0).mean()
     assert 0.1 < share < 0.9
 
 
@@ -77,10 +77,10 @@ def test_each_viewpoint_is_asked_for_itself(seed, count):
     thing, viewpoints = made(seed), around(np.random.default_rng(seed), count)
     angle, away = seen(thing.cloud, viewpoints)
     inner = (np.abs(angle - thing.cloud.half_angle) > RIM) & (np.abs(away - thing.cloud.r_min) > RIM) & (np.abs(away - thing.cloud.r_max) > RIM)
-    alone = np.concatenate([held_from(thing.index, one[None], 1.0) for one in viewpoints])
-    assert (held_from(thing.index, viewpoints, 1.0) == alone)[inner].all()
+    alone = np.concatenate([held_from(thing.index.lobes, one[None], 1.0) for one in viewpoints])
+    assert (held_from(thing.index.lobes, viewpoints, 1.0) == alone)[inner].all()
 
 
 def test_what_is_seen_in_front_is_seen_by_all_of_one_side():
     thing = ready(one_sided(3, 24))
-    assert held_from(thing.index, np.array([[0.0, 0, 1.0], [0.0, 0, -1.0]]), 1.0).tolist() == [[True] * 24, [False] * 24]
+    assert held_from(thing.index.lobes, np.array([[0.0, 0, 1.0], [0.0, 0, -1.0]]), 1.0).tolist() == [[True] * 24, [False] * 24]

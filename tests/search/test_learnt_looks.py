@@ -142,7 +142,7 @@ def test_likeness_is_what_a_loop_counts(seed):
         here = max(usual[match], data.types.count(data.types[match]) / (data.camera.width * data.camera.height))
         expected.append(1.0 if match < 0 else rarity(usual[match], len(others), apart, fit, rare, here))
     found = likeness(thing.index, posed, near(thing, posed), matches, data, thing.kb)
-    assert found.tolist() == pytest.approx(expected, rel=2e-3)  # distances are in single precision, and their fifth power counts
+    assert found.tolist() == pytest.approx(expected, rel=1e-9)
 
 
 def as_right(thing, data, lobe, match, apart):
@@ -171,7 +171,7 @@ def test_the_same_edge_seen_again_is_no_clutter(apart, counts):
     found = likeness(thing.index, posed, near(thing, posed), matches, data, thing.kb)[0]
     here = data.types.count(data.types[0]) / (data.camera.width * data.camera.height)
     rare = (apart >= SAME) / NTH  # wherever it is in the image
-    assert found == pytest.approx(rarity(usual, counts, 0.0, exact, rare, here), rel=1e-3)
+    assert found == pytest.approx(rarity(usual, counts, 0.0, exact, rare, here), rel=1e-9)
 
 
 def test_the_more_a_match_looks_right_the_rarer_it_is():

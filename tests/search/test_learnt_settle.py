@@ -16,8 +16,9 @@ from plogic.search.data import data_of
 from plogic.search.indices import generate, settle
 from plogic.search.learnt.agreement import ANGLES, ASIDE, SIZES, screen_angle
 from plogic.search.learnt.lexicon import FARTHEST
+from plogic.search.learnt.lobes import lobes_held
 from plogic.search.learnt.looks import LOOSER
-from plogic.search.learnt.settle import FEWEST, NOISE, WIDE, blur, lobes_held, matched, pose_of
+from plogic.search.learnt.settle import FEWEST, NOISE, WIDE, blur, matched, pose_of
 
 
 def posed_of(thing, pose, data):

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from geometry.camera import Camera
 from plogic.search.data import data_of
-from plogic.search.learnt.patterns import AWAY, CELL, OTHERS, SOME, TURNED, share_elsewhere
+from plogic.search.learnt.patterns import AWAY, CELL, OTHERS, SOME, share_elsewhere
+from plogic.search.learnt.side_pairs import TURNED
 from sensing.appearance import Appearance
 
 SEEDS = st.integers(0, 9999)

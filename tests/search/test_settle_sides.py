@@ -14,7 +14,8 @@ from learnt_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before,
 from geometry.frames import from_rotation_translation, pose_error
 from plogic.search.data import data_of
 from plogic.search.indices import settle
-from plogic.search.learnt.settle import lobes_held, matched, pose_of
+from plogic.search.learnt.lobes import lobes_held
+from plogic.search.learnt.settle import matched, pose_of
 
 COUNT = 30
 SIDES = np.arange(0, COUNT, 2)

@@ -15,18 +15,16 @@ from geometry.frames import transform_points
 from kb.words import COLOURS, SIDE
 from plogic.search.data import data_of
 from plogic.search.learnt.agreement import screen_angle
-from plogic.search.learnt.settle import lobes_held
-from plogic.search.learnt.side_fit import TURNED, side_fit
-from plogic.search.learnt.side_grid import TURNS
+from plogic.search.learnt.lobes import lobes_held
+from plogic.search.learnt.side_fit import side_fit
 from plogic.search.learnt.side_looks import OFF
+from plogic.search.learnt.side_pairs import TURNED
 from plogic.search.learnt.sides import ALONG
 from sensing.appearance import Appearance
 
 SEEDS = st.integers(0, 9999)
 GRANULARITY = CAMERA.f / 600.0
 MOST = 60
-SURE = min(TURNED, 2 * pi / TURNS)
-"""Radians within which the grid finds all sides."""
 
 
 def made(seed, features=14, lobes=22):
@@ -48,7 +46,7 @@ def beside(thing, pose, rng, reach, count=30):
         off, along = rng.uniform(-1.5 * reach, 1.5 * reach), rng.uniform(-1.5, 1.5) * (ALONG + reach / 3)
         uv = np.array(one.uv) + off * np.array([cos(one.angle), sin(one.angle)]) + along * np.array([-sin(one.angle), cos(one.angle)])
         looks = np.frombuffer(one.descriptor, np.uint8) + rng.integers(-22, 23, 5)
-        angle = (one.angle + rng.uniform(-SURE, SURE)) % (2 * pi)
+        angle = (one.angle + rng.uniform(-TURNED, TURNED)) % (2 * pi)
         rows.append(Appearance(f"a{number}", "sift", tuple(uv.tolist()), "made", angle=angle, descriptor=looks.astype(np.uint8).tobytes()))
     return data_of([row for row in rows if CAMERA.contains(np.array(row.uv))], CAMERA)
 
@@ -61,14 +59,14 @@ def expected(thing, pose):
     return {int(lobe): (uv[i], angle[i]) for i, lobe in enumerate(lobes) if CAMERA.contains(uv[i])}
 
 
-def agreeing(thing, lobe, uv, angle, data, reach, turned):
-    """Data that may be an appearance's, facing so much another way at most."""
+def agreeing(thing, lobe, uv, angle, data, reach):
+    """Data that may be an appearance's."""
     found = []
     for d in np.flatnonzero(data.sided):
         du, dv = data.uv[d] - uv
         apart = data.looks[d, :COLOURS].astype(float) - thing.cloud.descriptor[lobe, 128 : 128 + COLOURS]
         near = abs(du * cos(angle) + dv * sin(angle)) <= reach and abs(dv * cos(angle) - du * sin(angle)) <= ALONG + reach / 3
-        if near and abs(np.angle(np.exp(1j * (data.angle[d] - angle)))) < turned and np.linalg.norm(apart) < OFF:
+        if near and abs(np.angle(np.exp(1j * (data.angle[d] - angle)))) < TURNED and np.linalg.norm(apart) < OFF:
             found.append(int(d))
     return found
 
@@ -91,10 +89,10 @@ def test_each_expected_side_in_the_image_has_one_that_agrees_where_there_is_one(
         rest = ~np.isin(np.arange(fit.points.shape[1]), list(rows.values()))
         assert not fit.weight[h, rest].any()
         for lobe, q in rows.items():
-            sure, may = (agreeing(thing, lobe, *awaited[lobe], data, reach, turned) for turned in (SURE, TURNED))
-            assert (fit.weight[h, q] > 0) >= bool(sure)
+            agree = agreeing(thing, lobe, *awaited[lobe], data, reach)
+            assert (fit.weight[h, q] > 0) == bool(agree)
             assert 0 <= fit.weight[h, q] <= thing.cloud.hit[lobe]
-            assert fit.weight[h, q] == 0 or (fit.uv[h, q] == data.uv[may]).all(axis=1).any()
+            assert fit.weight[h, q] == 0 or (fit.uv[h, q] == data.uv[agree]).all(axis=1).any()
 
 
 @settings(max_examples=20, deadline=None, derandomize=True)

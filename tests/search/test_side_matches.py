@@ -15,10 +15,11 @@ from geometry.frames import transform_points
 from kb.words import COLOURS
 from plogic.search.data import data_of
 from plogic.search.learnt.agreement import screen_angle
-from plogic.search.learnt.settle import lobes_held, pose_of
+from plogic.search.learnt.lobes import lobes_held
+from plogic.search.learnt.settle import pose_of
 from plogic.search.learnt.side_looks import OFF
-from plogic.search.learnt.side_pairs import AROUND, FEW
-from plogic.search.learnt.sides import ALONG, TURNED, _one_to_one, side_matches
+from plogic.search.learnt.side_pairs import AROUND, FEW, TURNED
+from plogic.search.learnt.sides import ALONG, _one_to_one, side_matches
 from sensing.appearance import Appearance
 
 SEEDS = st.integers(0, 9999)

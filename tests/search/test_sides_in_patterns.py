@@ -11,7 +11,8 @@ from random_cloud import random_cloud
 from test_patterns import BRIGHT, CAMERA, MIDDLE, checkered, gamma, square
 
 from plogic.evidence import clutter_density, evidence, hit_rates, match_density
-from plogic.search.learnt.settle import SIDES_NOISE, lobes_held, matched, pose_of
+from plogic.search.learnt.lobes import lobes_held
+from plogic.search.learnt.settle import SIDES_NOISE, matched, pose_of
 from plogic.search.learnt.sides import FEW_SIDES, MANY, ORDERED, side_likeness, side_matches
 
 SIZE = 60.0

@@ -1,6 +1,7 @@
 """How well poses agree with pairs: in place, size, angle and direction of view, all at once.
 
 * ``Agreement``: of H poses with P pairs, those that agree, and how far off they are, ideal pixels
+* ``Held``: of those, the ones that hold each pose: one a keypoint and one a feature
 """
 
 from __future__ import annotations
@@ -27,24 +28,18 @@ GRAZING = 1.5
 """A viewpoint farther than this from a lobe's axis sees nothing of it, however wide the lobe."""
 SIZES, ANGLES = 0.5, 0.6
 """Greatest logarithm of the ratio of sizes, greatest difference of angles, radians."""
+_BLOCK = 64
+"""Poses at a time: what they are multiplied to stays in the processor's cache."""
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """``pose``, ``pair`` (N,) those that agree, ``off`` (N,) pixels; ``tolerance`` (H,) pixels; ``pairs``: how many there are, P."""
+    """``pose``, ``pair`` (N,) those that agree, by pose; ``off`` (N,) pixels; ``tolerance`` (H,) pixels."""
 
     pose: NDArray[np.intp]
     pair: NDArray[np.intp]
     off: Floats
     tolerance: Floats
-    pairs: int
-
-    @property
-    def residual(self) -> Floats:
-        """(H, P) pixels, inf where a pair contradicts."""
-        result = np.full((len(self.tolerance), self.pairs), np.inf)
-        result[self.pose, self.pair] = self.off
-        return result
 
 
 def agreement(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share: float, pixels: float) -> Agreement:
@@ -54,18 +49,37 @@ def agreement(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share
     """
     f, lobe, datum = data.camera.f, pairs.lobe, pairs.datum
     R, t = poses[:, :3, :3], poses[:, :3, 3]
-    places, ideal = index.places[lobe].astype(np.float32), (data.ideal[datum] - centre_of(data.camera)).astype(np.float32)
-    x, y, z = (R[:, axis].astype(np.float32) @ places.T + t[:, axis, None].astype(np.float32) for axis in range(3))
-    pixels_a_metre = np.float32(f) / np.maximum(z, np.float32(1e-6))
-    across, down = x * pixels_a_metre - ideal[:, 0], y * pixels_a_metre - ideal[:, 1]
-    tolerance = share * index.diameter * f / np.maximum(R[:, 2] @ index.centre + t[:, 2], 1e-6) + pixels
-    slack = 2.0 * index.cloud.sigma[index.cloud.feature[lobe]].astype(np.float32) * pixels_a_metre
-    square, reach = across * across + down * down, tolerance[:, None].astype(np.float32) + slack
-    h, p = np.nonzero((square <= reach * reach) & (z > 1e-6))  # few
-    at = np.column_stack([x[h, p], y[h, p], z[h, p]])
-    right = _right(index, R[h], t[h], at, (lobe[p], data.scale[datum[p]], data.angle[datum[p]]), f)
-    h, p = h[right], p[right]
-    return Agreement(h, p, np.sqrt(square[h, p]) * (tolerance[h] / reach[h, p]), tolerance, len(lobe))
+    places, slack = index.places[lobe], 2.0 * f * index.cloud.sigma[index.cloud.feature[lobe]]
+    depth = R[:, 2] @ index.centre + t[:, 2]
+    tolerance = share * index.diameter * f / np.maximum(depth, 1e-6) + pixels
+    homogeneous = np.column_stack([places, np.ones(len(places))])
+    x, y, z = (np.column_stack([R[:, axis], t[:, axis]]) for axis in range(3))
+    u, v = (data.ideal[datum] - centre_of(data.camera)).T[:, :, None]
+    # Depth times how far off a place is across, and down, and how far it may be: each is one product of matrices.
+    of_poses = np.hstack([x, z]), np.hstack([y, z]), np.hstack([tolerance[:, None] * z, np.ones((len(z), 1))])
+    of_pairs = *(np.hstack([f * homogeneous, -side * homogeneous]) for side in (u, v)), np.hstack([homogeneous, slack[:, None]])
+    h, p, square = _near(*(np.asarray(rows, np.float32) for rows in (*of_poses, *of_pairs)))  # few
+    at = np.einsum("nij,nj->ni", R[h], places[p]) + t[h]
+    right = at[:, 2] > 1e-6
+    right[right] = _right(index, R[h[right]], t[h[right]], at[right], (lobe[p[right]], data.scale[datum[p[right]]], data.angle[datum[p[right]]]), f)
+    h, p, square, depth = h[right], p[right], square[right], at[right, 2]
+    return Agreement(h, p, np.sqrt(square) / (tolerance[h] * depth + slack[p]) * tolerance[h], tolerance)
+
+
+def _near(*factors: NDArray[np.float32]) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
+    """Poses and pairs that are near, and the square of how far off; ``factors``: across, down and reach, of poses (H, K), then of pairs (P, K)."""
+    found = []
+    for start in range(0, len(factors[0]), _BLOCK):
+        across, down, reach = (mine[start : start + _BLOCK] @ its.T for mine, its in zip(factors[:3], factors[3:], strict=True))
+        across *= across
+        down *= down
+        across += down
+        reach *= reach
+        h, p = np.nonzero(across <= reach)
+        found.append((h + start, p, across[h, p]))
+    nothing = np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0)
+    h, p, square = (np.concatenate(parts) for parts in zip(*found, nothing, strict=True))
+    return h, p, np.asarray(square, float)
 
 
 def _right(
@@ -79,7 +93,12 @@ def _right(
     right = along > np.cos(np.minimum(cloud.half_angle[lobe] + ASIDE, GRAZING)) * np.linalg.norm(line, axis=1)
     right &= np.abs(np.log(cloud.size[lobe] * f / at[:, 2] / scale)) < SIZES
     turned = screen_angle(np.einsum("nij,nj->ni", R, cloud.up[lobe]), at) - angle
-    return np.asarray(right & (np.abs((turned + np.pi) % (2.0 * np.pi) - np.pi) < ANGLES))
+    return np.asarray(right & (np.abs(wrapped(turned)) < ANGLES))
+
+
+def wrapped(angle: Floats) -> Floats:
+    """The same angles, radians, between −π and π."""
+    return np.asarray(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi)))
 
 
 def screen_angle(direction: Floats, at: Floats) -> Floats:
@@ -92,20 +111,37 @@ def screen_angle(direction: Floats, at: Floats) -> Floats:
 def votes(found: Agreement, pairs: Pairs) -> Floats:
     """(H,) sum over keypoints of their best agreeing pair: its weight, the less the farther off."""
     worth = pairs.weight[found.pair] * np.exp(-2.0 * (found.off / found.tolerance[found.pose]) ** 2)
-    order = np.lexsort((worth, pairs.datum[found.pair], found.pose))
-    pose, datum, worth = found.pose[order], pairs.datum[found.pair[order]], worth[order]
-    best = np.append((pose[1:] != pose[:-1]) | (datum[1:] != datum[:-1]), True)[: len(pose)]
-    return np.asarray(np.bincount(pose[best], worth[best], minlength=len(found.tolerance)), float)
+    best = greatest(found.pose * (pairs.datum.max(initial=0) + 1) + pairs.datum[found.pair], worth)
+    return np.asarray(np.bincount(found.pose[best], worth[best], minlength=len(found.tolerance)), float)
 
 
-def one_to_one(weights: Floats, pairs: Pairs, feature: NDArray[np.int64]) -> Floats:
-    """(H, P) the same, but of the pairs of one keypoint, then of one feature (P,), only the greatest is kept."""
+def greatest(owner: NDArray[np.intp], worth: Floats) -> NDArray[np.intp]:
+    """Indices, increasing, of the one of greatest worth (N,) of each owner (N,), of equals the first."""
+    order = np.lexsort((-worth, owner))
+    first = np.append(True, owner[order[1:]] != owner[order[:-1]])[: len(order)]
+    return np.sort(order[first])
+
+
+@dataclass(frozen=True)
+class Held:
+    """Of H poses what they are held by: ``pose``, ``pair`` (N,), by pose, one a keypoint and one a feature; ``weight`` (N,) more than 0."""
+
+    pose: NDArray[np.intp]
+    pair: NDArray[np.intp]
+    weight: Floats
+
+    def sums(self, count: int, of_pairs: Floats | None = None) -> Floats:
+        """(H,) of the weights; or (H, K) of them times what pairs (P, K) are. ``count``: H."""
+        if of_pairs is None:
+            return np.asarray(np.bincount(self.pose, self.weight, minlength=count), float)
+        return np.column_stack([np.bincount(self.pose, self.weight * column[self.pair], minlength=count) for column in of_pairs.T])
+
+
+def held_by(found: Agreement, pairs: Pairs, feature: NDArray[np.int64]) -> Held:
+    """Of the pairs that agree, the nearer off the better: of one keypoint, then of one feature (P,), only the greatest."""
+    weight = pairs.weight[found.pair] * np.exp(-0.5 * (1.5 * found.off / found.tolerance[found.pose]) ** 2)
+    pose, pair = found.pose, found.pair
     for owner in (pairs.datum, feature):
-        order = np.argsort(owner, kind="stable")
-        starts = np.unique(owner[order], return_index=True)[1]
-        lengths = np.diff([*starts, len(order)])
-        top = np.maximum.reduceat(weights[:, order], starts, axis=1).repeat(lengths, axis=1)
-        kept = np.zeros_like(weights)
-        kept[:, order] = np.where(weights[:, order] == top, weights[:, order], 0.0)
-        weights = kept
-    return weights
+        best = greatest(pose * (int(owner.max(initial=0)) + 1) + owner[pair], weight)
+        pose, pair, weight = pose[best], pair[best], weight[best]
+    return Held(pose, pair, weight)

@@ -9,7 +9,7 @@ import numpy as np
 from geometry.refine import refine_poses
 from plogic.evidence import evidence
 from plogic.search.alike import distinct, same_place
-from plogic.search.learnt.agreement import agreement, one_to_one, votes
+from plogic.search.learnt.agreement import agreement, held_by, votes
 from plogic.search.learnt.pairs import SEEDS, pairs_of
 from plogic.search.learnt.settle import settle
 from plogic.search.learnt.side_fit import side_fit
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from kb.cloud import KnowledgeBase
     from plogic.expectation import Posed
     from plogic.search.data import Data
+    from plogic.search.learnt.agreement import Held
     from plogic.search.learnt.index import LearntIndex
     from plogic.search.learnt.pairs import Pairs
     from plogic.search.learnt.side_fit import SideFit
@@ -109,45 +110,39 @@ def _refined(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, granul
 
     ``thin``: ever fewer go on, the best.
     """
-    feature = index.cloud.feature[pairs.lobe]
-    points, uv = index.places[pairs.lobe], data.uv[pairs.datum]
     for (share, pixels), reach, sure, most in zip(TIGHTER, SIDE_REACHES, SIDES, KEPT, strict=True):
-        weights = _weights(index, poses, pairs, data, feature, share, pixels)
+        held = _held(index, poses, pairs, data, share, pixels)
         sides = side_fit(index, poses, data, granularity, reach, sure)
-        enough = (weights > 0.0).sum(axis=1) + (sides.weight > 0.0).sum(axis=1) / SIDES_A_PAIR >= FEWEST
-        some = np.flatnonzero(enough & (weights > 0.0).any(axis=1))
-        some = some[np.argsort(-_worth(weights, sides)[some], kind="stable")[: most if thin else None]]
+        count = np.bincount(held.pose, minlength=len(poses))
+        enough = (count > 0) & (count + (sides.weight > 0.0).sum(axis=1) / SIDES_A_PAIR >= FEWEST)
+        some = np.flatnonzero(enough)
+        some = some[np.argsort(-_worth(held, sides)[some], kind="stable")[: most if thin else None]]
         if not len(some):
             return poses[some], np.zeros(0)
-        poses, weights = poses[some], weights[some]
-        which = np.argsort(-weights, axis=1, kind="stable")[:, : int((weights > 0.0).sum(axis=1).max())]  # few pairs agree with a pose
-        used = np.take_along_axis(weights, which, axis=1)
+        slot = np.arange(len(held.pose)) - np.searchsorted(held.pose, held.pose)
+        which, used = np.zeros((len(poses), count.max()), np.intp), np.zeros((len(poses), count.max()))
+        which[held.pose, slot], used[held.pose, slot] = held.pair, held.weight
+        which = which[some]
         both = (
-            np.concatenate([points[which], sides.points[some]], axis=1),
-            np.concatenate([uv[which], sides.uv[some]], axis=1),
-            np.concatenate([used, sides.weight[some] * SIDE_WEIGHT], axis=1),
+            np.concatenate([index.places[pairs.lobe[which]], sides.points[some]], axis=1),
+            np.concatenate([data.uv[pairs.datum[which]], sides.uv[some]], axis=1),
+            np.concatenate([used[some], sides.weight[some] * SIDE_WEIGHT], axis=1),
         )
         across = np.concatenate([np.full((*which.shape, 2), np.nan), sides.across[some]], axis=1)
-        poses = np.asarray(refine_poses(poses, *both, data.camera, STEPS, huber=ROBUST, across=across)[0])
+        poses = np.asarray(refine_poses(poses[some], *both, data.camera, STEPS, huber=ROBUST, across=across)[0])
         poses = poses[plausible(index, poses)]
-    worth = _worth(_weights(index, poses, pairs, data, feature, *TIGHTER[-1]), side_fit(index, poses, data, granularity, SIDE_REACHES[-1], SIDES[-1]))
+    worth = _worth(_held(index, poses, pairs, data, *TIGHTER[-1]), side_fit(index, poses, data, granularity, SIDE_REACHES[-1], SIDES[-1]))
     order = np.argsort(-worth, kind="stable")
     return poses[order], worth[order]
 
 
-def _worth(weights: Floats, sides: SideFit) -> Floats:
-    """(H,) what pairs (H, P) and sides say of poses."""
-    return np.asarray(PAIR_WORTH * weights.sum(axis=1) + SIDE_WORTH * sides.worth)
+def _worth(held: Held, sides: SideFit) -> Floats:
+    """(H,) what pairs and sides say of poses."""
+    return np.asarray(PAIR_WORTH * held.sums(len(sides.worth)) + SIDE_WORTH * sides.worth)
 
 
-def _weights(
-    index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, feature: NDArray[np.int64], share: float, pixels: float
-) -> Floats:
-    """(H, P) of the agreeing pairs, one a keypoint and one a feature."""
-    found = agreement(index, poses, pairs, data, share, pixels)
-    weights = np.zeros((len(poses), len(pairs)))
-    weights[found.pose, found.pair] = pairs.weight[found.pair] * np.exp(-0.5 * (1.5 * found.off / found.tolerance[found.pose]) ** 2)
-    return one_to_one(weights, pairs, feature)
+def _held(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share: float, pixels: float) -> Held:
+    return held_by(agreement(index, poses, pairs, data, share, pixels), pairs, index.cloud.feature[pairs.lobe])
 
 
 def tilted(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Floats:
@@ -155,12 +150,11 @@ def tilted(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Float
 
     From afar a plane's tilt is known up to this (two branches of planar POSIT, §6.1); which of them holds, perspective and lobes decide.
     """
-    feature = index.cloud.feature[pairs.lobe]
-    weights = _weights(index, poses, pairs, data, feature, *TIGHTER[-2]) + 1e-9
-    share = weights / weights.sum(axis=1, keepdims=True)
-    normal = share @ index.cloud.normal[feature]
+    held, places = _held(index, poses, pairs, data, *TIGHTER[-2]), index.places[pairs.lobe]
+    normals, little = index.cloud.normal[index.cloud.feature[pairs.lobe]], 1e-9  # a pose that nothing holds is turned about the middle of all
+    total = held.sums(len(poses))[:, None] + little
+    normal, own = ((held.sums(len(poses), rows) + little * rows.mean(axis=0)) / total for rows in (normals, places))
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
-    own = share @ index.places[pairs.lobe]
     middle = np.einsum("hij,hj->hi", poses[:, :3, :3], own) + poses[:, :3, 3]
     sight = middle / np.linalg.norm(middle, axis=1, keepdims=True)
     still = np.eye(3)

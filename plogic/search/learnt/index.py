@@ -13,6 +13,7 @@ import numpy as np
 
 from kb.words import POINT, SIDE
 from plogic.search.learnt.lexicon import Lexicon, lexicon_of
+from plogic.search.learnt.lobes import Lobes, lobes_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -39,25 +40,21 @@ class LearntIndex:
         """(F, 3) metres, object frame."""
         return self.cloud.at
 
-    def seen_from(self, viewpoints: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """(H, L) how far each viewpoint (H, 3), object frame, is along each lobe's axis, and how far it is away, metres."""
-        away = (viewpoints - self.centre).astype(np.float32)
-        axes, places, along, square = self._sight
-        apart = (away * away).sum(axis=1)[:, None] - 2.0 * (away @ places) + square
-        return away @ axes - along, np.sqrt(np.maximum(apart, 0.0))
+    @cached_property
+    def lobes(self) -> Lobes:
+        """All lobes."""
+        return lobes_of(self.cloud, np.arange(len(self.cloud.feature)), self.centre)
 
     @cached_property
-    def _sight(self) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
-        """(3, L) axes and places from the centre, (L,) each place along its axis, and its squared distance."""
-        places = self.places - self.centre
-        columns = self.cloud.axis.T, places.T, (self.cloud.axis * places).sum(axis=1), (places * places).sum(axis=1)
-        axes, at, along, square = (np.ascontiguousarray(column, np.float32) for column in columns)
-        return axes, at, along, square
+    def lobes_of_points(self) -> Lobes:
+        """Those of keypoints."""
+        return lobes_of(self.cloud, np.flatnonzero(~self.cloud.sided), self.centre)
 
     @cached_property
-    def cos_half(self) -> NDArray[np.float32]:
-        """(L,) cosine of each lobe's half angle."""
-        return np.cos(self.cloud.half_angle).astype(np.float32)
+    def lobes_of_sides(self) -> Lobes:
+        """Those of sides of edges, the surest first."""
+        sides = np.flatnonzero(self.cloud.sided)
+        return lobes_of(self.cloud, sides[np.argsort(-self.cloud.hit[sides], kind="stable")], self.centre)
 
     @cached_property
     def anchors(self) -> NDArray[np.intp]:

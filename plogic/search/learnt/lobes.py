@@ -1,7 +1,11 @@
-"""Which lobes of a learnt type hold a viewpoint, or nearly do (§2.7): of thousands of them, at once."""
+"""Which lobes of a learnt type hold a viewpoint, or nearly do (§2.7): of thousands of them, at once.
+
+* ``Lobes``: some of a cloud's lobes, in single precision, by column
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,21 +16,63 @@ from plogic.search.learnt.agreement import ASIDE, GRAZING
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from kb.learnt import LearntCloud
     from plogic.search.learnt.index import LearntIndex
 
     Floats = NDArray[np.float64]
+    Singles = NDArray[np.float32]
+    Indices = NDArray[np.intp]
 
 
-def held_from(index: LearntIndex, viewpoints: Floats, granularity: float) -> NDArray[np.bool_]:
-    """(H, L) whether each lobe holds each viewpoint (H, 3), object frame; ``granularity``: f over that at which ranges are told."""
-    along, distance = index.seen_from(viewpoints)
-    cloud, scale = index.cloud, np.float32(granularity)
-    near, far = cloud.r_min.astype(np.float32) * scale, cloud.r_max.astype(np.float32) * scale
-    return np.asarray((along >= index.cos_half * distance) & (distance >= near) & (distance <= far))
+@dataclass(frozen=True, eq=False)
+class Lobes:
+    """``which`` (M,) lobes of the cloud; ``axes`` and ``places`` (3, M), from ``centre`` (3,), object frame, metres.
+
+    ``along`` (M,) each place along its axis, ``square`` (M,) its squared distance; ``narrow`` (M,) the cosine of each half angle, ``wide`` of
+    one that is greater by ``ASIDE``; ``near``, ``far`` (M,) ranges at the reference focal length.
+    """
+
+    which: Indices
+    centre: Floats
+    axes: Singles
+    places: Singles
+    along: Singles
+    square: Singles
+    narrow: Singles
+    wide: Singles
+    near: Singles
+    far: Singles
+
+    def seen_from(self, viewpoints: Floats) -> tuple[Singles, Singles]:
+        """(H, M) how far each viewpoint (H, 3), object frame, is along each lobe's axis, and how far it is away, metres."""
+        away = (viewpoints - self.centre).astype(np.float32)
+        apart = (away * away).sum(axis=1)[:, None] - 2.0 * (away @ self.places) + self.square
+        return away @ self.axes - self.along, np.sqrt(np.maximum(apart, 0.0))
 
 
-def lobes_about(index: LearntIndex, pose: Floats) -> NDArray[np.intp]:
+def lobes_of(cloud: LearntCloud, which: Indices, centre: Floats) -> Lobes:
+    """The lobes ``which`` (M,) of a cloud."""
+    axis, half, places = cloud.axis[which], cloud.half_angle[which], cloud.at[cloud.feature[which]] - centre
+    columns = (
+        axis.T, places.T, (axis * places).sum(axis=1), (places * places).sum(axis=1),
+        np.cos(half), np.cos(np.minimum(half + ASIDE, GRAZING)), cloud.r_min[which], cloud.r_max[which],
+    )  # fmt: skip
+    return Lobes(which, centre, *(np.ascontiguousarray(column, np.float32) for column in columns))
+
+
+def held_from(lobes: Lobes, viewpoints: Floats, granularity: float) -> NDArray[np.bool_]:
+    """(H, M) whether each lobe holds each viewpoint (H, 3), object frame; ``granularity``: f over that at which ranges are told."""
+    along, distance = lobes.seen_from(viewpoints)
+    scale = np.float32(granularity)
+    return np.asarray((along >= lobes.narrow * distance) & (distance >= lobes.near * scale) & (distance <= lobes.far * scale))
+
+
+def lobes_held(index: LearntIndex, pose: Floats, granularity: float) -> Indices:
+    """Indices of the lobes that hold the viewpoint (§2.7)."""
+    return np.flatnonzero(held_from(index.lobes, inverse(pose)[None, :3, 3], granularity)[0])
+
+
+def lobes_about(index: LearntIndex, pose: Floats) -> Indices:
     """Indices of the lobes of keypoints that hold the viewpoint, or would if they were wider by ``ASIDE``."""
-    along, distance = index.seen_from(inverse(pose)[None, :3, 3])
-    wide = np.cos(np.minimum(index.cloud.half_angle + ASIDE, GRAZING)).astype(np.float32)
-    return np.flatnonzero((along[0] >= wide * distance[0]) & ~index.cloud.sided)
+    along, distance = index.lobes_of_points.seen_from(inverse(pose)[None, :3, 3])
+    return index.lobes_of_points.which[along[0] >= index.lobes_of_points.wide * distance[0]]

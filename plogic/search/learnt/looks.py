@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.evidence import clutter_density
-from plogic.search.learnt.agreement import ANGLES, SIZES, screen_angle
+from plogic.search.learnt.agreement import ANGLES, SIZES, screen_angle, wrapped
 from plogic.search.learnt.lexicon import farthest, spread
 
 if TYPE_CHECKING:
@@ -41,8 +41,6 @@ POWER, RAREST = 6.0, 0.03
 """How the descriptors' distances of clutter that looks right are spread; the least ratio of it to what is right that is believed."""
 AS_RIGHT = 0.06
 """What looks no less right than a match by this share of the greatest distance counts as clutter beside it."""
-NARROW = 8.0
-"""Pixels: places of which keypoints are looked for no farther away are asked together."""
 BY_CHANCE = 0.06
 """Chance that a keypoint of clutter has the angle (0.6 rad either way of 2π) and the size (a factor of 1.6 either way) that a pose demands."""
 
@@ -94,15 +92,10 @@ def right_pairs(
 
 def _within(places: Floats, reach: Floats, data: Data, free: NDArray[np.bool_]) -> tuple[Indices, Indices]:
     """All pairs of a place (F, 2) and a keypoint that is free at most its ``reach`` (F,) from it: indices of places, in order, and of data."""
-    groups = [np.flatnonzero(reach <= NARROW), np.flatnonzero(reach > NARROW)]  # few reach far
-    found = [(group, data.keypoints.near(places[group], float(reach[group].max(initial=0.0)))) for group in groups]
-    place = np.concatenate([group[place] for group, (place, _) in found])
-    datum = np.concatenate([datum for _, (_, datum) in found])
+    place, datum = data.keypoints.near(places, reach)
     apart = places[place] - data.uv[datum]
     near = ((apart * apart).sum(axis=1) <= reach[place] ** 2) & free[datum]
-    place, datum = place[near], datum[near]
-    order = np.lexsort((datum, place))
-    return place[order], datum[order]
+    return place[near], datum[near]
 
 
 def _right(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, place: Indices, datum: Indices) -> tuple[Indices, Floats, Floats]:
@@ -112,12 +105,13 @@ def _right(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, place: 
     turn = screen_angle(index.cloud.up[lobes] @ posed.camera_from_object[:3, :3].T, at)
     grown = size[place] - np.log(data.scale[datum])
     right = np.flatnonzero(np.abs(grown) < SIZES)
-    turned = (turn[place[right]] - data.angle[datum[right]] + np.pi) % (2.0 * np.pi) - np.pi
+    turned = wrapped(turn[place[right]] - data.angle[datum[right]])
     right, turned = right[np.abs(turned) < ANGLES], turned[np.abs(turned) < ANGLES]
     fit = _against_even(turned, TURNS, ANGLES) * _against_even(grown[right], GROWTH, SIZES)
     width = min(index.cloud.descriptor.shape[1], data.descriptors.shape[1])
     mine, its = (spread(some[:, :width]) for some in (index.cloud.descriptor[lobes[place[right]]], data.descriptors[datum[right]]))
-    off = np.linalg.norm(mine - its, axis=1) / (LOOSER * farthest(mine))
+    mine -= its
+    off = np.sqrt(np.einsum("ij,ij->i", mine, mine).astype(float)) / (LOOSER * farthest(mine))  # sums of bytes squared, exact in single precision
     return right[off < 1.0], off[off < 1.0], fit[off < 1.0]
 
 

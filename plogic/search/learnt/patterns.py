@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.search.learnt.side_looks import colours_off
+from plogic.search.learnt.side_pairs import facing
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,8 +28,6 @@ CELL = 5.0
 """Pixels: a side is found elsewhere that is within a square of two such cells."""
 OTHERS = 3
 """So many other places must show it: one or two more objects of one type may stand beside it."""
-TURNED = 0.34
-"""Radians by which what is found there may face another way."""
 
 
 def share_elsewhere(uv: Floats, angle: Floats, looks: NDArray[np.float32], data: Data) -> float:
@@ -46,8 +44,9 @@ def share_elsewhere(uv: Floats, angle: Floats, looks: NDArray[np.float32], data:
     wide = 2 * reach + 2
     column, row = (np.floor(shift / CELL).astype(np.intp) + reach).T
     squares = np.concatenate([(row - down) * wide + column - across for down in (0, 1) for across in (0, 1)])
-    keys = np.unique(squares * len(some) + np.tile(side, 4))
-    count = np.bincount(keys // len(some), minlength=wide * wide).reshape(wide, wide)
+    there = np.zeros((wide * wide, len(some)), bool)
+    there[squares, np.tile(side, 4)] = True
+    count = there.sum(axis=1).reshape(wide, wide)
     apart = max(1, int(AWAY[0] * diagonal / CELL))
     for _ in range(OTHERS - 1):
         y, x = np.unravel_index(int(count.argmax()), count.shape)
@@ -58,9 +57,5 @@ def share_elsewhere(uv: Floats, angle: Floats, looks: NDArray[np.float32], data:
 def _shifts(uv: Floats, angle: Floats, looks: NDArray[np.float32], data: Data) -> tuple[Indices, Floats]:
     """Of all pairs of a side and a datum that looks like it, wherever it is: the side's number, and how far it is to the datum, pixels."""
     side, datum = data.sides.facing(angle)
-    turned = (data.angle[datum] - angle[side] + np.pi) % (2.0 * np.pi) - np.pi
-    like = np.abs(turned) < TURNED
-    side, datum = side[like], datum[like]
-    like = colours_off(looks[side], data.looks[datum], coloured=data.coloured) < 1.0
-    side, datum = side[like], datum[like]
-    return side, data.uv[datum] - uv[side]
+    alike = facing(looks, angle, data, side, datum)[0]
+    return side[alike], data.uv[datum[alike]] - uv[side[alike]]

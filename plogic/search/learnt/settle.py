@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.frames import inverse, transform_points
+from geometry.frames import transform_points
 from plogic.evidence import evidence
 from plogic.expectation import Posed, assigned
 from plogic.search.learnt.agreement import screen_angle
-from plogic.search.learnt.lobes import held_from, lobes_about
+from plogic.search.learnt.lobes import lobes_about, lobes_held
 from plogic.search.learnt.looks import likeness, right_pairs
 from plogic.search.learnt.sides import side_likeness, side_matches
 from plogic.search.settling import FEWEST, polished, settled
@@ -89,11 +89,6 @@ def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> 
         turn=turn,
         sided=index.sided,
     )
-
-
-def lobes_held(index: LearntIndex, pose: Floats, granularity: float) -> NDArray[np.intp]:
-    """Indices of the lobes that hold the viewpoint (§2.7)."""
-    return np.flatnonzero(held_from(index, inverse(pose)[None, :3, 3], granularity)[0])
 
 
 def matched(

@@ -13,7 +13,6 @@ import numpy as np
 from plogic.evidence import MOST_HIT
 from plogic.search.learnt.agreement import screen_angle
 from plogic.search.learnt.lobes import held_from
-from plogic.search.learnt.side_grid import TURNS
 from plogic.search.learnt.side_looks import looks_fit
 from plogic.search.learnt.side_pairs import side_pairs
 from plogic.search.learnt.sides import ALONG
@@ -28,8 +27,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
-TURNED, LOOSE = 2.0 * np.pi / TURNS, 0.25
-"""Radians by which a side may face another way where the pose is coarse, as far as the grid looks, and the standard deviation of it."""
+LOOSE = 0.25
+"""Standard deviation, radians, by which a side faces another way where the pose is coarse."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,7 @@ def side_fit(index: LearntIndex, poses: Floats, data: Data, granularity: float, 
     angle = screen_angle(np.einsum("nij,nj->ni", poses[pose, :3, :3], index.cloud.up[lobe]), at)
     inside = data.camera.contains(uv)
     pose, lobe, uv, angle = pose[inside], lobe[inside], uv[inside], angle[inside]
-    pairs, further = side_pairs(index, data, lobe, uv, angle, TURNED), ALONG + reach / 3.0
+    pairs, further = side_pairs(index, data, lobe, uv, angle), ALONG + reach / 3.0
     near = pairs.only((np.abs(pairs.off) <= reach) & (np.abs(pairs.along) <= further))
     sigma = max(reach / 2.5, 1.0)
     fit = np.exp(-0.5 * (near.off / sigma) ** 2 - 0.5 * (near.turned / LOOSE) ** 2) / (np.sqrt(2.0 * np.pi) * sigma * 2.0 * further)
@@ -82,12 +81,10 @@ def _best(near: SidePairs, fit: Floats) -> Indices:
 
 def _expected(index: LearntIndex, poses: Floats, data: Data, granularity: float, most: int) -> tuple[Indices, Indices]:
     """Poses and the appearances of sides that each expects, the ``most`` of the greatest hit rates."""
-    sides = np.flatnonzero(index.cloud.sided)
-    if not len(sides) or not data.sided.any():
+    lobes = index.lobes_of_sides
+    if not len(lobes.which) or not data.sided.any():
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
     viewpoints = -np.einsum("hij,hi->hj", poses[:, :3, :3], poses[:, :3, 3])
-    pose, lobe = np.nonzero(held_from(index, viewpoints, granularity)[:, sides])
-    order = np.lexsort((-index.cloud.hit[sides[lobe]], pose))
-    pose, lobe = pose[order], sides[lobe[order]]
+    pose, lobe = np.nonzero(held_from(lobes, viewpoints, granularity))
     sure = np.arange(len(pose)) - np.searchsorted(pose, pose) < most
-    return pose[sure], lobe[sure]
+    return pose[sure], lobes.which[lobe[sure]]

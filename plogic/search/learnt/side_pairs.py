@@ -1,6 +1,7 @@
 """Appearances that are sides of edges, where a pose puts them, and the sides around there that look right.
 
 * ``SidePairs``: N pairs of such a place and a datum, with how far off each is
+* ``facing``: which sides face alike and are of like colours, wherever they are
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.search.learnt.agreement import wrapped
 from plogic.search.learnt.side_looks import colours_off
 
 if TYPE_CHECKING:
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 
 AROUND = 32.0
 """Pixels around a place within which what looks as right is counted."""
+TURNED = 0.34
+"""Radians by which what looks right may face another way: less than a part of the grid's circle."""
 FEW = 0.5
 """What is counted besides, since nowhere there can be none."""
 
@@ -49,19 +53,32 @@ class SidePairs:
     def usual(self, reach: Floats | float, count: int) -> Floats:
         """(count,) sides per pixel² that look right around each place, those aside that are within its ``reach`` (count,) pixels of its line."""
         within = np.broadcast_to(np.asarray(reach, float), count)
-        clutter = (np.abs(self.off) > within[self.place]) & (self.off**2 + self.along**2 < AROUND**2)
+        clutter = np.abs(self.off) > within[self.place]
         area = np.pi * AROUND**2 - 4.0 * AROUND * np.minimum(within, AROUND / 2.0)
         return np.asarray((np.bincount(self.place[clutter], minlength=count) + FEW) / area)
 
 
-def side_pairs(index: LearntIndex, data: Data, lobes: Indices, uv: Floats, angle: Floats, facing: float) -> SidePairs:
-    """Of appearances ``lobes`` (Q,) that a pose puts at uv (Q, 2) pixels, facing angle (Q,) radians; ``facing``: by how much another way at most."""
-    place, datum = data.sides.near(uv, angle)
-    turned = (data.angle[datum] - angle[place] + np.pi) % (2.0 * np.pi) - np.pi
-    alike = np.abs(turned) < facing
-    place, datum, turned = place[alike], datum[alike], turned[alike]
-    colours = colours_off(index.looks[lobes[place]], data.looks[datum], coloured=data.coloured)
-    right = colours < 1.0
-    place, datum, turned, colours = place[right], datum[right], turned[right], colours[right]
-    apart, cos, sin = data.uv[datum] - uv[place], np.cos(angle)[place], np.sin(angle)[place]
+def side_pairs(index: LearntIndex, data: Data, lobes: Indices, uv: Floats, angle: Floats) -> SidePairs:
+    """Of appearances ``lobes`` (Q,) that a pose puts at uv (Q, 2) pixels, facing angle (Q,) radians."""
+    place, datum = data.sides.near(uv, AROUND, angle)
+    apart = data.uv[datum] - uv[place]
+    near = (apart * apart).sum(axis=1) < AROUND**2
+    place, datum, apart = place[near], datum[near], apart[near]
+    alike, turned, colours = facing(index.looks[lobes], angle, data, place, datum)
+    place, datum, apart, cos, sin = place[alike], datum[alike], apart[alike], np.cos(angle)[place[alike]], np.sin(angle)[place[alike]]
     return SidePairs(place, datum, turned, apart[:, 0] * cos + apart[:, 1] * sin, apart[:, 1] * cos - apart[:, 0] * sin, colours)
+
+
+def facing(
+    looks: NDArray[np.float32], angle: Floats, data: Data, side: Indices, datum: Indices
+) -> tuple[Indices, Floats, NDArray[np.float32]]:
+    """Of N pairs of sides, of looks (Q, 6) and facing angle (Q,) radians, and data, the M that face alike and are of like colours.
+
+    Returns which (M,) they are, by how much they face another way, and how far off their colours are.
+    """
+    turned = wrapped(data.angle[datum] - angle[side])
+    alike = np.flatnonzero(np.abs(turned) < TURNED)
+    colours = colours_off(looks[side[alike]], data.looks[datum[alike]], coloured=data.coloured)
+    right = colours < 1.0
+    alike = alike[right]
+    return alike, turned[alike], colours[right]

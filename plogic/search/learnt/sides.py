@@ -18,7 +18,7 @@ from plogic.evidence import clutter_density, density
 from plogic.search.learnt.agreement import screen_angle
 from plogic.search.learnt.patterns import share_elsewhere
 from plogic.search.learnt.side_looks import looks_fit
-from plogic.search.learnt.side_pairs import side_pairs
+from plogic.search.learnt.side_pairs import TURNED, side_pairs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,8 +33,6 @@ if TYPE_CHECKING:
 
 ALONG = 4.0
 """Pixels along its line within which a side is an expected feature's."""
-TURNED = 0.34
-"""Radians by which it may face another way."""
 ORDERED = 0.7
 """Least share of the sides found that is found elsewhere as well, for the image to be a pattern of them."""
 FEW_SIDES, MANY = 6, 0.2
@@ -70,7 +68,7 @@ def side_matches(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, f
     feature = index.cloud.feature[lobes]
     angle = screen_angle(index.cloud.up[lobes] @ posed.camera_from_object[:3, :3].T, posed.at[feature])
     inward = np.column_stack([np.cos(angle), np.sin(angle)])
-    pairs, within = side_pairs(index, data, lobes, posed.uv[feature], angle, TURNED), reach[feature]
+    pairs, within = side_pairs(index, data, lobes, posed.uv[feature], angle), reach[feature]
     pairs = pairs.only(free[pairs.datum])
     usual = pairs.usual(within, len(lobes))
     mine = pairs.only((np.abs(pairs.off) <= within[pairs.place]) & (np.abs(pairs.along) <= ALONG))

@@ -1,4 +1,4 @@
-"""Sides of edges by place and direction, against a look at all pairs; and which data of Γ are sides."""
+"""Data by place and direction, against a look at all pairs; and which data of Γ are sides."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from learnt_scenes import CAMERA
 
 from plogic.search.data import data_of
-from plogic.search.learnt.side_grid import CELL, TURNS, side_grid
+from plogic.search.grid import CELL, TURNS, grid_of
+from plogic.search.learnt.side_pairs import TURNED
 from sensing.appearance import Appearance
 
 SIZES = st.tuples(st.integers(1, 200), st.integers(1, 200))
@@ -30,65 +31,93 @@ def places(rng, count, size):
     return uv, np.where(rng.random(count) < 0.3, seam, rng.uniform(0, 2 * pi, count))
 
 
-def close(uv, angle, sides, facing):
-    """Pairs (place, side) within a cell in both directions, and within a part of the circle; at a hair's breadth of it neither."""
-    far = np.abs(uv[:, None] - sides[None]).max(axis=2)
+def close(uv, angle, sides, facing, reach):
+    """Pairs (place, side) within ``reach`` pixels, and within a part of the circle; at a hair's breadth of it neither."""
+    far = np.linalg.norm(uv[:, None] - sides[None], axis=2)
     turned = np.abs(np.angle(np.exp(1j * (angle[:, None] - facing[None]))))
-    return set(zip(*np.nonzero((far <= CELL - 1e-9) & (turned <= PART - 1e-9)), strict=True))
+    return set(zip(*(i.tolist() for i in np.nonzero((far <= reach[:, None] - 1e-9) & (turned <= PART - 1e-9))), strict=True))
 
 
-def asked(grid, uv, angle):
-    place, datum = grid.near(uv, angle)
+def asked(grid, uv, reach, angle=None):
+    place, datum = grid.near(uv, reach, angle)
+    assert (np.diff(place) >= 0).all()
     return list(zip(place.tolist(), datum.tolist(), strict=True))
 
 
+REACHES = st.floats(0.0, 60.0)
+
+
 @settings(max_examples=80, deadline=None, derandomize=True)
-@given(st.integers(0, 9999), SIZES, COUNTS, COUNTS)
-def test_every_pair_within_a_cell_and_a_part_of_the_circle_is_found_once(seed, size, count, others):
+@given(st.integers(0, 9999), SIZES, COUNTS, COUNTS, REACHES)
+def test_every_pair_within_reach_and_a_part_of_the_circle_is_found_once(seed, size, count, others, most):
     rng = np.random.default_rng(seed)
-    (uv, facing), (ask, angle) = places(rng, count, size), places(rng, others, size)
-    pairs = asked(side_grid(np.arange(count), uv, facing, size), ask, angle)
+    (uv, facing), (ask, angle), reach = places(rng, count, size), places(rng, others, size), rng.uniform(0, most, others)
+    pairs = asked(grid_of(np.arange(count), uv, size, facing), ask, reach, angle)
     assert len(pairs) == len(set(pairs))
-    assert close(ask, angle, uv, facing) <= set(pairs)
+    assert close(ask, angle, uv, facing, reach) <= set(pairs)
+
+
+@settings(max_examples=80, deadline=None, derandomize=True)
+@given(st.integers(0, 9999), SIZES, COUNTS, COUNTS, REACHES)
+def test_by_place_alone_nothing_within_reach_is_missed_whichever_way_it_faces(seed, size, count, others, most):
+    rng = np.random.default_rng(seed)
+    (uv, facing), (ask, _), reach = places(rng, count, size), places(rng, others, size), rng.uniform(0, most, others)
+    near = close(ask, np.zeros(others), uv, np.zeros(count), reach)
+    by_place = asked(grid_of(np.arange(count), uv, size), ask, reach)
+    assert near <= set(by_place)
+    assert len(by_place) == len(set(by_place))
+    assert set(asked(grid_of(np.arange(count), uv, size, facing), ask, reach, np.zeros(others))) <= set(by_place)
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
-@given(st.integers(0, 9999), SIZES, COUNTS, COUNTS)
-def test_no_pair_is_farther_than_two_cells_and_two_parts(seed, size, count, others):
+@given(st.integers(0, 9999), SIZES, COUNTS, COUNTS, REACHES)
+def test_no_pair_is_farther_than_a_cell_more_and_two_parts(seed, size, count, others, reach):
     rng = np.random.default_rng(seed)
     (uv, facing), (ask, angle) = places(rng, count, size), places(rng, others, size)
-    place, side = side_grid(np.arange(count), uv, facing, size).near(ask, angle)
-    assert (np.abs(ask[place] - uv[side]) <= 2 * CELL + 1).all()  # half a pixel of the border belongs to the cells at it
+    place, side = grid_of(np.arange(count), uv, size, facing).near(ask, reach, angle)
+    assert (np.abs(ask[place] - uv[side]) <= reach + CELL + 1e-9).all()
     assert (np.abs(np.angle(np.exp(1j * (angle[place] - facing[side])))) <= 2 * PART + 1e-9).all()
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
-@given(st.integers(0, 9999), SIZES, st.integers(1, 60), st.floats(-40.0, 40.0), st.floats(-40.0, 40.0))
-def test_places_beyond_the_border_find_what_is_near_them_too(seed, size, count, right, down):
+@given(st.integers(0, 9999), SIZES, st.integers(1, 60), st.floats(-80.0, 80.0), st.floats(-80.0, 80.0), REACHES)
+def test_places_beyond_the_border_find_what_is_near_them_too(seed, size, count, right, down, most):
     rng = np.random.default_rng(seed)
     uv, facing = places(rng, count, size)
     ask, angle = places(rng, count, size)
     ask += [right, down]
-    pairs = asked(side_grid(np.arange(count), uv, facing, size), ask, angle)
+    reach = np.full(count, most)
+    pairs = asked(grid_of(np.arange(count), uv, size, facing), ask, most, angle)
     assert len(pairs) == len(set(pairs))
-    assert close(ask, angle, uv, facing) <= set(pairs)
+    assert close(ask, angle, uv, facing, reach) <= set(pairs)
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.integers(0, 9999), SIZES, COUNTS)
+def test_anywhere_in_the_image_what_faces_alike_is_found_once(seed, size, count):
+    rng = np.random.default_rng(seed)
+    (uv, facing), (_, angle) = places(rng, count, size), places(rng, 7, size)
+    place, side = grid_of(np.arange(count), uv, size, facing).facing(angle)
+    pairs = list(zip(place.tolist(), side.tolist(), strict=True))
+    assert len(pairs) == len(set(pairs))
+    assert close(np.zeros((7, 2)), angle, np.zeros((count, 2)), facing, np.ones(7)) <= set(pairs)
+    assert (np.abs(np.angle(np.exp(1j * (angle[place] - facing[side])))) <= 2 * PART + 1e-9).all()
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.integers(0, 9999), SIZES, COUNTS, st.integers(-3, 3))
-def test_sides_are_named_as_they_were_given_and_whole_turns_change_nothing(seed, size, count, turns):
+def test_data_are_named_as_they_were_given_and_whole_turns_change_nothing(seed, size, count, turns):
     rng = np.random.default_rng(seed)
     (uv, facing), names = places(rng, count, size), rng.permutation(1000)[:count]
     angle = rng.uniform(0.1, PART - 0.1, count) + PART * rng.integers(0, TURNS, count)
-    plain = asked(side_grid(np.arange(count), uv, facing, size), uv, angle)
-    named = asked(side_grid(names, uv, facing, size), uv, angle + 2 * pi * turns)
+    plain = asked(grid_of(np.arange(count), uv, size, facing), uv, 9.0, angle)
+    named = asked(grid_of(names, uv, size, facing), uv, 9.0, angle + 2 * pi * turns)
     assert {(place, int(names[side])) for place, side in plain} == set(named)
     assert len(plain) == len(named)
 
 
-def test_a_cell_is_thirty_two_pixels_and_a_part_twenty_degrees():
-    assert CELL == 32
-    assert np.degrees(PART) == 20.0
+def test_a_part_of_the_circle_is_wider_than_what_looks_right_may_turn():
+    assert PART >= TURNED
 
 
 KINDS = (
@@ -131,7 +160,7 @@ def test_a_part_of_the_data_has_its_own_sides(kinds, choice, seed):
     for name in ARRAYS:
         np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[rows])
     for data in (whole, part):
-        place, side = data.sides.near(data.uv[data.sided], data.angle[data.sided])
+        place, side = data.sides.near(data.uv[data.sided], 0.0, data.angle[data.sided])
         mine = np.flatnonzero(data.sided)
         assert data.sided[side].all()
         assert {(i, int(mine[i])) for i in range(len(mine))} <= set(zip(place.tolist(), side.tolist(), strict=True))
