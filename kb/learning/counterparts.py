@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kb.learning.observations import ALIKE, differences
+from kb.learning.again import ALIKE, differences, flat
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
@@ -74,12 +74,6 @@ def _near(cloud: LearntCloud, moved: Floats, reach: float) -> Iterator[tuple[Ind
         number = np.arange(len(which)) - np.repeat(np.cumsum(size) - size, size)
         width = counts[its][which]
         yield start[some][which] + number // width, start[its][which] + number % width
-
-
-def flat(found: Sequence[Sequence[int]]) -> tuple[Indices, Indices]:
-    """Lists of indices as pairs: the list's number, and the index."""
-    numbers = np.repeat(np.arange(len(found)), [len(some) for some in found])
-    return numbers, np.array([index for some in found for index in some], np.intp)
 
 
 def share(cloud: LearntCloud, found: Indices) -> float:

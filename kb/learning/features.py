@@ -50,27 +50,27 @@ class _Lobe(NamedTuple):
     members: NDArray[np.intp]
     axis: Floats
     half_angle: float
+    hit: float
 
 
 def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most: int = MOST) -> LearntCloud:
     """The cloud of a type from what was seen of it from ``even_directions(count)``; its words are not assigned yet (all 0)."""
-    sided = seen.sided
-    points = _chosen(seen, _places(seen, np.flatnonzero(~sided)), count, most)
-    sides = _chosen(seen, side_places(seen, np.flatnonzero(sided), diameter), count, MOST_SIDES)
-    several = [(group, _lobes(seen, group, count)) for group in points]
-    several += [(group, [lobe for lobe in _lobes(seen, group, count) if _share(seen, lobe, count) >= SIDES_SEEN]) for group in sides]
-    chosen = [group for group, some in several if some]
-    lobes = [(f, lobe) for f, some in enumerate(some for _, some in several if some) for lobe in some]
+    directions = even_directions(count)
+    points = _chosen(seen, _places(seen, np.flatnonzero(~seen.sided)), most)
+    sides = _chosen(seen, side_places(seen, np.flatnonzero(seen.sided), diameter), MOST_SIDES)
+    several = [(group, _lobes(seen, group, directions)) for group in points]
+    several += [(group, [lobe for lobe in _lobes(seen, group, directions) if lobe.hit >= SIDES_SEEN]) for group in sides]
+    several = [(group, lobes) for group, lobes in several if lobes]
     return LearntCloud(
-        **_feature_arrays(seen, chosen),
-        **_lobe_arrays(seen, lobes, diameter, f_ref, count),
+        **_feature_arrays(seen, [group for group, _ in several]),
+        **_lobe_arrays(seen, [(f, lobe) for f, (_, lobes) in enumerate(several) for lobe in lobes], diameter, f_ref),
     )
 
 
-def _chosen(seen: Observations, groups: list[NDArray[np.intp]], count: int, most: int) -> list[NDArray[np.intp]]:
+def _chosen(seen: Observations, groups: list[NDArray[np.intp]], most: int) -> list[NDArray[np.intp]]:
     """Those of the groups that become features."""
     groups = [group for group in groups if len(group) >= LEAST_SEEN]
-    return [groups[i] for i in sorted(_best(seen, groups, count)[:most], key=lambda i: int(groups[i][0]))]
+    return [groups[i] for i in sorted(_best(seen, groups)[:most], key=lambda i: int(groups[i][0]))]
 
 
 def _places(seen: Observations, which: NDArray[np.intp]) -> list[NDArray[np.intp]]:
@@ -85,7 +85,7 @@ def _places(seen: Observations, which: NDArray[np.intp]) -> list[NDArray[np.intp
     for i in which[np.lexsort((which, reach[which], -seen.hit[which]))]:
         if not free[i]:
             continue
-        near = which[np.array(sorted(tree.query_ball_point(seen.at[i], 2.0 * reach[i])), np.intp)]
+        near = which[tree.query_ball_point(seen.at[i], 2.0 * reach[i], return_sorted=True)]
         near = near[free[near]]
         apart = np.linalg.norm(seen.at[near] - seen.at[i], axis=1)
         one = (apart <= np.maximum(reach[near], reach[i])) & (np.abs(np.log(seen.size[near] / seen.size[i])) < SAME_SIZE)
@@ -101,22 +101,22 @@ def reaches(seen: Observations) -> Floats:
     return np.maximum(SAME_PLACE * seen.pixel, share * seen.size)
 
 
-def _best(seen: Observations, groups: list[NDArray[np.intp]], count: int) -> list[int]:
+def _best(seen: Observations, groups: list[NDArray[np.intp]]) -> list[int]:
     """All groups, in turns: the best from each direction, then the second best from each, and so on, so that no side is forgotten for another.
 
     Best is what was seen most often, in pictures of all sizes and from all sides.
     """
     weight = np.array([seen.hit[group].sum() for group in groups])
+    pairs = {(view, i) for i, group in enumerate(groups) for view in seen.view[group].tolist()}
+    view, which = np.array(sorted(pairs), np.intp).reshape(-1, 2).T
+    which = which[np.lexsort((-weight[which], view))]
     turns = np.full(len(groups), len(groups))
-    for direction in range(count):
-        here = np.array([i for i, group in enumerate(groups) if (seen.view[group] == direction).any()], np.intp)
-        here = here[np.argsort(-weight[here], kind="stable")]
-        turns[here] = np.minimum(turns[here], np.arange(len(here)))
+    np.minimum.at(turns, which, np.arange(len(which)) - np.searchsorted(view, view))
     return [int(i) for i in np.lexsort((np.arange(len(groups)), -weight, turns))]
 
 
-def _lobes(seen: Observations, group: NDArray[np.intp], count: int) -> list[_Lobe]:
-    """One feature's observations by what they look like."""
+def _lobes(seen: Observations, group: NDArray[np.intp], directions: Floats) -> list[_Lobe]:
+    """One feature's observations by what they look like; they were looked for from ``directions`` (V, 3)."""
     lobes = []
     looks = seen.descriptor[:, LOOKS][:, :COLOURS] if seen.sided[group[0]] else seen.descriptor
     left = group[np.argsort(-seen.hit[group], kind="stable")]
@@ -130,8 +130,23 @@ def _lobes(seen: Observations, group: NDArray[np.intp], count: int) -> list[_Lob
         axis = seen.direction[members].mean(axis=0)
         axis = axis / np.linalg.norm(axis)
         widest = float(np.arccos(np.clip(seen.direction[members] @ axis, -1.0, 1.0)).max())
-        lobes.append(_Lobe(members, axis, widest + BEYOND * spacing(count)))
+        half_angle = widest + BEYOND * spacing(len(directions))
+        lobes.append(_Lobe(members, axis, half_angle, _hit(seen, members, axis, half_angle, directions)))
     return lobes
+
+
+def _hit(seen: Observations, members: NDArray[np.intp], axis: Floats, half_angle: float, directions: Floats) -> float:
+    """The hit rate of a lobe. A picture that shows several points of one stretch of an edge shows that once."""
+    level, view, hit = seen.level[members], seen.view[members], seen.hit[members]
+    reach = np.cos(half_angle)
+    held = int((directions @ axis >= reach).sum())
+    pictures = max(held, len(directions) * (1.0 - reach) / 2.0) * (level.max() - level.min() + 1)
+    if seen.sided[members[0]]:
+        best: dict[tuple[int, int], float] = {}
+        for key, one in zip(zip(level.tolist(), view.tolist(), strict=True), hit.tolist(), strict=True):
+            best[key] = max(one, best.get(key, 0.0))
+        return float(min(sum(best.values()) / max(pictures, 1.0), 1.0))
+    return float(np.clip(hit.sum() / max(pictures, 1.0), 0.0, 1.0))
 
 
 def _apart(some: NDArray[np.float32], one: NDArray[np.float32]) -> Floats:
@@ -166,21 +181,7 @@ def _spread(seen: Observations, group: NDArray[np.intp], middle: Floats) -> floa
     return float(np.sqrt(((off * seen.up[group]).sum(axis=1) ** 2).mean()))
 
 
-def _share(seen: Observations, lobe: _Lobe, count: int) -> float:
-    """The hit rate of a lobe. A picture that shows several points of one stretch of an edge shows that once."""
-    level, view = seen.level[lobe.members], seen.view[lobe.members]
-    held = int((even_directions(count) @ lobe.axis >= np.cos(lobe.half_angle)).sum())
-    pictures = max(held, count * (1.0 - np.cos(lobe.half_angle)) / 2.0) * (level.max() - level.min() + 1)
-    hit = seen.hit[lobe.members]
-    if seen.sided[lobe.members[0]]:
-        best: dict[tuple[int, int], float] = {}
-        for key, one in zip(zip(level.tolist(), view.tolist(), strict=True), hit.tolist(), strict=True):
-            best[key] = max(one, best.get(key, 0.0))
-        return float(min(sum(best.values()) / max(pictures, 1.0), 1.0))
-    return float(np.clip(hit.sum() / max(pictures, 1.0), 0.0, 1.0))
-
-
-def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: float, f_ref: float, count: int) -> dict[str, Any]:
+def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: float, f_ref: float) -> dict[str, Any]:
     ranges = np.array([distance(pixels, diameter, f_ref) for pixels in PIXELS])
     axis = np.array([lobe.axis for _, lobe in lobes]).reshape(-1, 3)
     half = np.array([lobe.half_angle for _, lobe in lobes])
@@ -198,7 +199,7 @@ def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: f
         "half_angle": half,
         "r_min": ranges[nearest] / np.where(nearest == 0, END, STEP),
         "r_max": ranges[farthest] * np.where(farthest == len(PIXELS) - 1, END, STEP),
-        "hit": np.array([_share(seen, lobe, count) for _, lobe in lobes]),
+        "hit": np.array([lobe.hit for _, lobe in lobes]),
         "up": up,
         "size": np.array([_size(seen.size[lobe.members]) for _, lobe in lobes]),
     }

@@ -6,12 +6,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Protocol
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kb.learning.again import keypoints_again
 from kb.learning.sides import INSIDE, descriptors, sides_again
-from kb.learning.variants import size_of, variant
+from kb.learning.variants import size_of, variants
 from kb.learning.views import PIXELS
 
 if TYPE_CHECKING:
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from kb.learning.again import Seen
     from kb.learning.sides import Look
     from kb.learning.views import View
 
@@ -36,36 +39,12 @@ SPARSE, DENSE = 9, 5
 """Pixels between points along an edge: of those that become features, and of those among which they are looked for, as at run time."""
 SMALL = 200.0
 """Pixels: in a picture of a smaller object sides are taken densely, for a stretch of an edge is short there."""
-NEAR, SIMILAR, TURNED = 3.0, 0.3, 0.35
-"""The same keypoint: within so many pixels (plus 8 % of its size), a logarithm of the ratio of sizes, radians."""
-ALIKE = {128: 280.0, 138: 290.0, 32: 60.0}
-"""... and with descriptors no farther apart, by their bytes: Euclid's distance of SIFT's, without and with colours, Hamming's of ORB's."""
 STEEP = 0.2
 """Least cosine between a ray and the normal of a plane for it to be said where they meet."""
 FLAT = 1.0
 """Pixels of the large picture by which a surface may be off a plane and is that plane."""
 EDGE = 3
 """Pixels of the large picture that a keypoint must keep from the outline, where depth is that of the background."""
-
-
-class Seen(Protocol):
-    """Keypoints of one picture, as ``sensing.keypoints`` gives them."""
-
-    @property
-    def uv(self) -> Floats:
-        """(N, 2) pixels."""
-
-    @property
-    def angle(self) -> Floats:
-        """(N,) radians."""
-
-    @property
-    def scale(self) -> Floats:
-        """(N,) pixels."""
-
-    @property
-    def descriptors(self) -> NDArray[np.uint8]:
-        """(N, D) bytes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +78,7 @@ class Observations:
     def __len__(self) -> int:
         return len(self.at)
 
-    @property
+    @cached_property
     def sided(self) -> NDArray[np.bool_]:
         """(N,) which are sides of edges."""
         return np.asarray(self.size == 0.0)
@@ -118,9 +97,9 @@ def observed(view: View, number: int, detect: Detect, seed: int = 0, look: Look 
     levels = []
     for level, pixels in enumerate(PIXELS):
         rng = np.random.default_rng([seed, number, level])
-        pictures = [variant(view, pixels, rng) for _ in range(PICTURES)]
+        pictures = variants(view, pixels, rng, PICTURES)
         first, *others = [detect(*both, DENSE if i else SPARSE) for i, both in enumerate(pictures)]
-        hit, uv, descriptor = _again(first, others)
+        hit, uv, descriptor = keypoints_again(first, others)
         levels.append(_on_surface(view, inner, pixels, first, uv, hit, descriptor, (number, level)))
         if look is not None:
             levels.append(_sides(view, pixels, [busy for busy, _ in pictures[:PICTURES_OF_SIDES]], look, (number, level)))
@@ -135,61 +114,12 @@ def _sides(view: View, pixels: float, pictures: Sequence[NDArray[np.uint8]], loo
     inward = np.column_stack([np.cos(first.angle), np.sin(first.angle)])
     cells = [np.clip(np.rint((first.uv + deep * inward + 0.5) * factors - 0.5).astype(int), 0, large - 1) for deep in INSIDE]
     good = np.flatnonzero(np.all([view.mask[cell[:, 1], cell[:, 0]] for cell in cells[:2]], axis=0))
-    hit = np.zeros(len(first.uv))
-    some = _Some(first.uv[good], first.angle[good], first.looks[good])
-    hit[good] = sides_again(some, others)
+    hit = sides_again(first, others, good)
     good = good[hit[good] >= ALWAYS]
     place, cell = (first.uv[good] + 0.5) * factors - 0.5, cells[0][good]
     here = _on_plane(view, place, cell, cells[-1][good])
     seen = _Taken(first.angle[good], np.zeros(len(good)), hit[good], descriptors(first.looks[good]))
     return _carried(view, here, cell, factors, seen, number_level)
-
-
-@dataclass(frozen=True)
-class _Some:
-    """Some of the sides of a picture."""
-
-    uv: Floats
-    angle: Floats
-    looks: NDArray[np.uint8]
-
-
-def _again(first: Seen, others: Sequence[Seen]) -> tuple[Floats, Floats, NDArray[np.float32]]:
-    """Share of the others in which each keypoint comes again, (N,); its mean place (N, 2) and descriptor (N, D)."""
-    hits = np.zeros(len(first.uv))
-    uv, descriptor = first.uv.copy(), first.descriptors.astype(np.float32)
-    for other in others:
-        mine, its = same(first, other)
-        hits[mine] += 1.0
-        uv[mine] += other.uv[its]
-        descriptor[mine] += other.descriptors[its]
-    return hits / max(len(others), 1), uv / (1.0 + hits)[:, None], (descriptor / (1.0 + hits)[:, None]).astype(np.float32)
-
-
-def same(one: Seen, other: Seen) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Indices of the keypoints of ``one`` that ``other`` has as well, and of which they are: the most alike of those that may be."""
-    from scipy.spatial import cKDTree
-
-    nothing = np.zeros(0, np.intp)
-    if not len(one.uv) or not len(other.uv):
-        return nothing, nothing
-    found = cKDTree(other.uv).query_ball_point(one.uv, NEAR + 0.08 * one.scale)
-    mine = np.repeat(np.arange(len(found)), [len(js) for js in found])
-    its = np.array([j for js in found for j in sorted(js)], np.intp)
-    turned = np.abs((other.angle[its] - one.angle[mine] + np.pi) % (2 * np.pi) - np.pi)
-    apart = differences(one.descriptors[mine], other.descriptors[its])
-    right = (np.abs(np.log(other.scale[its] / one.scale[mine])) < SIMILAR) & (turned < TURNED) & (apart < ALIKE[one.descriptors.shape[1]])
-    mine, its, apart = mine[right], its[right], apart[right]
-    order = np.lexsort((its, apart, mine))
-    firsts = np.unique(mine[order], return_index=True)[1]
-    return mine[order][firsts], its[order][firsts]
-
-
-def differences(some: NDArray[np.uint8], others: NDArray[np.uint8]) -> Floats:
-    """(N,) distances of descriptors (N, D) to their partners: Euclid's of SIFT's, Hamming's of ORB's (32 bytes)."""
-    if some.shape[1] == 32:
-        return np.asarray(np.unpackbits(some ^ others, axis=1).sum(axis=1), np.float64)
-    return np.asarray(np.linalg.norm(some.astype(np.float32) - others.astype(np.float32), axis=1), np.float64)
 
 
 def _on_surface(

@@ -58,22 +58,23 @@ class SeenSides(Protocol):
         """(N, 5) bytes, the last its brightness against what is beyond the edge."""
 
 
-def sides_again(first: SeenSides, others: Sequence[SeenSides]) -> Floats:
-    """(N,) share of the other pictures in which each side of the first comes again."""
+def sides_again(first: SeenSides, others: Sequence[SeenSides], which: NDArray[np.intp] | None = None) -> Floats:
+    """(N,) share of the other pictures in which each side of the first comes again; with ``which`` (M,), 0 of all that it does not name."""
     hits = np.zeros(len(first.uv))
+    which = np.arange(len(hits)) if which is None else which
     for other in others:
-        hits[_same(first, other)] += 1.0
+        hits[_same(first, which, other)] += 1.0
     return hits / max(len(others), 1)
 
 
-def _same(one: SeenSides, other: SeenSides) -> NDArray[np.intp]:
-    """Those of ``one`` that ``other`` has as well."""
+def _same(one: SeenSides, which: NDArray[np.intp], other: SeenSides) -> NDArray[np.intp]:
+    """Those of the sides ``which`` of ``one`` that ``other`` has as well."""
     from scipy.spatial import cKDTree
 
-    if not len(one.uv) or not len(other.uv):
+    if not len(which) or not len(other.uv):
         return np.zeros(0, np.intp)
-    pairs = cKDTree(one.uv).sparse_distance_matrix(cKDTree(other.uv), float(np.hypot(ACROSS, ALONG)), output_type="ndarray")
-    mine, its = pairs["i"], pairs["j"]
+    pairs = cKDTree(one.uv[which]).sparse_distance_matrix(cKDTree(other.uv), float(np.hypot(ACROSS, ALONG)), output_type="ndarray")
+    mine, its = which[pairs["i"]], pairs["j"]
     apart, angle = other.uv[its] - one.uv[mine], one.angle[mine]
     across = apart[:, 0] * np.cos(angle) + apart[:, 1] * np.sin(angle)
     along = apart[:, 1] * np.cos(angle) - apart[:, 0] * np.sin(angle)
@@ -101,7 +102,7 @@ def side_places(seen: Observations, which: NDArray[np.intp], diameter: float) ->
     for i in np.lexsort((np.arange(len(which)), pixel, -seen.hit[which])):
         if not free[i]:
             continue
-        near = np.array(sorted(tree.query_ball_point(at[i], STRETCH * diameter)), np.intp)
+        near = np.array(tree.query_ball_point(at[i], STRETCH * diameter, return_sorted=True), np.intp)
         near = near[free[near]]
         across = np.abs((at[near] - at[i]) @ up[i])
         one = (across < np.maximum(WIDE * diameter, PIXELS_WIDE * pixel[near])) & (up[near] @ up[i] > SAME_WAY)

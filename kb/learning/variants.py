@@ -11,6 +11,12 @@ if TYPE_CHECKING:
 
     from kb.learning.views import View
 
+    Variant = tuple[NDArray[np.uint8], NDArray[np.uint8]]
+    """(h, w, 3) each: the view under random light, with blur and noise; before random spots, and before a calm background.
+
+    Before spots no keypoint at the outline comes twice; but a region of one colour, which ends there, would hardly ever come at all.
+    """
+
 GAIN, GAMMA = (0.7, 1.4), (0.8, 1.25)
 """Ranges of exposure; what is too bright is cut off at 255."""
 BLUR, NOISE = (0.4, 1.1), (2.0, 8.0)
@@ -25,17 +31,23 @@ def size_of(view: View, pixels: float) -> tuple[int, int]:
     return max(1, round(width * pixels / view.pixels)), max(1, round(height * pixels / view.pixels))
 
 
-def variant(view: View, pixels: float, rng: np.random.Generator) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """(h, w, 3) uint8: the view, ``pixels`` large, under random light, with blur and noise; before random spots, and before a calm background.
-
-    Before spots no keypoint at the outline comes twice; but a region of one colour, which ends there, would hardly ever come at all.
-    """
+def variants(view: View, pixels: float, rng: np.random.Generator, count: int) -> list[Variant]:
+    """``count`` variants of the view, all different, in which the object's diameter is ``pixels``."""
     import cv2
 
     size = size_of(view, pixels)
     whole = np.asarray(cv2.resize(view.image * view.mask[..., None], size, interpolation=cv2.INTER_AREA), np.float32)
-    share = np.asarray(cv2.resize(view.mask.astype(np.float32), size, interpolation=cv2.INTER_AREA))[..., None]
-    own = np.clip(whole / 255.0 / np.maximum(share, 1e-3), 0.0, 1.0) ** rng.uniform(*GAMMA) * (255.0 * rng.uniform(*GAIN))
+    share = np.asarray(cv2.resize(view.mask.astype(np.float32), size, interpolation=cv2.INTER_AREA), np.float32)[..., None]
+    even = np.asarray(np.clip(whole / 255.0 / np.maximum(share, 1e-3), 0.0, 1.0), np.float32)
+    return [_variant(even, share, rng) for _ in range(count)]
+
+
+def _variant(even: NDArray[np.float32], share: NDArray[np.float32], rng: np.random.Generator) -> Variant:
+    """One of an object's colours (h, w, 3), 0 to 1, that has a share (h, w, 1) of each pixel."""
+    import cv2
+
+    size = share.shape[1], share.shape[0]
+    own = even ** rng.uniform(*GAMMA) * (255.0 * rng.uniform(*GAIN))
     behind = _spots(size, rng)
     blur, noise = rng.uniform(*BLUR), rng.uniform(*NOISE) * rng.standard_normal((*size[::-1], 3), dtype=np.float32)
 

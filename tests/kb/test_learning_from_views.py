@@ -9,7 +9,7 @@ from painted_cube import CORNER, COUNT, F_REF, PIXELS, SIDE, cloud, cube, facing
 from kb.cones import even_directions, spacing
 from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of, reaches
 from kb.learning.observations import EDGE, OFTEN, joined
-from kb.learning.variants import variant
+from kb.learning.variants import variants
 from kb.learning.views import AWAY, MARGIN, distance
 from kb.learnt import cloud_bytes, read_cloud
 from sensing.simulated.turntable import turned
@@ -63,7 +63,7 @@ def test_features_are_where_they_were_seen_and_their_lobes_hold_who_saw_them():
     assert sorted(i for g in _places(some, np.arange(len(some))) for i in g.tolist()) == list(range(len(some)))
     for number, group in enumerate(groups):
         assert np.linalg.norm(some.at[group] - here.at[number], axis=1).max() <= 2 * reaches(some)[group].max()
-        lobes = _lobes(some, group, COUNT)
+        lobes = _lobes(some, group, even_directions(COUNT))
         mine = np.flatnonzero(here.feature == number)
         assert sorted(i for lobe in lobes for i in lobe.members.tolist()) == sorted(group.tolist())
         assert len(mine) == len(lobes)
@@ -91,7 +91,7 @@ def test_a_hit_rate_is_what_was_found_of_the_pictures_that_could_have_shown_it()
     """
     some, here, row = seen(), cloud(seen()), 0
     for group in sorted((g for g in _places(some, np.arange(len(some))) if len(g) >= LEAST_SEEN), key=lambda g: int(g[0])):
-        for lobe in _lobes(some, group, COUNT):
+        for lobe in _lobes(some, group, even_directions(COUNT)):
             levels = some.level[lobe.members].tolist()
             could = [i for i, d in enumerate(even_directions(COUNT)) if d @ here.axis[row] >= np.cos(here.half_angle[row])]
             average = COUNT * (1 - np.cos(here.half_angle[row])) / 2
@@ -174,8 +174,7 @@ def test_the_most_seen_features_are_kept_in_order():
 
 def test_a_variant_shows_the_object_before_a_background_that_is_never_the_same():
     view = next(iter(turned(cube(), [even_directions(COUNT)[FEW[0]]], PIXELS[0], MARGIN, AWAY)))
-    firsts, seconds = (variant(view, PIXELS[1], np.random.default_rng(1)) for _ in range(2))
-    others = variant(view, PIXELS[1], np.random.default_rng(2))
+    firsts, seconds, others = (variants(view, PIXELS[1], np.random.default_rng(seed), 1)[0] for seed in (1, 1, 2))
     for one, again, other in zip(firsts, seconds, others, strict=True):
         check_variant(view, one, again, other)
     busy, calm = (picture[:5].astype(float) for picture in firsts)
