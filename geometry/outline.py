@@ -1,4 +1,4 @@
-"""The outline of a posed surface on the image: the exact union of its projected triangles, in pixels, by shapely.
+"""The outline of a posed surface on the image: the exact union of its projected triangles, in pixels.
 
 It is taken in ideal pixels (no distortion), where edges are straight, and then bent along the lens where there is one.
 """
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from geometry.arrays import Floats, Ints, Mask, last_axes
 from geometry.camera import Camera
+from geometry.contour import union_by_contour
 from geometry.distortion import distort, fold_radius
 from geometry.frames import transform_points
 
@@ -19,6 +20,7 @@ Area = Any  # a shapely Polygon, MultiPolygon, or an empty geometry: shapely shi
 NEAR = 1e-3  # m; what is nearer than this is cut off
 _EDGE = 4.0  # px between the points of an edge that a lens bends
 _SLIVER = 1e-9  # px^2; triangles seen edge-on to within this have no image
+_FEW = 50  # triangles: so many are sooner put together one by one than by their contour
 
 
 def outline(vertices: ArrayLike, triangles: ArrayLike, camera_from_object: ArrayLike, camera: Camera) -> Area:
@@ -90,7 +92,10 @@ def facing(corners: Floats, triangles: Ints) -> Mask:
 
 def _union(pixels: Floats, triangles: Ints) -> Area:
     corners = pixels[triangles]
-    return shapely.union_all(shapely.polygons(corners[facing(corners, triangles)]))
+    facets = facing(corners, triangles)
+    if facets.sum() <= _FEW:
+        return shapely.union_all(shapely.polygons(corners[facets]))
+    return union_by_contour(pixels, triangles[facets])
 
 
 def _clipped(corners: Floats) -> Floats:

@@ -20,6 +20,7 @@ from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
 from plogic.search.indices import generate
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Reading, Reconsider, Situation
 from plogic.trace import Trace
+from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -54,6 +55,7 @@ class Delta:
     situation: Situation
 
 
+@uncollected()
 def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], options: Options) -> Delta:
     """Name the hypotheses that were not rejected and collect the facts that decide their probabilities."""
     beliefs = {f"h{i}": belief for i, belief in enumerate((*cycle.accepted, *cycle.considered), 1)}

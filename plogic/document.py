@@ -7,7 +7,6 @@ causes of what nothing is matched to (``causes_else``: "noise").
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +21,7 @@ from plogic.measures.distinctiveness import distinctiveness, instance_counts, pr
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.outlines import outline_rings
 from sensing.gamma_files import appearance_to_dict
+from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -41,6 +41,7 @@ LISTED_REJECTED = 12
 Cases = dict[str, tuple[bool, bool, str | None]]
 
 
+@uncollected()
 def document_of(
     kb: KnowledgeBase,
     gamma: Gamma,
@@ -62,7 +63,7 @@ def document_of(
         "kb": {"name": kb.name, "digest": kb.digest},
         "camera": camera_to_dict(gamma.camera),
         "appearances": [
-            {**appearance_to_dict(replace(a, descriptor=None)), "clutter": fact.clutter}
+            appearance_to_dict(a, described=False) | {"clutter": fact.clutter}
             for a, fact in zip(gamma.appearances, situation.appearances, strict=True)
         ],
         "hypotheses": _hypotheses(delta, gamma, ranking, dv) + _rejected(rejected, gamma, dv),
@@ -83,14 +84,8 @@ def document_of(
 def _worlds(ranking: Ranking, situation: Situation, *, short: bool) -> dict[str, Any]:
     """The listed worlds; ``short``: an appearance that no feature is matched to is noise in all of them, and is not repeated."""
     matched = {f.match for h in situation.hypotheses for f in h.features}
-    worlds = [
-        {
-            "probability": w.probability,
-            "present": list(w.present),
-            "causes": {a: cause for a, cause in w.causes.items() if a in matched or not short},
-        }
-        for w in ranking.worlds
-    ]
+    named = [a.id for a in situation.appearances if a.id in matched or not short]
+    worlds = [{"probability": w.probability, "present": list(w.present), "causes": {a: w.causes[a] for a in named}} for w in ranking.worlds]
     return {"worlds": worlds} | ({"causes_else": "noise"} if short else {})
 
 

@@ -10,14 +10,17 @@ from functools import partial
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Literal, Protocol
 
+import numpy as np
+
 from sensing.appearance import Appearance, Gamma
 from sensing.errors import DetectorError, ImageError
 from sensing.reported import made, reported, told
+from sensing.rounding import rounded
+from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from geometry.camera import Camera
@@ -134,11 +137,10 @@ def detect(image_bgr: NDArray[np.uint8], camera: Camera, vocabulary: Collection[
     """
     _check(image_bgr, camera)
     wanted = frozenset(vocabulary)
-    known = {name: made(name, factory) for name, factory in detectors(words).items()}
-    found = [a for name, d in known.items() if not wanted.isdisjoint(d.types) for a in reported(name, d, image_bgr) if a.type in wanted]
-    places = [(round(a.uv[0], 4), round(a.uv[1], 4), _cut(a.angle, 5), _cut(a.scale, 3)) for a in found]
-    order = sorted(range(len(found)), key=lambda i: _order(found[i], places[i]))
-    return Gamma(camera, tuple(_named(f"a{number}", found[i], places[i]) for number, i in enumerate(order, start=1)))
+    with uncollected():
+        known = {name: made(name, factory) for name, factory in detectors(words).items()}
+        found = [a for name, d in known.items() if not wanted.isdisjoint(d.types) for a in reported(name, d, image_bgr) if a.type in wanted]
+        return Gamma(camera, _named(found))
 
 
 def _check(image_bgr: NDArray[np.uint8], camera: Camera) -> None:
@@ -149,16 +151,32 @@ def _check(image_bgr: NDArray[np.uint8], camera: Camera) -> None:
         raise ImageError(f"image: {width}x{height} is not the camera's size, {camera.width}x{camera.height}")
 
 
-def _cut(x: float | None, digits: int) -> float | None:
-    return None if x is None else round(x, digits)
+def _named(found: Sequence[Appearance]) -> tuple[Appearance, ...]:
+    """The appearances rounded, in their order, with their ids; there are thousands, so they are rounded by columns."""
+    u, v = rounded(np.array([a.uv for a in found], float).reshape(-1, 2), 4).T
+    angle, scale, score = (_column([getattr(a, name) for a in found], digits) for name, digits in (("angle", 5), ("scale", 3), ("score", 4)))
+    detector, kind = (_places([getattr(a, name) for a in found]) for name in ("detector", "type"))
+    order = np.lexsort((np.nan_to_num(scale), np.nan_to_num(angle), kind, u, v, detector))
+    places = zip(u[order].tolist(), v[order].tolist(), strict=True)
+    rows = zip(order.tolist(), places, *(_cells(column[order]) for column in (angle, scale, score)), strict=True)
+    return tuple(_renamed(found[i], f"a{number}", uv, *rest) for number, (i, uv, *rest) in enumerate(rows, start=1))
 
 
-def _order(a: Appearance, place: tuple[float, float, float | None, float | None]) -> tuple[str, float, float, str, float, float]:
-    u, v, angle, scale = place
-    return a.detector, v, u, a.type, angle or 0.0, scale or 0.0
+def _column(values: Sequence[float | None], digits: int) -> NDArray[np.float64]:
+    """(N,) the values rounded; NaN for None."""
+    return rounded(np.array(values, float), digits)
 
 
-def _named(name: str, a: Appearance, place: tuple[float, float, float | None, float | None]) -> Appearance:
-    """The appearance with its id, rounded; there are thousands, and ``replace`` is slow."""
-    u, v, angle, scale = place
-    return Appearance(name, a.type, (u, v), a.detector, angle, scale, _cut(a.score, 4), tuple(round(x, 5) for x in a.arms), a.descriptor)
+def _cells(column: NDArray[np.float64]) -> list[float | None]:
+    return [None if x != x else x for x in column.tolist()]  # noqa: PLR0124 - NaN
+
+
+def _places(names: Sequence[str]) -> NDArray[np.intp]:
+    """(N,) the place of each name among the different ones in alphabetical order."""
+    place = {name: i for i, name in enumerate(sorted(set(names)))}
+    return np.array([place[name] for name in names], np.intp)
+
+
+def _renamed(a: Appearance, name: str, uv: tuple[float, float], angle: float | None, scale: float | None, score: float | None) -> Appearance:
+    arms = tuple(round(x, 5) for x in a.arms) if a.arms else ()
+    return Appearance(name, a.type, uv, a.detector, angle, scale, score, arms, a.descriptor)

@@ -89,13 +89,21 @@ def gamma_to_dict(gamma: Gamma) -> dict[str, Any]:
     return {"format": "gamma/1", "camera": camera_to_dict(gamma.camera), "appearances": [appearance_to_dict(a) for a in gamma.appearances]}
 
 
-def appearance_to_dict(appearance: Appearance) -> dict[str, Any]:
-    """One appearance with the contract's keys; optional ones only where there is a value."""
+def appearance_to_dict(appearance: Appearance, *, described: bool = True) -> dict[str, Any]:
+    """One appearance with the contract's keys; optional ones only where there is a value, its descriptor only where it is to be ``described``."""
     a = appearance
     keys: dict[str, Any] = {"id": a.id, "type": a.type, "uv": list(a.uv), "detector": a.detector}
-    descriptor = None if a.descriptor is None else base64.b64encode(a.descriptor).decode()
-    optional = {"angle": a.angle, "scale": a.scale, "score": a.score, "arms": list(a.arms) or None, "descriptor": descriptor}
-    return keys | {key: value for key, value in optional.items() if value is not None}
+    if a.angle is not None:
+        keys["angle"] = a.angle
+    if a.scale is not None:
+        keys["scale"] = a.scale
+    if a.score is not None:
+        keys["score"] = a.score
+    if a.arms:
+        keys["arms"] = list(a.arms)
+    if described and a.descriptor is not None:
+        keys["descriptor"] = base64.b64encode(a.descriptor).decode()
+    return keys
 
 
 def write_gamma(gamma: Gamma, path: str | Path) -> None:

@@ -55,10 +55,11 @@ def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
 
 def rank_of_kinds(weights: NDArray[np.float64], kinds: Sequence[str], appearance_types: Sequence[str]) -> float:
     """``rank`` where feature f is matched by appearances of the one type ``kinds[f]``: of each type the heaviest features, as many as there are."""
-    there = Counter(appearance_types)
-    matched = []
+    there, matched, heavy = dict(Counter(appearance_types)), [], weights.tolist()
     for f in np.argsort(-weights, kind="stable").tolist():
-        if there[kinds[f]]:
-            there[kinds[f]] -= 1
-            matched.append(f)
-    return valuation(weights, dict.fromkeys(matched, 0))
+        left = there.get(kinds[f])
+        if left:
+            there[kinds[f]] = left - 1
+            matched.append(heavy[f])
+    total = float(weights.sum())
+    return min(1.0, sum(matched) / total) if total > 0.0 else 0.0

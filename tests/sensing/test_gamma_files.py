@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from geometry.camera import Camera
 from sensing.appearance import Appearance, Gamma
 from sensing.errors import GammaError, SensingError
-from sensing.gamma_files import MAX_APPEARANCES, gamma_from_dict, gamma_from_text, gamma_to_dict, read_gamma, write_gamma
+from sensing.gamma_files import MAX_APPEARANCES, appearance_to_dict, gamma_from_dict, gamma_from_text, gamma_to_dict, read_gamma, write_gamma
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 320], [0, 600, 240], [0, 0, 1]]), np.zeros(0))
 GOOD = {
@@ -66,6 +66,14 @@ def test_what_is_written_is_what_is_read(found):
     again = gamma_from_text(json.dumps(gamma_to_dict(Gamma(CAMERA, named))))
     assert again.appearances == named
     assert np.array_equal(again.camera.K, CAMERA.K)
+
+
+def test_an_appearance_can_be_told_without_its_descriptor():
+    a = Appearance("a1", "sift", (1.0, 2.0), "sift", 0.5, 3.0, 0.25, (0.1, 0.2), bytes(128))
+    keys = ["id", "type", "uv", "detector", "angle", "scale", "score", "arms"]
+    assert list(appearance_to_dict(a)) == [*keys, "descriptor"]
+    assert list(appearance_to_dict(a, described=False)) == keys
+    assert list(appearance_to_dict(Appearance("a1", "dot", (1.0, 2.0), "dots", scale=3.0))) == ["id", "type", "uv", "detector", "scale"]
 
 
 def test_a_file_round_trip_gives_the_same_bytes(tmp_path):
