@@ -20,9 +20,7 @@ from plogic.bench.recognition_score import HALF
 from plogic.evidence import LEAST_HIT, MOST_HIT, clutter_density, hit_rates, kinds, match_density
 from plogic.search.learnt import agreement, generate, looks, side_looks, side_pairs, sides
 from plogic.search.learnt.lobes import lobes_about, lobes_held
-from plogic.search.learnt.pairs import SEEDS, pairs_of
 from plogic.search.learnt.settle import matched, pose_of
-from plogic.search.learnt.single import single_poses
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -106,10 +104,10 @@ def _chance(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase) -> 
 
 
 def _sides(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, *, true: bool) -> Floats:
-    """(6, N) ``turned, colours, contrast, mean, varied, fit`` of sides of edges that face about right, matched or around, of any colours.
+    """(7, N) ``turned, colours, contrast, mean, varied, usual, fit`` of sides of edges that face about right, matched or around, of any colours.
 
-    ``mean`` and ``varied`` are the contrast of the appearance and its standard deviation, ``fit`` what ``looks_fit`` makes of it all; of several
-    appearances of a match the likeliest counts.
+    ``mean`` and ``varied`` are the contrast of the appearance and its standard deviation, ``usual`` the density of the one seen among the image's
+    edges, ``fit`` what ``looks_fit`` makes of it all; of several appearances of a match the likeliest counts.
     """
     cloud, pose = index.cloud, posed.camera_from_object
     lobes = lobes_held(index, pose, data.camera.f / kb.f_ref)
@@ -122,8 +120,9 @@ def _sides(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, *, t
     place, datum, turned = place[kept], datum[kept], turned[kept]
     mine, its = index.looks[lobes[place]], data.looks[datum]
     colours = side_looks.colours_off(mine, its, coloured=data.coloured)
-    fit = np.maximum(side_looks.looks_fit(mine, its, colours), 1e-9)
-    rows = np.stack([turned, colours, its[:, SIDE - 1] - 128.0, mine[:, SIDE - 1] - 128.0, mine[:, SIDE], fit]).astype(float)
+    fit = np.maximum(side_looks.looks_fit(mine, its, colours, data.contrasts), 1e-9)
+    usual = data.contrasts[its[:, SIDE - 1]]
+    rows = np.stack([turned, colours, its[:, SIDE - 1] - 128.0, mine[:, SIDE - 1] - 128.0, mine[:, SIDE], usual, fit]).astype(float)
     if not true:
         return rows
     order = np.lexsort((0.5 * (turned / sides.TURNS) ** 2 - np.log(fit), feature[place]))
@@ -171,20 +170,8 @@ def worths(index: LearntIndex, data: Data, kb: KnowledgeBase, truths: Sequence[T
 
     Of each true object the best right one; all of a type that is not in the scene are wrong.
     """
-    pairs = pairs_of(index, data)
-    poses = single_poses(index, pairs.first(SEEDS), data)
-    if not len(poses):
-        return
-    vote = agreement.votes(agreement.agreement(index, poses, pairs, data, *generate.VOTE), pairs)
-    granularity = data.camera.f / kb.f_ref
-    best, worth = generate._refined(index, poses[generate._apart(index, poses, vote, generate.REFINED)], pairs, data, granularity)  # noqa: SLF001
-    if not len(best):
-        return
-    some = best[: generate.VERIFIED][worth[: generate.VERIFIED] >= generate.TILTED]
-    other, its = generate._refined(index, generate.tilted(index, some, pairs, data), pairs, data, granularity)  # noqa: SLF001
-    best, worth = np.concatenate([best, other]), np.concatenate([worth, its])
-    order = np.argsort(-worth, kind="stable")
-    kept = generate._distinct_poses(index, best[order], generate.VERIFIED)  # noqa: SLF001
+    best, worth = generate.proposed(index, data, kb)
+    kept = generate.distinct_poses(index, best, generate.VERIFIED)
     values = [float(worth[(best == pose).all(axis=(1, 2))].max()) for pose in kept]
     if not truths:
         yield from ((False, value) for value in values)

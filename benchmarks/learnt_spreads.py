@@ -203,18 +203,18 @@ def gain_lines(name: str, right: Seen, wrong: Seen) -> list[str]:
 
 def side_lines(right: Seen, wrong: Seen) -> list[str]:
     """Angle, colours and contrast of sides of edges."""
-    (turned, colours, contrast, mean, varied, fit), its = right.of("sides"), wrong.of("sides")
+    (turned, colours, contrast, mean, varied, usual, fit), its = right.of("sides"), wrong.of("sides")
     clutter = its[:, its[1] < 1.0]
     if not len(turned) or not clutter.shape[1]:
         return [found_line("sides of edges", right, wrong, 1)]
     slope = float((clutter[1].mean() - colours.mean()) / clutter[1].var())
 
     def own(bright: float) -> Floats:
-        spread = np.minimum(np.hypot(varied, bright), side_looks.USUAL)
-        return bell(contrast - mean * (1.0 - (spread / side_looks.USUAL) ** 2), spread)
+        spread = np.minimum(np.hypot(varied, bright), side_looks.EDGES)
+        return bell(contrast - mean * (1.0 - (spread / side_looks.EDGES) ** 2), spread)
 
     facing, any_way, loss = fitted(partial(bell, turned), np.full(len(turned), 0.5 / side_pairs.TURNED), sides.TURNS, sides.WILD)
-    bright, wild, lost = fitted(own, bell(contrast, side_looks.USUAL), side_looks.BRIGHT, side_looks.WILD)
+    bright, wild, lost = fitted(own, usual, side_looks.BRIGHT, side_looks.WILD)
     return [
         found_line("sides of edges", right, wrong, 1),
         line(sides, "TURNS", facing, f"radians that a right one is turned, standard deviation; both lose {loss:.3f} nats each"),
@@ -225,8 +225,9 @@ def side_lines(right: Seen, wrong: Seen) -> list[str]:
         line(side_looks, "LESS", slope, "by how much less that is where they are all the way off"),
         line(side_looks, "BRIGHT", bright, f"bytes that contrast is off besides how it varied when learnt; with WILD loses {lost:.3f} nats each"),
         line(side_looks, "WILD", wild, "share of right ones of any contrast"),
-        line(side_looks, "USUAL", rms(clutter[2]), f"bytes of contrast of {clutter.shape[1]} of clutter of right colours, standard deviation"),
-        row("(looks_fit)", 1.0, clutter[5].mean(), f"mean of that likelihood ratio over it; its logarithm at right ones {np.log(fit).mean():.2f}"),
+        line(side_looks, "EDGES", rms(mean), "bytes of contrast of what was learnt, standard deviation"),
+        row("(looks_fit)", 1.0, clutter[6].mean(), f"mean of that likelihood ratio over {clutter.shape[1]} of clutter of right colours"),
+        more(f"whose contrast has a standard deviation of {rms(clutter[2]):.1f} bytes; its logarithm at right ones {np.log(fit).mean():.2f}"),
         *gain_lines("side gain", right, wrong),
     ]
 

@@ -15,6 +15,7 @@ from plogic.search.data import data_of
 from plogic.search.indices import Index, indices_of
 from plogic.stopwatch import Stopwatch
 from plogic.worlds import Ranking, ranked_worlds
+from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
     import numpy as np
@@ -62,7 +63,7 @@ class Perceiver:
         data = data_of(gamma.appearances, gamma.camera, self.width)
         with clock.stage("rank"):
             attention = attend(list(self.indices.values()), data.types, self.kb)
-        with clock.stage("search"):
+        with clock.stage("search"), uncollected():
             perception = Perception(data, self.kb, self.indices, self.dv, options.end)
             cycle = perception.run(attention)
             if perception.unfinished:

@@ -5,9 +5,7 @@ For programs of strangers use ``plogic.query.answers``: it works in a process of
 
 from __future__ import annotations
 
-import gc
 import json
-from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +14,10 @@ from problog.logic import And, Constant, Not, Or, Term, Var
 from plogic.program.mapping import shown
 from plogic.programs.compiled import compiled
 from plogic.programs.load import ground, request_from, variables, with_something_asked
+from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
 
     from plogic.names import Names
     from plogic.programs.compiled import Compiled
@@ -53,22 +52,10 @@ def prepared(document: dict[str, Any], *, ask_something: bool = False) -> tuple[
 
 @lru_cache(maxsize=4)
 def _prepared(text: str, ask_something: bool) -> tuple[Request, Compiled]:  # noqa: FBT001 - a cache's key
-    with _uncollected():
+    with uncollected():
         request = request_from(json.loads(text))
         request = with_something_asked(request) if ask_something else request
         return request, compiled(ground(request))
-
-
-@contextmanager
-def _uncollected() -> Iterator[None]:
-    """No garbage collection: it would go through the growing program again and again, a third of the time."""
-    active = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if active:
-            gc.enable()
 
 
 def grouped(request: Request, found: Ground, values: Iterable[Any]) -> list[list[tuple[str, Any]]]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from kb.words import POINT, SIDE, WIDTHS
 from plogic.search.grid import grid_of
+from plogic.search.learnt.side_looks import contrasts_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -81,6 +82,11 @@ class Data:
         """The sides of edges among these, by place and direction."""
         which = np.flatnonzero(self.sided)
         return grid_of(which, self.uv[which], (self.camera.width, self.camera.height), self.angle[which])
+
+    @cached_property
+    def contrasts(self) -> NDArray[np.float64]:
+        """(256,) density of each contrast among all of Γ's sides of edges."""
+        return self.whole.contrasts if self.part_of is not None else contrasts_of(self.looks[self.sided])
 
     def only(self, keep: NDArray[np.bool_]) -> Data:
         """The appearances where ``keep`` (A,) holds."""

@@ -8,13 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kb.words import COLOURS, SIDE
-from plogic.search.learnt.side_looks import BRIGHT, LESS, NEAREST, OFF, USUAL, WILD, colours_off, looks_fit
+from plogic.search.learnt.side_looks import BRIGHT, EDGES, FEW, LEAST, LESS, NEAREST, OFF, USUAL, WILD, colours_off, contrasts_of, looks_fit
 
 LOOKS = st.lists(st.integers(0, 255), min_size=SIDE, max_size=SIDE)
 CONTRASTS = st.integers(0, 255)
-VARIED = st.floats(0.0, 0.9 * np.sqrt(USUAL**2 - BRIGHT**2))
-"""Less than the contrasts of edges in general."""
+VARIED = st.floats(0.0, 0.9 * np.sqrt(EDGES**2 - BRIGHT**2))
+"""Less than the contrasts of the edges of objects."""
 BYTES = np.arange(256)
+EVEN = np.full(256, 1.0 / 256.0)
+"""Contrasts of an image that holds as many of each."""
 
 
 def mine(looks, varied=0.0):
@@ -25,12 +27,12 @@ def its(*looks):
     return np.array(looks, np.uint8).reshape(-1, SIDE)
 
 
-def of_contrasts(contrast, varied, asked=BYTES, off=0.0):
-    """The fit of each of the contrasts asked for, of colours that are off by so much."""
+def of_contrasts(contrast, varied, asked=BYTES, off=0.0, usual=EVEN):
+    """The fit of each of the contrasts asked for, of colours that are off by so much, in an image of usual contrasts."""
     some = np.zeros((len(asked), SIDE), np.uint8)
     some[:, SIDE - 1] = asked
     rows = np.repeat(mine([0] * COLOURS + [contrast], varied), len(asked), axis=0)
-    return looks_fit(rows, some, np.full(len(asked), off, np.float32)) / (NEAREST - LESS * off)
+    return looks_fit(rows, some, np.full(len(asked), off, np.float32), usual) / (NEAREST - LESS * off)
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -66,7 +68,7 @@ def test_another_byte_farther_away_is_farther_off(looks, other, which):
 def test_the_farther_off_colours_are_the_worse_they_fit_and_none_is_impossible(contrast, varied, seen):
     off = np.linspace(0.0, 0.999, 50).astype(np.float32)
     looks = np.repeat(its([0] * COLOURS + [seen]), 50, axis=0)
-    fit = looks_fit(np.repeat(mine([0] * COLOURS + [contrast], varied), 50, axis=0), looks, off)
+    fit = looks_fit(np.repeat(mine([0] * COLOURS + [contrast], varied), 50, axis=0), looks, off, EVEN)
     assert (np.diff(fit) < 0).all()
     assert (fit >= (NEAREST - LESS) * WILD * (1 - 1e-6)).all()
     assert np.isfinite(fit).all()
@@ -79,19 +81,36 @@ def test_colours_evenly_off_fit_neither_better_nor_worse():
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
-@given(st.integers(60, 195), VARIED)
-def test_contrasts_of_any_edges_fit_on_average_neither_better_nor_worse(contrast, varied):
-    """Those of edges in general, by their own spread: what looks likelier here looks less likely there. In bytes: the rims of 0 and 255 are far."""
-    usual = np.exp(-0.5 * ((BYTES - 128.0) / USUAL) ** 2)
-    assert (of_contrasts(contrast, varied) * usual).sum() / usual.sum() == pytest.approx(1.0, abs=0.05)
+@given(st.integers(90, 165), VARIED, st.integers(0, 9999), st.integers(0, 400))
+def test_contrasts_of_the_images_edges_fit_on_average_neither_better_nor_worse(contrast, varied, seed, count):
+    """By their own share among its edges: what looks likelier here looks less likely there. In bytes: the rims of 0 and 255 are far."""
+    rng = np.random.default_rng(seed)
+    edges = np.zeros((count, SIDE), np.uint8)
+    edges[:, SIDE - 1] = np.clip(128 + rng.normal(0, rng.uniform(5, 40), count), 0, 255)
+    usual = contrasts_of(edges)
+    assert (of_contrasts(contrast, varied, usual=usual) * usual).sum() == pytest.approx(usual.sum() * WILD + (1.0 - WILD), abs=0.02)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(st.lists(CONTRASTS, max_size=60))
+def test_contrasts_of_an_image_are_those_of_its_edges_and_of_some_of_any(contrasts):
+    edges = np.zeros((len(contrasts), SIDE), np.uint8)
+    edges[:, SIDE - 1] = contrasts
+    found, prior = contrasts_of(edges), np.exp(-0.5 * ((BYTES - 128) / USUAL) ** 2)
+    bells = [np.exp(-0.5 * ((BYTES - c) / 5.0) ** 2) for c in contrasts]
+    expected = (sum(bell / bell.sum() for bell in bells) + FEW * prior / prior.sum()) / (len(contrasts) + FEW)
+    np.testing.assert_allclose(found, np.maximum(expected, LEAST))
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(CONTRASTS, VARIED)
 def test_contrasts_fit_the_worse_the_farther_they_are_from_what_was_learnt(contrast, varied):
     fit = of_contrasts(contrast, varied)
-    assert (np.diff(fit[: contrast + 1]) >= -1e-12).all()
-    assert (np.diff(fit[contrast:]) <= 1e-12).all()
+    likeliest = int(fit.argmax())
+    assert (np.diff(fit[: likeliest + 1]) >= -1e-12).all()
+    assert (np.diff(fit[likeliest:]) <= 1e-12).all()
+    kept = 1.0 - (varied**2 + BRIGHT**2) / EDGES**2  # the rest is as the edges of objects are, of which the middle is 128
+    assert likeliest == pytest.approx(128 + (contrast - 128) * kept, abs=0.51)
     assert (fit >= WILD).all()
 
 
@@ -100,7 +119,7 @@ def test_contrasts_fit_the_worse_the_farther_they_are_from_what_was_learnt(contr
 def test_what_varied_less_says_more(contrast):
     """The right contrast fits the better, and those a hundred bytes off no better, the less it varied when it was learnt."""
     away = contrast + (100 if contrast < 128 else -100)
-    both = np.array([of_contrasts(contrast, varied, np.array([contrast, away])) for varied in (0.0, 10.0, 20.0, 30.0)])
+    both = np.array([of_contrasts(contrast, varied, np.array([contrast, away])) for varied in (0.0, 6.0, 12.0, 18.0)])
     right, wrong = both.T
     assert (np.diff(right) < 0).all()
     assert right[0] > 1.0
@@ -109,12 +128,14 @@ def test_what_varied_less_says_more(contrast):
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
-@given(CONTRASTS, st.floats(float(np.sqrt(USUAL**2 - BRIGHT**2)) + 0.01, 255), st.floats(0.0, 0.99))
-def test_what_varied_as_any_edge_gains_and_loses_nothing(contrast, varied, off):
-    assert of_contrasts(contrast, varied, off=off).tolist() == pytest.approx([1.0] * 256)
+@given(CONTRASTS, st.floats(float(np.sqrt(EDGES**2 - BRIGHT**2)) + 0.01, 255), st.floats(0.0, 0.99))
+def test_what_varied_as_edges_do_says_where_edges_of_objects_are_and_no_more(contrast, varied, off):
+    edges = np.exp(-0.5 * ((BYTES - 128.0) / EDGES) ** 2) / (np.sqrt(2.0 * np.pi) * EDGES)
+    found = of_contrasts(contrast, varied, off=off, usual=np.maximum(edges, LEAST))
+    assert found[edges > LEAST].tolist() == pytest.approx([1.0] * int((edges > LEAST).sum()))
 
 
 def test_of_none_there_is_nothing():
     nothing = np.zeros((0, SIDE + 1), np.float32), its()
     assert colours_off(*nothing, coloured=True).shape == colours_off(*nothing, coloured=False).shape == (0,)
-    assert looks_fit(*nothing, np.zeros(0, np.float32)).shape == (0,)
+    assert looks_fit(*nothing, np.zeros(0, np.float32), EVEN).shape == (0,)

@@ -17,7 +17,7 @@ from plogic.search.data import data_of
 from plogic.search.learnt.agreement import screen_angle
 from plogic.search.learnt.lobes import lobes_held
 from plogic.search.learnt.settle import pose_of
-from plogic.search.learnt.side_looks import OFF
+from plogic.search.learnt.side_looks import OFF, looks_fit
 from plogic.search.learnt.side_pairs import AROUND, FEW, TURNED
 from plogic.search.learnt.sides import ALONG, _one_to_one, side_matches
 from sensing.appearance import Appearance
@@ -198,10 +198,11 @@ def test_it_is_as_much_less_rare_as_more_looks_as_right_around_it(seed, count):
     for row, mine in zip(rows[1:], free[1:], strict=True):
         off, along, turned, coloured = as_seen(thing, pose, 0, row)
         others += mine and abs(off) > REACH and hypot(off, along) < AROUND and turned < TURNED and coloured
-    found, _, _ = found_in(thing, pose, rows, free)
-    plain, _, _ = found_in(thing, pose, rows[:1])
+    (found, data, _), (plain, one, _) = found_in(thing, pose, rows, free), found_in(thing, pose, rows[:1])
     assert found.datum.tolist() == [0]
-    assert found.rare[0] == pytest.approx(plain.rare[0] * FEW / (FEW + others))
+    lobe = np.flatnonzero(thing.cloud.sided)[:1]
+    fits = [looks_fit(thing.index.looks[lobe], data.looks[:1], np.zeros(1, np.float32), of.contrasts)[0] for of in (data, one)]
+    assert found.rare[0] == pytest.approx(plain.rare[0] * FEW / (FEW + others) * fits[0] / fits[1])  # the more edges are as bright, the less it says
 
 
 @pytest.mark.parametrize("name", ["turned", "looks"])

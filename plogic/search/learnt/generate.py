@@ -33,8 +33,8 @@ VOTE = (0.12, 3.0)
 """Share of the diameter, and pixels, within which places agree in the vote: a single pair's pose is coarse."""
 TIGHTER = ((0.12, 3.0), (0.05, 3.0), (0.015, 2.5), (0.0, 3.0))
 """The same in each round of refinement."""
-REFINED, VERIFIED = 40, 5
-"""Poses that are refined, and those of them that are settled, the best by votes and no two alike."""
+REFINED, VERIFIED = 150, 5
+"""Poses whose sides are looked at, the best by votes and no two alike; and those that are settled, the best that refinement comes to."""
 APART, TURNED = 0.12, 0.35
 """Two poses are alike whose middles are nearer than this share of the distance and whose rotations differ by less, radians."""
 HOPELESS = -20.0
@@ -52,7 +52,7 @@ PAIR_WORTH, SIDE_WORTH = 4.0, 0.35
 TILTED = 4.0
 """Poses of less worth are not tried with their other tilt."""
 WORTHLESS = 12.0
-"""Poses of less worth are given up before they are settled: on development scenes no right one had less than 18, and half of the wrong ones."""
+"""Poses of less worth are given up before they are settled: few right ones, and most of the wrong ones (``benchmarks/learnt_spreads.py``)."""
 STEPS = 4
 """Steps of a round of refinement: the next round goes on from there."""
 ROBUST = 2.0
@@ -61,28 +61,38 @@ ROBUST = 2.0
 
 def generate(index: LearntIndex, data: Data, kb: KnowledgeBase, *, refined: int = REFINED, verified: int = VERIFIED) -> list[tuple[float, Posed]]:
     """The settled poses with their log-likelihood ratios, best first; ``refined``, ``verified``: how many poses go that far."""
-    pairs = pairs_of(index, data)
-    if len(pairs) < FEWEST:
-        return []
-    poses = single_poses(index, pairs.first(SEEDS), data)
-    if not len(poses):
-        return []
-    worth = votes(agreement(index, poses, pairs, data, *VOTE), pairs)
-    kept = poses[_apart(index, poses, worth, refined)]
-    granularity = data.camera.f / kb.f_ref
     thin = verified <= VERIFIED
-    best, worth = _refined(index, kept, pairs, data, granularity, thin=thin)
-    if len(best):
-        some = best[:verified][worth[:verified] >= TILTED] if thin else best
-        other, its = _refined(index, tilted(index, some, pairs, data), pairs, data, granularity, thin=thin)
-        best, worth = np.concatenate([best, other]), np.concatenate([worth, its])
-        order = np.argsort(-worth, kind="stable")
-        best = best[order[worth[order] >= WORTHLESS]] if thin else best[order]
-    seen = [settle(index, pose, data, kb, rounds=0) for pose in _distinct_poses(index, best, verified)]
+    poses, worth = proposed(index, data, kb, refined, verified, thin=thin)
+    best = poses[worth >= WORTHLESS] if thin else poses
+    seen = [settle(index, pose, data, kb, rounds=0) for pose in distinct_poses(index, best, verified)]
     hopeful = [posed for posed in seen if _enough(posed) and evidence(posed, data, kb).surplus > HOPELESS]
     settled = [settle(index, posed, data, kb, rounds=2) for posed in hopeful]
     scored = [(evidence(posed, data, kb).ratio, posed) for posed in settled if _enough(posed)]
     return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
+
+
+def proposed(
+    index: LearntIndex, data: Data, kb: KnowledgeBase, refined: int = REFINED, tried: int = VERIFIED, *, thin: bool = True
+) -> tuple[Floats, Floats]:
+    """Poses (N, 4, 4), refined but not settled, with their worth (N,), best first.
+
+    ``tried``: so many are tried with their other tilt; ``thin``: only the hopeful ones are, and ever fewer poses are refined.
+    """
+    nothing = np.zeros((0, 4, 4)), np.zeros(0)
+    pairs = pairs_of(index, data)
+    poses = single_poses(index, pairs.first(SEEDS), data) if len(pairs) >= FEWEST else nothing[0]
+    if not len(poses):
+        return nothing
+    worth = votes(agreement(index, poses, pairs, data, *VOTE), pairs)
+    granularity = data.camera.f / kb.f_ref
+    best, worth = _refined(index, poses[_apart(index, poses, worth, refined)], pairs, data, granularity, thin=thin)
+    if not len(best):
+        return nothing
+    some = best[:tried][worth[:tried] >= TILTED] if thin else best
+    other, its = _refined(index, tilted(index, some, pairs, data), pairs, data, granularity, thin=thin)
+    best, worth = np.concatenate([best, other]), np.concatenate([worth, its])
+    order = np.argsort(-worth, kind="stable")
+    return best[order], worth[order]
 
 
 def _enough(posed: Posed) -> bool:
@@ -166,7 +176,8 @@ def tilted(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Float
     return other
 
 
-def _distinct_poses(index: LearntIndex, poses: Floats, most: int) -> list[Floats]:
+def distinct_poses(index: LearntIndex, poses: Floats, most: int) -> list[Floats]:
+    """The first ``most`` of poses (N, 4, 4) that are not at one place, up to symmetry."""
     kept: list[Floats] = []
     for pose in poses:
         if not any(same_place(index.object_type, pose, old) for old in kept):

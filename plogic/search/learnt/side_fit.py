@@ -57,7 +57,7 @@ def side_fit(index: LearntIndex, poses: Floats, data: Data, granularity: float, 
     near = pairs.only((np.abs(pairs.off) <= reach) & (np.abs(pairs.along) <= further))
     sigma = max(reach / 2.5, 1.0)
     fit = np.exp(-0.5 * (near.off / sigma) ** 2 - 0.5 * (near.turned / LOOSE) ** 2) / (np.sqrt(2.0 * np.pi) * sigma * 2.0 * further)
-    fit *= looks_fit(index.looks[lobe[near.place]], data.looks[near.datum], near.colours) / pairs.usual(reach, len(lobe))[near.place]
+    fit *= looks_fit(index.looks[lobe[near.place]], data.looks[near.datum], near.colours, data.contrasts) / pairs.usual(reach, len(lobe))[near.place]
     best = _best(near, fit)
     place, datum, fit = near.place[best], near.datum[best], fit[best]
     hit = np.minimum(index.cloud.hit[lobe], MOST_HIT)

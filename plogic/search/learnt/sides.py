@@ -73,7 +73,7 @@ def side_matches(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, f
     usual = pairs.usual(within, len(lobes))
     mine = pairs.only((np.abs(pairs.off) <= within[pairs.place]) & (np.abs(pairs.along) <= ALONG))
     place, datum = mine.place, mine.datum
-    rare = _facing(mine.turned) * looks_fit(index.looks[lobes[place]], data.looks[datum], mine.colours) / (2.0 * ALONG) / usual[place]
+    rare = _facing(mine.turned) * looks_fit(index.looks[lobes[place]], data.looks[datum], mine.colours, data.contrasts) / (2.0 * ALONG) / usual[place]
     worth = np.log(rare) - 0.5 * (mine.off / NEARER) ** 2
     chosen = _one_to_one(feature[place], datum, worth)
     of = place[chosen]
