@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
-SOME = 40
+SOME = 20
 """Sides that are looked for elsewhere, evenly chosen."""
 AWAY = (0.5, 2.0)
 """How far elsewhere is, in diagonals of the sides' own rectangle."""

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 ALONG = 4.0
 """Pixels along its line within which a side is an expected feature's."""
-ORDERED = 0.78
+ORDERED = 0.7
 """Least share of the sides found that is found elsewhere as well, for the image to be a pattern of them."""
 FEW_SIDES, MANY = 6, 0.2
 """Of fewer sides found, or a smaller share of those expected, no pattern is sought."""
