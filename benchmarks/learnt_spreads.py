@@ -48,8 +48,6 @@ WRONG = 3
 """Wrong poses that are tried for each right one."""
 FEWEST = 30
 """Matches from which a spread is told."""
-EVEN = 0.1
-"""Share of right keypoints that ``looks`` takes to be even in angle and in size; it has no name there."""
 SURPRISE = 6.0
 """Logarithm of the greatest likelihood ratio of one feature that counts in a mean, lest one alone decide it."""
 
@@ -162,9 +160,9 @@ def keypoint_lines(right: Seen, wrong: Seen) -> list[str]:
         ("TURNS", turned, its[0], agreement.ANGLES, "radians that a right one is turned"),
         ("GROWTH", grown, its[1], agreement.SIZES, "logarithm by which the size of a right one is off"),
     ):
-        sigma, share, loss = fitted(partial(bell, off), np.full(len(off), 0.5 / most), getattr(looks, name), EVEN)
+        sigma, share, loss = fitted(partial(bell, off), np.full(len(off), 0.5 / most), getattr(looks, name), looks.EVEN)
         lines.append(line(looks, name, sigma, f"{what}, standard deviation; now loses {loss:.3f} nats each"))
-        lines.append(row("(a tenth is even)", EVEN, share, f"share of them that is even; {spread_of(clutter, most)}"))
+        lines.append(line(looks, "EVEN", share, f"share of them that is even; {spread_of(clutter, most)}"))
     pairs, fit, word, both = wrong.of("chance").sum(axis=1)
     return [
         *lines,

@@ -45,7 +45,8 @@ def best_substitution(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) 
 def valuation(weights: NDArray[np.float64], substitution: Mapping[int, int]) -> float:
     """Take v(Type, θ) = Σ dv(matched features) / Σ dv(all features of Type); 0 where every dv is 0 (§5.3, §5.1)."""
     total = float(weights.sum())
-    return min(1.0, float(sum(weights[f] for f in substitution)) / total) if total > 0.0 else 0.0  # sums of different order may differ
+    heavy = weights.tolist()
+    return min(1.0, sum(heavy[f] for f in substitution) / total) if total > 0.0 else 0.0  # sums of different order may differ
 
 
 def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
@@ -55,11 +56,10 @@ def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
 
 def rank_of_kinds(weights: NDArray[np.float64], kinds: Sequence[str], appearance_types: Sequence[str]) -> float:
     """``rank`` where feature f is matched by appearances of the one type ``kinds[f]``: of each type the heaviest features, as many as there are."""
-    there, matched, heavy = dict(Counter(appearance_types)), [], weights.tolist()
+    there, matched = dict(Counter(appearance_types)), []
     for f in np.argsort(-weights, kind="stable").tolist():
         left = there.get(kinds[f])
         if left:
             there[kinds[f]] = left - 1
-            matched.append(heavy[f])
-    total = float(weights.sum())
-    return min(1.0, sum(matched) / total) if total > 0.0 else 0.0
+            matched.append(f)
+    return valuation(weights, dict.fromkeys(matched, 0))

@@ -40,7 +40,7 @@ class Grid:
         place, row = np.nonzero(inside)
         row = rows[place, row]
         left, right = np.clip(low[place, 0], 0, across - 1), np.clip(high[place, 0], 0, across - 1)
-        parts = np.zeros((len(place), 1), np.intp) if angle is None or turns == 1 else _beside(angle)[place]
+        parts = np.arange(turns)[None] if angle is None else _beside(angle)[place]
         first = (parts * down + row[:, None]) * across
         return self._taken(place, self.starts[first + left[:, None]], self.starts[first + right[:, None] + 1])
 

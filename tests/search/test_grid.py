@@ -67,6 +67,7 @@ def test_by_place_alone_nothing_within_reach_is_missed_whichever_way_it_faces(se
     assert near <= set(by_place)
     assert len(by_place) == len(set(by_place))
     assert set(asked(grid_of(np.arange(count), uv, size, facing), ask, reach, np.zeros(others))) <= set(by_place)
+    assert set(asked(grid_of(np.arange(count), uv, size, facing), ask, reach)) == set(by_place)  # by direction too, but not asked for
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)

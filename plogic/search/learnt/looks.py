@@ -37,6 +37,8 @@ SAME = 10.0
 TURNS, GROWTH = 0.14, 0.13
 """Standard deviations of a right keypoint's angle (radians) and of the logarithm of its size about what the pose makes of its appearance; chosen
 on development scenes, as the next are."""
+EVEN = 0.1
+"""Share of what is right that is off by any angle, or any size, that may be right."""
 POWER, RAREST = 6.0, 0.03
 """How the descriptors' distances of clutter that looks right are spread; the least ratio of it to what is right that is believed."""
 AS_RIGHT = 0.06
@@ -116,8 +118,8 @@ def _right(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, place: 
 
 
 def _against_even(off: Floats, sigma: float, most: float) -> Floats:
-    """How much likelier it is to be ``off`` (N,) by chance of measurement than evenly anywhere up to ``most``; a tenth of what is right is even."""
-    return np.asarray(0.9 * np.exp(-0.5 * (off / sigma) ** 2) / (np.sqrt(2.0 * np.pi) * sigma) * 2.0 * most + 0.1)
+    """How much likelier it is to be ``off`` (N,) by chance of measurement than evenly anywhere up to ``most``; ``EVEN`` of what is right is even."""
+    return np.asarray((1.0 - EVEN) * np.exp(-0.5 * (off / sigma) ** 2) / (np.sqrt(2.0 * np.pi) * sigma) * 2.0 * most + EVEN)
 
 
 def likeness(index: LearntIndex, posed: Posed, lobes: Indices, matches: Indices, data: Data, kb: KnowledgeBase) -> Floats:
