@@ -18,6 +18,7 @@ from kb.words import SIDE
 from plogic import crowding
 from plogic.bench.recognition_score import HALF
 from plogic.evidence import LEAST_HIT, MOST_HIT, clutter_density, hit_rates, kinds, match_density
+from plogic.search.angles import screen_angle, wrapped
 from plogic.search.learnt import agreement, generate, looks, side_looks, side_pairs, sides
 from plogic.search.learnt.lobes import lobes_about, lobes_held
 from plogic.search.learnt.settle import matched, pose_of
@@ -71,8 +72,8 @@ def _off(index: LearntIndex, posed: Posed, data: Data, lobe: NDArray[np.intp], d
     """(N,) radians, and logarithm of a ratio of sizes, by which keypoints differ from what the pose makes of appearances."""
     at = posed.at[index.cloud.feature[lobe]]
     grown = np.log(index.cloud.size[lobe] * data.camera.f / np.maximum(at[:, 2], 1e-6) / data.scale[datum])
-    turn = agreement.screen_angle(index.cloud.up[lobe] @ posed.camera_from_object[:3, :3].T, at)
-    return agreement.wrapped(turn - data.angle[datum]), grown
+    turn = screen_angle(index.cloud.up[lobe] @ posed.camera_from_object[:3, :3].T, at)
+    return wrapped(turn - data.angle[datum]), grown
 
 
 def _near(uv: Floats, which: NDArray[np.bool_], data: Data, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -113,9 +114,9 @@ def _sides(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, *, t
     lobes = lobes_held(index, pose, data.camera.f / kb.f_ref)
     lobes = lobes[cloud.sided[lobes] & posed.candidate[cloud.feature[lobes]]]
     feature = cloud.feature[lobes]
-    angle = agreement.screen_angle(cloud.up[lobes] @ pose[:3, :3].T, posed.at[feature])
+    angle = screen_angle(cloud.up[lobes] @ pose[:3, :3].T, posed.at[feature])
     place, datum = _near(posed.uv[feature], data.sided, data, side_pairs.AROUND)
-    turned = agreement.wrapped(data.angle[datum] - angle[place])
+    turned = wrapped(data.angle[datum] - angle[place])
     kept = (np.abs(turned) < side_pairs.TURNED) & ((posed.matches[feature[place]] == datum) | (not true))
     place, datum, turned = place[kept], datum[kept], turned[kept]
     mine, its = index.looks[lobes[place]], data.looks[datum]

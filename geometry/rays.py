@@ -3,6 +3,9 @@
 Embree finds the triangle in single precision; the distance is then taken to that triangle's plane in double precision.
 """
 
+from functools import cache
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -31,7 +34,7 @@ class RayMesh:
         corners = self.vertices[self.triangles]
         self._corner = corners[:, 0]
         self._normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        self._scene = EmbreeScene(robust=True)  # no cracks along shared edges
+        self._scene = EmbreeScene(device=_device(), robust=True)  # no cracks along shared edges
         unit = ((self.vertices - self._centre) * self._scale).astype(np.float32)
         self._mesh = TriangleMesh(self._scene, unit, self.triangles.astype(np.int32))
 
@@ -83,6 +86,14 @@ class RayMesh:
         rise = (normal * (self._corner[triangle] - start)).sum(axis=-1)
         distance = np.divide(rise, sink, out=np.full(len(rise), np.nan), where=steep)
         return np.where(np.abs(distance - rough) < 1e-3 * self.size, distance, rough)
+
+
+@cache
+def _device() -> Any:  # noqa: ANN401 - it has no stubs
+    """The one device of all surfaces: each of its own costs threads, and about a thousand of them are the most that a process can have."""
+    from embreex.rtcore import EmbreeDevice
+
+    return EmbreeDevice()
 
 
 def checked_mesh(vertices: ArrayLike, triangles: ArrayLike) -> tuple[Floats, Ints]:

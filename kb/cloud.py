@@ -139,7 +139,8 @@ class Rates:
 
     ``hit``: h_F per feature type. ``clutter``: expected clutter appearances an image per appearance type. ``prior`` per object type.
     ``sigma``: location noise, pixels; ``sigmas`` per feature type where it differs. ``match_tolerance``: pixels (D8). ``counts``: what
-    was learnt from scenes (``plogic kb learn-rates``).
+    was learnt from scenes (``plogic kb learn-rates``). ``sigma_angle``: noise, radians, of a datum's angle, which is how the x axis of its
+    feature's frame lies on the screen; None where angles say nothing.
     """
 
     hit: dict[str, float]
@@ -149,6 +150,7 @@ class Rates:
     match_tolerance: float = 4.0
     sigmas: dict[str, float] = field(default_factory=dict)
     counts: Counts = field(default_factory=Counts)
+    sigma_angle: float | None = None
 
     def sigma_of(self, feature_type: str) -> float:
         """Location noise of a feature type, pixels."""

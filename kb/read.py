@@ -217,6 +217,7 @@ def _rates(model: KBModel, types: tuple[ObjectType, ...], words: tuple[str, ...]
         sigma=detector.sigma,
         sigmas=dict(detector.sigmas),
         match_tolerance=detector.match_tolerance,
+        sigma_angle=detector.sigma_angle,
         counts=_counts(model.counts),
     )
 

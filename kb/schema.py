@@ -127,6 +127,9 @@ class DetectorModel(Model):
     clutter: dict[Name, Positive] = Field({}, description="Appearances of noise per image and appearance type; by P(dv), 1 on the average.")
     sigma: Positive = Field(1.0, description="Location noise, pixels.")
     sigmas: dict[Name, Positive] = Field({}, description="Location noise per feature type, pixels, where it is not sigma.")
+    sigma_angle: HalfAngle | None = Field(
+        None, description="Noise of a datum's angle, which is how its feature's x axis lies on the screen; left out, angles say nothing."
+    )
     match_tolerance: Positive = Field(4.0, description="How far from its predicted place a feature may be found, px (D8).")
 
 

@@ -192,6 +192,7 @@ def tree_document(kb: KnowledgeBase) -> dict[str, Any]:
             "sigma": rates.sigma,
             "sigmas": rates.sigmas,
             "match_tolerance": rates.match_tolerance,
+            "sigma_angle": rates.sigma_angle,
         },
         "priors": rates.prior,
         "types": [_type_document(kind) for kind in kb.types],

@@ -43,6 +43,7 @@ def kb_text(kb: KnowledgeBase) -> str:
     lines = [f"{key}: {flow(value)}" for key, value in rows.items()]
     lines += ["detector:", f"  hit: {flow(rates.hit)}", f"  clutter: {flow(rates.clutter)}"]
     lines += [f"  sigma: {flow(rates.sigma)}", f"  sigmas: {flow(rates.sigmas)}", f"  match_tolerance: {flow(rates.match_tolerance)}"]
+    lines += [] if rates.sigma_angle is None else [f"  sigma_angle: {flow(rates.sigma_angle)}"]
     lines += [f"priors: {flow(rates.prior)}", *_counts_lines(rates.counts)]
     return "\n".join(lines) + "\n"
 

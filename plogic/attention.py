@@ -5,8 +5,11 @@ rank saturates in clutter, so ties go by the excess over chance, then by the ran
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from plogic.measures.valuation import compatible, rank, rank_of_kinds
 from plogic.search.learnt.index import LearntIndex
@@ -14,7 +17,6 @@ from plogic.search.learnt.index import LearntIndex
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase
@@ -37,7 +39,8 @@ class Attention:
 
 def attend(indices: Sequence[Index], types: Sequence[str], kb: KnowledgeBase) -> list[Attention]:
     """All types, the most promising first: by rank, then excess, then rank within one neighbourhood, then name."""
-    rows = [_attention(index, types, kb) for index in indices]
+    here, by_chance = Counter(types), Counter(chance_types(kb, len(types)))
+    rows = [_attention(index, here, by_chance) for index in indices]
     return sorted(
         rows, key=lambda row: (-round(row.rank, 9), -round(row.excess, 9), -round(row.within_cell, 9), row.type)
     )
@@ -50,24 +53,30 @@ def chance_types(kb: KnowledgeBase, number: int) -> list[str]:
     return [name for name, rate in rates.items() for _ in range(int(number * rate / total))]
 
 
-def _attention(index: Index, types: Sequence[str], kb: KnowledgeBase) -> Attention:
+def _attention(index: Index, here: Counter[str], by_chance: Counter[str]) -> Attention:
+    """Of a type whose features have one appearance type each, as words are, counting finds the best θ; of others it is a matching."""
+    kind, weights = index.object_type, index.weights
     if isinstance(index, LearntIndex):
-        return _of_words(index, types, kb)
-    features = [frozenset(a.type for a in feature.appearances) for feature in index.object_type.features]
-    here = rank(index.weights, compatible(features, types))
-    by_chance = rank(index.weights, compatible(features, chance_types(kb, len(types))))
-    return Attention(index.object_type.name, here, here - by_chance, _within_cell(index, compatible(features, types)))
-
-
-def _of_words(index: Index, types: Sequence[str], kb: KnowledgeBase) -> Attention:
-    """The same of a learnt type, by the dominant words of its features: one type a feature, so that counting finds the best θ."""
-    words = [feature.type for feature in index.object_type.features]
-    here, by_chance = (rank_of_kinds(index.weights, words, some) for some in (types, chance_types(kb, len(types))))
-    return Attention(index.object_type.name, here, here - by_chance, here)
-
-
-def _within_cell(index: TypeIndex, allowed: NDArray[np.bool_]) -> float:
-    """The greatest rank over view cells, counting only the features that one cell shows together."""
+        ranks = [rank_of_kinds(weights, [feature.type for feature in kind.features], some) for some in (here, by_chance)]
+        return Attention(kind.name, ranks[0], ranks[0] - ranks[1], ranks[0])
     step = max(1, len(index.cells.visible) // CELLS_TRIED)
-    values = [rank(index.weights[seen], allowed[seen]) for seen in index.cells.visible[::step] if seen.any()]
-    return max(values, default=0.0)
+    shown = index.cells.visible[::step]
+    if index.heavier is not None:
+        everything = np.ones((1, len(weights)), bool)
+        ranks = [float(_counted(index, everything, some)[0]) for some in (here, by_chance)]
+        return Attention(kind.name, ranks[0], ranks[0] - ranks[1], float(_counted(index, shown, here).max(initial=0.0)))
+    looks = [frozenset(a.type for a in feature.appearances) for feature in kind.features]
+    allowed, usual = (compatible(looks, list(some.elements())) for some in (here, by_chance))
+    ranks = [rank(weights, allowed), rank(weights, usual)]
+    within = max((rank(weights[seen], allowed[seen]) for seen in shown if seen.any()), default=0.0)
+    return Attention(kind.name, ranks[0], ranks[0] - ranks[1], within)
+
+
+def _counted(index: TypeIndex, shown: NDArray[np.bool_], there: Counter[str]) -> NDArray[np.float64]:
+    """(C,) the rank of the features that are shown (C, F) where each has one appearance type: of each type the heaviest, as many as there are."""
+    assert index.heavier is not None  # noqa: S101 - the caller looks
+    same, names = index.heavier
+    some = shown.astype(np.float32)
+    matched = shown & (some @ same.T <= np.array([there.get(name, 0) for name in names]))
+    whole = shown @ index.weights
+    return np.asarray(np.minimum(1.0, matched @ index.weights / np.where(whole > 0.0, whole, 1.0)))

@@ -14,7 +14,7 @@ from plogic.evidence import evidence
 from plogic.expectation import hidden_by
 from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import SHARED_CLAIMS, apart_on_screen, claims, overlap, shared_claims
-from plogic.search.indices import generate, settle, significant
+from plogic.search.indices import generate, generate_together, settle, significant
 from plogic.search.learnt.index import LearntIndex
 from plogic.search.projection import project_ideal
 from plogic.trace import Trace
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from plogic.expectation import Posed
     from plogic.search.data import Data
     from plogic.search.indices import Index
+    from plogic.search.oriented.pair_index import PairIndex
 
 FEWEST = 4
 """Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8, trap b)."""
@@ -54,9 +55,11 @@ class Perception:
         indices: Mapping[str, Index],
         dv: Mapping[str, float],
         end: float | None = None,
+        shared: PairIndex | None = None,
     ) -> None:
         self.data, self.kb, self.indices, self.dv = data, kb, indices, dv
         self.end, self.unfinished = end, False
+        self.shared = shared
         self.trace = Trace()
         self.accepted: list[Belief] = []
         self.rivals: list[Belief] = []
@@ -99,10 +102,13 @@ class Perception:
     def _round(self, attention: Sequence[Attention], pool: list[Posed]) -> bool:
         """Add to the pool what the free data give, then accept its best acceptable pose. True where something was accepted."""
         left, covered = self.data.only(self.free()), self._covered()
+        together = {} if self.shared is None else generate_together(self.shared, left, self.kb, covered)
         for row in attention:
             if self.late():
                 break
-            if not self._exhausted(row.type):
+            if row.type in together:
+                pool += [posed for _, posed in together[row.type]]
+            elif not self._exhausted(row.type):
                 pool += [posed for _, posed in generate(self.indices[row.type], left, self.kb, covered)]
                 self.searched[row.type] = sum(_name(b) == row.type for b in self.accepted)
         judged = sorted(self._judged(pool), key=lambda b: -b.worth)
@@ -177,7 +183,7 @@ class Perception:
         found = posed.candidate & posed.detected & ~self._hidden(posed)
         if found.sum() < FEWEST:
             return f"only {int(found.sum())} expected features were detected; {FEWEST} are demanded"
-        if not found[belief.index.anchors].any():
+        if self.shared is None and not found[belief.index.anchors].any():  # pairs of any features start a search there
             return "none of its most distinctive features was detected"
         if belief.ev_reconsidered is None or belief.ev_reconsidered <= 0.0:
             return f"ev {_round(belief.ev_reconsidered)} is not above 0"

@@ -12,7 +12,7 @@ from plogic.document import document_of
 from plogic.errors import InconsistentError
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.search.data import data_of
-from plogic.search.indices import Index, indices_of
+from plogic.search.indices import Index, indices_of, shared_index
 from plogic.stopwatch import Stopwatch
 from plogic.worlds import Ranking, ranked_worlds
 from sensing.uncollected import uncollected
@@ -39,6 +39,7 @@ class Perceiver:
         self.dv = distinctiveness(instance_counts(kb.types))
         self.width = kb.words.centroids.shape[1] if kb.words is not None else 128
         self.indices: dict[str, Index] = indices_of(kb, self.dv)
+        self.shared = shared_index(kb, self.indices)
 
     def __call__(
         self,
@@ -64,7 +65,7 @@ class Perceiver:
         with clock.stage("rank"):
             attention = attend(list(self.indices.values()), data.types, self.kb)
         with clock.stage("search"), uncollected():
-            perception = Perception(data, self.kb, self.indices, self.dv, options.end)
+            perception = Perception(data, self.kb, self.indices, self.dv, options.end, self.shared)
             cycle = perception.run(attention)
             if perception.unfinished:
                 cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")

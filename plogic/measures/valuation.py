@@ -54,8 +54,11 @@ def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
     return valuation(weights, best_substitution(weights, allowed))
 
 
-def rank_of_kinds(weights: NDArray[np.float64], kinds: Sequence[str], appearance_types: Sequence[str]) -> float:
-    """``rank`` where feature f is matched by appearances of the one type ``kinds[f]``: of each type the heaviest features, as many as there are."""
+def rank_of_kinds(weights: NDArray[np.float64], kinds: Sequence[str], appearance_types: Sequence[str] | Counter[str]) -> float:
+    """``rank`` where feature f is matched by appearances of the one type ``kinds[f]``: of each type the heaviest features, as many as there are.
+
+    ``appearance_types``: of all data, or how many there are of each.
+    """
     there, matched = dict(Counter(appearance_types)), []
     for f in np.argsort(-weights, kind="stable").tolist():
         left = there.get(kinds[f])

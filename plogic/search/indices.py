@@ -5,18 +5,24 @@ from __future__ import annotations
 from math import log
 from typing import TYPE_CHECKING, TypeAlias
 
+import numpy as np
+
 from plogic.search import generate as by_hand
 from plogic.search.learnt import generate as learnt
 from plogic.search.learnt.index import LearntIndex, learnt_index
 from plogic.search.learnt.lexicon import Lexicon, lexicon_of
 from plogic.search.learnt.settle import settle as settle_learnt
+from plogic.search.oriented.generate import proposals
+from plogic.search.oriented.pair_index import PairIndex, pair_index
+from plogic.search.oriented.refinement import Noise
+from plogic.search.oriented.settle import settle as settle_oriented
+from plogic.search.oriented.settle import verified
 from plogic.search.pairs import MOST_PAIRS
 from plogic.search.type_index import TypeIndex, type_index
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase, ObjectType
@@ -58,6 +64,26 @@ def generate(index: Index, data: Data, kb: KnowledgeBase, covered: NDArray[np.bo
     return by_hand.generate(index, data, kb, covered, **most)
 
 
+def shared_index(kb: KnowledgeBase, indices: Mapping[str, Index]) -> PairIndex | None:
+    """The index over all types that were written by hand, where the angles of data say something; None where there is none."""
+    some = [index for index in indices.values() if isinstance(index, TypeIndex)]
+    return pair_index(some) if some and kb.rates.sigma_angle is not None else None
+
+
+def generate_together(
+    shared: PairIndex, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None
+) -> dict[str, list[tuple[float, Posed]]]:
+    """By type, the poses that Γ suggests of all types at once, as ``generate`` gives them of one; nothing where no datum has an angle."""
+    if not np.isfinite(data.angle).any():
+        return {}
+    assert kb.rates.sigma_angle is not None  # noqa: S101 - else there is no such index
+    poses: dict[str, list[NDArray[np.float64]]] = {index.object_type.name: [] for index in shared.indices}
+    for found in proposals(shared, data, Noise(kb.rates.sigma, kb.rates.sigma_angle)):
+        poses[shared.indices[found.kind].object_type.name].append(found.pose)
+    names = {index.object_type.name: index for index in shared.indices}
+    return {name: verified(index, poses[name], data, kb, covered) if poses[name] else [] for name, index in names.items()}
+
+
 def settle(
     index: Index,
     pose: NDArray[np.float64] | Posed,
@@ -74,4 +100,5 @@ def settle(
     """
     if isinstance(index, LearntIndex):
         return settle_learnt(index, pose, data, kb, free, hidden, rounds)
-    return by_hand.settle(index, pose, data, kb, free, hidden, rounds)
+    by_hand_too = settle_oriented if kb.rates.sigma_angle is not None else by_hand.settle
+    return by_hand_too(index, pose, data, kb, free, hidden, rounds)

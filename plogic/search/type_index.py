@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,8 +33,7 @@ ANCHORS = 16
 class TypeIndex:
     """One type made ready for search.
 
-    ``points`` (F, 3) metres; ``weights`` (F,) dv; ``anchors`` feature indices, the most distinctive; ``links`` (N, 2) joined by edges;
-    ``triples`` of neighbours on planes.
+    ``points`` (F, 3) metres; ``weights`` (F,) dv; ``anchors`` feature indices, the most distinctive; ``links`` (N, 2) joined by edges.
     """
 
     object_type: ObjectType
@@ -42,7 +42,30 @@ class TypeIndex:
     weights: NDArray[np.float64]
     anchors: NDArray[np.intp]
     links: NDArray[np.intp]
-    triples: PlaneTriples
+
+    @cached_property
+    def triples(self) -> PlaneTriples:
+        """Triples of neighbours on planes."""
+        found = plane_triples(self.object_type.features)
+        return found.take(unique_sets(found.features, permutations(self.points, self.object_type.symmetries)))
+
+    @cached_property
+    def turns(self) -> NDArray[np.float64]:
+        """(F, 3) x axes of the features' frames, object frame: what a datum's angle is on the screen."""
+        return np.array([feature.rotation[:, 0] for feature in self.object_type.features]).reshape(-1, 3)
+
+    @cached_property
+    def heavier(self) -> tuple[NDArray[np.float32], tuple[str, ...]] | None:
+        """Where each feature has one appearance type: (F, F) which are of its type and as heavy or heavier, itself included, of equals the first,
+        and the types' names; else None.
+        """  # noqa: D205 - one table, one sentence
+        looks = [sorted({a.type for a in feature.appearances}) for feature in self.object_type.features]
+        if any(len(names) != 1 for names in looks):
+            return None
+        flat = tuple(name for names in looks for name in names)
+        codes = np.unique(np.array(flat), return_inverse=True)[1]
+        place = np.argsort(np.argsort(-self.weights, kind="stable"), kind="stable")
+        return ((codes[:, None] == codes) & (place <= place[:, None])).astype(np.float32), flat
 
     def allowed(self, data: Data) -> NDArray[np.bool_]:
         """(F, A) the data of a type that the feature has in any of its lobes."""
@@ -59,7 +82,6 @@ def type_index(object_type: ObjectType, dv: Mapping[str, float]) -> TypeIndex:
     points = np.array([feature.at for feature in features]).reshape(-1, 3)
     links = feature_links(points, [feature.arms for feature in features])
     moves = permutations(points, object_type.symmetries)
-    triples = plane_triples(features)
     return TypeIndex(
         object_type,
         view_cells(object_type),
@@ -67,7 +89,6 @@ def type_index(object_type: ObjectType, dv: Mapping[str, float]) -> TypeIndex:
         weights,
         _anchors(weights),
         links[unique_sets(links, moves)],
-        triples.take(unique_sets(triples.features, moves)),
     )
 
 

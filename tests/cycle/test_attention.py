@@ -1,9 +1,17 @@
 """Attention: the order in which types are tried (§5.3), from types alone."""
 
+from collections import Counter
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from synthetic import camera_pose, perceiver, scene, towers
 
+from plogic import attention
 from plogic.attention import attend, chance_types
+from plogic.bench.clutter_types import random_types, type_names
+from plogic.measures.valuation import compatible, rank
+from plogic.search.type_index import type_index
 
 
 def order_of(types):
@@ -55,3 +63,16 @@ def test_chance_is_in_proportion_to_clutter():
     chance = chance_types(towers(), 100)
     assert {name: chance.count(name) for name in rates} == {name: int(100 * rate / total) for name, rate in rates.items()}
     assert 90 < len(chance) <= 100
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_counting_is_the_best_matching_where_features_have_one_appearance_type_each(seed):
+    rng = np.random.default_rng(seed)
+    kind = random_types(1, 12, 5, rng).types[0]
+    index = replace(type_index(kind, dict.fromkeys(type_names(5), 1.0)), weights=rng.choice([0.0, 0.2, 0.2, 1.0], 12))
+    shown = rng.random((20, 12)) < 0.6
+    there = rng.choice(type_names(5), 6).tolist()
+    looks = [frozenset(a.type for a in feature.appearances) for feature in kind.features]
+    allowed = compatible(looks, there)
+    best = [rank(index.weights[row], allowed[row]) for row in shown]
+    assert attention._counted(index, shown, Counter(there)) == pytest.approx(best, abs=1e-9)

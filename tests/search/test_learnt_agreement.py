@@ -10,9 +10,10 @@ from learnt_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before,
 from random_cloud import random_cloud
 
 from geometry.frames import transform_points
+from plogic.search.angles import screen_angle
 from plogic.search.data import centre_of, data_of
 from plogic.search.indices import generate
-from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, held_by, screen_angle, votes
+from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, held_by, votes
 from plogic.search.learnt.pairs import Pairs, pairs_of
 
 SINGLE = 5e-4

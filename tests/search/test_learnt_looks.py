@@ -13,8 +13,9 @@ from learnt_scenes import gamma_at, keypoint_of, one_sided, pose_before, ready, 
 from random_cloud import random_cloud
 
 from plogic.evidence import clutter_density
+from plogic.search.angles import screen_angle
 from plogic.search.data import data_of
-from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, screen_angle
+from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES
 from plogic.search.learnt.lexicon import FARTHEST, NTH
 from plogic.search.learnt.lobes import lobes_about
 from plogic.search.learnt.looks import (

@@ -12,9 +12,10 @@ from random_cloud import random_cloud
 
 from geometry.frames import pose_error, transform_points
 from kb.lobes import in_lobe
+from plogic.search.angles import screen_angle
 from plogic.search.data import data_of
 from plogic.search.indices import generate, settle
-from plogic.search.learnt.agreement import ANGLES, ASIDE, SIZES, screen_angle
+from plogic.search.learnt.agreement import ANGLES, ASIDE, SIZES
 from plogic.search.learnt.lexicon import FARTHEST
 from plogic.search.learnt.lobes import lobes_held
 from plogic.search.learnt.looks import LOOSER

@@ -13,8 +13,8 @@ from random_cloud import random_cloud, unit
 
 from geometry.frames import transform_points
 from kb.words import COLOURS
+from plogic.search.angles import screen_angle
 from plogic.search.data import data_of
-from plogic.search.learnt.agreement import screen_angle
 from plogic.search.learnt.lobes import lobes_held
 from plogic.search.learnt.settle import pose_of
 from plogic.search.learnt.side_looks import OFF, looks_fit

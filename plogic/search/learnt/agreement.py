@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.search.angles import screen_angle, wrapped
 from plogic.search.data import centre_of
 
 if TYPE_CHECKING:
@@ -94,18 +95,6 @@ def _right(
     right &= np.abs(np.log(cloud.size[lobe] * f / at[:, 2] / scale)) < SIZES
     turned = screen_angle(np.einsum("nij,nj->ni", R, cloud.up[lobe]), at) - angle
     return np.asarray(right & (np.abs(wrapped(turned)) < ANGLES))
-
-
-def wrapped(angle: Floats) -> Floats:
-    """The same angles, radians, between −π and π."""
-    return np.asarray(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi)))
-
-
-def screen_angle(direction: Floats, at: Floats) -> Floats:
-    """Angle on the screen, radians clockwise from +x, of a direction (…, 3) in space at a place (…, 3), both in the camera's frame."""
-    du = direction[..., 0] * at[..., 2] - at[..., 0] * direction[..., 2]
-    dv = direction[..., 1] * at[..., 2] - at[..., 1] * direction[..., 2]
-    return np.asarray(np.arctan2(dv, du))
 
 
 def votes(found: Agreement, pairs: Pairs) -> Floats:

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.evidence import clutter_density
-from plogic.search.learnt.agreement import ANGLES, SIZES, screen_angle, wrapped
+from plogic.search.angles import screen_angle, wrapped
+from plogic.search.learnt.agreement import ANGLES, SIZES
 from plogic.search.learnt.lexicon import farthest, spread
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ import numpy as np
 from geometry.frames import transform_points
 from plogic.evidence import evidence
 from plogic.expectation import Posed, assigned
-from plogic.search.learnt.agreement import screen_angle
+from plogic.search.angles import screen_angle
 from plogic.search.learnt.lobes import lobes_about, lobes_held
 from plogic.search.learnt.looks import likeness, right_pairs
 from plogic.search.learnt.sides import side_likeness, side_matches

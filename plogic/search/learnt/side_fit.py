@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.evidence import MOST_HIT
-from plogic.search.learnt.agreement import screen_angle
+from plogic.search.angles import screen_angle
 from plogic.search.learnt.lobes import held_from
 from plogic.search.learnt.side_looks import looks_fit
 from plogic.search.learnt.side_pairs import side_pairs

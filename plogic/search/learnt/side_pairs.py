@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.search.learnt.agreement import wrapped
+from plogic.search.angles import wrapped
 from plogic.search.learnt.side_looks import colours_off
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.evidence import clutter_density, density
-from plogic.search.learnt.agreement import screen_angle
+from plogic.search.angles import screen_angle
 from plogic.search.learnt.patterns import share_elsewhere
 from plogic.search.learnt.side_looks import looks_fit
 from plogic.search.learnt.side_pairs import TURNED, side_pairs

@@ -1,0 +1,181 @@
+"""``plogic bench clutter``: one object of a hundred types, or of a thousand, among a thousand appearances, beside peers in the same run.
+
+A third of the trials are of types made of what was learnt from the YCB meshes; where these are not there those trials are left out, and the
+table says so. ``--quick``: ten trials a row, peers asked in three of them, one row less.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.bench.claims import report
+from plogic.bench.clutter_peers import there
+from plogic.bench.clutter_scenes import PLAN, Case, Trial, trial
+from plogic.bench.clutter_table import CAPTION, OURS, TOLD, Outcome, claims, judged, rows
+from plogic.bench.clutter_told import told
+from plogic.bench.clutter_types import learnt_types, random_types, with_learnt
+from plogic.bench.processor import processor_seconds
+from plogic.bench.recognition_score import Found
+from plogic.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kb.cloud import KnowledgeBase, ObjectType
+    from plogic.bench.clutter_peers import Peer
+    from plogic.perceive import Perceiver
+    from sensing.appearance import Gamma
+
+TRIALS, QUICK_TRIALS = 200, 10
+LEARNT_EVERY = 3
+"""Every third trial, from the first on, is of a learnt type."""
+PEER_TRIALS, QUICK_PEER_TRIALS = 10, 3
+"""Trials of a row in which peers are asked."""
+BUDGET = 2.0
+"""Seconds that a peer may take a trial: twice as many as we promise for ourselves."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Which cases, how many trials each, and in how many of them peers are asked, for how many seconds."""
+
+    cases: Sequence[Case] = PLAN
+    trials: int = TRIALS
+    peer_trials: int = PEER_TRIALS
+    budget: float = BUDGET
+
+
+QUICK = Plan(PLAN[:-1], QUICK_TRIALS, QUICK_PEER_TRIALS)
+"""Of the cases with most types one will do: they take longest to make ready."""
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """The trials of a case: in one knowledge base, of ``learnt`` types and of the ``others``."""
+
+    case: Case
+    kb: KnowledgeBase
+    learnt: Sequence[ObjectType]
+    others: Sequence[ObjectType]
+
+    def numbers(self, trials: int) -> list[int]:
+        """Of so many trials those that there can be."""
+        return [number for number in range(trials) if self.learnt or not of_learnt(number)]
+
+    def trial(self, seed: int, number: int) -> Trial:
+        """The trial of this number: the same type at the same pose whatever the detector."""
+        kinds = self.learnt if of_learnt(number) else self.others
+        rng = np.random.default_rng([seed, self.case.types, self.case.appearance_types, 1 + number])
+        return trial(kinds[int(rng.integers(len(kinds)))], self.kb, self.case.detector, rng, self.case.appearances)
+
+
+def of_learnt(number: int) -> bool:
+    """Whether the trial of this number is of a learnt type."""
+    return number % LEARNT_EVERY == 0
+
+
+
+def run(
+    *, seed: int, limit: float, quick: bool, as_json: bool, say: Callable[[str], None],
+    learn: Callable[[Callable[[str], None], int], KnowledgeBase | None] | None = None, plan: Plan | None = None,
+) -> tuple[str, bool]:
+    """Run the benchmark; a line of progress a trial on ``say``. ``limit``: most seconds that a peer may take a trial.
+
+    ``learn`` gives the knowledge base of learnt types (by default that of the YCB meshes), None where there is none.
+    """  # fmt: skip
+    plan = plan or (QUICK if quick else Plan())
+    learnt = (learn or learnt_kb)(say, seed)
+    peers, seconds = there(say), min(limit, plan.budget)
+    outcomes: list[Outcome] = []
+    builds: dict[Case, float] = {}
+    for case in plan.cases:
+        more, builds[case] = _of_case(series_of(case, learnt, seed), seed, peers, replace(plan, budget=seconds), say)
+        outcomes += more
+    left_out = "" if learnt is not None else "\nThere are no learnt types: their trials are left out."
+    text, met = report("clutter", rows(outcomes, builds), claims(outcomes), as_json=as_json)
+    return (text if as_json else f"{CAPTION}{left_out}\n\n{text}"), met
+
+
+def _of_case(series: Series, seed: int, peers: Sequence[Peer], plan: Plan, say: Callable[[str], None]) -> tuple[list[Outcome], float]:
+    """The outcomes of a case's trials, and the seconds in which it was made ready."""
+    outcomes: list[Outcome] = []
+    perceiver, build = _built(series.kb)
+    say(f"{series.case}: made ready in {build:.1f} s")
+    for number in series.numbers(plan.trials):
+        more = answered(series, perceiver, (seed, number), peers if number < plan.peer_trials else (), plan.budget)
+        say(_said(number, more))
+        outcomes += more
+    return outcomes, build
+
+
+def learnt_kb(say: Callable[[str], None], seed: int = 0) -> KnowledgeBase | None:
+    """The ten YCB types, learnt as ``plogic bench recognition`` learns them; None where they cannot be."""
+    from kb.read import read_kb
+    from plogic.bench.recognition_kb import learn_into
+    from plogic.bench.recognition_scenes import ycb_meshes
+
+    with tempfile.TemporaryDirectory(prefix="plogic-clutter-") as folder:
+        try:
+            learn_into(Path(folder) / "kb", ycb_meshes(), say, seed)
+        except InputError as error:
+            say(f"no trials of learnt types: {error}")
+            return None
+        return read_kb(Path(folder) / "kb")
+
+
+def series_of(case: Case, learnt: KnowledgeBase | None, seed: int) -> Series:
+    """Random types, and learnt ones, if there are any, that stand for some of them."""
+    rng = np.random.default_rng([seed, case.types, case.appearance_types])
+    kb = random_types(case.types, case.features, case.appearance_types, rng, case.detector, case.appearances)
+    kinds = () if learnt is None else learnt_types(learnt, case.features, case.appearance_types)
+    kb = with_learnt(kb, kinds, case.detector, case.appearances)
+    return Series(case, kb, kinds, kb.types[len(kinds) :])
+
+
+def answered(series: Series, perceiver: Perceiver, which: tuple[int, int], peers: Sequence[Peer], seconds: float) -> list[Outcome]:
+    """The trial of ``which`` seed and number: ours first, then who was told, then the peers, who may take so many seconds, on the same Γ."""
+    posed = series.trial(*which)
+    asked: dict[str, Callable[[], list[Found]]] = {OURS: lambda: ours(perceiver, posed.gamma), TOLD: lambda: told(series.kb, posed)}
+    for peer in peers:
+        asked[f"{peer.name} {seconds:g} s"] = partial(_one, peer, seconds, series.kb, posed.gamma)
+    outcomes = []
+    for who, ask in asked.items():
+        start = processor_seconds()
+        found = ask()
+        taken = processor_seconds() - start
+        outcomes.append(Outcome(series.case, who, of_learnt(which[1]), len(posed.causes), *judged(found, posed.truth), taken))
+    return outcomes
+
+
+def ours(perceiver: Perceiver, gamma: Gamma) -> list[Found]:
+    """What we accept, the best first."""
+    from plogic.delta import Options
+    from plogic.stopwatch import Stopwatch
+
+    delta, _, _ = perceiver.delta(gamma, Options(reading="posterior"), Stopwatch())
+    accepted = sorted((b for b in delta.beliefs.values() if b.status == "accepted"), key=lambda b: -b.surplus)
+    return [Found(b.posed.object_type.name, b.posed.camera_from_object) for b in accepted]
+
+
+def _one(peer: Peer, seconds: float, kb: KnowledgeBase, gamma: Gamma) -> list[Found]:
+    answer = peer.ask(kb, gamma, seconds)
+    return [] if answer is None else [Found(*answer)]
+
+
+def _built(kb: KnowledgeBase) -> tuple[Perceiver, float]:
+    from plogic.perceive import Perceiver
+
+    start = processor_seconds()
+    return Perceiver(kb), processor_seconds() - start
+
+
+def _said(number: int, outcomes: Sequence[Outcome]) -> str:
+    verdicts = {(False, False): "wrong", (True, False): "type right", (True, True): "right"}
+    rest = "; ".join(f"{o.who} {verdicts[o.identity, o.pose]} in {o.seconds:.2f} s" for o in outcomes)
+    return f"trial {number}, {outcomes[0].own} of its own: {rest}"

@@ -1,0 +1,24 @@
+"""Angles on the screen: radians, clockwise from +x."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+def wrapped(angle: Floats) -> Floats:
+    """The same angles, radians, between −π and π."""
+    return np.asarray(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi)))
+
+
+def screen_angle(direction: Floats, at: Floats) -> Floats:
+    """Angle on the screen, radians clockwise from +x, of a direction (…, 3) in space at a place (…, 3), both in the camera's frame."""
+    du = direction[..., 0] * at[..., 2] - at[..., 0] * direction[..., 2]
+    dv = direction[..., 1] * at[..., 2] - at[..., 1] * direction[..., 2]
+    return np.asarray(np.arctan2(dv, du))

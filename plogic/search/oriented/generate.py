@@ -1,0 +1,176 @@
+"""Δh of all types at once: pairs vote, the fullest boxes are laid onto Γ as whole clouds, the best that are apart are refined on what agrees."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from geometry.frames import rotation_angle
+from plogic.search.angles import screen_angle
+from plogic.search.data import centre_of
+from plogic.search.oriented.pair_votes import pair_votes
+from plogic.search.oriented.refinement import Held, Noise, refined
+from plogic.search.oriented.typed_data import typed_data
+from plogic.search.projection import viewpoints_of
+from plogic.search.triples import turn_z_to
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from plogic.search.data import Data
+    from plogic.search.oriented.pair_index import PairIndex
+    from plogic.search.oriented.pair_votes import Votes
+    from plogic.search.oriented.typed_data import TypedData
+
+    Floats = NDArray[np.float64]
+    Indices = NDArray[np.intp]
+
+LAID = 800
+"""Votes whose whole cloud is laid onto Γ, those in the fullest boxes."""
+REFINED = 40
+"""Poses that are refined, the best and no two alike."""
+ALIKE = np.radians(15.0), 0.08
+"""Two poses of a type are alike that differ by less, radians, and share of the distance."""
+ROUNDS = ((0.10, 24), (0.05, 16), (0.025, 12), (0.0, 12))
+"""Of each round, how far off a sight may be, in diameters on the screen and never less than the noise allows; and how many poses go on."""
+HIT = 0.5
+"""How often a sight is found where a pose is right, about."""
+DEVIATIONS = 2.5
+"""Standard deviations within which a datum is a sight's."""
+FEWEST = 4
+"""Sights that hold a pose."""
+BENT = np.radians(8.0)
+"""Standard deviation of how much a sight is turned because the pose is coarse, in the first round."""
+STEPS = 8
+"""Steps of a round of refinement."""
+ROBUST = 3.0
+"""Standard deviations of a place beyond which a match weighs less."""
+
+
+TILTED, TILTS, TILT = 3, 8, np.radians(20.0)
+"""Poses that are tried with other tilts, the best; in how many directions, and by how much, radians."""
+
+
+class Proposal(NamedTuple):
+    """``kind`` number of the type in the index; ``pose`` (4, 4) camera_from_object; ``worth`` about ln of how much likelier Γ is with it."""
+
+    kind: int
+    pose: Floats
+    worth: float
+
+
+class _Match(NamedTuple):
+    points: Floats  # (N, V, 3) m, object frame
+    turns: Floats  # (N, V, 3) x axes of the features, object frame
+    datum: Indices  # (N, V), −1 for none
+    worth: Floats  # (N,)
+
+    def take(self, which: list[int]) -> _Match:
+        """Those of some poses."""
+        return _Match(self.points[which], self.turns[which], self.datum[which], self.worth[which])
+
+
+def proposals(index: PairIndex, data: Data, noise: Noise) -> list[Proposal]:
+    """The best poses of all types, refined, best first."""
+    typed = typed_data(data, index.looks)
+    votes = pair_votes(index, typed.looks, data, noise.angle)
+    votes = votes.take(np.argsort(-votes.count, kind="stable")[:LAID])
+    kind, poses = votes.kind, coarse_poses(index, votes, data)
+    worth = _laid(index, kind, poses, typed, data, ROUNDS[0][0], noise).worth
+    best = _apart(index, kind, poses, worth, REFINED)
+    kind, poses = _narrowed(index, kind[best], poses[best], typed, data, noise, ROUNDS)
+    tilted = np.concatenate([poses, _tilted(index, kind[:TILTED], poses[:TILTED])])
+    kind = np.concatenate([kind, np.repeat(kind[:TILTED], TILTS)])
+    kind, poses = _narrowed(index, kind, tilted, typed, data, noise, ROUNDS[1:])
+    worth = _laid(index, kind, poses, typed, data, 0.0, noise).worth
+    best = _apart(index, kind, poses, worth, len(poses))
+    return [Proposal(int(kind[i]), poses[i], float(worth[i])) for i in best]
+
+
+def _narrowed(
+    index: PairIndex, kind: Indices, poses: Floats, typed: TypedData, data: Data, noise: Noise, rounds: tuple[tuple[float, int], ...]
+) -> tuple[Indices, Floats]:
+    """Matched and refined in rounds of shrinking tolerance, the best that are apart going on."""
+    for share, most in rounds:
+        match = _laid(index, kind, poses, typed, data, share, noise)
+        best = _apart(index, kind, poses, match.worth, most)
+        kind, poses, match = kind[best], poses[best], match.take(best)
+        if not len(poses):
+            break
+        found = match.datum >= 0
+        held = Held(match.points, match.turns, data.uv[match.datum], data.angle[match.datum], found.astype(float))
+        poses = refined(poses, held, noise, data.camera, steps=STEPS, robust=ROBUST)
+    return kind, poses
+
+
+def _tilted(index: PairIndex, kind: Indices, poses: Floats) -> Floats:
+    """(N · TILTS, 4, 4) each pose, turned about its middle: what is nearly flat, or far away, fits several tilts."""
+    from scipy.spatial.transform import Rotation
+
+    around = 2.0 * np.pi * np.arange(TILTS) / TILTS
+    turns = Rotation.from_rotvec(TILT * np.column_stack([np.cos(around), np.sin(around), np.zeros(TILTS)])).as_matrix()
+    centres = np.repeat(index.centres[kind], TILTS, axis=0)
+    other = np.repeat(poses, TILTS, axis=0)
+    middle = np.einsum("nij,nj->ni", other[:, :3, :3], centres) + other[:, :3, 3]
+    other[:, :3, :3] = np.tile(turns, (len(poses), 1, 1)) @ other[:, :3, :3]
+    other[:, :3, 3] = middle - np.einsum("nij,nj->ni", other[:, :3, :3], centres)
+    return other
+
+
+def coarse_poses(index: PairIndex, votes: Votes, data: Data) -> Floats:
+    """(N, 4, 4) camera_from_object: the cell's rotation and roll, about the ray through the object's centre."""
+    f = data.camera.f
+    ray = np.column_stack([(votes.centre - centre_of(data.camera)) / f, np.ones(len(votes.centre))])
+    ray /= np.linalg.norm(ray, axis=1, keepdims=True)
+    cos, sin = np.cos(votes.roll), np.sin(votes.roll)
+    roll = np.zeros((len(ray), 3, 3))
+    roll[:, 0, 0], roll[:, 0, 1], roll[:, 1, 0], roll[:, 1, 1], roll[:, 2, 2] = cos, -sin, sin, cos, 1.0
+    own = index.cells[0].cell_from_object[votes.cell]  # the same of all types
+    poses = np.tile(np.eye(4), (len(ray), 1, 1))
+    poses[:, :3, :3] = turn_z_to(ray) @ roll @ own
+    poses[:, :3, 3] = ray * (f / votes.scale)[:, None] - np.einsum("nij,nj->ni", poses[:, :3, :3], index.centres[votes.kind])
+    return poses
+
+
+def _laid(index: PairIndex, kind: Indices, poses: Floats, typed: TypedData, data: Data, share: float, noise: Noise) -> _Match:
+    """What agrees with poses (N, 4, 4) of types ``kind`` (N,), of the sights that the nearest cell shows."""
+    sights, centres = index.sights, index.centres[kind]
+    towards = viewpoints_of(poses) - centres
+    cell = (towards @ index.cells[0].directions.T).argmax(axis=1)
+    feature, looks = sights.feature[kind, cell].astype(np.intp), sights.looks[kind, cell].astype(np.intp)
+    points, turns = index.points[kind[:, None], feature], index.turns[kind[:, None], feature]
+    at = np.einsum("nij,nvj->nvi", poses[:, :3, :3], points) + poses[:, None, :3, 3]
+    front = at[..., 2] > 1e-6
+    depth = np.where(front, at[..., 2], 1.0)
+    uv = at[..., :2] / depth[..., None] * data.camera.f + centre_of(data.camera)
+    angle = screen_angle(np.einsum("nij,nvj->nvi", poses[:, :3, :3], turns), at)
+    middle = np.maximum(np.einsum("nj,nj->n", poses[:, 2, :3], centres) + poses[:, 2, 3], 1e-6)
+    within = np.maximum(share * sights.diameter[kind] * data.camera.f / middle, DEVIATIONS * noise.pixels)
+    sigma, spread = within[:, None] / DEVIATIONS, float(np.hypot(noise.angle, BENT * share / ROUNDS[0][0]))
+    datum, off, bent = typed.nearest(uv, looks, angle, within, DEVIATIONS * spread)
+    datum[(looks < 0) | ~front] = -1
+    inside = (looks >= 0) & front & (uv >= 0.0).all(axis=2) & (uv[..., 0] < data.camera.width) & (uv[..., 1] < data.camera.height)
+    bell = np.exp(-0.5 * ((off / sigma) ** 2 + (bent / spread) ** 2)) / (2.0 * np.pi * sigma**2 * np.sqrt(2.0 * np.pi) * spread)
+    clutter = np.maximum(typed.count[looks], 1) / (data.camera.width * data.camera.height * 2.0 * np.pi)
+    gain = np.where(datum >= 0, np.log1p(HIT * (bell / clutter - 1.0)), np.where(inside, np.log1p(-HIT), 0.0))
+    worth = np.where((datum >= 0).sum(axis=1) >= FEWEST, gain.sum(axis=1), -np.inf)
+    return _Match(points, turns, datum, worth)
+
+
+def _apart(index: PairIndex, kind: Indices, poses: Floats, worth: Floats, most: int) -> list[int]:
+    """The best, of finite worth, no two of a type alike."""
+    turned, near = ALIKE
+    middle = np.einsum("nij,nj->ni", poses[:, :3, :3], index.centres[kind]) + poses[:, :3, 3]
+    left = np.isfinite(worth)
+    chosen: list[int] = []
+    for i in np.argsort(-worth, kind="stable"):
+        if len(chosen) == most:
+            break
+        if left[i]:
+            chosen.append(int(i))
+            rival = np.flatnonzero(left & (kind == kind[i]))
+            rival = rival[np.linalg.norm(middle[rival] - middle[i], axis=1) < near * np.linalg.norm(middle[i])]
+            angle = rotation_angle(np.swapaxes(poses[rival, :3, :3], 1, 2) @ poses[i, :3, :3])
+            left[rival[angle < turned]] = False
+    return chosen

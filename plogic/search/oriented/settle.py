@@ -1,0 +1,114 @@
+"""Expected and Detected of a type by hand at a pose (D7, D8), where a detector's angles count: what lies at another angle is not right."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.evidence import evidence
+from plogic.expectation import matched, pose_of
+from plogic.search.alike import distinct
+from plogic.search.angles import screen_angle, wrapped
+from plogic.search.oriented.refinement import Held, Noise, refined
+from plogic.search.projection import project_ideal
+from plogic.search.settling import FEWEST, settled
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase
+    from plogic.expectation import Posed
+    from plogic.search.data import Data
+    from plogic.search.type_index import TypeIndex
+
+    Floats = NDArray[np.float64]
+    Flags = NDArray[np.bool_]
+
+DEVIATIONS = 3.0
+"""Standard deviations within which an angle is right."""
+STEPS = 8
+"""Steps of a refinement."""
+ROBUST = 3.0
+"""Standard deviations of a place beyond which a match weighs less."""
+
+
+def settle(
+    index: TypeIndex, pose: Floats | Posed, data: Data, kb: KnowledgeBase, free: Flags | None = None, hidden: Flags | None = None, rounds: int = 2
+) -> Posed:
+    """The type at a pose, or one that is matched there already: matched, refined on places and angles, and matched again."""
+    allowed = index.allowed(data)
+
+    def match(pose: Floats) -> Posed:
+        return matched_at(index, pose, data, kb, allowed, free, hidden)
+
+    def better(posed: Posed) -> Floats | None:
+        return polished(index, posed, data, kb, hidden)
+
+    return settled(pose, match, better, rounds)
+
+
+def matched_at(
+    index: TypeIndex, pose: Floats, data: Data, kb: KnowledgeBase, allowed: Flags, free: Flags | None = None, hidden: Flags | None = None
+) -> Posed:
+    """Matched with what is near, of a right type and at a right angle; a datum without an angle is right at any.
+
+    ``likeness``: how much likelier the match's angle is than any.
+    """
+    assert kb.rates.sigma_angle is not None  # noqa: S101 - the caller looks
+    sigma = kb.rates.sigma_angle
+    posed = pose_of(index.object_type, pose, data, kb)
+    turn = screen_angle(index.turns @ pose[:3, :3].T, posed.at)
+    off = wrapped(data.angle[None] - turn[:, None])
+    right = ~(np.abs(off) > DEVIATIONS * sigma)
+    posed = matched(replace(posed, right=posed.right & right), data, allowed & right, kb.rates.match_tolerance, free, hidden)
+    own = np.take_along_axis(off, np.maximum(posed.matches, 0)[:, None], axis=1)[:, 0] if len(data.ids) else np.full(len(turn), np.nan)
+    bell = np.exp(-0.5 * (own / sigma) ** 2) * np.sqrt(2.0 * np.pi) / sigma
+    return replace(posed, likeness=np.where(posed.detected & np.isfinite(own), bell, 1.0))
+
+
+def polished(index: TypeIndex, posed: Posed, data: Data, kb: KnowledgeBase, hidden: Flags | None) -> Floats | None:
+    """Least squares (4, 4) on places and angles of the expected features that were detected, or None where they are fewer than ``FEWEST``."""
+    used = posed.candidate & posed.detected
+    used = used if hidden is None else used & ~hidden
+    if used.sum() < FEWEST or kb.rates.sigma_angle is None:
+        return None
+    names = [feature.type for feature in index.object_type.features]
+    weight = np.array([(kb.rates.sigma / kb.rates.sigma_of(name)) ** 2 for name in names])[used]
+    datum = posed.matches[used]
+    held = Held(*(rows[None] for rows in (index.points[used], index.turns[used], data.uv[datum], data.angle[datum], weight)))
+    noise = Noise(kb.rates.sigma, kb.rates.sigma_angle)
+    new = refined(posed.camera_from_object[None], held, noise, data.camera, steps=STEPS, robust=ROBUST)
+    return np.asarray(new[0])
+
+
+def verified(
+    index: TypeIndex, poses: Sequence[Floats], data: Data, kb: KnowledgeBase, covered: Flags | None = None
+) -> list[tuple[float, Posed]]:
+    """Rays cast, matched and settled: the distinct ones as (log-likelihood ratio against clutter, hypothesis), best first.
+
+    ``covered`` (H, W): where accepted opaque objects stand in the ideal image.
+    """
+    allowed, found = index.allowed(data), []
+    for pose in poses:
+        hidden = _covered(index, pose, data, covered)
+        posed = matched_at(index, pose, data, kb, allowed, None, hidden)
+        better = polished(index, posed, data, kb, hidden)
+        posed = posed if better is None else matched_at(index, better, data, kb, allowed, None, hidden)
+        if (posed.candidate & posed.detected & ~hidden).sum() >= FEWEST:
+            found.append((evidence(posed, data, kb, hidden).ratio, posed))
+    return distinct(sorted(found, key=lambda pair: -pair[0]), index.object_type)
+
+
+def _covered(index: TypeIndex, pose: Floats, data: Data, covered: Flags | None) -> Flags:
+    """(F,) the features where an accepted object stands in the image."""
+    if covered is None:
+        return np.zeros(len(index.points), bool)
+    column, row = np.rint(project_ideal(pose[None], index.points, data)[0]).T
+    inside = (column >= 0) & (row >= 0) & (column < covered.shape[1]) & (row < covered.shape[0])
+    result = np.zeros(len(index.points), bool)
+    result[inside] = covered[row[inside].astype(np.intp), column[inside].astype(np.intp)]
+    return result

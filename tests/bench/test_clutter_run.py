@@ -1,0 +1,158 @@
+"""``plogic bench clutter`` end to end, on few types and little clutter."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_clutter_types import learnt_kb
+
+from plogic.bench import clutter, recognition_scenes
+from plogic.bench.clutter import Plan, run, series_of
+from plogic.bench.clutter_peers import Peer
+from plogic.bench.clutter_scenes import PLAN, Case
+from plogic.bench.clutter_types import EASY, HARD, Detector
+from plogic.bench.recognition_score import Found
+from plogic.delta import Options
+from plogic.errors import InputError
+
+FEW = Case(EASY, types=2, appearance_types=40, features=60, appearances=60)
+
+
+def nobody(say, seed):
+    return None
+
+
+@pytest.fixture
+def knowing(monkeypatch):
+    """Our side stands aside: it says what the truth is, and remembers what it was asked."""
+    asked = []
+
+    def ours(perceiver, gamma):
+        asked.append((perceiver.kb, gamma))
+        return []
+
+    monkeypatch.setattr(clutter, "ours", ours)
+    return asked
+
+
+def test_a_real_run_finds_real_objects():
+    """Of a sharp detector: with one pixel of noise few points of a small object do not tell its pose to 5 degrees."""
+    said = []
+    sharp = replace(FEW, detector=Detector("sharp", 0.8, 0.1, 0.05))
+    text, _ = run(seed=0, limit=0.2, quick=True, as_json=True, say=said.append, learn=nobody, plan=Plan([sharp], 5, 0))
+    document = json.loads(text)
+    mine, told = document["rows"]
+    assert document["bench"] == "clutter"
+    assert (mine["who"], mine["trials"], mine["learnt"]) == ("ours", 3, "0/0")
+    assert mine["pose"] >= 0.6
+    assert mine["build"] >= 0
+    assert (told["who"], told["trials"], told["pose"], told["build"]) == ("told", 3, 1, "")
+    assert [line.split(",")[0] for line in said if line.startswith("trial")] == ["trial 1", "trial 2", "trial 4"]
+
+
+def test_the_answers_are_the_accepted_ones_the_best_first():
+    class Accepted:
+        def __init__(self, name, surplus, status="accepted"):
+            self.surplus, self.status = surplus, status
+            self.posed = type("Posed", (), {"object_type": type("Kind", (), {"name": name}), "camera_from_object": np.eye(4)})
+
+    class Perceiver:
+        def delta(self, *asked):
+            assert asked[1] == Options(reading="posterior")
+            beliefs = {"h1": Accepted("a", 3.0), "h2": Accepted("b", 7.0), "h3": Accepted("c", 9.0, "considered")}
+            return type("Delta", (), {"beliefs": beliefs}), (), []
+
+    assert [found.type for found in clutter.ours(Perceiver(), None)] == ["b", "a"]
+
+
+def test_a_third_of_the_trials_is_of_learnt_types(knowing):
+    text, met = run(seed=0, limit=1, quick=True, as_json=True, say=lambda _: None, learn=lambda *_: learnt_kb(), plan=Plan([FEW], 6, 0))
+    assert not met
+    row = json.loads(text)["rows"][0]
+    assert (row["trials"], row["learnt"], row["identity"]) == (6, "0/2", 0)
+    assert [kb.types[0].name for kb, _ in knowing] == ["cube"] * 6
+
+
+def test_left_out_trials_are_said(knowing):
+    text, _ = run(seed=0, limit=1, quick=True, as_json=False, say=lambda _: None, learn=nobody, plan=Plan([FEW], 6, 0))
+    assert "There are no learnt types: their trials are left out." in text
+    assert len(knowing) == 4
+
+
+@pytest.mark.parametrize(("budget", "least"), [(0.5, 0.5), (4.0, 2)])
+def test_peers_get_the_same_data_in_the_first_trials_and_no_more_time_than_the_limit(knowing, monkeypatch, budget, least):
+    asked = []
+
+    def ask(kb, gamma, seconds):
+        asked.append((kb, gamma, seconds))
+        return kb.types[0].name, np.eye(4)
+
+    monkeypatch.setattr(clutter, "there", lambda *_: (Peer("first", "", ask),))
+    text, _ = run(seed=3, limit=2.0, quick=True, as_json=True, say=lambda _: None, learn=nobody, plan=Plan([FEW], 6, 3, budget))
+    assert [seconds for *_, seconds in asked] == [least, least]
+    assert [gamma for _, gamma, _ in asked] == [gamma for _, gamma in knowing[:2]]
+    listed = json.loads(text)["rows"]
+    assert [(row["who"], row["trials"]) for row in listed] == [("ours", 4), ("told", 4), (f"first {least} s", 2)]
+    assert listed[2]["identity"] + listed[2]["false"] / 2 == 1
+
+
+def test_a_quick_run_asks_less():
+    full, quick = Plan(), clutter.QUICK
+    assert (full.cases, full.trials, full.peer_trials, full.budget) == (PLAN, 200, 10, 2)
+    assert (quick.trials, quick.peer_trials, quick.budget) == (10, 3, 2)
+    assert set(quick.cases) < set(full.cases)
+
+
+def test_trials_are_the_same_each_time_and_alike_for_both_detectors():
+    first, again = (series_of(FEW, None, 7) for _ in range(2))
+    dim = series_of(replace(FEW, detector=HARD), None, 7)
+    assert first.numbers(3) == [1, 2]
+    assert first.kb.digest == again.kb.digest
+    assert first.trial(7, 1).gamma.appearances == again.trial(7, 1).gamma.appearances
+    assert first.trial(7, 1).gamma.appearances != first.trial(7, 2).gamma.appearances
+    assert first.trial(7, 1).gamma.appearances != first.trial(8, 1).gamma.appearances
+    one, other = first.trial(7, 2).truth, dim.trial(7, 2).truth
+    assert one.type == other.type
+    assert np.array_equal(one.camera_from_object, other.camera_from_object)
+
+
+def test_the_object_of_a_learnt_trial_is_a_learnt_one():
+    series = series_of(FEW, learnt_kb(), 0)
+    assert series.numbers(9) == list(range(9))
+    types = [series.trial(0, n).truth.type for n in range(9)]
+    assert types == [*["cube", "r0000", "r0000"] * 3]
+    assert [kind.name for kind in series.kb.types] == ["cube", "r0000"]
+
+
+def test_without_the_meshes_it_goes_on_and_says_so(monkeypatch, tmp_path):
+    monkeypatch.setattr(recognition_scenes, "YCB", tmp_path / "none")
+    said = []
+    assert clutter.learnt_kb(said.append) is None
+    assert len(said) == 1
+    assert said[0].startswith("no trials of learnt types: ")
+
+
+def test_what_is_learnt_is_read_back(monkeypatch, tmp_path):
+    """As for ``recognition``; here an empty one is written."""
+    from plogic.commands.kb_new import new_command
+
+    monkeypatch.setattr(recognition_scenes, "ycb_meshes", lambda: {"it": tmp_path})
+    monkeypatch.setattr("plogic.bench.recognition_kb.learn_into", lambda folder, *_: new_command(folder, None))
+    kb = clutter.learnt_kb(lambda _: None)
+    assert kb.types == ()
+
+    def fails(*_):
+        raise InputError("no")
+
+    monkeypatch.setattr("plogic.bench.recognition_kb.learn_into", fails)
+    assert clutter.learnt_kb(lambda _: None) is None
+
+
+def test_a_found_object_is_what_a_peer_answers():
+    (found,) = clutter._one(Peer("it", "", lambda *_: ("cup", np.eye(4))), 1.0, None, None)
+    assert isinstance(found, Found)
+    assert found.type == "cup"
+    assert clutter._one(Peer("it", "", lambda *_: None), 1.0, None, None) == []

@@ -1,0 +1,112 @@
+"""The cycle of perception where angles count: one search over all types a round."""
+
+from dataclasses import replace
+from functools import cache
+from time import monotonic
+
+import numpy as np
+import pytest
+from oriented_scenes import EASY, a_trial, clouds
+
+from geometry.frames import is_rigid
+from plogic.bench.recognition_score import Found, errors_of
+from plogic.delta import Options
+from plogic.perceive import Perceiver
+from plogic.stopwatch import Stopwatch
+from sensing.appearance import Gamma
+
+
+@cache
+def perceiver():
+    return Perceiver(clouds().kb)
+
+
+@cache
+def without_angles():
+    kb = clouds().kb
+    return Perceiver(replace(kb, rates=replace(kb.rates, sigma_angle=None)))
+
+
+def accepted(perceiving, gamma):
+    delta, _, _ = perceiving.delta(gamma, Options(reading="posterior"), Stopwatch())
+    return [belief for belief in delta.beliefs.values() if belief.status == "accepted"]
+
+
+def test_easy_trials_are_accepted_with_the_right_pose():
+    right, false = 0, 0
+    for seed in range(12):
+        _, case, _ = a_trial(clouds(), seed)
+        found = accepted(perceiver(), case.gamma)
+        errors = [
+            errors_of(Found(b.posed.object_type.name, b.posed.camera_from_object), case.truth)
+            for b in found
+            if b.posed.object_type.name == case.truth.type
+        ]
+        right += any(turned < np.radians(10.0) and moved < 0.06 for turned, moved in errors)
+        false += len(found) - len(errors)
+    assert right >= 11
+    assert false == 0
+
+
+def test_what_is_accepted_claims_its_own_data():
+    for seed in range(4):
+        _, case, data = a_trial(clouds(), seed)
+        (belief,) = accepted(perceiver(), case.gamma)
+        claimed = {data.ids[i] for i in belief.posed.matches[belief.posed.detected]}
+        assert len(claimed & set(case.causes)) >= 0.8 * len(claimed)
+        assert len(claimed & set(case.causes)) >= 0.7 * len(case.causes)
+        wrong = belief.posed.likeness[belief.posed.detected] < np.exp(-4.6) * np.sqrt(2 * np.pi) / EASY.turn
+        assert not wrong.any(), "nothing is matched beyond three deviations"
+
+
+def test_of_clutter_alone_nothing_is_accepted():
+    for seed in range(4):
+        _, case, _ = a_trial(clouds(), seed)
+        clutter = Gamma(case.gamma.camera, tuple(a for a in case.gamma.appearances if a.id not in case.causes))
+        assert accepted(perceiver(), clutter) == []
+
+
+def test_two_objects_of_different_types_are_both_accepted():
+    """Each round searches what the others left."""
+    first, second = a_trial(clouds(), 0)[1], a_trial(clouds(), 7)[1]
+    more = [replace(a, id=f"{a.id}s") for a in second.gamma.appearances if a.id in second.causes]
+    found = accepted(perceiver(), Gamma(first.gamma.camera, (*first.gamma.appearances, *more)))
+    assert {first.truth.type, second.truth.type} <= {belief.posed.object_type.name for belief in found}
+
+
+def test_without_sigma_angle_the_same_kb_goes_the_old_way():
+    assert perceiver().shared is not None
+    assert without_angles().shared is None
+    _, case, _ = a_trial(clouds(), 7)
+    delta, _, _ = without_angles().delta(case.gamma, Options(reading="posterior"), Stopwatch())
+    assert all(belief.posed.likeness is None for belief in delta.beliefs.values())
+    silent = Gamma(case.gamma.camera, tuple(replace(a, angle=None) for a in case.gamma.appearances))
+    again, _, _ = without_angles().delta(silent, Options(reading="posterior"), Stopwatch())
+    assert list(again.beliefs) == list(delta.beliefs)
+    for name, belief in delta.beliefs.items():
+        assert np.array_equal(again.beliefs[name].posed.camera_from_object, belief.posed.camera_from_object), "angles say nothing"
+
+
+def test_a_deadline_in_the_past_gives_an_unfinished_answer():
+    _, case, _ = a_trial(clouds(), 1)
+    document = perceiver()(case.gamma, Options(reading="posterior", end=monotonic() - 1.0))
+    assert document["unfinished"] is True
+    assert document["hypotheses"] == []
+    assert [world["probability"] for world in document["worlds"]] == [pytest.approx(1.0)]
+
+
+def test_no_data_give_the_empty_world():
+    _, case, _ = a_trial(clouds(), 1)
+    document = perceiver()(Gamma(case.gamma.camera, ()), Options(reading="posterior"))
+    assert document["hypotheses"] == []
+    assert "unfinished" not in document
+
+
+def test_a_document_tells_of_what_was_found():
+    _, case, _ = a_trial(clouds(), 4)
+    document = perceiver()(case.gamma, Options(reading="posterior"))
+    assert "unfinished" not in document
+    assert case.truth.type in {row["type"] for row in document["hypotheses"]}
+    assert sum(world["probability"] for world in document["worlds"]) == pytest.approx(1.0)
+    (belief,) = accepted(perceiver(), case.gamma)
+    assert is_rigid(belief.posed.camera_from_object)

@@ -1,0 +1,131 @@
+"""Votes of pairs: what an exact picture at a cell's very viewpoint says of type, cell, roll, scale and place."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from oriented_scenes import STRAIGHT, a_trial, clouds, datum, picture_of, seen_from
+
+from plogic.search.angles import wrapped
+from plogic.search.data import centre_of, data_of
+from plogic.search.oriented.generate import coarse_poses
+from plogic.search.oriented.pair_votes import NEAREST, REACH, pair_votes
+from plogic.search.oriented.typed_data import typed_data
+from plogic.search.view_cells import DISTANCE
+
+SIGMA = float(np.radians(5.0))
+FIELDS = ("kind", "cell", "centre", "roll", "scale", "count")
+
+
+def votes_of(ready, appearances, camera=STRAIGHT):
+    data = data_of(appearances, camera)
+    return pair_votes(ready.shared, typed_data(data, ready.shared.looks).looks, data, SIGMA)
+
+
+def exact(ready, kind, cell, roll, most=None):
+    """The picture of all that a cell shows, or of the nearest ``most`` to the first of it, and how many pixels a metre is."""
+    index = ready.rows[kind]
+    shown = np.flatnonzero(index.cells.visible[cell])
+    apart = np.linalg.norm(index.cells.xy[cell, shown] - index.cells.xy[cell, shown[0]], axis=1)
+    chosen = shown[np.argsort(apart, kind="stable")][:most]
+    return picture_of(index, seen_from(index, cell, roll), chosen), STRAIGHT.f / (DISTANCE * index.cells.diameter)
+
+
+def true_ones(votes, kind, cell, roll, scale):
+    """Which votes are right in everything: the object's middle is the picture's."""
+    right = (votes.kind == kind) & (votes.cell == cell) & (np.abs(wrapped(votes.roll - roll)) < 1e-3)
+    return right & (np.abs(votes.scale / scale - 1.0) < 1e-3) & (np.linalg.norm(votes.centre - centre_of(STRAIGHT), axis=1) < 0.2)
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(st.integers(0, 4), st.integers(0, 161), st.floats(-3.1, 3.1))
+def test_an_exact_picture_votes_for_what_it_shows(kind, cell, roll):
+    ready = clouds()
+    appearances, scale = exact(ready, kind, cell, roll)
+    votes = votes_of(ready, appearances)
+    right = true_ones(votes, kind, cell, roll, scale)
+    assert right.any()
+    assert votes.count[right].max() >= 0.5 * votes.count.max(), "with nearly as many as any"
+    assert votes.count[right].max() >= 20
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(st.integers(0, 4), st.integers(0, 161), st.floats(-3.1, 3.1), st.integers(2, 8))
+def test_a_vote_counts_different_pairs_of_the_image(kind, cell, roll, most):
+    """However many cells and types a pair resembles, it counts once a box; of n data there are at most n (n − 1) / 2."""
+    appearances, _ = exact(clouds(), kind, cell, roll, most)
+    uv = np.array([a.uv for a in appearances])
+    apart = np.linalg.norm(uv[:, None] - uv[None], axis=2)[np.triu_indices(len(uv), 1)]
+    pairs = int(((apart >= NEAREST) & (apart <= REACH)).sum())
+    votes = votes_of(clouds(), appearances)
+    assert votes.count.max(initial=0) <= pairs
+    assert (votes.count > 0).all()
+    assert len(votes.count) > 0 or not pairs
+
+
+def test_two_three_and_four_neighbours_have_one_three_and_six_votes():
+    """All of each are among the nearest of the others, so that each pair is in the index."""
+    ready, checked = clouds(), 0
+    for cell in range(0, 162, 9):
+        for most, pairs in ((2, 1), (3, 3), (4, 6)):
+            appearances, scale = exact(ready, 1, cell, 0.4, most)
+            uv = np.array([a.uv for a in appearances])
+            apart = np.linalg.norm(uv[:, None] - uv[None], axis=2)[np.triu_indices(most, 1)]
+            if ((apart > NEAREST) & (apart < REACH)).all():
+                votes = votes_of(ready, appearances)
+                assert votes.count[true_ones(votes, 1, cell, 0.4, scale)].max() == pairs
+                checked += 1
+    assert checked > 15
+
+
+def test_what_has_no_angle_or_no_known_type_never_votes():
+    _, case, data = a_trial(clouds(), 3)
+    plain = list(case.gamma.appearances)
+    silent = [replace(a, id=f"{a.id}n", angle=None, uv=(a.uv[0] + 3.0, a.uv[1] + 5.0)) for a in plain]
+    unknown = [replace(a, id=f"{a.id}u", type="never seen", uv=(a.uv[0] - 5.0, a.uv[1] + 3.0)) for a in plain]
+    first, second = votes_of(clouds(), plain, data.camera), votes_of(clouds(), [*plain, *silent, *unknown], data.camera)
+    assert len(first.count) > 100
+    assert all(np.array_equal(getattr(first, name), getattr(second, name)) for name in FIELDS)
+    assert not len(votes_of(clouds(), silent, data.camera).count)
+    assert not len(votes_of(clouds(), unknown, data.camera).count)
+
+
+def test_a_datum_at_another_angle_says_something_else():
+    ready = clouds()
+    appearances, scale = exact(ready, 2, 40, 1.0, 2)
+    turned = [appearances[0], replace(appearances[1], angle=appearances[1].angle + np.pi)]
+    assert true_ones(votes_of(ready, appearances), 2, 40, 1.0, scale).any()
+    assert not true_ones(votes_of(ready, turned), 2, 40, 1.0, scale).any()
+
+
+@pytest.mark.parametrize("apart", [NEAREST - 0.5, REACH + 0.5, 0.0])
+def test_what_is_too_near_or_too_far_is_no_pair(apart):
+    names = clouds().shared.looks
+    assert not len(votes_of(clouds(), [datum(0, names[0], (300, 200), 0.1), datum(1, names[1], (300 + apart, 200), 0.2)]).count)
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_fewer_than_two_data_have_no_votes(number):
+    votes = votes_of(clouds(), [datum(i, clouds().shared.looks[0], (300, 200), 0.1) for i in range(number)])
+    assert votes.centre.shape == (0, 2)
+    assert all(len(getattr(votes, name)) == 0 for name in FIELDS)
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(st.integers(0, 4), st.integers(0, 161), st.floats(-3.1, 3.1))
+def test_a_right_vote_is_the_pose_that_the_picture_was_made_at(kind, cell, roll):
+    ready = clouds()
+    appearances, scale = exact(ready, kind, cell, roll)
+    votes = votes_of(ready, appearances)
+    some = votes.take(np.flatnonzero(true_ones(votes, kind, cell, roll, scale)))
+    poses = coarse_poses(ready.shared, some, data_of(appearances, STRAIGHT))
+    assert np.allclose(poses, seen_from(ready.rows[kind], cell, roll), atol=2e-3)
+    assert np.allclose(poses[:, :3, :3] @ np.swapaxes(poses[:, :3, :3], 1, 2), np.eye(3), atol=1e-9)
+
+
+def test_taking_some_votes_takes_all_that_is_said_of_them():
+    votes = votes_of(clouds(), exact(clouds(), 0, 12, 0.5)[0])
+    some = votes.take(np.array([3, 1]))
+    assert all(np.array_equal(getattr(some, name), getattr(votes, name)[[3, 1]]) for name in FIELDS)
