@@ -12,12 +12,14 @@ from plogic.document import document_of
 from plogic.errors import InconsistentError
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.search.data import data_of
-from plogic.search.indices import Index, indices_of, shared_index
+from plogic.search.indices import indices_of
 from plogic.stopwatch import Stopwatch
 from plogic.worlds import Ranking, ranked_worlds
 from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -32,14 +34,16 @@ LISTED_WORLDS = 100
 
 
 class Perceiver:
-    """A knowledge base made ready: dv and the view cells of its types, computed once and used for any number of images."""
+    """A knowledge base made ready: dv and the view cells of its types, computed once and used for any number of images.
 
-    def __init__(self, kb: KnowledgeBase) -> None:
+    ``cache``: a folder in which the index over many types is kept between runs.
+    """
+
+    def __init__(self, kb: KnowledgeBase, cache: Path | None = None) -> None:
         self.kb = kb
         self.dv = distinctiveness(instance_counts(kb.types))
         self.width = kb.words.centroids.shape[1] if kb.words is not None else 128
-        self.indices: dict[str, Index] = indices_of(kb, self.dv)
-        self.shared = shared_index(kb, self.indices)
+        self.indices, self.shared = indices_of(kb, self.dv, cache)
 
     def __call__(
         self,

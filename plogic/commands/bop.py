@@ -86,11 +86,12 @@ def look_of(kb: KnowledgeBase) -> Look:
     from plogic.commands.perceive import detectable
     from plogic.errors import InputError
     from plogic.perceive import Perceiver
+    from plogic.remembered import cache_folder
     from sensing.detector import detect
 
     if not detectable(kb):
         raise InputError(f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types[:8])})")
-    perceiver = Perceiver(kb)
+    perceiver = Perceiver(kb, cache_folder("indices"))
 
     def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
         document = perceiver(detect(image, camera, kb.sought, kb.words))

@@ -75,7 +75,7 @@ def _ranks(kb: KnowledgeBase, gamma: str, dv: dict[str, float]) -> list[dict[str
     from sensing.gamma_files import read_gamma
 
     types = [a.type for a in read_gamma(gamma, kb.appearance_types).appearances]
-    rows = attend(list(indices_of(kb, dv).values()), types, kb)
+    rows = attend(list(indices_of(kb, dv)[0].values()), types, kb)
     return [{"type": r.type, "rank": r.rank, "excess": r.excess, "within_cell": r.within_cell} for r in rows]
 
 

@@ -5,23 +5,22 @@ Nobody has to remember to change a version: what was learnt by other code, or wi
 
 from __future__ import annotations
 
-import ast
 import hashlib
-import os
 from importlib.metadata import version
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from plogic import remembered
+from plogic.remembered import ROOT, source_digest, sources
+
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
 
     from kb.cloud import KnowledgeBase, ObjectType
     from kb.learning.photo import PaintedMesh
     from kb.learnt import LearntCloud
     from sensing.simulated.body import TexturedMesh
 
-ROOT = Path(__file__).parents[2]
-"""The folder that our packages lie in."""
 DECIDES = "plogic/commands/kb_learn_look.py"
 """What makes a cloud, with all that it imports."""
 LIBRARIES = ("numpy", "scipy", "pybullet", "trimesh")
@@ -62,11 +61,7 @@ def learnt_of(
 
 def cache_folder() -> Path | None:
     """Where clouds are kept; None where nobody knows the user's home."""
-    home = os.environ.get("XDG_CACHE_HOME")
-    try:
-        return (Path(home) if home else Path.home() / ".cache") / "plogic" / "clouds"
-    except RuntimeError:
-        return None
+    return remembered.cache_folder("clouds")
 
 
 def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:
@@ -78,43 +73,3 @@ def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:
     for array in (mesh.vertices, mesh.triangles, mesh.uv, mesh.texture):
         total.update(b"-" if array is None else repr(array.shape).encode() + array.tobytes())
     return total.hexdigest()
-
-
-def source_digest(root: Path, files: Iterable[str]) -> bytes:
-    """SHA-256 over the names and the bytes of files below ``root``, in whatever order they come."""
-    total = hashlib.sha256()
-    for name in sorted(files):
-        total.update(name.encode() + b"\0" + hashlib.sha256((root / name).read_bytes()).digest())
-    return total.digest()
-
-
-def sources(root: Path, first: str) -> set[str]:
-    """A source file below ``root`` and all others there that it imports, at its top or in a function, directly or by way of others.
-
-    What is imported for the type checker alone decides nothing and is left out.
-    """
-    found, left = {first}, [first]
-    while left:
-        tree = ast.parse((root / left.pop()).read_bytes())
-        names = (name.replace(".", "/") for node in _run(tree) for name in _imported(node))
-        new = {file for name in names for file in (f"{name}.py", f"{name}/__init__.py") if (root / file).is_file()} - found
-        found |= new
-        left += new
-    return found
-
-
-def _run(node: ast.AST) -> Iterator[ast.AST]:
-    """All nodes below one but those of ``if TYPE_CHECKING:``."""
-    for child in ast.iter_child_nodes(node):
-        if not (isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"):
-            yield child
-            yield from _run(child)
-
-
-def _imported(node: ast.AST) -> list[str]:
-    """The modules that an import may name: of ``from kb import words`` both ``kb`` and ``kb.words``."""
-    if isinstance(node, ast.Import):
-        return [alias.name for alias in node.names]
-    if isinstance(node, ast.ImportFrom) and node.module is not None:
-        return [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-    return []

@@ -50,8 +50,9 @@ def _records(folders: Sequence[Path], kb: KnowledgeBase, say: Callable[[str], No
     from geometry.errors import PlogicError
     from plogic.learning.scenes import record_of
     from plogic.perceive import Perceiver
+    from plogic.remembered import cache_folder
 
-    perceiver = Perceiver(kb)
+    perceiver = Perceiver(kb, cache_folder("indices"))
     records, wrong = [], []
     for i, folder in enumerate(folders, start=1):
         try:

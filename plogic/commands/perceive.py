@@ -36,6 +36,7 @@ def perceive_command(
     from plogic.delta import Options
     from plogic.interpretation import text_of
     from plogic.perceive import Perceiver
+    from plogic.remembered import cache_folder
     from plogic.stopwatch import Stopwatch
     from sensing.whole_files import check_places
 
@@ -47,7 +48,7 @@ def perceive_command(
     gamma, image = gamma_of(source, picture, options.get("camera"), kb, clock)
     end = monotonic() + options["deadline"] if options.get("deadline") else None
     with clock.stage("index"):
-        perceiver = Perceiver(kb)
+        perceiver = Perceiver(kb, cache_folder("indices"))
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
     document = perceiver(gamma, chosen, image, clock)
     _write_all(document, text_of(document), out, options, image, clock, write)

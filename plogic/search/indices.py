@@ -13,7 +13,7 @@ from plogic.search.learnt.index import LearntIndex, learnt_index
 from plogic.search.learnt.lexicon import Lexicon, lexicon_of
 from plogic.search.learnt.settle import settle as settle_learnt
 from plogic.search.oriented.generate import proposals
-from plogic.search.oriented.pair_index import PairIndex, pair_index
+from plogic.search.oriented.ready import ready
 from plogic.search.oriented.refinement import Noise
 from plogic.search.oriented.settle import settle as settle_oriented
 from plogic.search.oriented.settle import verified
@@ -22,12 +22,14 @@ from plogic.search.type_index import TypeIndex, type_index
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase, ObjectType
     from plogic.expectation import Posed
     from plogic.search.data import Data
+    from plogic.search.oriented.pair_index import PairIndex
 
 Index: TypeAlias = TypeIndex | LearntIndex
 SURE = 5.0
@@ -39,11 +41,17 @@ def index_of(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon 
     return learnt_index(object_type, dv, lexicon) if object_type.learnt is not None else type_index(object_type, dv)
 
 
-def indices_of(kb: KnowledgeBase, dv: Mapping[str, float]) -> dict[str, Index]:
-    """The indices of all types that have features; the learnt ones share one lexicon."""
+def indices_of(kb: KnowledgeBase, dv: Mapping[str, float], folder: Path | None = None) -> tuple[dict[str, Index], PairIndex | None]:
+    """The indices of all types that have features, of which the learnt ones share one lexicon; and the index over those written by hand.
+
+    Of these there is one where the angles of data say something; ``folder``: where such are kept between runs.
+    """
     clouds = {t.name: t.learnt for t in kb.types if t.learnt is not None and t.features}
     lexicon = lexicon_of(clouds, kb.words.centroids) if clouds and kb.words is not None else None
-    return {t.name: index_of(t, dv, lexicon) for t in kb.types if t.features}
+    by_hand = [t for t in kb.types if t.learnt is None and t.features]
+    shared = ready(by_hand, dv, kb.digest, folder) if by_hand and kb.rates.sigma_angle is not None else None
+    known = {index.object_type.name: index for index in shared.indices} if shared is not None else {}
+    return {t.name: known[t.name] if t.name in known else index_of(t, dv, lexicon) for t in kb.types if t.features}, shared
 
 
 def significant(index: Index) -> float:
@@ -62,12 +70,6 @@ def generate(index: Index, data: Data, kb: KnowledgeBase, covered: NDArray[np.bo
     if isinstance(index, LearntIndex):
         return learnt.generate(index, data, kb, **most)
     return by_hand.generate(index, data, kb, covered, **most)
-
-
-def shared_index(kb: KnowledgeBase, indices: Mapping[str, Index]) -> PairIndex | None:
-    """The index over all types that were written by hand, where the angles of data say something; None where there is none."""
-    some = [index for index in indices.values() if isinstance(index, TypeIndex)]
-    return pair_index(some) if some and kb.rates.sigma_angle is not None else None
 
 
 def generate_together(

@@ -73,8 +73,8 @@ class TypeIndex:
         return compatible(types, data.types)
 
 
-def type_index(object_type: ObjectType, dv: Mapping[str, float]) -> TypeIndex:
-    """Build the index of one type; dv 0 throughout (one feature type in all of Σo) counts every feature alike."""
+def type_index(object_type: ObjectType, dv: Mapping[str, float], cells: ViewCells | None = None) -> TypeIndex:
+    """Build the index of one type; dv 0 throughout (one feature type in all of Σo) counts every feature alike. ``cells``, where they are known."""
     features = object_type.features
     weights = np.array([dv[feature.type] for feature in features])
     if not weights.any():
@@ -84,7 +84,7 @@ def type_index(object_type: ObjectType, dv: Mapping[str, float]) -> TypeIndex:
     moves = permutations(points, object_type.symmetries)
     return TypeIndex(
         object_type,
-        view_cells(object_type),
+        cells or view_cells(object_type),
         points,
         weights,
         _anchors(weights),

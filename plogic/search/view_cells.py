@@ -67,9 +67,8 @@ def looking_back(directions: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def view_cells(object_type: ObjectType, number: int = CELLS) -> ViewCells:
     """Precompute the cells of a type with a surface. Rays are cast for Behind only here, not per hypothesis."""
-    surface = object_type.surface
     positions = np.array([feature.at for feature in object_type.features])
-    centre, diameter = _bounds(positions if surface is None else surface.vertices)
+    centre, diameter = _bounds(object_type)
     directions = fibonacci_sphere(number)
     rotations = looking_back(directions)
     viewpoints = centre + DISTANCE * diameter * directions
@@ -98,7 +97,16 @@ def _along_arms(
     return points, np.array([row[1] for row in rows], dtype=np.intp), np.array([row[2] for row in rows], dtype=np.intp)
 
 
-def _bounds(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+def remade(object_type: ObjectType, xy: NDArray[np.float64], visible: NDArray[np.bool_], arms: NDArray[np.float64]) -> ViewCells:
+    """The cells of a type of which what takes time is known."""
+    directions = fibonacci_sphere(len(xy))
+    return ViewCells(directions, looking_back(directions), xy, visible, arms, *_bounds(object_type))
+
+
+def _bounds(object_type: ObjectType) -> tuple[NDArray[np.float64], float]:
+    """Middle (3,) and diagonal of the box round a type's surface, or round its features where it has none."""
+    surface = object_type.surface
+    points = np.array([feature.at for feature in object_type.features]) if surface is None else surface.vertices
     low, high = points.min(axis=0), points.max(axis=0)
     return (low + high) / 2.0, float(np.linalg.norm(high - low)) or 1.0
 

@@ -15,8 +15,9 @@ from plogic.bench.clutter_types import Detector, knowledge_base, made, random_ty
 from plogic.bench.recognition_score import Found, errors_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.search.data import data_of
-from plogic.search.indices import indices_of, shared_index
+from plogic.search.indices import indices_of
 from plogic.search.oriented.generate import proposals
+from plogic.search.oriented.pair_index import pair_index
 from plogic.search.oriented.refinement import Noise
 from plogic.search.view_cells import DISTANCE
 from sensing.appearance import Appearance
@@ -36,7 +37,7 @@ class Ready:
     @cached_property
     def indices(self):
         """Of each type by name, in the order of the types."""
-        return indices_of(self.kb, distinctiveness(instance_counts(self.kb.types)))
+        return indices_of(self.kb, distinctiveness(instance_counts(self.kb.types)))[0]
 
     @cached_property
     def rows(self):
@@ -46,7 +47,7 @@ class Ready:
     @cached_property
     def shared(self):
         """The index over all types."""
-        return shared_index(self.kb, self.indices)
+        return pair_index(self.rows)
 
     @property
     def noise(self):

@@ -184,7 +184,7 @@ def test_all_learnt_types_of_a_knowledge_base_share_one():
     words = random_words(1)
     things = [ready(random_cloud(i), name=f"t{i}", words=words) for i in range(3)]
     kb = replace(things[0].kb, types=tuple(thing.kind for thing in things))
-    indices = indices_of(kb, dict.fromkeys(words.names, 0.5))
+    indices, _ = indices_of(kb, dict.fromkeys(words.names, 0.5))
     assert list(indices) == ["t0", "t1", "t2"]
     assert len({id(index.lexicon) for index in indices.values()}) == 1
     assert indices["t0"].lexicon.names == ("t0", "t1", "t2")

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from kb.cloud import ObjectType
     from plogic.search.oriented.sights import Sights
     from plogic.search.type_index import TypeIndex
     from plogic.search.view_cells import ViewCells
@@ -32,7 +33,7 @@ NEIGHBOURS = 8
 """Nearest other sights in a cell that a sight is paired with."""
 BINS = 16
 """Parts of the circle: an angle is looked up in its own and the two beside it."""
-MOST = 2_000_000
+MOST = 400_000
 """Entries that all queries find together at most."""
 BLOCK = 4_000_000
 """Pairs of sights at a time."""
@@ -92,9 +93,14 @@ class PairIndex:
         return order[some[query]], entry
 
 
+def looks_of(types: Sequence[ObjectType]) -> tuple[str, ...]:
+    """Names of the appearance types of some object types, by number."""
+    return tuple(sorted({name for kind in types for name in kind.lobes.types}))
+
+
 def pair_index(indices: Sequence[TypeIndex]) -> PairIndex:
     """The index of some types."""
-    looks = tuple(sorted({name for index in indices for name in index.object_type.lobes.types}))
+    looks = looks_of([index.object_type for index in indices])
     sights = sights_of(indices, {name: i for i, name in enumerate(looks)})
     rows = [_pairs(sights, kind, len(looks)) for kind in range(len(indices))]
     key, kind, cell, first, second = (np.concatenate([row[i] for row in rows]) if rows else np.zeros(0, np.int64) for i in range(5))
