@@ -33,7 +33,7 @@ NEIGHBOURS = 8
 """Nearest other sights in a cell that a sight is paired with."""
 BINS = 16
 """Parts of the circle: an angle is looked up in its own and the two beside it."""
-MOST = 400_000
+MOST = 2_000_000
 """Entries that all queries find together at most."""
 BLOCK = 4_000_000
 """Pairs of sights at a time."""
