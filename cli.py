@@ -178,7 +178,11 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **b
 @click.argument("name", type=click.Choice(["towers", "worlds", "recognition", "box", "clutter"]))
 @click.option("--scenes", type=click.IntRange(1), default=120, show_default=True, help="Scenes of `towers`.")
 @click.option(
-    "--limit", type=Number(0.0, min_open=True), default=60.0, show_default=True, help="Seconds of a stock run (`worlds`) or a peer (all others)."
+    "--limit",
+    type=Number(0.0, min_open=True),
+    default=60.0,
+    show_default=True,
+    help="Seconds of a stock run (`worlds`) or of a peer (`recognition`, `clutter`).",
 )
 @click.option("--quick", is_flag=True, help="Small sizes of `worlds`, few scenes of `recognition`, the box alone, few trials of `clutter`.")
 @click.option("--picture", type=click.Path(path_type=Path), help="JPEG of `box`: a frame at the right and at a wrong focal length.")

@@ -35,13 +35,11 @@ def cache_folder(what: str) -> Path | None:
         return None
 
 
-def arrays_of(place: Path | None, names: Iterable[str], make: Callable[[], Mapping[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
+def arrays_of(place: Path, names: Iterable[str], make: Callable[[], Mapping[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
     """The arrays ``names`` in the folder ``place``, mapped and read-only; else those that ``make`` gives, which are put there if that can be done.
 
     A folder is written whole or not at all; one that cannot be read is made anew.
     """
-    if place is None:
-        return dict(make())
     try:
         return {name: np.load(place / f"{name}.npy", mmap_mode="r", allow_pickle=False) for name in names}
     except (OSError, ValueError, EOFError):

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kb.cloud import Feature, FeatureAppearance, KnowledgeBase, Lobe, ObjectType, Rates
+from kb.cloud import KnowledgeBase, Lobe, ObjectType, Rates
 from kb.surface import Surface
-from kb.tree import Branch, build_tree
+from kb.tree import Branch, build_tree, features_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -37,8 +37,7 @@ SQUARE = 2.0, 6.0
 HALF_ANGLE, LEAST_HALF_ANGLE = np.radians(75.0), np.radians(75.0)
 """Of the lobes of random features, and the least of learnt ones: 'about 20 of its own' of 100 features, 60 % detected.
 
-Narrower lobes leave the pose open even to somebody who is told the correspondences (the table's row ``told``): with 65 degrees, and pictures
-of 60 to 200 pixels, he has it right in 94 % of the easy trials and in 48 % of the hard ones.
+Narrower lobes leave the pose open even to somebody who is told the correspondences (the table's row ``told``), and so do smaller pictures.
 """
 RANGE = 0.05, 20.0
 """Metres from which features are seen: more than any trial needs."""
@@ -153,15 +152,12 @@ def made(name: str, surface: Surface | None, at: Floats, frames: Floats, looks: 
     """
     axis = np.array([0.0, 0.0, 1.0])
     lobes = [Lobe(axis, float(angle), *RANGE) for angle in half_angle]
-    rows = list(zip(at, frames, looks, lobes, strict=True))
     parts = [
         Branch("feature", f"f{i:03d}", look, place, frame, [Branch("appearance", "", look, lobe=lobe)])
-        for i, (place, frame, look, lobe) in enumerate(rows)
+        for i, (place, frame, look, lobe) in enumerate(zip(at, frames, looks, lobes, strict=True))
     ]
-    features = tuple(
-        Feature(f"f{i:03d}", look, place, frame, (FeatureAppearance(look, lobe),)) for i, (place, frame, look, lobe) in enumerate(rows)
-    )
     tree = build_tree(Branch("object", name, name, parts=parts))
+    features, _ = features_of(tree)
     return ObjectType(name, tree, features, features, surface, opaque=True, symmetries=np.eye(4)[None])
 
 

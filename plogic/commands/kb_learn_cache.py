@@ -9,12 +9,10 @@ import hashlib
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
-from plogic import remembered
-from plogic.remembered import ROOT, source_digest, sources
+from plogic.remembered import ROOT, cache_folder, source_digest, sources
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
-    from pathlib import Path
 
     from kb.cloud import KnowledgeBase, ObjectType
     from kb.learning.photo import PaintedMesh
@@ -39,7 +37,7 @@ def learnt_of(
     from sensing.whole_files import write_whole
 
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
-    folder = cache_folder()
+    folder = cache_folder("clouds")
     if folder is None:
         say(f"{kind.name}: is not remembered for the next time: there is no home folder; XDG_CACHE_HOME may name another")
         return read_cloud(cloud_bytes(looked(kind, kb, options, say, painted)))
@@ -57,11 +55,6 @@ def learnt_of(
         return read_cloud(content)  # in the file's precision, as it will come the next time: equal hit rates stay equal
     say(f"{kind.name}: was learnt before ({place})")
     return remembered
-
-
-def cache_folder() -> Path | None:
-    """Where clouds are kept; None where nobody knows the user's home."""
-    return remembered.cache_folder("clouds")
 
 
 def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:

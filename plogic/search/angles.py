@@ -22,3 +22,8 @@ def screen_angle(direction: Floats, at: Floats) -> Floats:
     du = direction[..., 0] * at[..., 2] - at[..., 0] * direction[..., 2]
     dv = direction[..., 1] * at[..., 2] - at[..., 1] * direction[..., 2]
     return np.asarray(np.arctan2(dv, du))
+
+
+def part_of_circle(angle: Floats, parts: int) -> NDArray[np.intp]:
+    """In which of so many equal parts of the circle, from 0, each angle lies."""
+    return np.asarray(np.floor(np.mod(angle, 2.0 * np.pi) / (2.0 * np.pi) * parts).astype(np.intp) % parts)

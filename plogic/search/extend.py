@@ -54,19 +54,30 @@ class Posed:
 
 def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> NDArray[np.float64]:
     """(N, 4, 4) camera_from_object of coarse pairs: the cell's rotation and roll, about the ray through the object's centre."""
-    camera = data.camera
     local = -cells.xy[pairs.cell, pairs.feature]
     cos, sin = np.cos(pairs.roll), np.sin(pairs.roll)
     turned = np.stack([cos * local[:, 0] - sin * local[:, 1], sin * local[:, 0] + cos * local[:, 1]], axis=1)
     centre = data.ideal[pairs.datum] + pairs.scale[:, None] * turned
+    return poses_about(centre, pairs.roll, pairs.scale, cells.cell_from_object[pairs.cell], cells.centre, data)
+
+
+def poses_about(
+    centre: NDArray[np.float64], roll: NDArray[np.float64], scale: NDArray[np.float64], cell_from_object: NDArray[np.float64],
+    middle: NDArray[np.float64], data: Data,
+) -> NDArray[np.float64]:
+    """(N, 4, 4) camera_from_object of cells (N, 3, 3) turned by ``roll`` (N,) rad about the rays through ``centre`` (N, 2) ideal pixels.
+
+    There lies each object's ``middle``, (N, 3) or (3,) in its own frame, where a metre is ``scale`` (N,) pixels.
+    """  # fmt: skip
+    camera = data.camera
     ray = np.concatenate([(centre - centre_of(camera)) / camera.f, np.ones((len(centre), 1))], axis=1)
     ray /= np.linalg.norm(ray, axis=1, keepdims=True)
-    roll = np.zeros((len(centre), 3, 3))
-    roll[:, 0, 0], roll[:, 0, 1], roll[:, 1, 0], roll[:, 1, 1], roll[:, 2, 2] = cos, -sin, sin, cos, 1.0
+    cos, sin = np.cos(roll), np.sin(roll)
+    turn = np.zeros((len(centre), 3, 3))
+    turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1], turn[:, 2, 2] = cos, -sin, sin, cos, 1.0
     poses = np.tile(np.eye(4), (len(centre), 1, 1))
-    poses[:, :3, :3] = turn_z_to(ray) @ roll @ cells.cell_from_object[pairs.cell]
-    at = ray * (camera.f / pairs.scale)[:, None]
-    poses[:, :3, 3] = at - np.einsum("nij,j->ni", poses[:, :3, :3], cells.centre)
+    poses[:, :3, :3] = turn_z_to(ray) @ turn @ cell_from_object
+    poses[:, :3, 3] = ray * (camera.f / scale)[:, None] - (poses[:, :3, :3] @ np.atleast_2d(middle)[..., None])[..., 0]
     return poses
 
 

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.search.angles import part_of_circle
+from plogic.search.ranges import taken
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -42,36 +45,27 @@ class Grid:
         left, right = np.clip(low[place, 0], 0, across - 1), np.clip(high[place, 0], 0, across - 1)
         parts = np.arange(turns)[None] if angle is None else _beside(angle)[place]
         first = (parts * down + row[:, None]) * across
-        return self._taken(place, self.starts[first + left[:, None]], self.starts[first + right[:, None] + 1])
+        which, at = taken(self.starts[first + left[:, None]], self.starts[first + right[:, None] + 1])
+        return place[which], self.datum[at]
 
     def facing(self, angle: Floats) -> tuple[Indices, Indices]:
         """Numbers and data of all pairs, anywhere in the image, that are within a part of the circle, and of some farther: angle (Q,) radians."""
         cells = self.shape[1] * self.shape[2]
         parts = _beside(angle)
-        return self._taken(np.arange(len(angle)), self.starts[parts * cells], self.starts[(parts + 1) * cells])
-
-    def _taken(self, number: Indices, low: Indices, high: Indices) -> tuple[Indices, Indices]:
-        """The numbers (Q,) and data of ranges (Q, R) of ``datum``."""
-        count = (high - low).ravel()
-        ends = np.cumsum(count)
-        at = np.arange(count.sum()) + np.repeat(low.ravel() - ends + count, count)
-        return np.repeat(number, count.reshape(low.shape).sum(axis=1)), self.datum[at]
-
-
-def _part(angle: Floats) -> Indices:
-    return np.asarray(np.floor(np.mod(angle, 2.0 * np.pi) / (2.0 * np.pi) * TURNS).astype(np.intp) % TURNS)
+        number, at = taken(self.starts[parts * cells], self.starts[(parts + 1) * cells])
+        return number, self.datum[at]
 
 
 def _beside(angle: Floats) -> Indices:
     """(Q, 3) the part of the circle of each of Q angles, and those beside it."""
-    return np.asarray((_part(angle)[:, None] + np.array([-1, 0, 1])) % TURNS)
+    return np.asarray((part_of_circle(angle, TURNS)[:, None] + np.array([-1, 0, 1])) % TURNS)
 
 
 def grid_of(datum: Indices, uv: Floats, size: tuple[int, int], angle: Floats | None = None) -> Grid:
     """Of data ``datum`` (N,) at uv (N, 2) pixels in an image of ``size`` (width, height); ``angle`` (N,) radians: and by where they face."""
     shape = 1 if angle is None else TURNS, size[1] // CELL + 1, size[0] // CELL + 1
     column, row = np.floor((uv + HALF) / CELL).astype(np.intp).T
-    part = np.zeros(len(uv), np.intp) if angle is None else _part(angle)
+    part = np.zeros(len(uv), np.intp) if angle is None else part_of_circle(angle, TURNS)
     key = (part * shape[1] + np.clip(row, 0, shape[1] - 1)) * shape[2] + np.clip(column, 0, shape[2] - 1)
     order = np.argsort(key, kind="stable")
     return Grid(datum[order], np.searchsorted(key[order], np.arange(shape[0] * shape[1] * shape[2] + 1)), shape)

@@ -102,5 +102,5 @@ def settle(
     """
     if isinstance(index, LearntIndex):
         return settle_learnt(index, pose, data, kb, free, hidden, rounds)
-    by_hand_too = settle_oriented if kb.rates.sigma_angle is not None else by_hand.settle
-    return by_hand_too(index, pose, data, kb, free, hidden, rounds)
+    written = settle_oriented if kb.rates.sigma_angle is not None else by_hand.settle
+    return written(index, pose, data, kb, free, hidden, rounds)

@@ -47,16 +47,27 @@ class DistanceMaps:
 
     def is_covered(self, places: NDArray[Any]) -> NDArray[np.bool_]:
         """Whether an accepted object stands at each place (..., 2) of the image, so that a feature may not be seen there."""
-        index, inside = self._index(places, np.zeros((), dtype=np.intp))
-        return np.asarray(inside & self.covered.ravel()[index])
+        return covered_at(self.covered, places)
 
     def _index(self, places: NDArray[Any], maps: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """Flat index of each place in its feature's map (0 outside), and whether it is inside the image."""
         height, width = self.distance.shape[1:]
-        column, row = np.rint(places[..., 0]), np.rint(places[..., 1])
-        inside = (column >= 0) & (row >= 0) & (column < width) & (row < height)
-        flat = np.where(inside, row * width + column, 0).astype(np.intp)
+        flat, inside = _pixel(places, (height, width))
         return flat + maps * (height * width), inside
+
+
+def covered_at(covered: NDArray[np.bool_], places: NDArray[Any]) -> NDArray[np.bool_]:
+    """Whether a mask (H, W) of the ideal image holds at places (..., 2)."""
+    index, inside = _pixel(places, covered.shape)
+    return np.asarray(inside & covered.ravel()[index])
+
+
+def _pixel(places: NDArray[Any], shape: tuple[int, ...]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Flat index of the pixel of each place (0 outside), and whether it is inside an image of ``shape`` (H, W)."""
+    height, width = shape
+    column, row = np.rint(places[..., 0]), np.rint(places[..., 1])
+    inside = (column >= 0) & (row >= 0) & (column < width) & (row < height)
+    return np.where(inside, row * width + column, 0).astype(np.intp), inside
 
 
 def distance_maps(allowed: NDArray[np.bool_], data: Data, covered: NDArray[np.bool_] | None = None) -> DistanceMaps:

@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plogic.commands import kb_learn_cache
-from plogic.commands.kb_learn_cache import DECIDES, ROOT, cache_folder, key_of, source_digest, sources
+from plogic.commands.kb_learn_cache import DECIDES, key_of
+from plogic.remembered import ROOT, cache_folder, source_digest, sources
 from sensing.simulated.body import TexturedMesh
 
 HOW = (600.0, "sift", 0, False)
@@ -95,10 +96,10 @@ def test_a_user_without_a_home_has_no_cache(monkeypatch, tmp_path):
         raise RuntimeError("Could not determine home directory.")
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert cache_folder() == tmp_path / "plogic" / "clouds"
+    assert cache_folder("clouds") == tmp_path / "plogic" / "clouds"
     monkeypatch.delenv("XDG_CACHE_HOME")
     monkeypatch.setattr(Path, "home", none)
-    assert cache_folder() is None
+    assert cache_folder("clouds") is None
 
 
 @pytest.mark.parametrize("name", sorted(sources(ROOT, DECIDES)))

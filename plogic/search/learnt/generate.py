@@ -8,7 +8,7 @@ import numpy as np
 
 from geometry.refine import refine_poses
 from plogic.evidence import evidence
-from plogic.search.alike import distinct, same_place
+from plogic.search.alike import apart, distinct, same_place
 from plogic.search.learnt.agreement import agreement, held_by, votes
 from plogic.search.learnt.pairs import SEEDS, pairs_of
 from plogic.search.learnt.settle import settle
@@ -101,18 +101,7 @@ def _enough(posed: Posed) -> bool:
 
 def _apart(index: LearntIndex, poses: Floats, worth: Floats, most: int) -> list[int]:
     """The best by votes, no two alike."""
-    order = np.argsort(-worth, kind="stable")
-    R, middle = poses[order, :3, :3], poses[order, :3, :3] @ index.centre + poses[order, :3, 3]
-    limits, turns = (APART * np.linalg.norm(middle, axis=1)) ** 2, R.reshape(len(R), 9)
-    left = np.ones(len(order), bool)
-    chosen: list[int] = []
-    while left.any() and len(chosen) < most:
-        i = int(left.argmax())
-        chosen.append(int(order[i]))
-        near = ((middle - middle[i]) ** 2).sum(axis=1) < limits
-        left &= ~(near & (turns @ turns[i] > 1.0 + 2.0 * np.cos(TURNED)))
-        left[i] = False
-    return chosen
+    return apart(poses, poses[:, :3, :3] @ index.centre + poses[:, :3, 3], worth, most, (TURNED, APART))
 
 
 def _refined(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, granularity: float, *, thin: bool = True) -> tuple[Floats, Floats]:

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.frames import rotation_angle
+from plogic.search.alike import apart
 from plogic.search.angles import screen_angle
 from plogic.search.data import centre_of
+from plogic.search.extend import poses_about
 from plogic.search.oriented.pair_votes import pair_votes
 from plogic.search.oriented.refinement import Held, Noise, refined
 from plogic.search.oriented.typed_data import typed_data
 from plogic.search.projection import viewpoints_of
-from plogic.search.triples import turn_z_to
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,7 +30,7 @@ LAID = 800
 """Votes whose whole cloud is laid onto Γ, those in the fullest boxes."""
 REFINED = 40
 """Poses that are refined, the best and no two alike."""
-ALIKE = np.radians(15.0), 0.08
+ALIKE = float(np.radians(15.0)), 0.08
 """Two poses of a type are alike that differ by less, radians, and share of the distance."""
 ROUNDS = ((0.10, 24), (0.05, 16), (0.025, 12), (0.0, 12))
 """Of each round, how far off a sight may be, in diameters on the screen and never less than the noise allows; and how many poses go on."""
@@ -120,17 +120,8 @@ def _tilted(index: PairIndex, kind: Indices, poses: Floats) -> Floats:
 
 def coarse_poses(index: PairIndex, votes: Votes, data: Data) -> Floats:
     """(N, 4, 4) camera_from_object: the cell's rotation and roll, about the ray through the object's centre."""
-    f = data.camera.f
-    ray = np.column_stack([(votes.centre - centre_of(data.camera)) / f, np.ones(len(votes.centre))])
-    ray /= np.linalg.norm(ray, axis=1, keepdims=True)
-    cos, sin = np.cos(votes.roll), np.sin(votes.roll)
-    roll = np.zeros((len(ray), 3, 3))
-    roll[:, 0, 0], roll[:, 0, 1], roll[:, 1, 0], roll[:, 1, 1], roll[:, 2, 2] = cos, -sin, sin, cos, 1.0
     own = index.cells[0].cell_from_object[votes.cell]  # the same of all types
-    poses = np.tile(np.eye(4), (len(ray), 1, 1))
-    poses[:, :3, :3] = turn_z_to(ray) @ roll @ own
-    poses[:, :3, 3] = ray * (f / votes.scale)[:, None] - np.einsum("nij,nj->ni", poses[:, :3, :3], index.centres[votes.kind])
-    return poses
+    return poses_about(votes.centre, votes.roll, votes.scale, own, index.centres[votes.kind], data)
 
 
 def _laid(index: PairIndex, kind: Indices, poses: Floats, typed: TypedData, data: Data, share: float, noise: Noise) -> _Match:
@@ -160,17 +151,6 @@ def _laid(index: PairIndex, kind: Indices, poses: Floats, typed: TypedData, data
 
 def _apart(index: PairIndex, kind: Indices, poses: Floats, worth: Floats, most: int) -> list[int]:
     """The best, of finite worth, no two of a type alike."""
-    turned, near = ALIKE
-    middle = np.einsum("nij,nj->ni", poses[:, :3, :3], index.centres[kind]) + poses[:, :3, 3]
-    left = np.isfinite(worth)
-    chosen: list[int] = []
-    for i in np.argsort(-worth, kind="stable"):
-        if len(chosen) == most:
-            break
-        if left[i]:
-            chosen.append(int(i))
-            rival = np.flatnonzero(left & (kind == kind[i]))
-            rival = rival[np.linalg.norm(middle[rival] - middle[i], axis=1) < near * np.linalg.norm(middle[i])]
-            angle = rotation_angle(np.swapaxes(poses[rival, :3, :3], 1, 2) @ poses[i, :3, :3])
-            left[rival[angle < turned]] = False
-    return chosen
+    some = np.flatnonzero(np.isfinite(worth))
+    middles = np.einsum("nij,nj->ni", poses[some, :3, :3], index.centres[kind[some]]) + poses[some, :3, 3]
+    return some[apart(poses[some], middles, worth[some], most, ALIKE, kind[some])].tolist()

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.search.angles import wrapped
+from plogic.search.angles import part_of_circle
 from plogic.search.oriented.sights import sights_of
+from plogic.search.ranges import taken
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -81,7 +82,7 @@ class PairIndex:
 
         Where there are more than ``most``, the queries are left out that find the most entries: what is common says little (§5.1).
         """
-        part, other = (_part(angle) for angle in angles)
+        part, other = (part_of_circle(angle, BINS) for angle in angles)
         base = (looks[0].astype(np.int64) * len(self.looks) + looks[1]) * BINS
         order = np.argsort(base, kind="stable")  # neighbours in the index are looked up one after the other
         base, part, other = base[order], part[order], other[order]
@@ -89,7 +90,7 @@ class PairIndex:
         keys = keys.reshape(len(base), len(_BESIDE) ** 2)
         low, high = np.searchsorted(self.key, keys, "left"), np.searchsorted(self.key, keys, "right")
         some = _fewest((high - low).sum(axis=1), most)
-        query, entry = _ranges(low[some], high[some])
+        query, entry = taken(low[some], high[some])
         return order[some[query]], entry
 
 
@@ -120,7 +121,7 @@ def _pairs(sights: Sights, kind: int, count: int) -> tuple[NDArray[np.int64], ..
     first, second = (np.concatenate([block[side] for block in blocks]) for side in (1, 2))
     step = xy[cell, second] - xy[cell, first]
     line = np.arctan2(step[:, 1], step[:, 0])
-    one, other = (_part(angle[cell, side] - line) for side in (first, second))
+    one, other = (part_of_circle(angle[cell, side] - line, BINS) for side in (first, second))
     key = ((looks[cell, first].astype(np.int64) * count + looks[cell, second]) * BINS + one) * BINS + other
     return key, np.full(len(key), kind, np.int64), cell, first, second
 
@@ -143,19 +144,7 @@ def _padded(rows: Sequence[Floats]) -> Floats:
     return np.array([np.pad(row, ((0, most - len(row)), (0, 0))) for row in rows]).reshape(-1, most, 3)
 
 
-def _part(angle: Floats) -> Indices:
-    return np.asarray(np.floor(wrapped(angle) / (2.0 * np.pi) * BINS).astype(np.intp) % BINS)
-
-
 def _fewest(count: Indices, most: int) -> Indices:
     """Those queries of counts (Q,), in order, that find the fewest, ``most`` in all."""
     order = np.argsort(count, kind="stable")
     return np.sort(order[np.cumsum(count[order]) <= most])
-
-
-def _ranges(low: Indices, high: Indices) -> tuple[Indices, Indices]:
-    """The queries (Q,) and entries of ranges (Q, R)."""
-    count = (high - low).ravel()
-    ends = np.cumsum(count)
-    at = np.arange(count.sum()) + np.repeat(low.ravel() - ends + count, count)
-    return np.repeat(np.arange(len(low)), (high - low).sum(axis=1)), at

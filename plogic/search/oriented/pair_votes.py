@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,7 +47,7 @@ class Votes:
 
     def take(self, index: Indices) -> Votes:
         """Those at ``index``."""
-        return Votes(*(getattr(self, name)[index] for name in ("kind", "cell", "centre", "roll", "scale", "count")))
+        return Votes(*(getattr(self, field.name)[index] for field in fields(self)))
 
 
 def pair_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Votes:

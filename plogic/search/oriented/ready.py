@@ -37,12 +37,9 @@ _NAMES = [*(f"cells_{name}" for name in _CELLS), *(f"sights_{name}" for name in 
 
 def ready(types: Sequence[ObjectType], dv: Mapping[str, float], digest: str, folder: Path | None = None) -> PairIndex:
     """The index over some types; ``digest`` tells all that they are, '' if nobody knows; ``folder``: where indices are kept."""
-
-    def made() -> Arrays:
-        return _arrays(pair_index([type_index(kind, dv) for kind in types]))
-
-    place = None if folder is None or not digest or len(types) < MANY else folder / key_of(digest)
-    arrays = arrays_of(place, _NAMES, made)
+    if folder is None or not digest or len(types) < MANY:
+        return pair_index([type_index(kind, dv) for kind in types])
+    arrays = arrays_of(folder / key_of(digest), _NAMES, lambda: _arrays(pair_index([type_index(kind, dv) for kind in types])))
     ends = np.cumsum([0, *(len(kind.features) for kind in types)])
     indices = [type_index(kind, dv, remade(kind, *_of_type(arrays, low, high))) for kind, low, high in zip(types, ends[:-1], ends[1:], strict=True)]
     sights = Sights(*(arrays[f"sights_{name}"] for name in _SIGHTS))

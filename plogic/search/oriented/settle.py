@@ -14,6 +14,7 @@ from plogic.search.angles import screen_angle, wrapped
 from plogic.search.oriented.refinement import Held, Noise, refined
 from plogic.search.projection import project_ideal
 from plogic.search.settling import FEWEST, settled
+from plogic.search.votes import covered_at
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -92,23 +93,12 @@ def verified(
 
     ``covered`` (H, W): where accepted opaque objects stand in the ideal image.
     """
-    allowed, found = index.allowed(data), []
+    allowed, nothing, found = index.allowed(data), np.zeros(len(index.points), bool), []
     for pose in poses:
-        hidden = _covered(index, pose, data, covered)
+        hidden = nothing if covered is None else covered_at(covered, project_ideal(pose[None], index.points, data)[0])
         posed = matched_at(index, pose, data, kb, allowed, None, hidden)
         better = polished(index, posed, data, kb, hidden)
         posed = posed if better is None else matched_at(index, better, data, kb, allowed, None, hidden)
         if (posed.candidate & posed.detected & ~hidden).sum() >= FEWEST:
             found.append((evidence(posed, data, kb, hidden).ratio, posed))
     return distinct(sorted(found, key=lambda pair: -pair[0]), index.object_type)
-
-
-def _covered(index: TypeIndex, pose: Floats, data: Data, covered: Flags | None) -> Flags:
-    """(F,) the features where an accepted object stands in the image."""
-    if covered is None:
-        return np.zeros(len(index.points), bool)
-    column, row = np.rint(project_ideal(pose[None], index.points, data)[0]).T
-    inside = (column >= 0) & (row >= 0) & (column < covered.shape[1]) & (row < covered.shape[0])
-    result = np.zeros(len(index.points), bool)
-    result[inside] = covered[row[inside].astype(np.intp), column[inside].astype(np.intp)]
-    return result

@@ -45,13 +45,12 @@ class TypedData:
 
         Within ``tolerance`` (N,) pixels and ``turned`` radians. A datum serves the nearest of a pose's sights that want it.
         """
-        shape = (*looks.shape, 1)
-        slot, off, bent = np.zeros(shape, np.intp), np.zeros(looks.shape), np.zeros(looks.shape)
+        slot, off, bent = np.zeros(looks.shape, np.intp), np.zeros(looks.shape), np.zeros(looks.shape)
         wide = max(1, BLOCK // max(1, looks.shape[1] * self.rows.shape[1]))
         for start in range(0, len(looks), wide):
             some = slice(start, start + wide)
             slot[some], off[some], bent[some] = self._nearest(uv[some], looks[some], angle[some], turned)
-        datum = np.where(off <= tolerance[:, None], self.rows[looks, slot[..., 0]], -1)
+        datum = np.where(off <= tolerance[:, None], self.rows[looks, slot], -1)
         pose, sight = np.nonzero(datum >= 0)
         order = np.lexsort((off[pose, sight], datum[pose, sight], pose))
         pose, sight = pose[order], sight[order]
@@ -65,8 +64,9 @@ class TypedData:
         square = (apart * apart).sum(axis=3)
         bent = wrapped(self.angles[looks] - angle[:, :, None])
         square[np.abs(bent) > turned] = np.inf
-        slot = square.argmin(axis=2)[:, :, None]
-        return slot, np.sqrt(np.take_along_axis(square, slot, axis=2)[..., 0]), np.take_along_axis(bent, slot, axis=2)[..., 0]
+        slot = square.argmin(axis=2)
+        best = *np.indices(slot.shape, sparse=True), slot
+        return slot, np.sqrt(square[best]), bent[best]
 
 
 def typed_data(data: Data, names: Sequence[str]) -> TypedData:
