@@ -32,7 +32,7 @@ VIEWS = 64
 FAR = 10.0
 """Metres from the object to a viewpoint."""
 MOST_TURNED = 0.5
-"""Radians by which the noise may turn a set's pose: with POSIT's own bound one set in sixty is left, and fewer objects are found."""
+"""Radians by which the noise may turn a set's pose: POSIT's own bound leaves few sets."""
 COUNTED = 5
 """Poses a round whose inliers are counted one by one: those with the most pairs."""
 

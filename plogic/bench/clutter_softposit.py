@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from sensing.appearance import Gamma
 
 STARTS = 16
-"""Random starts a type and round: annealed together they take a sixth of the time that they take alone."""
+"""Random starts a type and round: annealed together they take less time than alone."""
 BETA = 2e-4
 """1/pixel² at the start: what nobody knows is where in the image it stands."""
 NARROW = 0.5
