@@ -9,9 +9,27 @@ from typing import Any
 
 import click
 
+from plogic.commands.batch import batch
 from plogic.commands.bop import bop
 from plogic.commands.kb_group import kb
-from plogic.commands.options import AS_JSON, DEADLINE, GIVEN, INTERPRETATION, MODES, READING, READINGS, SEED, SOURCE, TRUST, Number
+from plogic.commands.options import (
+    AS_JSON,
+    BEST_BY,
+    CAMERA,
+    DEADLINE,
+    FIRST_READING,
+    GIVEN,
+    INTERPRETATION,
+    KB,
+    READING,
+    READINGS,
+    RECONSIDER,
+    SEED,
+    SMOOTHING,
+    SOURCE,
+    TRUST,
+    Number,
+)
 from plogic.commands.simulate import BOP, BOP_IMAGES
 
 
@@ -37,24 +55,12 @@ def demo(out: Path, seed: int, reading: Any, as_json: bool) -> None:
 
 @cli.command()
 @click.argument("input", metavar="INPUT")
-@click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base; `towers` is shipped.")
-@click.option("--camera", type=click.Path(), help="Camera file of an image: ours, ROS, OpenCV, BOP or COLMAP.")
-@click.option("--reading", type=READINGS, default="score", show_default=True)
-@click.option(
-    "--reconsider", type=MODES, default="to_B", show_default=True, help="How explained misses count (score reading)."
-)
-@click.option(
-    "--smoothing",
-    type=Number(0.0, 0.5, max_open=True),
-    default=0.0,
-    show_default=True,
-    help="ε of the score program's choices.",
-)
-@click.option(
-    "--deadline",
-    type=Number(0.0, min_open=True),
-    help="Seconds; the best answer so far is marked unfinished (exit 3).",
-)
+@KB
+@CAMERA
+@FIRST_READING
+@RECONSIDER
+@SMOOTHING
+@BEST_BY
 @click.option("-o", "--out", default="-", help="File to write; `-` is stdout (default).")
 @click.option("--report", type=click.Path(path_type=Path), help="Also write the page.")
 @click.option(
@@ -155,7 +161,7 @@ def report(interpretation: str, out: str) -> None:
 
 
 @cli.command()
-@click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base; `towers` is shipped.")
+@KB
 @click.option("--objects", "number", type=click.IntRange(0, 50), default=2, show_default=True)
 @click.option(
     "--decoys", type=click.IntRange(0, 50), default=0, show_default=True, help="Untyped boxes and wedges beside them."
@@ -175,24 +181,25 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **b
 
 
 @cli.command()
-@click.argument("name", type=click.Choice(["towers", "worlds", "recognition", "box", "clutter"]))
+@click.argument("name", type=click.Choice(["towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale"]))
 @click.option("--scenes", type=click.IntRange(1), default=120, show_default=True, help="Scenes of `towers`.")
 @click.option(
     "--limit",
     type=Number(0.0, min_open=True),
     default=60.0,
     show_default=True,
-    help="Seconds of a stock run (`worlds`) or of a peer (`recognition`, `clutter`).",
+    help="Seconds of a stock run (`worlds`) or of a peer (`recognition`, `clutter`, `many`).",
 )
-@click.option("--quick", is_flag=True, help="Small sizes of `worlds`, few scenes of `recognition`, the box alone, few trials of `clutter`.")
-@click.option("--picture", type=click.Path(path_type=Path), help="JPEG of `box`: a frame at the right and at a wrong focal length.")
+@click.option("--quick", is_flag=True, help="Small sizes of `worlds`, the box alone, few scenes or trials of the others.")
+@click.option("--picture", type=click.Path(path_type=Path), help="JPEG of `box`: a frame at two focal lengths; SVG of `calibration`.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @AS_JSON
 def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | None, seed: int, as_json: bool) -> None:
     """Run one of the project's own benchmarks; it ends with its claims."""
     from importlib import import_module
 
-    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": {"quick": quick, "picture": picture}}
+    drawn = {"quick": quick, "picture": picture}
+    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn, "scale": {"quick": quick}}
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
     text, met = import_module(f"plogic.bench.{name}").run(seed=seed, **options, as_json=as_json, say=_say)
     _out(text)
@@ -201,6 +208,7 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
 
 cli.add_command(kb)
 cli.add_command(bop)
+cli.add_command(batch)
 
 
 def _warn(source: str, *, trust: bool) -> None:

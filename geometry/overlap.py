@@ -43,6 +43,13 @@ class Solid:
         volume = float((self.body ^ other.body.transform(T[:3])).volume())
         return volume if volume > _ROUNDING * min(self.volume, other.volume) else 0.0
 
+    def common(self, own_from_other: ArrayLike, other: "Solid") -> Floats:
+        """Corners (N, 3) m, in this one's frame, of the volume shared with `other`, posed by `own_from_other` (4, 4); none where they share none."""
+        T = last_axes(own_from_other, (4, 4), "own_from_other")
+        if not self.shared(T, other) > 0.0:
+            return np.zeros((0, 3))
+        return np.asarray((self.body ^ other.body.transform(T[:3])).to_mesh64().vert_properties)[:, :3]
+
     def _apart(self, T: Floats, other: "Solid") -> bool:
         """The cheap answer: the spheres round the two, or the boxes along this one's axes, do not meet."""
         place = T[:3, :3] @ other.centre + T[:3, 3]

@@ -14,6 +14,7 @@ from geometry.camera import NEAREST, Camera
 from geometry.errors import GeometryError
 
 _GENTLE, _STRONG = 1e-4, 1e8  # damping at the start, and at its most
+_FEW = 4  # steps of poses that have few ways to move
 
 
 class _Task(NamedTuple):
@@ -52,10 +53,37 @@ def refine_poses(
     """
     poses = np.array(last_axes(camera_from_object, (4, 4), "camera_from_object"))
     task = _task(poses, points, uv, weights, camera, np.inf if huber is None else huber, across)
+    poses = _descended(poses, task, np.eye(6), iterations)
+    return poses, _rms(poses, task), _covariance(_normal_equations(poses, task)[0])
+
+
+def refine_along(
+    camera_from_object: ArrayLike,
+    points: ArrayLike,
+    uv: ArrayLike,
+    weights: ArrayLike,
+    camera: Camera,
+    moves: ArrayLike,
+    *,
+    huber: float | None = None,
+    across: ArrayLike | None = None,
+) -> Floats:
+    """As `refine_poses`, in a few steps, each (w, v) a combination of the columns of `moves` (6, M): poses (B, 4, 4) that have fewer ways to move.
+
+    Raises:
+        GeometryError: where the shapes do not fit, or a weight is negative or not finite.
+    """
+    poses = np.array(last_axes(camera_from_object, (4, 4), "camera_from_object"))
+    task = _task(poses, points, uv, weights, camera, np.inf if huber is None else huber, across)
+    return _descended(poses, task, last_axes(moves, (6, -1), "moves"), _FEW)
+
+
+def _descended(poses: Floats, task: _Task, ways: Floats, iterations: int) -> Floats:
+    """Poses (B, 4, 4) after so many damped steps along `ways` (6, M), those that make them worse left out."""
     cost, damping = _cost(poses, task), np.full(len(poses), _GENTLE)
     for _ in range(iterations):
         hessian, slope = _normal_equations(poses, task)
-        step = _solve(hessian, slope, damping)
+        step = _solve(ways.T @ hessian @ ways, slope @ ways, damping) @ ways.T
         trial = _moved(poses, step)
         trial_cost = _cost(trial, task)
         better = trial_cost < cost
@@ -64,7 +92,7 @@ def refine_poses(
         damping = np.where(better, damping * 0.2, np.minimum(damping * 10, _STRONG))
         if np.abs(step[better]).max(initial=0.0) < 1e-12:
             break
-    return poses, _rms(poses, task), _covariance(_normal_equations(poses, task)[0])
+    return poses
 
 
 def _task(
@@ -171,9 +199,9 @@ def information(at: Floats, centre: Floats, weights: Floats, camera: Camera, acr
 
 
 def _solve(hessian: Floats, slope: Floats, damping: Floats) -> Floats:
-    """The damped step (B, 6), scaled by the diagonal: units of angle and length do not mix."""
+    """The damped step (B, M), scaled by the diagonal: units of angle and length do not mix."""
     diagonal = np.maximum(np.diagonal(hessian, axis1=1, axis2=2), 1e-12)
-    damped = hessian + np.eye(6) * (diagonal * damping[:, None] + 1e-12)[:, None, :]
+    damped = hessian + np.eye(hessian.shape[1]) * (diagonal * damping[:, None] + 1e-12)[:, None, :]
     return np.asarray(-np.linalg.solve(damped, slope[..., None])[..., 0])
 
 

@@ -86,7 +86,8 @@ class ObjectType:
     Feature node, which S of §5.1 counts. ``symmetries`` (S, 4, 4): rigid motions of the object's frame that change nothing, the identity
     among them. A type without a mesh has no ``surface`` and hides nothing. ``mesh_file`` is what is rendered, the
     textured mesh where there is one; ``mesh_scale`` is metres per unit of it. ``learnt``: the
-    cloud of a type whose features were learnt; ``features`` are then the same in the same order, but their appearances are ``learnt_lobes``.
+    cloud of a type whose features were learnt; ``learnt_features`` are then the same in the same order, but their appearances are
+    ``learnt_lobes``. Those that make up a compound are its parts, and no maximal features.
     """
 
     name: str
@@ -100,9 +101,23 @@ class ObjectType:
     mesh_scale: float = 1.0
     learnt: LearntCloud | None = None
     learnt_lobes: LobeTable | None = None
+    learnt_features: tuple[Feature, ...] | None = None
 
     def __post_init__(self) -> None:
         _freeze(self, symmetries=(-1, 4, 4))
+
+    @property
+    def seen_features(self) -> tuple[Feature, ...]:
+        """F features that appearances are matched to, and that ``lobes`` are of: ``features``, but of a learnt compound its parts."""
+        return self.features if self.learnt_features is None else self.learnt_features
+
+    @cached_property
+    def whole(self) -> NDArray[np.intp]:
+        """(F,) which of ``features`` each of ``seen_features`` is, or is a part of."""
+        if self.learnt_features is None:
+            return np.arange(len(self.features))
+        place = {name: i for i, feature in enumerate(self.features) for name in (feature.name, *feature.parts)}
+        return np.array([place[feature.name] for feature in self.learnt_features], np.intp)
 
     @cached_property
     def kind_codes(self) -> tuple[tuple[str, ...], NDArray[np.intp]]:
@@ -113,7 +128,7 @@ class ObjectType:
 
     @cached_property
     def lobes(self) -> LobeTable:
-        """The lobes of ``features`` as arrays."""
+        """The lobes of ``seen_features`` as arrays."""
         return self.learnt_lobes or lobe_table(self.features)
 
 
@@ -161,7 +176,7 @@ class Rates:
 class KnowledgeBase:
     """Σ. ``f_ref`` pixels: the focal length that lobes' ranges hold for. ``digest``: SHA-256 over the folder's contents.
 
-    ``words``: the visual words of learnt clouds; their names are among ``appearance_types``.
+    ``words``: the visual words of learnt clouds; their names are among ``appearance_types``. ``gravity``: whether things rest on what is below.
     """
 
     name: str
@@ -173,6 +188,7 @@ class KnowledgeBase:
     digest: str
     folder: Path | None = None
     words: Words | None = None
+    gravity: bool = False
 
     @cached_property
     def sought(self) -> tuple[str, ...]:

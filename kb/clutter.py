@@ -40,8 +40,11 @@ def clutter_prior(types: Sequence[ObjectType], appearance_types: Sequence[str]) 
 
 
 def word_clutter(types: Sequence[ObjectType], words: Sequence[str]) -> dict[str, float]:
-    """Expected keypoints of clutter an image per visual word: ``KEYPOINTS`` in all, shared out by P(dv(F)), each word having one feature at least."""
+    """Expected keypoints of clutter an image per visual word: ``KEYPOINTS`` in all, shared out by P(dv(F)), each word having one feature at least.
+
+    Of the features that keypoints are matched to: a compound has no keypoint besides those of its parts.
+    """
     seen = Counter(dict.fromkeys(words, 1))
-    seen.update(feature.type for kind in types if kind.learnt is not None for feature in kind.features)
+    seen.update(feature.type for kind in types if kind.learnt is not None for feature in kind.seen_features)
     total = sum(seen.values())
     return {name: KEYPOINTS * seen[name] / total for name in words}

@@ -32,8 +32,10 @@ _SHAPES: dict[str, tuple[str, tuple[int, ...], str]] = {
     "half_angle": ("L", (), "f"), "r_min": ("L", (), "f"), "r_max": ("L", (), "f"), "hit": ("L", (), "f"), "up": ("L", (3,), "f"),
     "size": ("L", (), "f"),
 }  # fmt: skip
-_OPTIONAL: dict[str, tuple[str, tuple[int, ...], str]] = {"part": ("F", (), "i")}
-"""What files of types without parts do not have."""
+_OPTIONAL: dict[str, tuple[str, tuple[int, ...], str]] = {"part": ("F", (), "i"), "compound": ("F", (), "i")}
+"""What files of types without parts, or without compounds, do not have."""
+FORMAT = 2
+"""Of files with compounds, which say so; those without, as all were once, say nothing."""
 _KINDS = {"f": np.float64, "i": np.int64, "u": np.uint8}
 
 
@@ -58,6 +60,7 @@ class LearntCloud:
         size: (L,) the keypoint's diameter in space; 0 of the side of an edge (``sensing.edge_sides``), whose ``up`` is across the edge towards
             the side, and of whose descriptor bytes 128 to 132 are its looks, and 133 how much the last of them varied.
         part: (F,) which object of its type's tree the feature belongs to (``kb.tree.object_nodes``); 0, the whole, where there are no parts.
+        compound: (F,) which compound feature it is a part of (A1; ``kb.learning.compounds``), counted from 1; 0 of those that are in none.
     """
 
     at: Floats
@@ -75,11 +78,13 @@ class LearntCloud:
     up: Floats
     size: Floats
     part: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    compound: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
 
     def __post_init__(self) -> None:
         counts = {"F": len(self.at), "L": len(self.feature)}
-        if not len(self.part):
-            object.__setattr__(self, "part", np.zeros(counts["F"], np.int64))
+        for name in _OPTIONAL:
+            if not len(getattr(self, name)):
+                object.__setattr__(self, name, np.zeros(counts["F"], np.int64))
         for name, (rows, shape, kind) in (_SHAPES | _OPTIONAL).items():
             array = np.array(getattr(self, name), dtype=_KINDS[kind])
             if array.size or -1 not in shape:
@@ -99,7 +104,12 @@ class LearntCloud:
         used, feature = np.unique(self.feature[lobes], return_inverse=True)
         features = {name: getattr(self, name)[used] for name, (rows, _, _) in (_SHAPES | _OPTIONAL).items() if rows == "F"}
         appearances = {name: getattr(self, name)[lobes] for name, (rows, _, _) in _SHAPES.items() if rows == "L"}
-        return LearntCloud(**features | appearances | {"feature": feature})
+        return LearntCloud(**features | appearances | {"feature": feature, "compound": numbered(features["compound"])})
+
+    @property
+    def compounds(self) -> int:
+        """How many compound features there are."""
+        return int(self.compound.max(initial=0))
 
     @property
     def detector(self) -> str:
@@ -107,13 +117,25 @@ class LearntCloud:
         return "orb" if self.descriptor.shape[1] == 32 else "sift"
 
 
+def numbered(groups: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(F,) the groups of F features counted from 1 in the order of their first members; 0 of those whose group, or 0, has no other."""
+    _, first, which, size = np.unique(groups, return_index=True, return_inverse=True, return_counts=True)
+    real = (size > 1) & (groups[first] > 0)
+    place = np.zeros(len(first), np.int64)
+    place[np.flatnonzero(real)[np.argsort(first[real])]] = np.arange(1, real.sum() + 1)
+    return np.asarray(place[which.ravel()], np.int64)
+
+
 def cloud_bytes(cloud: LearntCloud) -> bytes:
     """The file's contents, the same for the same cloud. Floats are kept in single precision, indices in 32 bits; no parts, no array of them."""
-    memory, shapes = io.BytesIO(), _SHAPES | (_OPTIONAL if cloud.part.any() else {})
+    memory = io.BytesIO()
+    arrays = {name: getattr(cloud, name) for name in (*_SHAPES, *(name for name in _OPTIONAL if getattr(cloud, name).any()))}
+    if cloud.compounds:
+        arrays["format"] = np.array(FORMAT)
     with zipfile.ZipFile(memory, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, (_, _, kind) in shapes.items():
+        for name, array in arrays.items():
             packed = io.BytesIO()
-            np.save(packed, getattr(cloud, name).astype({"f": "<f4", "i": "<i4", "u": "u1"}[kind]), allow_pickle=False)
+            np.save(packed, array.astype({"f": "<f4", "i": "<i4", "u": "u1"}[array.dtype.kind]), allow_pickle=False)
             archive.writestr(zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0)), packed.getvalue(), zipfile.ZIP_DEFLATED)
     return memory.getvalue()
 
@@ -125,11 +147,19 @@ def read_cloud(content: bytes) -> LearntCloud:
         CloudError: It is not a learnt cloud, or a number in it cannot be.
     """
     try:
-        arrays = read_arrays(content, _SHAPES, MAX_BYTES, _OPTIONAL)
+        arrays = read_arrays(content, _SHAPES, MAX_BYTES, (*_OPTIONAL, "format"))
     except CloudError as error:
         raise CloudError(f"is no learnt cloud: {error}") from None
+    _check_format(arrays.pop("format", np.array(1)))
     _check(arrays)
     return LearntCloud(**arrays)
+
+
+def _check_format(stated: NDArray[Any]) -> None:
+    if stated.shape or stated.dtype.kind != "i" or stated < 1:
+        raise CloudError(f"format: has shape {stated.shape} of {stated.dtype}, not a number from 1")
+    if stated > FORMAT:
+        raise CloudError(f"is of format {int(stated)}, of a newer plogic: this one reads up to {FORMAT}")
 
 
 def _check(arrays: dict[str, NDArray[Any]]) -> None:
@@ -156,6 +186,15 @@ def _check_indices(arrays: dict[str, NDArray[Any]], features: int) -> None:
     for name in ("word", "lobe_word", *(name for name in _OPTIONAL if name in arrays)):
         if np.asarray(arrays[name], np.int64).min(initial=0) < 0:
             raise CloudError(f"{name}: must not be below 0")
+    _check_compounds(*(np.asarray(arrays.get(name, np.zeros(features)), np.int64) for name in _OPTIONAL))
+
+
+def _check_compounds(part: NDArray[np.int64], compound: NDArray[np.int64]) -> None:
+    if not np.array_equal(numbered(compound), compound):
+        raise CloudError("compound: must be counted from 1 in order, each of two features or more")
+    owners = np.unique(np.column_stack([compound, part])[compound > 0], axis=0)
+    if len(owners) > compound.max(initial=0):
+        raise CloudError("compound: must be of one part of the type each")
 
 
 def _check_numbers(arrays: dict[str, Floats]) -> None:

@@ -12,7 +12,7 @@ from kb.errors import CloudError
 from kb.learnt import MAX_BYTES, LearntCloud, read_cloud
 from kb.lobes import LobeTable
 from kb.words import MAX_BYTES as MAX_WORDS
-from kb.words import Words, read_words
+from kb.words import Words, dominant, read_words
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -74,14 +74,40 @@ def check_parts(place: Folder, document: Document, cloud: LearntCloud | None) ->
 
 
 def learnt_features(cloud: LearntCloud, words: Words, parts: Sequence[str] = ("",)) -> tuple[Feature, ...]:
-    """Features ``f0001``, ..., or ``lid/f0001``, each of the type of its dominant word; ``parts``: the objects of the type's tree.
+    """Features ``f0001``, ..., ``lid/f0001``, or ``lid/c0001/f0001`` of a compound, each of the type of its dominant word.
 
-    Their appearances are in ``learnt_lobes``, as arrays.
+    ``parts``: the objects of the type's tree. Their appearances are in ``learnt_lobes``, as arrays.
     """
     names, still = words.names, np.eye(3)
     heads = [f"{part}/" if part else "" for part in parts]
-    rows = zip(cloud.at, cloud.word, cloud.part.tolist(), strict=True)
-    return tuple(Feature(f"{heads[part]}f{i:04d}", names[word], at, still, ()) for i, (at, word, part) in enumerate(rows, 1))
+    rows = zip(cloud.at, cloud.word, cloud.part.tolist(), cloud.compound.tolist(), strict=True)
+    return tuple(
+        Feature(f"{heads[part]}{f'c{group:04d}/' if group else ''}f{i:04d}", names[word], at, still, ())
+        for i, (at, word, part, group) in enumerate(rows, 1)
+    )
+
+
+def with_compounds(seen: tuple[Feature, ...], cloud: LearntCloud, words: Words) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
+    """The maximal features, and every Feature node, of a learnt cloud whose features are ``seen``: a compound before its parts (A1).
+
+    A compound has the type of the word that dominates its parts' appearances, stands in their middle, and looks like any of them.
+    """
+    whole = dominant(cloud.compound[cloud.feature], cloud.lobe_word, cloud.hit, cloud.compounds + 1)
+    maximal: list[Feature] = []
+    every: list[Feature] = []
+    order = np.argsort(cloud.compound, kind="stable")
+    members = np.split(order, np.searchsorted(cloud.compound[order], np.arange(1, cloud.compounds + 1)))
+    for row, group in enumerate(cloud.compound.tolist()):
+        its = [seen[i] for i in members[group].tolist()] if group else []
+        if not group:
+            maximal.append(seen[row])
+            every.append(seen[row])
+        elif row == members[group][0]:
+            name, middle = its[0].name.rpartition("/")[0], np.mean([part.at for part in its], axis=0)
+            one = Feature(name, words.names[whole[group]], middle, np.eye(3), (), parts=tuple(part.name for part in its))
+            maximal.append(one)
+            every += [one, *its]
+    return tuple(maximal), tuple(every)
 
 
 def learnt_lobes(cloud: LearntCloud, words: Words) -> LobeTable:

@@ -12,6 +12,7 @@ from kb.lobes import in_lobe
 
 if TYPE_CHECKING:
     from kb.cloud import ObjectType
+    from kb.learnt import LearntCloud
 
 MANY = 20
 """Expected features with which a type is found though most of them are missed."""
@@ -24,7 +25,7 @@ class LearntSummary:
     """``features``: ``keypoints`` and ``sides`` of edges; ``words``: different visual words of its appearances; ``hit`` and ``sigma`` (m): medians.
 
     ``distance`` (m at the reference focal length): where it is looked at from all around; ``share`` of these viewpoints expects at least
-    ``MANY`` features; ``most``: how many the best of them expects.
+    ``MANY`` features; ``most``: how many the best of them expects. ``compounds``: of ``joined`` features in all, ``largest`` of them in one.
     """
 
     detector: str
@@ -38,15 +39,30 @@ class LearntSummary:
     most: int
     keypoints: int
     sides: int
+    compounds: int = 0
+    joined: int = 0
+    largest: int = 0
 
     @property
     def lines(self) -> tuple[str, str]:
         """For people."""
         what = f"{self.keypoints} keypoints and {self.sides} sides of edges" if self.sides else f"{self.features} features"
+        what += f", {self.joined} of them in {compounds_text(self.compounds, self.largest)}" if self.compounds else ""
         first = f"learnt with {self.detector}: {what}, {self.appearances} appearances, {self.words} visual words"
         sure = f"hit rate {self.hit:.2f} and sigma {1000.0 * self.sigma:.2g} mm (medians)"
         seen = f"{MANY} or more features are expected from {self.share:.0%} of the view sphere, {self.distance:.2g} m away"
         return first, f"{sure}; {seen}"
+
+
+def compounds_text(count: int, largest: int) -> str:
+    """How many compound features there are, and of how many parts."""
+    return f"{count} compound{'' if count == 1 else 's'} of 2{f' to {largest}' if largest > 2 else ''}"
+
+
+def compound_sizes(cloud: LearntCloud) -> tuple[int, int, int]:
+    """The number of compound features, of features in them, and of the parts of the largest."""
+    sizes = np.bincount(cloud.compound)[1:]
+    return len(sizes), int(sizes.sum()), int(sizes.max(initial=0))
 
 
 def learnt_summary(kind: ObjectType) -> LearntSummary:
@@ -70,6 +86,7 @@ def learnt_summary(kind: ObjectType) -> LearntSummary:
         int(expected.max()),
         len(cloud.at) - sides,
         sides,
+        *compound_sizes(cloud),
     )
 
 

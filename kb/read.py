@@ -13,7 +13,7 @@ from kb.clutter import clutter_prior, word_clutter
 from kb.cross import cross_mistakes
 from kb.errors import KBErrors, Mistake, SurfaceError
 from kb.folder import MAX_MESH_BYTES, Folder
-from kb.learnt_reading import check_parts, check_words, learnt_features, learnt_lobes, learnt_of, words_of
+from kb.learnt_reading import check_parts, check_words, learnt_features, learnt_lobes, learnt_of, with_compounds, words_of
 from kb.model_mistakes import checked, without
 from kb.quantities import LENGTHS
 from kb.schema import KBModel, ObjectModel
@@ -173,9 +173,11 @@ def _rules(place: Folder) -> str:
 def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
     tree = build_tree(branch_of(model))
     features, all_features = features_of(tree)
+    seen = features
     lobes = None
     if item.learnt is not None and words is not None:
-        features = all_features = learnt_features(item.learnt, words, object_nodes(tree))
+        seen = learnt_features(item.learnt, words, object_nodes(tree))
+        features, all_features = with_compounds(seen, item.learnt, words)
         lobes = learnt_lobes(item.learnt, words)
     return ObjectType(
         name=model.object,
@@ -189,6 +191,7 @@ def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
         mesh_scale=item.scale,
         learnt=item.learnt,
         learnt_lobes=lobes,
+        learnt_features=seen if item.learnt is not None else None,
     )
 
 
@@ -204,6 +207,7 @@ def _knowledge_base(place: Folder, model: KBModel, types: tuple[ObjectType, ...]
         digest=place.digest(),
         folder=place.root,
         words=words,
+        gravity=model.gravity,
     )
 
 

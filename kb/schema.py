@@ -158,6 +158,7 @@ class KBModel(Model):
     detector: DetectorModel = Field(
         default_factory=_no_statistics, description="What is known of the detectors: hit rates, clutter, location noise."
     )
+    gravity: bool = Field(default=False, description="Whether things rest: those not found yet are looked for on the plane that others stand on.")
     words: FileModel | None = Field(None, description="The visual words that learnt clouds are made of (`plogic kb learn`).")
     priors: dict[Name, Share] = Field({}, description="Chance of an instance, per object type; 0.5.")
     counts: CountsModel = Field(default_factory=_no_counts, description="What the rates were learnt from: [n, of] each.")

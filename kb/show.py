@@ -154,8 +154,8 @@ def part_rows(kind: ObjectType) -> list[dict[str, Any]]:
 
 
 def part_of_features(kind: ObjectType) -> list[int]:
-    """The index in ``part_rows`` of the part that each of ``kind.features`` belongs to."""
-    return _parts_of(kind, kind.features)
+    """The index in ``part_rows`` of the part that each of ``kind.seen_features`` belongs to."""
+    return _parts_of(kind, kind.seen_features)
 
 
 def _objects(kind: ObjectType) -> dict[str, int]:
@@ -185,6 +185,7 @@ def tree_document(kb: KnowledgeBase) -> dict[str, Any]:
         "name": kb.name,
         "digest": kb.digest,
         "f_ref": kb.f_ref,
+        "gravity": kb.gravity,
         "appearance_types": list(kb.appearance_types),
         "detector": {
             "hit": rates.hit,

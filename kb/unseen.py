@@ -40,7 +40,7 @@ def unseen_features(kind: ObjectType) -> list[str]:
     shown = _shown(kind, viewpoints.reshape(-1, 3), np.repeat(table.at, directions.shape[1], axis=0))
     seen = np.zeros(table.features, dtype=bool)
     np.logical_or.at(seen, np.repeat(table.feature, directions.shape[1]), shown)
-    return [kind.features[index].name for index in np.unique(table.feature) if not seen[index]]
+    return [kind.seen_features[index].name for index in np.unique(table.feature) if not seen[index]]
 
 
 def most_together(kind: ObjectType) -> int:
@@ -50,7 +50,7 @@ def most_together(kind: ObjectType) -> int:
         return 0
     viewpoints = _viewpoints(kind, table)
     inside = np.concatenate([feature_in_lobe(table, some, 1.0) for some in np.array_split(viewpoints, max(1, len(viewpoints) // 100))])
-    at = np.array([feature.at for feature in kind.features])
+    at = np.array([feature.at for feature in kind.seen_features])
     most = 0
     for index in np.argsort(-inside.sum(axis=1), kind="stable")[:BEST]:
         chosen = np.flatnonzero(inside[index])

@@ -105,3 +105,14 @@ def read_words(content: bytes) -> Words:
     if centroids.ndim != 2 or centroids.shape[1] not in WIDTHS or centroids.dtype != np.uint8 or not 0 < len(centroids) <= MOST:
         raise CloudError(f"centroids: has shape {centroids.shape} of {centroids.dtype}, not (W, 128), (W, 138) or (W, 32) of uint8")
     return Words(WIDTHS[centroids.shape[1]], centroids.astype(np.uint8))
+
+
+def dominant(feature: NDArray[np.int64], word: NDArray[np.int64], hit: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+    """(F,) the word that most of a feature's lobes (L,) report, by their hit rates; of equals the least."""
+    pairs, which = np.unique(np.column_stack([feature, word]), axis=0, return_inverse=True)
+    weight = np.bincount(which.ravel(), weights=hit, minlength=len(pairs))
+    order = np.lexsort((pairs[:, 1], -weight, pairs[:, 0]))
+    owners, first = np.unique(pairs[order, 0], return_index=True)
+    result = np.zeros(count, np.int64)
+    result[owners] = pairs[order[first], 1]
+    return result

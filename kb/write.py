@@ -39,7 +39,7 @@ def kb_text(kb: KnowledgeBase) -> str:
         "name": kb.name,
         "appearance_types": list(kb.appearance_types),
         "f_ref": kb.f_ref,
-    }
+    } | ({"gravity": True} if kb.gravity else {})
     lines = [f"{key}: {flow(value)}" for key, value in rows.items()]
     lines += ["detector:", f"  hit: {flow(rates.hit)}", f"  clutter: {flow(rates.clutter)}"]
     lines += [f"  sigma: {flow(rates.sigma)}", f"  sigmas: {flow(rates.sigmas)}", f"  match_tolerance: {flow(rates.match_tolerance)}"]

@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from plogic.search.indices import Index
     from plogic.search.type_index import TypeIndex
 
-CELLS_TRIED = 24
-"""View cells whose rank is taken for the tie-break, evenly over the sphere."""
-
 
 @dataclass(frozen=True)
 class Attention:
@@ -59,24 +56,20 @@ def _attention(index: Index, here: Counter[str], by_chance: Counter[str]) -> Att
     if isinstance(index, LearntIndex):
         ranks = [rank_of_kinds(weights, [feature.type for feature in kind.features], some) for some in (here, by_chance)]
         return Attention(kind.name, ranks[0], ranks[0] - ranks[1], ranks[0])
-    step = max(1, len(index.cells.visible) // CELLS_TRIED)
-    shown = index.cells.visible[::step]
-    if index.heavier is not None:
-        everything = np.ones((1, len(weights)), bool)
-        ranks = [float(_counted(index, everything, some)[0]) for some in (here, by_chance)]
-        return Attention(kind.name, ranks[0], ranks[0] - ranks[1], float(_counted(index, shown, here).max(initial=0.0)))
+    if index.in_line is not None:
+        counted, chance = _counted(index, here), _counted(index, by_chance, neighbourhoods=1)
+        return Attention(kind.name, float(counted[0]), float(counted[0] - chance[0]), float(counted[1:].max(initial=0.0)))
     looks = [frozenset(a.type for a in feature.appearances) for feature in kind.features]
     allowed, usual = (compatible(looks, list(some.elements())) for some in (here, by_chance))
     ranks = [rank(weights, allowed), rank(weights, usual)]
-    within = max((rank(weights[seen], allowed[seen]) for seen in shown if seen.any()), default=0.0)
+    within = max((rank(weights[seen], allowed[seen]) for seen in index.neighbourhoods[1:] if seen.any()), default=0.0)
     return Attention(kind.name, ranks[0], ranks[0] - ranks[1], within)
 
 
-def _counted(index: TypeIndex, shown: NDArray[np.bool_], there: Counter[str]) -> NDArray[np.float64]:
-    """(C,) the rank of the features that are shown (C, F) where each has one appearance type: of each type the heaviest, as many as there are."""
-    assert index.heavier is not None  # noqa: S101 - the caller looks
-    same, names = index.heavier
-    some = shown.astype(np.float32)
-    matched = shown & (some @ same.T <= np.array([there.get(name, 0) for name in names]))
-    whole = shown @ index.weights
+def _counted(index: TypeIndex, there: Counter[str], neighbourhoods: int | None = None) -> NDArray[np.float64]:
+    """The rank within each of the first ``neighbourhoods`` where each feature has one appearance type: of a type the heaviest that are there."""
+    assert index.in_line is not None  # noqa: S101 - the caller looks
+    number, whole, names = index.in_line
+    number, whole, shown = number[:neighbourhoods], whole[:neighbourhoods], index.neighbourhoods[:neighbourhoods]
+    matched = shown & (number <= np.array([there.get(name, 0) for name in names]))
     return np.asarray(np.minimum(1.0, matched @ index.weights / np.where(whole > 0.0, whole, 1.0)))

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 from plogic.search.alike import same_place
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from plogic.attention import Attention
     from plogic.expectation import Posed
     from plogic.search.indices import Index
@@ -50,3 +52,17 @@ def same_hypothesis(one: Posed, other: Posed) -> bool:
     return one.object_type.name == other.object_type.name and same_place(
         one.object_type, one.camera_from_object, other.camera_from_object
     )
+
+
+MOST_RIVALS = 2
+"""Rivals of an accepted hypothesis that enter Δh with it."""
+
+
+def considered(rivals: Sequence[Belief], accepted: Sequence[Belief]) -> list[Belief]:
+    """At most ``MOST_RIVALS`` rivals an accepted hypothesis, near-duplicates merged, best first."""
+    kept: list[Belief] = []
+    for rival in sorted(rivals, key=lambda b: -b.worth):
+        twin = any(same_hypothesis(rival.posed, b.posed) for b in [*kept, *accepted])
+        if not twin and len(kept) < MOST_RIVALS * len(accepted):
+            kept.append(rival)
+    return kept

@@ -11,9 +11,10 @@ import numpy as np
 
 from geometry.occlusion import CoarseRelation, PosedSurface, coarse_relation, converse, drawn
 from plogic.belief import Belief, Cycle
-from plogic.evidence import as_counted, clutter_density, evidence
+from plogic.evidence import clutter_density, evidence
 from plogic.expectation import hidden_by
-from plogic.lumped import lumped, told, types_told
+from plogic.fitted import as_fitted
+from plogic.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.measures.explanatory import explanatory_value
 from plogic.parts import part_facts
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
@@ -68,7 +69,7 @@ def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float
     rivals = exclusive | {pair for pair, share in shared.items() if share > 0.0}
     hiding = {(x, y): hidden_by(posed[x], posed[y]) for x in names for y in names if x != y}
     group = _groups(posed, exclusive)
-    rates = {name: as_counted(belief.posed, data, kb, _hidden(name, beliefs, hiding, exclusive)) for name, belief in beliefs.items()}
+    rates = {name: as_fitted(belief.posed, data, kb, _hidden(name, beliefs, hiding, exclusive)) for name, belief in beliefs.items()}
     hypotheses = tuple(_hypothesis(name, posed[name], group[name], hiding, rates[name], data, dv) for name in names)
     return Delta(
         beliefs,
@@ -151,7 +152,7 @@ def _hypothesis(
             type=feature.type,
             at=_triple(posed.at[f]),
             uv=(float(posed.uv[f, 0]), float(posed.uv[f, 1])),
-            dv=float(dv[feature.type]),
+            dv=float(dv[feature.type]) * counts(posed, f),
             in_image=bool(posed.in_image[f]),
             in_lobe=bool(posed.in_lobe[f]),
             self_hidden=bool(posed.self_hidden[f]),
@@ -160,8 +161,9 @@ def _hypothesis(
             residual=float(posed.residual[f]) if posed.matches[f] >= 0 else None,
             density=float(near[f]),
             hit_rate=float(hits[f]),
+            stands_for=counts(posed, f),
         )
-        for f, feature in ((f, posed.object_type.features[f]) for f in told(posed))
+        for f, feature in ((f, told_as(posed, f)) for f in told(posed))
     )
     return HypothesisFact(
         id=name,
@@ -170,7 +172,7 @@ def _hypothesis(
         opaque=posed.object_type.opaque,
         group=group,
         features=features + lumped(posed, dv),
-        parts=part_facts(posed.object_type),
+        parts=part_facts(posed.object_type) + compound_parts(posed),
     )
 
 

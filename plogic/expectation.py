@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Posed:
-    """One type at one pose. F features of the maximal object, in the type's order; A data of Γ.
+    """One type at one pose. F features of the maximal object, the type's ``seen_features`` in their order; A data of Γ.
 
     ``at`` (F, 3) metres, camera frame; ``uv`` (F, 2) pixels; ``in_image``, ``in_lobe``, ``self_hidden`` (F,); ``right`` (F, A) the data of
     a type whose lobe holds the viewpoint; ``matches`` (F,) datum index or −1; ``residual`` (F,) pixels, NaN where unmatched. Of a
@@ -83,18 +83,36 @@ class Posed:
         """(F,) D8."""
         return self.matches >= 0
 
+    @cached_property
+    def stands(self) -> NDArray[np.bool_]:
+        """(F,) which features stand for a maximal one (A1): all but those parts of a learnt compound that another part stands for.
+
+        A compound looks like any of its parts and takes one appearance, so it is where its surest part is: one in the image, that is expected
+        and detected, else expected, else detected; of several the one with the greatest hit rate, the first of equals.
+        """
+        whole = self.object_type.whole
+        result = np.ones(len(self.uv), bool)
+        if len(whole) == len(self.object_type.features):
+            return result
+        parts = np.flatnonzero(np.bincount(whole)[whole] > 1)
+        surest = (4 * self.in_image + 2 * self.candidate + self.detected)[parts]
+        hit = np.zeros(len(parts)) if self.hit is None else self.hit[parts]
+        parts = parts[np.lexsort((-hit, -surest, whole[parts]))]
+        result[parts[1:]] = whole[parts[1:]] != whole[parts[:-1]]
+        return result
+
     def support(self, hidden: NDArray[np.bool_] | None = None) -> Support:
-        """The four cases over the features in the image; ``hidden`` (F,) are those that accepted opaque objects hide (strict D7)."""
+        """The four cases over the features in the image, a compound once (A1); ``hidden`` (F,): what accepted opaque objects hide (strict D7)."""
         expected = self.candidate & ~hidden if hidden is not None else self.candidate
         names, kind = self.object_type.kind_codes
-        inside = self.in_image
-        return tally(names, kind[inside], expected[inside], self.detected[inside])
+        inside = self.in_image & self.stands
+        return tally(names, kind[self.object_type.whole[inside]], expected[inside], self.detected[inside])
 
 
 def pose_of(object_type: ObjectType, camera_from_object: NDArray[np.float64], data: Data, kb: KnowledgeBase) -> Posed:
     """What geometry says of a type at a pose: nothing is matched yet. Rays are cast for Behind its own host (§6.4)."""
     camera = data.camera
-    positions = np.array([feature.at for feature in object_type.features]).reshape(-1, 3)
+    positions = np.array([feature.at for feature in object_type.seen_features]).reshape(-1, 3)
     at = transform_points(camera_from_object, positions)
     uv = camera.project(at)
     inside = camera.contains(uv)

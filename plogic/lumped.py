@@ -4,6 +4,9 @@ A type learnt from a mesh has up to 4,000 features, of which one view shows a hu
 the hypothesis alone does not lead to expect them, and not detected, since nothing is matched to them. To P(ev) they give the sum of their
 dv, to the posterior nothing; so one feature named ``OTHERS`` that carries their sum stands for all of them, and every probability stays.
 Features outside the image count nowhere and are left out. Types written by hand are told in full.
+
+A learnt compound is told, and counts, once: by the part that stands for it (``Posed.stands``). Its other parts are told for the data that they
+explain, and have no dv.
 """
 
 from __future__ import annotations
@@ -13,14 +16,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plogic.situation import FeatureFact
+from plogic.situation import FeatureFact, PartFact
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from kb.cloud import KnowledgeBase
+    from kb.cloud import Feature, KnowledgeBase
     from plogic.expectation import Posed
     from plogic.situation import HypothesisFact
 
@@ -36,6 +39,24 @@ def told(posed: Posed) -> list[int]:
     return np.flatnonzero(_notable(posed)).tolist()
 
 
+def told_as(posed: Posed, f: int) -> Feature:
+    """What the seen feature ``f`` is told as: a learnt compound by the part that stands for it, its other parts as themselves."""
+    kind = posed.object_type
+    return kind.features[kind.whole[f]] if posed.stands[f] else kind.seen_features[f]
+
+
+def counts(posed: Posed, f: int) -> int:
+    """For how many maximal features the seen feature ``f`` stands: one, or, as a part of a compound that another part stands for, none."""
+    return int(posed.stands[f])
+
+
+def compound_parts(posed: Posed) -> tuple[PartFact, ...]:
+    """The learnt compounds of which something is told, as nodes of the part-whole tree (A1)."""
+    kind = posed.object_type
+    whole = [kind.features[w] for w in np.unique(kind.whole[told(posed)])] if len(kind.features) < len(kind.seen_features) else []
+    return tuple(PartFact(f.name, f.name.rpartition("/")[0], "feature", f.type) for f in whole if f.parts)
+
+
 def lumped(posed: Posed, dv: Mapping[str, float]) -> tuple[FeatureFact, ...]:
     """The one feature that stands for the others in the image; none where there are none."""
     rest = np.flatnonzero(_rest(posed))
@@ -43,7 +64,7 @@ def lumped(posed: Posed, dv: Mapping[str, float]) -> tuple[FeatureFact, ...]:
         return ()
     u, v = posed.uv[rest].mean(axis=0).tolist()
     x, y, z = posed.at[rest].mean(axis=0).tolist()
-    weight = float(np.sum([dv[posed.object_type.features[f].type] for f in rest.tolist()]))
+    weight = float(np.sum([dv[told_as(posed, f).type] for f in rest.tolist()]))
     return (FeatureFact(OTHERS, OTHERS, (x, y, z), (u, v), weight, in_image=True, in_lobe=False, self_hidden=False, stands_for=len(rest)),)
 
 
@@ -51,7 +72,7 @@ def left_out(posed: Posed) -> dict[str, int] | None:
     """How many features are not told: those that ``OTHERS`` stands for, and those outside the image; None of a type written by hand."""
     if posed.object_type.learnt is None:
         return None
-    return {"in_image": int(_rest(posed).sum()), "outside_image": int((~_notable(posed) & ~posed.in_image).sum())}
+    return {"in_image": int(_rest(posed).sum()), "outside_image": int((posed.stands & ~_notable(posed) & ~posed.in_image).sum())}
 
 
 def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[HypothesisFact]) -> dict[str, float]:
@@ -82,8 +103,8 @@ def looked_at(posed: Posed, ids: Sequence[str], dv: Mapping[str, float]) -> list
         return []
     return [
         {
-            "id": posed.object_type.features[f].name,
-            "type": posed.object_type.features[f].type,
+            "id": told_as(posed, f).name,
+            "type": told_as(posed, f).type,
             "uv": np.round(posed.uv[f], 2).tolist(),
             "in_image": bool(posed.in_image[f]),
             "in_lobe": bool(posed.in_lobe[f]),
@@ -93,6 +114,7 @@ def looked_at(posed: Posed, ids: Sequence[str], dv: Mapping[str, float]) -> list
             "expected": bool(posed.candidate[f]),
             "detected": bool(posed.detected[f]),
         }
+        | ({} if posed.stands[f] else {"stands_for": 0})
         for f in told(posed)
     ] + [asdict(rest) | {"expected": False, "detected": False, "case": "B"} for rest in lumped(posed, dv)]
 
@@ -104,4 +126,4 @@ def _notable(posed: Posed) -> NDArray[np.bool_]:
 def _rest(posed: Posed) -> NDArray[np.bool_]:
     if posed.object_type.learnt is None:
         return np.zeros(len(posed.uv), dtype=bool)
-    return np.asarray(~_notable(posed) & posed.in_image)
+    return np.asarray(posed.stands & ~_notable(posed) & posed.in_image)

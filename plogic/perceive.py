@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from plogic.attention import attend
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
 SMOOTHED = 0.001
 """ε that the score program falls back to where no world is left at 0."""
+AFTER = 0.1
+"""Seconds that the worlds of what was found may take, however near the deadline is: they take some milliseconds, as a rule."""
 LISTED_WORLDS = 100
 """Worlds that an interpretation lists; the mass of the others is stated."""
 
@@ -56,14 +59,14 @@ class Perceiver:
         options, clock = options or Options(), clock or Stopwatch()
         delta, rejected, trace = self.delta(gamma, options, clock)
         with clock.stage("worlds"):
-            delta, ranking = ranked(delta, trace)
+            delta, ranking = ranked(delta, trace, None if options.end is None else max(options.end - monotonic(), AFTER))
+            if not ranking.exact and options.end is not None and not any(step["event"] == "deadline" for step in trace):
+                trace.append(_step(len(trace) + 1, "deadline", "the deadline was reached: probabilities are known within intervals"))
         with clock.stage("document"):
             document = document_of(self.kb, gamma, delta, rejected, trace, ranking, image)
-        return document | {"unfinished": True} if any(step["event"] == "deadline" for step in trace) else document
+        return marked(document, ranking) if any(step["event"] == "deadline" for step in trace) else document
 
-    def delta(
-        self, gamma: Gamma, options: Options, clock: Stopwatch
-    ) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
+    def delta(self, gamma: Gamma, options: Options, clock: Stopwatch) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
         """Δh with its facts, what was rejected, and the trace."""
         data = data_of(gamma.appearances, gamma.camera, self.width)
         with clock.stage("rank"):
@@ -78,14 +81,27 @@ class Perceiver:
         return delta, cycle.rejected, cycle.trace.document()
 
 
-def ranked(delta: Delta, trace: list[dict[str, object]]) -> tuple[Delta, Ranking]:
-    """The worlds of Δh. Where dogmatic P(ev) of 0 and 1 leave none (§8, trap c), the program is smoothed, and the trace says so."""
+def ranked(delta: Delta, trace: list[dict[str, object]], seconds: float | None = None) -> tuple[Delta, Ranking]:
+    """The worlds of Δh; with ``seconds``, what is known of them by then.
+
+    Where dogmatic P(ev) of 0 and 1 leave none (§8, trap c), the program is smoothed, and the trace says so.
+    """
     try:
-        return delta, ranked_worlds(delta.situation, LISTED_WORLDS)
+        return delta, ranked_worlds(delta.situation, LISTED_WORLDS, seconds=seconds)
     except InconsistentError as error:
-        why = f"{error}: the score program is smoothed by {SMOOTHED}"
-        trace.append(
-            {"step": len(trace) + 1, "event": "smooth", "hypothesis": None, "type": None, "ev": None, "why": why}
-        )
+        trace.append(_step(len(trace) + 1, "smooth", f"{error}: the score program is smoothed by {SMOOTHED}"))
         softer = replace(delta, situation=replace(delta.situation, smoothing=SMOOTHED))
-        return softer, ranked_worlds(softer.situation, LISTED_WORLDS)
+        return softer, ranked_worlds(softer.situation, LISTED_WORLDS, seconds=seconds)
+
+
+def marked(document: dict[str, Any], ranking: Ranking) -> dict[str, Any]:
+    """The document, unfinished: with each probability an ``interval`` that contains the exact one of the Δh that was found."""
+    known = ranking.intervals
+    hypotheses = [h | {"interval": list(known[h["id"]])} if h["id"] in known else h for h in document["hypotheses"]]
+    worlds = [row | {"interval": list(world.interval)} for row, world in zip(document["worlds"], ranking.worlds, strict=True)]
+    return document | {"hypotheses": hypotheses, "worlds": worlds, "unfinished": True}
+
+
+def _step(number: int, event: str, why: str) -> dict[str, object]:
+    """One more of a trace that is written already."""
+    return {"step": number, "event": event, "hypothesis": None, "type": None, "ev": None, "why": why}

@@ -27,7 +27,7 @@ SHARED_CLAIMS = 0.5
 
 
 @lru_cache(maxsize=256)
-def _solid(surface: Surface) -> Solid:
+def solid_of(surface: Surface) -> Solid:
     """The volume of a type's closed surface, built once a type."""
     return Solid(surface.vertices, surface.triangles)
 
@@ -51,7 +51,7 @@ def overlap(one: Posed, other: Posed) -> bool:
 def _shared(first: Surface, pose: bytes, second: Surface, other: bytes) -> float:
     """The volume that two posed bodies share, m³; the cycle asks it of the same pair again and again."""
     poses = (np.frombuffer(some).reshape(4, 4) for some in (pose, other))
-    return solid_overlap(_solid(first), next(poses), _solid(second), next(poses))
+    return solid_overlap(solid_of(first), next(poses), solid_of(second), next(poses))
 
 
 def apart_on_screen(one: Posed, other: Posed, f: float, margin: float) -> bool:

@@ -39,7 +39,8 @@ class FeatureFact:
     alone; ``hidden_by`` names the *other* hypotheses whose surface the line of sight meets first, transparent ones and rivals included (the
     rules sort these out). ``match`` is the appearance that the hypothesis' one fixed assignment gives it, with its ``residual`` in pixels and
     ``density``, N(u; û, Σ) per pixel². ``hit_rate`` is h_F. ``stands_for`` > 1: it sums up so many features in the image that are neither
-    expected nor detected in any world (case B), and ``dv`` is their sum (``plogic.lumped``).
+    expected nor detected in any world (case B), and ``dv`` is their sum; 0: it is a part of a compound that another part stands for, and its
+    ``dv`` is 0 (``plogic.lumped``).
     """
 
     id: str

@@ -9,7 +9,8 @@ import click
 import pytest
 
 from cli import cli
-from plogic.cycle import FEWEST, MOST_RIVALS
+from plogic.belief import MOST_RIVALS
+from plogic.cycle import FEWEST
 from plogic.dependence import LARGEST_BLOCK, MOST_OCCLUDERS
 from plogic.evidence import FIXED_BY
 from plogic.perceive import SMOOTHED

@@ -25,6 +25,8 @@ detector:
   match_tolerance: 4.0
 # Chance that an object is there, per object type (0.5 where nothing stands here), such as {{mug: 0.2}}.
 priors: {{}}
+# Whether things rest, as on a table: then what is not found yet is looked for on the plane that others stand on.
+gravity: false
 """
 
 RULES = """\

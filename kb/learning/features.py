@@ -6,11 +6,13 @@ its size holds on average, where it holds fewer: a lobe around the one direction
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from kb.cones import even_directions, spacing
+from kb.learning.compounds import OF_SIZE, Pictures, compounds_of
 from kb.learning.sides import LOOKS, VARIED, side_places
 from kb.learning.views import PIXELS, distance
 from kb.learnt import LearntCloud
@@ -23,9 +25,9 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-SAME_PLACE, OF_SIZE = 1.6, 0.25
-"""Pixels (of the coarser of two pictures), or share of the size, within which observations are of one place: what is large has its middle less
-exactly, and the middle of what is round moves over it with the viewpoint. ORB's sizes are those of its patches, and do not count."""
+SAME_PLACE = 1.6
+"""Pixels (of the coarser of two pictures), or ``OF_SIZE`` of the size, within which observations are of one place: what is large has its middle
+less exactly, and the middle of what is round moves over it with the viewpoint. ORB's sizes are those of its patches, and do not count."""
 SAME_SIZE, SAME_UP = 0.3, 0.8
 """Greatest logarithm of the ratio of sizes, least cosine between directions, of one feature."""
 ALIKE = {128: 200.0, 138: 210.0, 32: 45.0}
@@ -54,17 +56,24 @@ class _Lobe(NamedTuple):
 
 
 def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most: int = MOST) -> LearntCloud:
-    """The cloud of a type from what was seen of it from ``even_directions(count)``; its words are not assigned yet (all 0)."""
+    """The cloud of a type with its compounds from what was seen of it from ``even_directions(count)``; its words are not assigned yet (all 0)."""
     directions = even_directions(count)
     points = _chosen(seen, _places(seen, np.flatnonzero(~seen.sided)), most)
     sides = _chosen(seen, side_places(seen, np.flatnonzero(seen.sided), diameter), MOST_SIDES)
     several = [(group, _lobes(seen, group, directions)) for group in points]
     several += [(group, [lobe for lobe in _lobes(seen, group, directions) if lobe.hit >= SIDES_SEEN]) for group in sides]
     several = [(group, lobes) for group, lobes in several if lobes]
-    return LearntCloud(
+    cloud = LearntCloud(
         **_feature_arrays(seen, [group for group, _ in several]),
         **_lobe_arrays(seen, [(f, lobe) for f, (_, lobes) in enumerate(several) for lobe in lobes], diameter, f_ref),
     )
+    shown = [np.concatenate([lobe.members for lobe in lobes]) for _, lobes in several]
+    return replace(cloud, compound=compounds_of(cloud, seen, shown, Pictures(diameter, _ranges(diameter, f_ref), count)))
+
+
+def _ranges(diameter: float, f_ref: float) -> Floats:
+    """(K,) metres from which the pictures of each size were taken."""
+    return np.array([distance(pixels, diameter, f_ref) for pixels in PIXELS])
 
 
 def _chosen(seen: Observations, groups: list[NDArray[np.intp]], most: int) -> list[NDArray[np.intp]]:
@@ -182,7 +191,7 @@ def _spread(seen: Observations, group: NDArray[np.intp], middle: Floats) -> floa
 
 
 def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: float, f_ref: float) -> dict[str, Any]:
-    ranges = np.array([distance(pixels, diameter, f_ref) for pixels in PIXELS])
+    ranges = _ranges(diameter, f_ref)
     axis = np.array([lobe.axis for _, lobe in lobes]).reshape(-1, 3)
     half = np.array([lobe.half_angle for _, lobe in lobes])
     up = np.array([seen.up[lobe.members].mean(axis=0) for _, lobe in lobes]).reshape(-1, 3)

@@ -12,6 +12,7 @@ import numpy as np
 
 from kb.intake.nearness import Nearness
 from kb.intake.parts import pieces_of
+from kb.learning.compounds import within_parts
 from kb.tree import object_nodes, place
 
 if TYPE_CHECKING:
@@ -25,17 +26,26 @@ if TYPE_CHECKING:
 
 
 def with_parts(kind: ObjectType, cloud: LearntCloud) -> LearntCloud:
-    """The cloud with its features given to the parts of its type's tree that hold no parts; to the whole where there is no other."""
+    """The cloud with its features, and what of its compounds is in each, given to the parts of its type's tree that hold no parts.
+
+    To the whole where there is no other.
+    """
+    part = _part_of(kind, cloud)
+    return replace(cloud, part=part, compound=within_parts(cloud.compound, part))
+
+
+def _part_of(kind: ObjectType, cloud: LearntCloud) -> NDArray[np.int64]:
+    """(F,) indices into the objects of the tree."""
     nodes = object_nodes(kind.tree)
     leaves = [index for index, node in enumerate(nodes) if not kind.tree.out_degree(node)]
     if kind.surface is None or len(nodes) == 1 or not len(cloud.at):
-        return replace(cloud, part=np.zeros(len(cloud.at), np.int64))
+        return np.zeros(len(cloud.at), np.int64)
     places = np.array([place(kind.tree, nodes[index])[:3, 3] for index in leaves])
     pieces = pieces_of(kind.surface)
     if not pieces:  # nothing but the places tells the parts apart
-        return replace(cloud, part=np.array(leaves)[_nearest(cloud.at, places)])
+        return np.array(leaves, np.int64)[_nearest(cloud.at, places)]
     far = [Nearness(kind.surface.vertices, kind.surface.triangles[piece.triangles]).distance(cloud.at) for piece in pieces]
-    return replace(cloud, part=np.array(leaves)[_owners(pieces, places)[np.argmin(far, axis=0)]])
+    return np.array(leaves, np.int64)[_owners(pieces, places)[np.argmin(far, axis=0)]]
 
 
 def _nearest(points: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.intp]:

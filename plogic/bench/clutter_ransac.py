@@ -15,8 +15,11 @@ if TYPE_CHECKING:
 
     from geometry.camera import Camera
     from kb.cloud import KnowledgeBase
-    from plogic.bench.clutter_pairs import Answer
+    from plogic.bench.clutter_pairs import Answer, Typed
     from sensing.appearance import Gamma
+
+    Floats = NDArray[np.float64]
+    Indices = NDArray[np.intp]
 
 FIRST = 200
 """Iterations of LO-RANSAC a type in the first round; each round has twice as many as the one before."""
@@ -32,24 +35,30 @@ def lo_ransac(kb: KnowledgeBase, gamma: Gamma, budget_seconds: float) -> Answer 
     It gets its best: rounds over all types, each of twice as many iterations from another seed, until the time is over, and the best of all;
     the tolerance of the KB for inliers; pairs that share a feature or a datum counted once.
     """
-    poselib: Any = import_module("poselib")
     end = processor_seconds() + budget_seconds
-    kinds, uv, camera = typed(kb, gamma), ideal(gamma), _pinhole(gamma.camera)
-    bundle = {"loss_type": "CAUCHY", "loss_scale": kb.rates.sigma}
+    kinds, uv = typed(kb, gamma), ideal(gamma)
     best: tuple[tuple[int, float], Answer] | None = None
     turn, iterations = 0, FIRST
     while iterations <= MOST:
-        options = {"max_iterations": iterations, "min_iterations": min(iterations, 100), "success_prob": SURE, "seed": turn}
-        options["max_reproj_error"] = kb.rates.match_tolerance
         for pairs in kinds:
             if processor_seconds() > end:
                 return best[1] if best else None
-            pose, found = poselib.estimate_absolute_pose(uv[pairs.datum], pairs.points[pairs.feature], camera, options, bundle)
-            worth = different(pairs, np.flatnonzero(found["inliers"])), -float(found["model_score"])
+            pose, inlying, score = estimated(pairs, uv, gamma.camera, kb, iterations, turn)
+            worth = different(pairs, inlying), -score
             if worth[0] >= FEWEST and (best is None or worth > best[0]):
-                best = worth, (pairs.kind.name, _matrix(pose))
+                best = worth, (pairs.kind.name, pose)
         turn, iterations = turn + 1, 2 * iterations
     return best[1] if best else None
+
+
+def estimated(pairs: Typed, uv: Floats, camera: Camera, kb: KnowledgeBase, iterations: int, seed: int = 0) -> tuple[Floats, Indices, float]:
+    """Of one type ``camera_from_object`` (4, 4), the pairs (N,) that agree with it, and poselib's score, less for better; ``uv`` (A, 2) ideal px."""
+    poselib: Any = import_module("poselib")
+    options = {"max_iterations": iterations, "min_iterations": min(iterations, 100), "success_prob": SURE, "seed": seed}
+    options["max_reproj_error"] = kb.rates.match_tolerance
+    bundle = {"loss_type": "CAUCHY", "loss_scale": kb.rates.sigma}
+    pose, found = poselib.estimate_absolute_pose(uv[pairs.datum], pairs.points[pairs.feature], _pinhole(camera), options, bundle)
+    return _matrix(pose), np.flatnonzero(found["inliers"]), float(found["model_score"])
 
 
 def _pinhole(camera: Camera) -> dict[str, Any]:
@@ -57,5 +66,5 @@ def _pinhole(camera: Camera) -> dict[str, Any]:
     return {"model": "PINHOLE", "width": camera.width, "height": camera.height, "params": [K[0, 0], K[1, 1], K[0, 2], K[1, 2]]}
 
 
-def _matrix(pose: Any) -> NDArray[np.float64]:  # noqa: ANN401 - poselib has no types
+def _matrix(pose: Any) -> Floats:  # noqa: ANN401 - poselib has no types
     return np.vstack([np.asarray(pose.Rt, np.float64), [0.0, 0.0, 0.0, 1.0]])

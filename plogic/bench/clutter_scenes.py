@@ -87,7 +87,7 @@ def trial(kind: ObjectType, kb: KnowledgeBase, detector: Detector, rng: np.rando
 
 def random_pose(kind: ObjectType, rng: np.random.Generator) -> Floats:
     """camera_from_object (4, 4): any rotation, any size of ``PIXELS``, wholly in the image."""
-    surface = _surface(kind)
+    surface = surface_of(kind)
     R, pixels = rotation_from_quat_xyzw(rng.normal(size=4)), rng.uniform(*PIXELS)
     while True:
         pose = _at_size(surface, R, CAMERA.rays(_anywhere(1, rng)[0]), pixels)
@@ -114,7 +114,7 @@ def picture(surface: Surface, pose: Floats) -> tuple[Floats, Floats]:
 
 def visible(kind: ObjectType, pose: Floats, f_ref: float) -> NDArray[np.bool_]:
     """(F,) the viewpoint is in the feature's lobe, and the own surface does not hide it."""
-    surface = _surface(kind)
+    surface = surface_of(kind)
     held = feature_in_lobe(kind.lobes, inverse(pose)[:3, 3], CAMERA.f / f_ref)[0]
     return np.asarray(held & ~behind(transform_points(pose, kind.lobes.at), surface.rays, pose, SLACK * surface.diameter))
 
@@ -125,11 +125,12 @@ def _anywhere(count: int, rng: np.random.Generator) -> Floats:
 
 
 def _truth(kind: ObjectType, pose: Floats) -> Truth:
-    surface = _surface(kind)
+    surface = surface_of(kind)
     return Truth(kind.name, pose, 1.0, np.stack(picture(surface, pose)), surface.centre, kind.symmetries)
 
 
-def _surface(kind: ObjectType) -> Surface:
+def surface_of(kind: ObjectType) -> Surface:
+    """Its surface. Raises ValueError where it has none."""
     if kind.surface is None:
         raise ValueError(f"{kind.name} has no surface")
     return kind.surface

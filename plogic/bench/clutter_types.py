@@ -109,8 +109,8 @@ def with_learnt(kb: KnowledgeBase, learnt: Sequence[ObjectType], detector: Detec
 
 def _random_type(name: str, features: int, names: tuple[str, ...], rng: np.random.Generator) -> ObjectType:
     surface = random_body(rng)
-    at, normal = _scattered(surface, features, rng)
-    frames = np.array([_frame(z, rng.normal(size=3)) for z in normal])
+    at, normal = scattered(surface, features, rng)
+    frames = body_frames(normal, rng)
     looks = [names[i] for i in rng.integers(len(names), size=features)]
     return made(name, surface, at, frames, looks, np.full(features, HALF_ANGLE))
 
@@ -127,7 +127,7 @@ def random_body(rng: np.random.Generator) -> Surface:
     return Surface(np.asarray(hull.vertices), np.asarray(hull.faces))
 
 
-def _scattered(surface: Surface, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+def scattered(surface: Surface, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
     """Places (N, 3) spread evenly over the surface, and its unit outward normals (N, 3) there."""
     a, b, c = np.moveaxis(surface.vertices[surface.triangles], 1, 0)
     cross = np.cross(b - a, c - a)
@@ -136,6 +136,11 @@ def _scattered(surface: Surface, count: int, rng: np.random.Generator) -> tuple[
     share = rng.dirichlet(np.ones(3), count)
     at = share[:, :1] * a[facet] + share[:, 1:2] * b[facet] + share[:, 2:] * c[facet]
     return at, cross[facet] / area[facet, None]
+
+
+def body_frames(normal: Floats, rng: np.random.Generator) -> Floats:
+    """object_from_feature (N, 3, 3), the z axes along unit ``normal`` (N, 3), the x axes at random about them."""
+    return np.array([_frame(z, rng.normal(size=3)) for z in normal]).reshape(-1, 3, 3)
 
 
 def _frame(z: Floats, towards: Floats) -> Floats:

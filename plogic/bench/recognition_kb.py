@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,7 +42,7 @@ def ours(meshes: Mapping[str, Path], folder: Path, say: Callable[[str], None]) -
     from plogic.commands.bop import look_of
 
     learn_into(folder, meshes, say)
-    kb = read_kb(folder)
+    kb = replace(read_kb(folder), gravity=True)  # what stands on a table: `gravity: true` in a user's kb.yaml
     clouds = {t.name: t.learnt.keypoints for t in kb.types if t.learnt is not None}
     missing = [t.name for t in kb.types if t.learnt is None]
     if missing:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plogic.commands.options import AS_JSON
+from plogic.commands.options import AS_JSON, KB
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -23,7 +23,7 @@ NOTE = "AR_VSD is not computed: the mean of the two is not the challenge's AR, a
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.argument("dataset", metavar="DATASET")
-@click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base; `towers` is shipped.")
+@KB
 @click.option("-o", "--out", required=True, help="Results file (CSV) to write; `-` is stdout, and scores then go to stderr.")
 @click.option("--ids", type=click.Path(), help='BOP numbers of the types as JSON, {"003_cracker_box": 2}; obj_000002 needs none.')
 @click.option("--times", "timed", is_flag=True, help="Write each image's seconds; else -1, so that the same input gives the same bytes.")

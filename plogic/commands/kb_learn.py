@@ -107,6 +107,7 @@ def row_of(name: str, cloud: LearntCloud) -> dict[str, Any]:
     return {
         "type": name,
         "features": len(cloud.at),
+        "compounds": cloud.compounds,
         "appearances": len(cloud.feature),
         "hit rate": round(float(np.median(cloud.hit)), 3),
         "σ mm": round(1000.0 * float(np.median(cloud.sigma)), 2),

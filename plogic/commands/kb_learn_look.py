@@ -41,6 +41,7 @@ def looked(
     from kb.learning.observations import joined
     from kb.learning.photo import on_shown
     from kb.learning.views import DIRECTIONS
+    from kb.learnt_summary import compound_sizes, compounds_text
     from sensing.simulated.meshes import read_mesh
     from sensing.simulated.turntable import extent
 
@@ -51,7 +52,9 @@ def looked(
     cloud = cloud_of(whole if painted is None else on_shown(painted, whole), diameter, kb.f_ref, DIRECTIONS)
     if not len(cloud.at):
         raise InputError(f"{kind.name}: no keypoint of it comes again from view to view: its texture is too plain for {options['detector']}")
-    say(f"{kind.name}: {len(cloud.at)} features, {len(cloud.feature)} appearances")
+    compounds, together, largest = compound_sizes(cloud)
+    groups = f", {together} of them in {compounds_text(compounds, largest)}" if compounds else ""
+    say(f"{kind.name}: {len(cloud.at)} features{groups}, {len(cloud.feature)} appearances")
     return cloud
 
 

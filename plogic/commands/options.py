@@ -29,6 +29,24 @@ class Number(click.FloatRange):
         return self.fail(f"{value} is no number", param, ctx) if math.isnan(number) else number
 
 
+KB = click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base; `towers` is shipped.")
+CAMERA = click.option("--camera", type=click.Path(), help="Camera file of an image: ours, ROS, OpenCV, BOP or COLMAP.")
+FIRST_READING = click.option("--reading", type=READINGS, default="score", show_default=True)
+RECONSIDER = click.option(
+    "--reconsider", type=MODES, default="to_B", show_default=True, help="How explained misses count (score reading)."
+)
+SMOOTHING = click.option(
+    "--smoothing",
+    type=Number(0.0, 0.5, max_open=True),
+    default=0.0,
+    show_default=True,
+    help="ε of the score program's choices.",
+)
+BEST_BY = click.option(
+    "--deadline",
+    type=Number(0.0, min_open=True),
+    help="Seconds; the best answer so far is marked unfinished (exit 3).",
+)
 DEADLINE = click.option(
     "--deadline",
     type=Number(0.0, min_open=True),

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from geometry.camera import Camera
     from kb.cloud import KnowledgeBase
     from plogic.stopwatch import Stopwatch
     from sensing.appearance import Gamma
@@ -83,7 +84,6 @@ def gamma_of(
     source: str, picture: NDArray[Any] | None, camera_file: str | None, kb: KnowledgeBase, clock: Stopwatch
 ) -> tuple[Gamma, NDArray[Any] | None]:
     """Γ from its file, or detected in the picture; types that the KB does not know are mistakes of a file."""
-    from sensing.detector import detect
     from sensing.gamma_files import read_gamma
 
     if picture is None:
@@ -96,10 +96,17 @@ def gamma_of(
         raise InputError(
             f"{camera_file}: the camera is {camera.width}x{camera.height}, but {source} is {width}x{height}"
         )
+    return detected(picture, camera, kb, clock), picture
+
+
+def detected(picture: NDArray[Any], camera: Camera, kb: KnowledgeBase, clock: Stopwatch) -> Gamma:
+    """Γ of a picture (H, W, 3), BGR, by all detectors that report a type of the KB. Raises InputError where none does."""
+    from sensing.detector import detect
+
     if not detectable(kb):
         raise InputError(f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types)}): give a Γ file instead")
     with clock.stage("detect"):
-        return detect(picture, camera, kb.sought, kb.words), picture
+        return detect(picture, camera, kb.sought, kb.words)
 
 
 def detectable(kb: KnowledgeBase) -> bool:

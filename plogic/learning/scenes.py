@@ -50,9 +50,13 @@ def record_of(folder: Path, kb: KnowledgeBase, perceive: Perceive) -> Record:
     truth = read_truth(folder / "truth.json")
     found = found_in(folder, kb)
     data = data_of(found.gamma.appearances, found.gamma.camera)
-    true = [(str(o.label), o.camera_from_object) for o in truth.objects if o.label in _names(kb) and o.visible_fraction > 0.0]
-    others = [] if truth.complete else _open(found, true, kb, perceive)
-    return _record(true, others, data, kb, truth)
+    others = [] if truth.complete else _open(found, _known(truth, kb), kb, perceive)
+    return record_in(truth, data, kb, others)
+
+
+def _known(truth: Truth, kb: KnowledgeBase) -> list[tuple[str, NDArray[np.float64]]]:
+    """(type, pose) of the true objects that the knowledge base knows and of which something is to be seen."""
+    return [(str(o.label), o.camera_from_object) for o in truth.objects if o.label in _names(kb) and o.visible_fraction > 0.0]
 
 
 def found_in(folder: Path, kb: KnowledgeBase) -> Found:
@@ -108,13 +112,9 @@ def _open(
     ]
 
 
-def _record(
-    true: Sequence[tuple[str, NDArray[np.float64]]],
-    others: Sequence[tuple[str, NDArray[np.float64]]],
-    data: Data,
-    kb: KnowledgeBase,
-    truth: Truth,
-) -> Record:
+def record_in(truth: Truth, data: Data, kb: KnowledgeBase, others: Sequence[tuple[str, NDArray[np.float64]]] = ()) -> Record:
+    """The record of one Γ; ``others``: (type, pose) of what was accepted where nobody knows what stands."""
+    true = _known(truth, kb)
     posed = [pose_of(kb.type(name), pose, data, kb) for name, pose in true]
     looked = [_looked(one, posed, data, kb) for one in posed]
     slots = [_slot(one, hidden, data, kb, present=True) for one, hidden in looked]
@@ -134,7 +134,7 @@ def _looked(one: Posed, posed: Sequence[Posed], data: Data, kb: KnowledgeBase) -
     for other in posed:
         if other is not one and other.object_type.opaque:
             hidden |= hidden_by(one, other)
-    types = [frozenset(a.type for a in f.appearances) for f in one.object_type.features]
+    types = [frozenset(a.type for a in f.appearances) for f in one.object_type.seen_features]
     found = matched(one, data, compatible(types, data.types), kb.rates.match_tolerance, hidden=hidden)
     return found, hidden
 
@@ -143,7 +143,8 @@ def _slot(one: Posed, hidden: NDArray[np.bool_], data: Data, kb: KnowledgeBase, 
     kind = one.object_type
     expected = np.flatnonzero(one.candidate & ~hidden)
     sightings = tuple(
-        Sighting(kind.features[f].type, near=bool(one.detected[f]), chance=_chance(kind.features[f].appearances, data, kb)) for f in expected
+        Sighting(seen.type, near=bool(one.detected[f]), chance=_chance(seen.appearances, data, kb))
+        for f, seen in ((f, kind.seen_features[f]) for f in expected)
     )
     return Slot(kind.name, present, sightings)
 
@@ -177,5 +178,3 @@ def scene_folders(paths: Sequence[str]) -> list[Path]:
             raise InputError(f"{name}: is no scene: a folder with truth.json (as `plogic simulate` writes), or a folder of such folders")
         found += inside
     return list(dict.fromkeys(found))
-
-

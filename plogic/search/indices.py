@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from plogic.inference.clock import unhurried
 from plogic.search import generate as by_hand
 from plogic.search.learnt import generate as learnt
 from plogic.search.learnt.index import LearntIndex, learnt_index
 from plogic.search.learnt.lexicon import Lexicon, lexicon_of
 from plogic.search.learnt.settle import settle as settle_learnt
-from plogic.search.oriented.generate import proposals
+from plogic.search.oriented.generate import LAID, Search
 from plogic.search.oriented.ready import ready
 from plogic.search.oriented.refinement import Noise
 from plogic.search.oriented.settle import settle as settle_oriented
@@ -21,7 +22,7 @@ from plogic.search.pairs import MOST_PAIRS
 from plogic.search.type_index import TypeIndex, type_index
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -54,12 +55,15 @@ def indices_of(kb: KnowledgeBase, dv: Mapping[str, float], folder: Path | None =
     return {t.name: known[t.name] if t.name in known else index_of(t, dv, lexicon) for t in kb.types if t.features}, shared
 
 
-def significant(index: Index) -> float:
-    """What a log-likelihood ratio must exceed, beyond what any pose has.
+def significant(index: Index, search: Search | None = None) -> float:
+    """What a log-likelihood ratio must exceed, beyond what any pose has: the best of so many tries is good by luck.
 
-    Of a type written by hand: the best of so many tries, the pairs of appearances, is good by luck. Of a learnt one that is counted already.
+    Of a type written by hand: the pairs of appearances; where it is searched for together with others: the votes that are laid onto Γ. Of a learnt
+    one that is counted already.
     """
-    return SURE if isinstance(index, LearntIndex) else log(MOST_PAIRS)
+    if isinstance(index, LearntIndex):
+        return SURE
+    return log(MOST_PAIRS if search is None else LAID)
 
 
 def generate(index: Index, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None, **most: int) -> list[tuple[float, Posed]]:
@@ -72,18 +76,29 @@ def generate(index: Index, data: Data, kb: KnowledgeBase, covered: NDArray[np.bo
     return by_hand.generate(index, data, kb, covered, **most)
 
 
+def search_of(shared: PairIndex | None, data: Data, kb: KnowledgeBase, check: Callable[[], None] = unhurried) -> Search | None:
+    """The search for all types of an index in one Γ; None where there is no such index, or no datum has an angle.
+
+    ``check`` is called between its stages, and may raise to end it.
+    """
+    if shared is None or kb.rates.sigma_angle is None or not np.isfinite(data.angle).any():
+        return None
+    return Search(shared, data, Noise(kb.rates.sigma, kb.rates.sigma_angle), check)
+
+
 def generate_together(
-    shared: PairIndex, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None
+    search: Search, data: Data, kb: KnowledgeBase, hidden_of: Callable[[Posed], NDArray[np.bool_]] | None = None
 ) -> dict[str, list[tuple[float, Posed]]]:
-    """By type, the poses that Γ suggests of all types at once, as ``generate`` gives them of one; nothing where no datum has an angle."""
-    if not np.isfinite(data.angle).any():
-        return {}
-    assert kb.rates.sigma_angle is not None  # noqa: S101 - else there is no such index
+    """By type, the poses that some data of Γ suggest of all types at once, as ``generate`` gives them of one.
+
+    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide.
+    """
+    shared = search.index
     poses: dict[str, list[NDArray[np.float64]]] = {index.object_type.name: [] for index in shared.indices}
-    for found in proposals(shared, data, Noise(kb.rates.sigma, kb.rates.sigma_angle)):
+    for found in search.proposals(data):
         poses[shared.indices[found.kind].object_type.name].append(found.pose)
     names = {index.object_type.name: index for index in shared.indices}
-    return {name: verified(index, poses[name], data, kb, covered) if poses[name] else [] for name, index in names.items()}
+    return {name: verified(index, poses[name], data, kb, hidden_of, search.check) if poses[name] else [] for name, index in names.items()}
 
 
 def settle(

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from kb.cloud import ObjectType
     from plogic.search.data import Data
 
+CELLS_TRIED = 24
+"""View cells whose rank is taken for the tie-break of attention."""
 ANCHORS = 16
 """Features that seeds and pairs are made of: the most distinctive ones."""
 
@@ -55,17 +57,25 @@ class TypeIndex:
         return np.array([feature.rotation[:, 0] for feature in self.object_type.features]).reshape(-1, 3)
 
     @cached_property
-    def heavier(self) -> tuple[NDArray[np.float32], tuple[str, ...]] | None:
-        """Where each feature has one appearance type: (F, F) which are of its type and as heavy or heavier, itself included, of equals the first,
-        and the types' names; else None.
-        """  # noqa: D205 - one table, one sentence
+    def neighbourhoods(self) -> NDArray[np.bool_]:
+        """(1 + C, F) all features, and what each of some view cells shows, evenly over the sphere."""
+        step = max(1, len(self.cells.visible) // CELLS_TRIED)
+        return np.concatenate([np.ones((1, len(self.weights)), bool), self.cells.visible[::step]])
+
+    @cached_property
+    def in_line(self) -> tuple[NDArray[np.intp], NDArray[np.float64], tuple[str, ...]] | None:
+        """Where each feature has one appearance type: (1 + C, F) the how many-th of its type it is in each neighbourhood, the heaviest the first.
+
+        Then (1 + C,) what each neighbourhood weighs, and (F,) the types' names; None where a feature looks like several types, or none.
+        """
         looks = [sorted({a.type for a in feature.appearances}) for feature in self.object_type.features]
         if any(len(names) != 1 for names in looks):
             return None
         flat = tuple(name for names in looks for name in names)
         codes = np.unique(np.array(flat), return_inverse=True)[1]
         place = np.argsort(np.argsort(-self.weights, kind="stable"), kind="stable")
-        return ((codes[:, None] == codes) & (place <= place[:, None])).astype(np.float32), flat
+        heavier = ((codes[:, None] == codes) & (place <= place[:, None])).astype(np.float32)
+        return (self.neighbourhoods.astype(np.float32) @ heavier.T).astype(np.intp), self.neighbourhoods @ self.weights, flat
 
     def allowed(self, data: Data) -> NDArray[np.bool_]:
         """(F, A) the data of a type that the feature has in any of its lobes."""

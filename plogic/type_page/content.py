@@ -33,10 +33,10 @@ def type_document(kb: KnowledgeBase, kind: ObjectType) -> dict[str, Any]:
     """The page's data of one type of the KB. The same KB gives the same data."""
     surface, notes = surface_document(kind)
     kept = chosen(kind)
-    if len(kept) < len(kind.features):
+    if len(kept) < len(kind.seen_features):
         notes.append(
-            f"It has {len(kind.features)} features with {len(kind.lobes.types)} lobes; {len(kept)} features, evenly chosen, are drawn and counted "
-            f"(at most {MOST_FEATURES}, with at most {MOST_LOBES} lobes)."
+            f"It has {len(kind.seen_features)} features with {len(kind.lobes.types)} lobes; {len(kept)} features, evenly chosen, are drawn and "
+            f"counted (at most {MOST_FEATURES}, with at most {MOST_LOBES} lobes)."
         )
     names = _names(kind)
     types = {name: i for i, name in enumerate(names)}
@@ -56,7 +56,7 @@ def type_document(kb: KnowledgeBase, kind: ObjectType) -> dict[str, Any]:
 
 def chosen(kind: ObjectType) -> NDArray[np.int64]:
     """Indices of the features that are drawn: all of them, or as many evenly chosen ones as stay within the limits."""
-    total = len(kind.features)
+    total = len(kind.seen_features)
     lobes = np.bincount(kind.lobes.feature, minlength=total)
     kept = np.arange(total)
     while len(kept) > MOST_FEATURES or lobes[kept].sum() > MOST_LOBES:
@@ -77,7 +77,7 @@ def _types(kb: KnowledgeBase, kind: ObjectType, names: Iterable[str]) -> Iterabl
 
 
 def _features(kind: ObjectType, kept: NDArray[np.int64], types: dict[str, int]) -> dict[str, Any]:
-    features = [kind.features[i] for i in kept]
+    features = [kind.seen_features[i] for i in kept]
     part = part_of_features(kind)
     return {
         "names": [feature.name for feature in features],
@@ -86,7 +86,7 @@ def _features(kind: ObjectType, kept: NDArray[np.int64], types: dict[str, int]) 
         "at": floats([feature.at for feature in features]),
         "sigma": floats(kind.learnt.sigma[kept]) if kind.learnt is not None else None,
         "sides": None if kind.learnt is None else _sides(kind.learnt, kept),
-        "of": len(kind.features),
+        "of": len(kind.seen_features),
     }
 
 

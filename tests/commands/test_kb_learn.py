@@ -78,6 +78,22 @@ def test_the_cloud_and_its_words_are_in_the_folder(learnt):
     assert "no mistakes" in good("kb", "check", folder)
 
 
+def test_compounds_are_formed_told_and_kept(learnt):
+    folder, done = learnt
+    kind = read_kb(folder).type("cube")
+    cloud, groups = kind.learnt, [np.flatnonzero(kind.learnt.compound == c) for c in range(1, kind.learnt.compounds + 1)]
+    assert len(groups) > 50
+    for group in groups:
+        assert np.ptp(cloud.sided[np.isin(cloud.feature, group)].astype(int)) == 0  # keypoints, or sides of edges
+        assert np.linalg.norm(cloud.at[group] - cloud.at[group[0]], axis=1).max() < 0.01
+    assert len(kind.features) == len(cloud.at) - sum(map(len, groups)) + len(groups)
+    told = f"{sum(map(len, groups))} of them in {len(groups)} compounds of 2"
+    assert told in done.stderr
+    assert told in good("kb", "check", folder)
+    assert told in good("kb", "show", folder)
+    assert "compounds" in done.stdout
+
+
 def test_the_picture_of_it_is_recognised(learnt, tmp_path):
     truth = pose_towards((1.0, -0.8, 0.7), 0.6, 0.5, (0.02, 0.01))
     cv2.imwrite(str(tmp_path / "seen.png"), picture([truth]))

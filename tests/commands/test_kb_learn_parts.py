@@ -50,7 +50,7 @@ def test_the_pieces_are_parts_and_have_their_features(learnt):
     folder, added, _ = learnt
     assert "parts: 2 pieces, a part each in object.yaml" in added
     (kind,) = read_kb(folder).types
-    heads = np.array([f.name.rpartition("/")[0] for f in kind.features])
+    heads = np.array([f.name.split("/")[0] for f in kind.seen_features])
     assert set(heads) == {"lower", "upper"}
     assert (np.where(kind.learnt.at[:, 2] < 0.06, "lower", "upper") == heads).all()
     assert "object upper at [0, 0, 0.12], " in good("kb", "show", folder, "twins")

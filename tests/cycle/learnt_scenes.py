@@ -12,7 +12,7 @@ from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, inverse, transform_points
 from kb.cloud import KnowledgeBase, ObjectType, Rates
 from kb.learning.sides import LOOKS, VARIED
-from kb.learnt_reading import learnt_features, learnt_lobes
+from kb.learnt_reading import learnt_features, learnt_lobes, with_compounds
 from plogic.search.angles import screen_angle
 from plogic.search.data import data_of
 from plogic.search.indices import index_of
@@ -40,9 +40,9 @@ def ready(cloud=None, surface=None, name="thing", words=None):
     """The only type of a knowledge base."""
     cloud = random_cloud() if cloud is None else cloud
     words = words or random_words(width=cloud.descriptor.shape[1])
-    features = learnt_features(cloud, words)
-    arrays = {"symmetries": np.eye(4)[None], "learnt": cloud, "learnt_lobes": learnt_lobes(cloud, words)}
-    kind = ObjectType(name, nx.DiGraph(), features, features, surface, opaque=True, **arrays)
+    seen = learnt_features(cloud, words)
+    arrays = {"symmetries": np.eye(4)[None], "learnt": cloud, "learnt_lobes": learnt_lobes(cloud, words), "learnt_features": seen}
+    kind = ObjectType(name, nx.DiGraph(), *with_compounds(seen, cloud, words), surface, opaque=True, **arrays)
     kb = KnowledgeBase("some", (kind,), words.names, Rates({}, {}, {}), 600.0, "", "", words=words)
     return Ready(kb, kind, index_of(kind, dict.fromkeys(words.names, 0.5)))
 

@@ -69,10 +69,11 @@ def test_chance_is_in_proportion_to_clutter():
 def test_counting_is_the_best_matching_where_features_have_one_appearance_type_each(seed):
     rng = np.random.default_rng(seed)
     kind = random_types(1, 12, 5, rng).types[0]
-    index = replace(type_index(kind, dict.fromkeys(type_names(5), 1.0)), weights=rng.choice([0.0, 0.2, 0.2, 1.0], 12))
+    index = type_index(kind, dict.fromkeys(type_names(5), 1.0))
     shown = rng.random((20, 12)) < 0.6
+    index = replace(index, weights=rng.choice([0.0, 0.2, 0.2, 1.0], 12), cells=replace(index.cells, visible=shown))
     there = rng.choice(type_names(5), 6).tolist()
     looks = [frozenset(a.type for a in feature.appearances) for feature in kind.features]
     allowed = compatible(looks, there)
-    best = [rank(index.weights[row], allowed[row]) for row in shown]
-    assert attention._counted(index, shown, Counter(there)) == pytest.approx(best, abs=1e-9)
+    best = [rank(index.weights[row], allowed[row]) for row in [np.ones(12, bool), *shown]]
+    assert attention._counted(index, Counter(there)) == pytest.approx(best, abs=1e-9)

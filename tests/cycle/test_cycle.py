@@ -23,8 +23,9 @@ from synthetic import (
 )
 
 from geometry.frames import look_at
-from plogic import cycle as cycle_module
+from plogic import anytime
 from plogic.attention import attend
+from plogic.belief import considered
 from plogic.cycle import FEWEST
 from plogic.delta import Options
 from plogic.expectation import hidden_by
@@ -242,11 +243,11 @@ def test_a_deadline_that_is_past_stops_at_once_and_is_marked(apart):
 
 
 def test_a_deadline_in_the_first_round_keeps_what_was_found(apart, monkeypatch):
-    """A clock of our own, one tick a look: there is time for the first type of the first round, and no more."""
+    """A clock of our own, one tick a look: there is time to search for the first type of the first round and to make its best stable, and no more."""
     shot, _ = apart[0]
     ticks = count()
-    monkeypatch.setattr(cycle_module, "monotonic", lambda: float(next(ticks)))
-    run = perception(shot.gamma, end=2.0)
+    monkeypatch.setattr(anytime, "monotonic", lambda: float(next(ticks)))
+    run = perception(shot.gamma, end=4.0)
     attention = attend_to(shot.gamma)
     cycle = run.run(attention)
     assert run.unfinished
@@ -272,7 +273,7 @@ def test_near_duplicates_of_what_is_considered_are_merged(apart):
     nearly[0, 3] += 0.01
     twin = replace(cycle.accepted[0], posed=replace(cycle.accepted[0].posed, camera_from_object=nearly), status="rival")
     run.rivals = [twin, twin]
-    assert run._considered() == []
+    assert considered(run.rivals, run.accepted) == []
 
 
 def test_rivals_that_differ_are_kept_once_each(apart):
@@ -283,7 +284,7 @@ def test_rivals_that_differ_are_kept_once_each(apart):
     away[0, 3] += 1.5
     other = replace(cycle.accepted[0], posed=replace(cycle.accepted[0].posed, camera_from_object=away), status="rival")
     run.rivals = [other, other, other]
-    assert run._considered() == [other]
+    assert considered(run.rivals, run.accepted) == [other]
 
 
 @pytest.mark.parametrize("place", ["in view", "out of view"])

@@ -7,8 +7,9 @@ import pytest
 from synthetic import CAMERA, belief_at, camera_pose, cycle_of, data, one_before_the_other, posed_at, scene, side_by_side, towers
 
 from plogic.delta import Options, delta_of
-from plogic.evidence import FIXED_BY, clutter_density, density, evidence, hit_rates
+from plogic.evidence import FIXED_BY, clutter_density, density, evidence, hit_rates, sigmas
 from plogic.expectation import hidden_by
+from plogic.freedom import log_share
 from plogic.perceive import Perceiver
 from plogic.search.data import data_of
 from plogic.worlds import ranked_worlds
@@ -96,7 +97,7 @@ def test_an_empty_gamma_gives_penalties_only():
 
 @pytest.mark.parametrize("stand", [side_by_side, one_before_the_other])
 def test_the_posteriors_log_odds_are_prior_plus_evidence(stand):
-    """One claimant, nothing else in the world: the cycle's ratio and the posterior's are one number."""
+    """One claimant, nothing else in the world: the cycle's ratio and the share of poses that fit; no less than misses."""
     rng = np.random.default_rng(7102)
     shot = scene(rng, {"t1": stand(rng)["t1"]}, hit=0.5, patch_hit=0.15, clutter=3)
     of, ready = data(shot), Perceiver(towers())
@@ -107,8 +108,11 @@ def test_the_posteriors_log_odds_are_prior_plus_evidence(stand):
     p = ranked_worlds(situation).marginals["h1"]
     prior = towers().rates.prior["t1"]
     ratio = evidence(posed, of, towers()).ratio
-    assert abs(ratio) < 25.0, "a ratio that doubles can tell from certainty"
-    assert log(p / (1 - p)) == pytest.approx(log(prior / (1 - prior)) + ratio, abs=1e-3)
+    found = posed.candidate & posed.detected
+    share = log_share(posed.at[found], sigmas(posed, towers())[found] ** -2.0, posed.middle, of.camera)
+    least = float(np.log(1 - hit_rates(posed, towers()))[posed.candidate].sum())
+    assert abs(ratio + share) < 60.0, "a ratio that doubles can tell from certainty"
+    assert log(p / (1 - p)) == pytest.approx(log(prior / (1 - prior)) + max(ratio + share, least), abs=1e-3)
 
 
 def test_an_occluder_waives_exactly_the_hidden_misses():

@@ -138,7 +138,7 @@ def test_a_learnt_cloud_as_features_and_lobes_of_its_type():
 def test_clutter_of_words_adds_up_and_the_common_word_has_more():
     class Kind:
         learnt = object()
-        features = learnt_features(random_cloud(6, 6, 6, word=[0, 0, 0, 1, 1, 2]), random_words())
+        seen_features = learnt_features(random_cloud(6, 6, 6, word=[0, 0, 0, 1, 1, 2]), random_words())
 
     rates = word_clutter([Kind()], random_words().names)
     assert sum(rates.values()) == pytest.approx(KEYPOINTS)

@@ -9,4 +9,4 @@ from plogic.program.author import load_problog
 
 load_problog()
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), *(str(HERE.parent / folder) for folder in ("plogic_program", "factors", "programs_engine"))]
+sys.path[:0] = [str(HERE), *(str(HERE.parent / folder) for folder in ("plogic_program", "factors", "programs_engine", "cycle"))]

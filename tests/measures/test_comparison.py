@@ -24,6 +24,7 @@ from synthetic import (
     towers,
 )
 
+from plogic.belief import considered
 from plogic.delta import Options, delta_of
 from plogic.expectation import hidden_by, matched, pose_of
 from plogic.measures.distinctiveness import distinctiveness, distinctiveness_over_delta, instance_counts
@@ -246,7 +247,7 @@ def test_duplicates_of_a_hypothesis_change_no_types_presence(reading, stand):
     run = perception(shot.gamma)
     run.accepted = list(cycle.accepted)
     run.rivals = [replace(b, posed=posed_at(b.posed.object_type.name, nudged(b.posed), of), status="rival") for b in cycle.accepted for _ in range(3)]
-    twice = replace(cycle, considered=tuple(run._considered()))
+    twice = replace(cycle, considered=tuple(considered(run.rivals, run.accepted)))
     before, after = (presence(c, of, reading) for c in (cycle, twice))
     assert before.keys() == {"t1", "t2"}
     assert after == pytest.approx(before, abs=1e-12)

@@ -15,8 +15,8 @@ from plogic.bench.clutter_types import Detector, knowledge_base, made, random_ty
 from plogic.bench.recognition_score import Found, errors_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.search.data import data_of
-from plogic.search.indices import indices_of
-from plogic.search.oriented.generate import proposals
+from plogic.search.indices import generate_together, indices_of, search_of
+from plogic.search.oriented.generate import Search
 from plogic.search.oriented.pair_index import pair_index
 from plogic.search.oriented.refinement import Noise
 from plogic.search.view_cells import DISTANCE
@@ -56,7 +56,12 @@ class Ready:
 
     def proposals(self, data):
         """The best poses of all types."""
-        return proposals(self.shared, data, self.noise)
+        return Search(self.shared, data, self.noise).proposals(data)
+
+    def together(self, data, hidden_of=None):
+        """By type the hypotheses of all types, as the cycle asks for them; {} where they are not searched for together."""
+        search = search_of(self.shared, data, self.kb)
+        return {} if search is None else generate_together(search, data, self.kb, hidden_of)
 
 
 def told_angles(kb, detector):

@@ -1,5 +1,6 @@
 """The index of pairs of neighbours: all pairs one by one are the oracle."""
 
+from collections import Counter
 from functools import cache
 
 import numpy as np
@@ -8,19 +9,31 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oriented_scenes import clouds
 
-from plogic.search.oriented.pair_index import BINS, NEIGHBOURS, pair_index
+from plogic.search.angles import wrapped
+from plogic.search.oriented.pair_index import BINS, FINE, NEIGHBOURS, SHORTEST, STEP, pair_index, said
 
 SMALL = {"count": 3, "features": 40, "looks": 6, "seed": 4}
 """So many features that a cell shows more than eight, and so few looks that pairs of equal ones are common."""
 
 
-def part(angle):
-    return int(np.floor((angle % (2.0 * np.pi)) / (2.0 * np.pi) * BINS)) % BINS
+ANY = np.pi
+"""Tolerance that leaves it to the parts of the circle."""
+
+
+def part(angle, parts=BINS):
+    return int(np.floor((angle % (2.0 * np.pi)) / (2.0 * np.pi) * parts)) % parts
+
+
+def told(kind, cell, ends, diameter):
+    """Type, cell, direction, length and the first's place, in the index's steps."""
+    (x, y), (dx, dy) = ends[0] / diameter, ends[1] - ends[0]
+    length = np.log(np.hypot(dx, dy) / diameter / SHORTEST) / STEP
+    return kind, cell, part(np.arctan2(dy, dx), FINE), round(float(length)), round(127.0 * x), round(127.0 * y)
 
 
 @cache
 def all_pairs():
-    """(looks, parts of the angles, (kind, cell, first, second)) of all neighbours in all cells: equal looks both ways round."""
+    """(looks, parts of the angles, what is said, the angles) of all neighbours in all cells: equal looks both ways round."""
     sights, found = clouds(**SMALL).shared.sights, []
     for kind, cell in np.ndindex(*sights.looks.shape[:2]):
         some = np.flatnonzero(sights.looks[kind, cell] >= 0)
@@ -33,12 +46,13 @@ def all_pairs():
                 dx, dy = xy[j] - xy[i]
                 line = np.arctan2(dy, dx)
                 key = (int(looks[i]), int(looks[j])), (part(angle[i] - line), part(angle[j] - line))
-                found.append((*key, (kind, cell, int(i), int(j)), (angle[i] - line, angle[j] - line)))
+                says = told(kind, cell, (xy[i], xy[j]), sights.diameter[kind])
+                found.append((*key, says, (angle[i] - line, angle[j] - line)))
     return found
 
 
 def beside(one, other):
-    return (one - other + 1) % BINS <= 2
+    return (one - other + 2) % BINS <= 4
 
 
 def asked(looks, angles):
@@ -49,14 +63,16 @@ def asked(looks, angles):
 
 def found(index, looks, angles):
     """What the index finds for one query, as the oracle tells it."""
-    query, entry = index.found(tuple(np.array([x]) for x in looks), tuple(np.array([x], float) for x in angles))
+    query, entry = index.found(tuple(np.array([x]) for x in looks), tuple(np.array([x], float) for x in angles), ANY)
     assert (query == 0).all()
-    return rows_of(index, entry)
+    return rows_of(entry)
 
 
-def rows_of(index, entry):
-    columns = (index.kind, index.cell, index.first, index.second)
-    return sorted(tuple(map(int, row)) for row in zip(*(column[entry] for column in columns), strict=True))
+def rows_of(entry):
+    """What is said, in the index's steps."""
+    says = said(entry)
+    steps = np.floor(says.line / (2.0 * np.pi) * FINE), np.rint(np.log(says.length / SHORTEST) / STEP), *np.rint(127.0 * says.place.T)
+    return sorted(tuple(map(int, row)) for row in zip(says.kind, says.cell, *steps, strict=True))
 
 
 LOOKS = st.tuples(st.integers(0, 5), st.integers(0, 5)).map(lambda pair: tuple(sorted(pair)))
@@ -77,8 +93,8 @@ def test_every_pair_is_found_by_its_own_looks_and_angles():
     index, some = clouds(**SMALL).shared, all_pairs()[:: max(1, len(all_pairs()) // 300)]
     looks = tuple(np.array([row[0][side] for row in some]) for side in (0, 1))
     angles = tuple(np.array([row[3][side] for row in some]) for side in (0, 1))
-    query, entry = index.found(looks, angles)
-    told = {(int(q), row) for q, e in zip(query, entry, strict=True) for row in rows_of(index, np.array([e]))}
+    query, entry = index.found(looks, angles, ANY)
+    told = {(int(q), row) for q, e in zip(query, entry, strict=True) for row in rows_of(np.array([e]))}
     assert all((n, row[2]) in told for n, row in enumerate(some))
     assert len(some) >= 300
 
@@ -95,19 +111,32 @@ def test_pairs_of_equal_looks_come_both_ways_round():
     index = clouds(**SMALL).shared
     same = [row for row in all_pairs() if row[0][0] == row[0][1]][::200]
     assert len(same) > 5
-    for looks, _, (kind, cell, first, second), (one, other) in same:
-        there = (kind, cell, first, second) in found(index, looks, (one, other))
-        back = (kind, cell, second, first) in found(index, looks, (other + np.pi, one + np.pi))
-        assert (there, back) == (True, True)
+    for looks, _, row, (one, other) in same:
+        kind, cell, line, length, *_ = row
+        back = {(k, c, way, far) for k, c, way, far, *_ in found(index, looks, (other + np.pi, one + np.pi))}
+        assert row in found(index, looks, (one, other))
+        assert (kind, cell, (line + FINE // 2) % FINE, length) in back
+
+
+@settings(max_examples=20, deadline=None, derandomize=True)
+@given(LOOKS, st.tuples(TURN, TURN), st.sampled_from([5.0, 10.0, 20.0]))
+def test_what_is_further_off_than_the_tolerance_is_not_found(looks, angles, degrees):
+    """To the fineness with which an entry tells its angles."""
+    index, step = clouds(**SMALL).shared, 2.0 * np.pi / FINE
+    query = tuple(np.array([x]) for x in looks), tuple(np.array([x]) for x in angles)
+    got = Counter(rows_of(index.found(*query, np.radians(degrees))[1]))
+    off = [(row, max(abs(wrapped(np.array(a) - b)) for a, b in zip(own, angles, strict=True))) for pair, _, row, own in all_pairs() if pair == looks]
+    assert got <= Counter(row for row, far in off if far <= np.radians(degrees) + step)
+    assert got >= Counter(row for row, far in off if far <= np.radians(degrees) - step)
 
 
 def test_many_queries_are_as_many_single_ones():
     index, rng = clouds(**SMALL).shared, np.random.default_rng(3)
     looks = np.sort(rng.integers(0, 6, (40, 2)), axis=1)
     angles = rng.uniform(-np.pi, np.pi, (40, 2))
-    query, entry = index.found(tuple(looks.T), tuple(angles.T))
+    query, entry = index.found(tuple(looks.T), tuple(angles.T), ANY)
     for q in range(40):
-        assert rows_of(index, entry[query == q]) == found(index, looks[q], angles[q])
+        assert rows_of(entry[query == q]) == found(index, looks[q], angles[q])
     assert len(entry) > 100
 
 
@@ -115,9 +144,9 @@ def test_where_too_much_is_found_the_commonest_are_left_out():
     """Each query is answered wholly or not at all, and none that is left out finds less than one that is not."""
     index, rng = clouds(**SMALL).shared, np.random.default_rng(5)
     looks, angles = tuple(np.sort(rng.integers(0, 6, (60, 2)), axis=1).T), tuple(rng.uniform(-np.pi, np.pi, (2, 60)))
-    whole = np.bincount(index.found(looks, angles)[0], minlength=60)
+    whole = np.bincount(index.found(looks, angles, ANY)[0], minlength=60)
     most = int(whole.sum()) // 3
-    some = np.bincount(index.found(looks, angles, most)[0], minlength=60)
+    some = np.bincount(index.found(looks, angles, ANY, most)[0], minlength=60)
     kept = some > 0
     assert np.array_equal(some[kept], whole[kept])
     assert 0 < some.sum() <= most
@@ -127,7 +156,7 @@ def test_where_too_much_is_found_the_commonest_are_left_out():
 
 def test_asked_nothing_it_finds_nothing():
     nobody, nothing = np.zeros(0, np.intp), np.zeros(0)
-    query, entry = clouds(**SMALL).shared.found((nobody, nobody), (nothing, nothing))
+    query, entry = clouds(**SMALL).shared.found((nobody, nobody), (nothing, nothing), ANY)
     assert query.shape == entry.shape == (0,)
 
 
@@ -152,7 +181,6 @@ def test_types_of_one_or_two_features(features):
     looks = [(a, b) for a in range(3) for b in range(a, 3)]
     rows = [row for pair in looks for turn in np.arange(0.1, 6.3, 0.3) for row in found(index, pair, (turn, turn + 1.0))]
     assert features == 2 or not rows
-    assert all(first != second for _, _, first, second in rows)
 
 
 def test_its_tables_are_the_types_own():

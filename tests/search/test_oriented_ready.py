@@ -7,7 +7,7 @@ from oriented_scenes import HARD, a_trial, clouds
 from plogic.delta import Options
 from plogic.perceive import Perceiver
 from plogic.search.oriented import ready as under_test
-from plogic.search.oriented.generate import proposals
+from plogic.search.oriented.generate import Search
 from plogic.search.oriented.ready import MANY, ready
 from plogic.stopwatch import Stopwatch
 
@@ -29,7 +29,7 @@ def test_what_comes_from_the_files_is_what_was_made(tmp_path):
     assert isinstance(second.key, np.memmap)
     assert not isinstance(first.key, np.memmap)
     assert not second.key.flags.writeable
-    for name in ("key", "kind", "cell", "first", "second"):
+    for name in ("key", "entry", "turned"):
         assert np.array_equal(getattr(first, name), getattr(second, name))
     for name in ("feature", "looks", "xy", "angle", "diameter"):
         assert np.array_equal(getattr(first.sights, name), getattr(second.sights, name))
@@ -39,7 +39,7 @@ def test_what_comes_from_the_files_is_what_was_made(tmp_path):
     some = clouds(**LITTLE)
     for seed in range(3):
         data = a_trial(some, seed)[2]
-        answers = [proposals(index, data, some.noise) for index in (first, second)]
+        answers = [Search(index, data, some.noise).proposals(data) for index in (first, second)]
         assert len(answers[0]) == len(answers[1])
         assert all(a.kind == b.kind and np.array_equal(a.pose, b.pose) for a, b in zip(*answers, strict=True))
 

@@ -117,7 +117,7 @@ def test_a_huge_cloud_is_thinned_evenly_and_says_so(tmp_path):
 
 def test_a_feature_with_more_lobes_than_can_be_drawn_ends():
     lobes = type("Table", (), {"feature": np.zeros(MOST_LOBES + 1, int)})
-    assert list(chosen(type("Kind", (), {"features": (None,), "lobes": lobes}))) == []
+    assert list(chosen(type("Kind", (), {"seen_features": (None,), "lobes": lobes}))) == []
 
 
 def test_the_limits_together_stay_small():

@@ -102,7 +102,7 @@ function countCases(rows) {
   put('cases', CASES.map(([letter, expected, detected, name, means]) => {
     const mine = rows.filter((r) => r.letter === letter), sides = expected ? mine.filter((r) => isSide(r.f)).length : 0;
     return el('div', {'data-case': letter}, crowded ? dotIcon(letter) : icon(glyph(expected, detected, MUTED)), el('dt', null, tag('id', letter), ' ' + name),
-      el('dd', null, String(mine.reduce((n, r) => n + (r.f.stands_for || 1), 0))),
+      el('dd', null, String(mine.reduce((n, r) => n + (r.f.stands_for ?? 1), 0))),
       el('small', null, means, sides ? el('span', {class: 'sides', 'data-sides': letter}, sideIcon(detected ? Math.PI / 2 : null), plural(sides, SIDE, 'sides of edges')) : null));
   }));
 }

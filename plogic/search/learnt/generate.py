@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.refine import refine_poses
 from plogic.evidence import evidence
 from plogic.search.alike import apart, distinct, same_place
-from plogic.search.learnt.agreement import agreement, held_by, votes
+from plogic.search.learnt.agreement import agreement, votes
 from plogic.search.learnt.pairs import SEEDS, pairs_of
+from plogic.search.learnt.refinement import ROUNDS, held_at, refined
 from plogic.search.learnt.settle import settle
-from plogic.search.learnt.side_fit import side_fit
-from plogic.search.learnt.single import plausible, single_poses
+from plogic.search.learnt.single import single_poses
 from plogic.search.settling import FEWEST
 
 if TYPE_CHECKING:
@@ -22,48 +21,34 @@ if TYPE_CHECKING:
     from kb.cloud import KnowledgeBase
     from plogic.expectation import Posed
     from plogic.search.data import Data
-    from plogic.search.learnt.agreement import Held
     from plogic.search.learnt.index import LearntIndex
     from plogic.search.learnt.pairs import Pairs
-    from plogic.search.learnt.side_fit import SideFit
 
     Floats = NDArray[np.float64]
 
 VOTE = (0.12, 3.0)
 """Share of the diameter, and pixels, within which places agree in the vote: a single pair's pose is coarse."""
-TIGHTER = ((0.12, 3.0), (0.05, 3.0), (0.015, 2.5), (0.0, 3.0))
-"""The same in each round of refinement."""
 REFINED, VERIFIED = 150, 5
 """Poses whose sides are looked at, the best by votes and no two alike; and those that are settled, the best that refinement comes to."""
 APART, TURNED = 0.12, 0.35
 """Two poses are alike whose middles are nearer than this share of the distance and whose rotations differ by less, radians."""
 HOPELESS = -20.0
 """Poses that explain less than this beyond chance as they are, before they are settled, are given up, to save time."""
-SIDE_REACHES = (12.0, 7.0, 4.0, 3.0)
-"""Pixels across its edge within which a side agrees, in each round."""
-SIDES = (20, 30, 40, 60)
-"""Sides of each pose that are looked for, in each round, the surest."""
-KEPT = (40, 12, 6, 5)
-"""Poses that go on, in each round, the best by what agrees."""
-SIDES_A_PAIR, SIDE_WEIGHT = 4.0, 0.3
-"""Sides that are as good as one pair to hold a pose, and how much each counts against a pair in its refinement."""
-PAIR_WORTH, SIDE_WORTH = 4.0, 0.35
-"""About how much a pair, and a unit of the worth of sides, says of a pose (logarithm of a likelihood ratio), where poses are put in order."""
 TILTED = 4.0
 """Poses of less worth are not tried with their other tilt."""
 WORTHLESS = 12.0
 """Poses of less worth are given up before they are settled: few right ones, and most of the wrong ones (``benchmarks/learnt_spreads.py``)."""
-STEPS = 4
-"""Steps of a round of refinement: the next round goes on from there."""
-ROBUST = 2.0
-"""Pixels beyond which a pair weighs less."""
 
 
 def generate(index: LearntIndex, data: Data, kb: KnowledgeBase, *, refined: int = REFINED, verified: int = VERIFIED) -> list[tuple[float, Posed]]:
     """The settled poses with their log-likelihood ratios, best first; ``refined``, ``verified``: how many poses go that far."""
     thin = verified <= VERIFIED
     poses, worth = proposed(index, data, kb, refined, verified, thin=thin)
-    best = poses[worth >= WORTHLESS] if thin else poses
+    return settled_best(index, poses[worth >= WORTHLESS] if thin else poses, data, kb, verified)
+
+
+def settled_best(index: LearntIndex, best: Floats, data: Data, kb: KnowledgeBase, verified: int) -> list[tuple[float, Posed]]:
+    """Of refined poses (N, 4, 4), best first, the first ``verified`` that are apart, settled, with their log-likelihood ratios, best first."""
     seen = [settle(index, pose, data, kb, rounds=0) for pose in distinct_poses(index, best, verified)]
     hopeful = [posed for posed in seen if _enough(posed) and evidence(posed, data, kb).surplus > HOPELESS]
     settled = [settle(index, posed, data, kb, rounds=2) for posed in hopeful]
@@ -72,9 +57,9 @@ def generate(index: LearntIndex, data: Data, kb: KnowledgeBase, *, refined: int 
 
 
 def proposed(
-    index: LearntIndex, data: Data, kb: KnowledgeBase, refined: int = REFINED, tried: int = VERIFIED, *, thin: bool = True
+    index: LearntIndex, data: Data, kb: KnowledgeBase, most: int = REFINED, tried: int = VERIFIED, *, thin: bool = True
 ) -> tuple[Floats, Floats]:
-    """Poses (N, 4, 4), refined but not settled, with their worth (N,), best first.
+    """Poses (N, 4, 4), refined but not settled, with their worth (N,), best first; ``most``: so many are.
 
     ``tried``: so many are tried with their other tilt; ``thin``: only the hopeful ones are, and ever fewer poses are refined.
     """
@@ -85,11 +70,11 @@ def proposed(
         return nothing
     worth = votes(agreement(index, poses, pairs, data, *VOTE), pairs)
     granularity = data.camera.f / kb.f_ref
-    best, worth = _refined(index, poses[_apart(index, poses, worth, refined)], pairs, data, granularity, thin=thin)
+    best, worth = refined(index, poses[_apart(index, poses, worth, most)], pairs, data, granularity, thin=thin)
     if not len(best):
         return nothing
     some = best[:tried][worth[:tried] >= TILTED] if thin else best
-    other, its = _refined(index, tilted(index, some, pairs, data), pairs, data, granularity, thin=thin)
+    other, its = refined(index, tilted(index, some, pairs, data), pairs, data, granularity, thin=thin)
     best, worth = np.concatenate([best, other]), np.concatenate([worth, its])
     order = np.argsort(-worth, kind="stable")
     return best[order], worth[order]
@@ -104,52 +89,12 @@ def _apart(index: LearntIndex, poses: Floats, worth: Floats, most: int) -> list[
     return apart(poses, poses[:, :3, :3] @ index.centre + poses[:, :3, 3], worth, most, (TURNED, APART))
 
 
-def _refined(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, granularity: float, *, thin: bool = True) -> tuple[Floats, Floats]:
-    """Refined on the pairs and the sides of edges that agree, ever more tightly, best first, with their worth; those with too few are dropped.
-
-    ``thin``: ever fewer go on, the best.
-    """
-    for (share, pixels), reach, sure, most in zip(TIGHTER, SIDE_REACHES, SIDES, KEPT, strict=True):
-        held = _held(index, poses, pairs, data, share, pixels)
-        sides = side_fit(index, poses, data, granularity, reach, sure)
-        count = np.bincount(held.pose, minlength=len(poses))
-        enough = (count > 0) & (count + (sides.weight > 0.0).sum(axis=1) / SIDES_A_PAIR >= FEWEST)
-        some = np.flatnonzero(enough)
-        some = some[np.argsort(-_worth(held, sides)[some], kind="stable")[: most if thin else None]]
-        if not len(some):
-            return poses[some], np.zeros(0)
-        slot = np.arange(len(held.pose)) - np.searchsorted(held.pose, held.pose)
-        which, used = np.zeros((len(poses), count.max()), np.intp), np.zeros((len(poses), count.max()))
-        which[held.pose, slot], used[held.pose, slot] = held.pair, held.weight
-        which = which[some]
-        both = (
-            np.concatenate([index.places[pairs.lobe[which]], sides.points[some]], axis=1),
-            np.concatenate([data.uv[pairs.datum[which]], sides.uv[some]], axis=1),
-            np.concatenate([used[some], sides.weight[some] * SIDE_WEIGHT], axis=1),
-        )
-        across = np.concatenate([np.full((*which.shape, 2), np.nan), sides.across[some]], axis=1)
-        poses = np.asarray(refine_poses(poses[some], *both, data.camera, STEPS, huber=ROBUST, across=across)[0])
-        poses = poses[plausible(index, poses)]
-    worth = _worth(_held(index, poses, pairs, data, *TIGHTER[-1]), side_fit(index, poses, data, granularity, SIDE_REACHES[-1], SIDES[-1]))
-    order = np.argsort(-worth, kind="stable")
-    return poses[order], worth[order]
-
-
-def _worth(held: Held, sides: SideFit) -> Floats:
-    """(H,) what pairs and sides say of poses."""
-    return np.asarray(PAIR_WORTH * held.sums(len(sides.worth)) + SIDE_WORTH * sides.worth)
-
-
-def _held(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share: float, pixels: float) -> Held:
-    return held_by(agreement(index, poses, pairs, data, share, pixels), pairs, index.cloud.feature[pairs.lobe])
-
-
 def tilted(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Floats:
     """(H, 4, 4) the other pose of each that shows a flat side nearly alike: the side, mirrored in depth, and turned proper by its normal.
 
     From afar a plane's tilt is known up to this (two branches of planar POSIT, §6.1); which of them holds, perspective and lobes decide.
     """
-    held, places = _held(index, poses, pairs, data, *TIGHTER[-2]), index.places[pairs.lobe]
+    held, places = held_at(index, poses, pairs, data, ROUNDS[-2]), index.places[pairs.lobe]
     normals, little = index.cloud.normal[index.cloud.feature[pairs.lobe]], 1e-9  # a pose that nothing holds is turned about the middle of all
     total = held.sums(len(poses))[:, None] + little
     normal, own = ((held.sums(len(poses), rows) + little * rows.mean(axis=0)) / total for rows in (normals, places))

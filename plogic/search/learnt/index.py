@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.resting import resting_faces
 from kb.words import POINT, SIDE
 from plogic.search.learnt.lexicon import Lexicon, lexicon_of
 from plogic.search.learnt.lobes import Lobes, lobes_of
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from geometry.resting import RestingFaces
     from kb.cloud import ObjectType
     from kb.learnt import LearntCloud
 
@@ -85,6 +87,17 @@ class LearntIndex:
         surface = self.object_type.surface
         middle = surface.centre if surface is not None else (self.points.min(axis=0) + self.points.max(axis=0)) / 2.0
         return np.asarray(middle, float)
+
+    @cached_property
+    def resting(self) -> RestingFaces:
+        """The faces that it can stand on; a type without a surface has none."""
+        surface = self.object_type.surface
+        return resting_faces(surface.vertices if surface is not None else np.zeros((0, 3)))
+
+    @cached_property
+    def inner_radius(self) -> float:
+        """Metres from ``centre`` to the nearest face that it can stand on, 0 without one; the face nearest to the middle of mass is such."""
+        return float(max(0.0, (self.resting.reach - self.resting.down @ self.centre).min())) if len(self.resting.reach) else 0.0
 
     @cached_property
     def diameter(self) -> float:

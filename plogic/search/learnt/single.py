@@ -23,10 +23,28 @@ NEAREST, FARTHEST = 0.6, 40.0
 
 def single_poses(index: LearntIndex, pairs: Pairs, data: Data) -> Floats:
     """(N, 4, 4) camera_from_object of those of the P pairs that place the object before the camera, N ≤ P."""
-    cloud, f = index.cloud, data.camera.f
-    ideal, angle, scale = data.ideal[pairs.datum], data.angle[pairs.datum], data.scale[pairs.datum]
-    rays = np.column_stack([(ideal - centre_of(data.camera)) / f, np.ones(len(ideal))])
-    at = rays * (cloud.size[pairs.lobe] * f / scale)[:, None]
+    at = sights(pairs, data) * depths(index, pairs, data)[:, None]
+    poses = np.zeros((len(at), 4, 4))
+    poses[:, :3, :3] = turns(index, pairs, data)
+    poses[:, :3, 3] = at - np.einsum("nij,nj->ni", poses[:, :3, :3], index.places[pairs.lobe])
+    poses[:, 3, 3] = 1.0
+    return poses[plausible(index, poses)]
+
+
+def sights(pairs: Pairs, data: Data) -> Floats:
+    """(P, 3) the lines of sight to the pairs' keypoints, camera frame, of depth 1."""
+    ideal = data.ideal[pairs.datum]
+    return np.column_stack([(ideal - centre_of(data.camera)) / data.camera.f, np.ones(len(ideal))])
+
+
+def depths(index: LearntIndex, pairs: Pairs, data: Data) -> Floats:
+    """(P,) metres at which the lobes' sizes are those of the keypoints."""
+    return np.asarray(index.cloud.size[pairs.lobe] * data.camera.f / data.scale[pairs.datum])
+
+
+def turns(index: LearntIndex, pairs: Pairs, data: Data) -> Floats:
+    """(P, 3, 3) the rotations at which each lobe is seen from its middle, its appearance turned as the keypoint is."""
+    cloud, angle, at = index.cloud, data.angle[pairs.datum], sights(pairs, data) * depths(index, pairs, data)[:, None]
     back = -at / np.linalg.norm(at, axis=1, keepdims=True)
     screen = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))])
     up = screen - (screen * back).sum(axis=1, keepdims=True) * back
@@ -34,11 +52,7 @@ def single_poses(index: LearntIndex, pairs: Pairs, data: Data) -> Floats:
     camera = np.stack([back, up, np.cross(back, up)], axis=2)
     axis, own_up = cloud.axis[pairs.lobe], cloud.up[pairs.lobe]
     own = np.stack([axis, own_up, np.cross(axis, own_up)], axis=2)
-    poses = np.zeros((len(at), 4, 4))
-    poses[:, :3, :3] = camera @ np.swapaxes(own, 1, 2)
-    poses[:, :3, 3] = at - np.einsum("nij,nj->ni", poses[:, :3, :3], index.places[pairs.lobe])
-    poses[:, 3, 3] = 1.0
-    return poses[plausible(index, poses)]
+    return np.asarray(camera @ np.swapaxes(own, 1, 2))
 
 
 def plausible(index: LearntIndex, poses: Floats) -> NDArray[np.bool_]:

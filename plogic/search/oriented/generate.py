@@ -2,31 +2,35 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from plogic.inference.clock import unhurried
 from plogic.search.alike import apart
 from plogic.search.angles import screen_angle
 from plogic.search.data import centre_of
 from plogic.search.extend import poses_about
-from plogic.search.oriented.pair_votes import pair_votes
+from plogic.search.oriented.pair_votes import counted, raw_votes
 from plogic.search.oriented.refinement import Held, Noise, refined
 from plogic.search.oriented.typed_data import typed_data
 from plogic.search.projection import viewpoints_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from plogic.search.data import Data
     from plogic.search.oriented.pair_index import PairIndex
-    from plogic.search.oriented.pair_votes import Votes
+    from plogic.search.oriented.pair_votes import Raw, Votes
     from plogic.search.oriented.typed_data import TypedData
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
-LAID = 800
+LAID = 2000
 """Votes whose whole cloud is laid onto Γ, those in the fullest boxes."""
 REFINED = 40
 """Poses that are refined, the best and no two alike."""
@@ -50,6 +54,10 @@ ROBUST = 3.0
 
 TILTED, TILTS, TILT = 3, 8, np.radians(20.0)
 """Poses that are tried with other tilts, the best; in how many directions, and by how much, radians."""
+MORE_TILTS = np.radians([8.0, 20.0, 40.0])
+"""By how much one is tilted before it is accepted, radians."""
+TILTS_KEPT = 2
+"""Of what comes of these, so many are judged."""
 
 
 class Proposal(NamedTuple):
@@ -71,28 +79,69 @@ class _Match(NamedTuple):
         return _Match(self.points[which], self.turns[which], self.datum[which], self.worth[which])
 
 
-def proposals(index: PairIndex, data: Data, noise: Noise) -> list[Proposal]:
-    """The best poses of all types, refined, best first."""
+class Search:
+    """The search for all types in one Γ: its pairs vote once, and what is claimed later is no longer counted.
+
+    ``check`` is called between its stages, and may raise to end it.
+    """
+
+    def __init__(self, index: PairIndex, data: Data, noise: Noise, check: Callable[[], None] = unhurried) -> None:
+        self.index, self.data, self.noise, self.check = index, data, noise, check
+
+    @cached_property
+    def raw(self) -> Raw:
+        """The votes of all pairs of Γ."""
+        return raw_votes(self.index, typed_data(self.data, self.index.looks).looks, self.data, self.noise.angle)
+
+    def proposals(self, left: Data) -> list[Proposal]:
+        """The best poses of all types, refined, best first, in what is ``left`` of the data."""
+        taken = np.ones(len(self.data.ids), bool)
+        taken[left.rows] = False
+        self.check()
+        raw = self.raw.without(taken) if taken.any() else self.raw
+        self.check()
+        return _proposals(self.index, left, self.noise, counted(raw), self.check)
+
+    def tilted(self, name: str, pose: Floats, left: Data) -> list[Floats]:
+        """The best poses (4, 4) that come of a type's pose at other tilts, refined on what is ``left`` of the data."""
+        kind = next(i for i, index in enumerate(self.index.indices) if index.object_type.name == name)
+        poses = np.concatenate([_tilted(self.index, np.array([kind]), pose[None], tilt) for tilt in MORE_TILTS])
+        typed = typed_data(left, self.index.looks)
+        _, poses = _narrowed(self.index, np.full(len(poses), kind), poses, typed, left, self.noise, ROUNDS[1:], self.check)
+        return list(poses[:TILTS_KEPT])
+
+
+def _proposals(index: PairIndex, data: Data, noise: Noise, votes: Votes, check: Callable[[], None]) -> list[Proposal]:
+    """The best poses of all types, refined, best first; ``votes`` for them."""
+    check()
     typed = typed_data(data, index.looks)
-    votes = pair_votes(index, typed.looks, data, noise.angle)
     votes = votes.take(np.argsort(-votes.count, kind="stable")[:LAID])
     kind, poses = votes.kind, coarse_poses(index, votes, data)
+    check()
     worth = _laid(index, kind, poses, typed, data, ROUNDS[0][0], noise).worth
     best = _apart(index, kind, poses, worth, REFINED)
-    kind, poses = _narrowed(index, kind[best], poses[best], typed, data, noise, ROUNDS)
+    kind, poses = _narrowed(index, kind[best], poses[best], typed, data, noise, ROUNDS, check)
     tilted = np.concatenate([poses, _tilted(index, kind[:TILTED], poses[:TILTED])])
     kind = np.concatenate([kind, np.repeat(kind[:TILTED], TILTS)])
-    kind, poses = _narrowed(index, kind, tilted, typed, data, noise, ROUNDS[1:])
+    kind, poses = _narrowed(index, kind, tilted, typed, data, noise, ROUNDS[1:], check)
     worth = _laid(index, kind, poses, typed, data, 0.0, noise).worth
     best = _apart(index, kind, poses, worth, len(poses))
     return [Proposal(int(kind[i]), poses[i], float(worth[i])) for i in best]
 
 
 def _narrowed(
-    index: PairIndex, kind: Indices, poses: Floats, typed: TypedData, data: Data, noise: Noise, rounds: tuple[tuple[float, int], ...]
+    index: PairIndex,
+    kind: Indices,
+    poses: Floats,
+    typed: TypedData,
+    data: Data,
+    noise: Noise,
+    rounds: tuple[tuple[float, int], ...],
+    check: Callable[[], None],
 ) -> tuple[Indices, Floats]:
     """Matched and refined in rounds of shrinking tolerance, the best that are apart going on."""
     for share, most in rounds:
+        check()
         match = _laid(index, kind, poses, typed, data, share, noise)
         best = _apart(index, kind, poses, match.worth, most)
         kind, poses, match = kind[best], poses[best], match.take(best)
@@ -104,12 +153,12 @@ def _narrowed(
     return kind, poses
 
 
-def _tilted(index: PairIndex, kind: Indices, poses: Floats) -> Floats:
+def _tilted(index: PairIndex, kind: Indices, poses: Floats, tilt: float = TILT) -> Floats:
     """(N · TILTS, 4, 4) each pose, turned about its middle: what is nearly flat, or far away, fits several tilts."""
     from scipy.spatial.transform import Rotation
 
     around = 2.0 * np.pi * np.arange(TILTS) / TILTS
-    turns = Rotation.from_rotvec(TILT * np.column_stack([np.cos(around), np.sin(around), np.zeros(TILTS)])).as_matrix()
+    turns = Rotation.from_rotvec(tilt * np.column_stack([np.cos(around), np.sin(around), np.zeros(TILTS)])).as_matrix()
     centres = np.repeat(index.centres[kind], TILTS, axis=0)
     other = np.repeat(poses, TILTS, axis=0)
     middle = np.einsum("nij,nj->ni", other[:, :3, :3], centres) + other[:, :3, 3]

@@ -31,7 +31,7 @@ DECIDES = "plogic/search/oriented/pair_index.py"
 """What makes an index, with all that it imports."""
 MANY = 20
 """Fewer types are made ready faster than our own source is read to tell whether it is what made the kept ones."""
-_CELLS, _SIGHTS, _PAIRS = ("xy", "visible", "arms"), ("feature", "looks", "xy", "angle", "diameter"), ("key", "kind", "cell", "first", "second")
+_CELLS, _SIGHTS, _PAIRS = ("xy", "visible", "arms"), ("feature", "looks", "xy", "angle", "diameter"), ("key", "entry", "turned")
 _NAMES = [*(f"cells_{name}" for name in _CELLS), *(f"sights_{name}" for name in _SIGHTS), *_PAIRS]
 
 

@@ -9,15 +9,14 @@ import numpy as np
 
 from plogic.evidence import evidence
 from plogic.expectation import matched, pose_of
+from plogic.inference.clock import unhurried
 from plogic.search.alike import distinct
 from plogic.search.angles import screen_angle, wrapped
 from plogic.search.oriented.refinement import Held, Noise, refined
-from plogic.search.projection import project_ideal
 from plogic.search.settling import FEWEST, settled
-from plogic.search.votes import covered_at
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -87,16 +86,23 @@ def polished(index: TypeIndex, posed: Posed, data: Data, kb: KnowledgeBase, hidd
 
 
 def verified(
-    index: TypeIndex, poses: Sequence[Floats], data: Data, kb: KnowledgeBase, covered: Flags | None = None
+    index: TypeIndex,
+    poses: Sequence[Floats],
+    data: Data,
+    kb: KnowledgeBase,
+    hidden_of: Callable[[Posed], Flags] | None = None,
+    check: Callable[[], None] = unhurried,
 ) -> list[tuple[float, Posed]]:
     """Rays cast, matched and settled: the distinct ones as (log-likelihood ratio against clutter, hypothesis), best first.
 
-    ``covered`` (H, W): where accepted opaque objects stand in the ideal image.
+    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``check`` is called before each, and may raise to end it.
     """
-    allowed, nothing, found = index.allowed(data), np.zeros(len(index.points), bool), []
+    allowed, found = index.allowed(data), []
     for pose in poses:
-        hidden = nothing if covered is None else covered_at(covered, project_ideal(pose[None], index.points, data)[0])
-        posed = matched_at(index, pose, data, kb, allowed, None, hidden)
+        check()
+        posed = matched_at(index, pose, data, kb, allowed)
+        hidden = np.zeros(len(index.points), bool) if hidden_of is None else hidden_of(posed)
+        posed = matched_at(index, pose, data, kb, allowed, None, hidden) if hidden.any() else posed
         better = polished(index, posed, data, kb, hidden)
         posed = posed if better is None else matched_at(index, better, data, kb, allowed, None, hidden)
         if (posed.candidate & posed.detected & ~hidden).sum() >= FEWEST:

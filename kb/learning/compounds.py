@@ -1,0 +1,145 @@
+"""Compound features: features of one place that the learning pictures showed together (A1).
+
+Two features qualify as parts of one compound where all of this was measured of them:
+
+* they are near: within ``OF_SIZE`` of the larger one's width, as far as observations of one feature may be;
+* they share viewing directions: of the pictures for which the lobes of either hold, those of both hold for at least ``OFTEN``;
+* they were found together: of the pictures that showed either, at least ``OFTEN`` showed both, and no smaller share than the ``bar``.
+
+What is seen from the same side is found together the more often for that alone, at any distance. So the bar is measured on the object itself,
+by its pairs that share viewing directions and stand apart: so high that at most ``BY_CHANCE`` of the pairs that qualify would reach it if to
+be near made no difference. Compounds are the groups of complete linkage: every pair of a group qualifies, and the groups are disjoint.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from kb.cones import even_directions
+from kb.learning.sides import STRETCH
+from kb.learnt import numbered
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.learning.observations import Observations
+    from kb.learnt import LearntCloud
+
+    Floats = NDArray[np.float64]
+    Mask = NDArray[np.bool_]
+    Shares = NDArray[np.float32]
+
+OF_SIZE = 0.25
+"""Share of its size within which what is seen is of one place: the middle of what is large, or round, is not exact."""
+OFTEN = 0.5
+"""More often together than alone."""
+BY_CHANCE = 0.1
+"""Of the pairs that qualify, how many may be found together for no other reason than the viewpoint."""
+
+
+class Pictures(NamedTuple):
+    """What learning looked at: an object of a ``diameter`` (m), from ``directions`` of ``even_directions``, at each of the ``ranges`` (K,) m."""
+
+    diameter: float
+    ranges: Floats
+    directions: int
+
+
+def compounds_of(cloud: LearntCloud, seen: Observations, groups: Sequence[NDArray[np.intp]], pictures: Pictures) -> NDArray[np.int64]:
+    """(F,) the compound of each feature, counted from 1; 0 of those in none. Keypoints and sides of edges make compounds of their own.
+
+    ``groups``: the observations in ``seen`` of each feature's lobes.
+    """
+    sizes = len(pictures.ranges)
+    shown = np.zeros((len(cloud.at), pictures.directions * sizes), bool)
+    for feature, group in enumerate(groups):
+        shown[feature, seen.view[group] * sizes + seen.level[group]] = True
+    held, width = pictures_held(cloud, pictures), widths(cloud, pictures.diameter)
+    result, sided = np.zeros(len(cloud.at), np.int64), np.zeros(len(cloud.at), bool)
+    sided[cloud.feature[cloud.sided]] = True
+    for some in (np.flatnonzero(~sided), np.flatnonzero(sided)):
+        found = grouped(shown[some], held[some], cloud.at[some], width[some])
+        result[some] = np.where(found > 0, found + result.max(initial=0), 0)
+    return numbered(result)
+
+
+def pictures_held(cloud: LearntCloud, pictures: Pictures) -> Mask:
+    """(F, directions · K) the pictures, by direction and then by range, for which some lobe of a feature holds."""
+    towards = cloud.axis @ even_directions(pictures.directions).T >= np.cos(cloud.half_angle)[:, None]
+    within = (pictures.ranges >= cloud.r_min[:, None]) & (pictures.ranges <= cloud.r_max[:, None])
+    held = np.zeros((len(cloud.at), pictures.directions, len(pictures.ranges)), bool)
+    for lobe, feature in enumerate(cloud.feature.tolist()):
+        held[feature] |= towards[lobe][:, None] & within[lobe]
+    return held.reshape(len(cloud.at), pictures.directions * len(pictures.ranges))
+
+
+def widths(cloud: LearntCloud, diameter: float) -> Floats:
+    """(F,) metres across what each feature is made of: a keypoint's diameter, of its widest lobe, or the stretch that a side stands for."""
+    widest = np.zeros(len(cloud.at))
+    np.maximum.at(widest, cloud.feature, np.where(cloud.sided, STRETCH * diameter, cloud.size))
+    return widest
+
+
+def grouped(shown: Mask, held: Mask, at: Floats, width: Floats) -> NDArray[np.int64]:
+    """(F,) the compound of each of F features of one kind, counted from 1; 0 of those in none.
+
+    ``shown`` (F, N) which pictures showed each, and ``held`` (F, N) for which its lobes hold; ``at`` (F, 3) m; ``width`` (F,) m.
+    """
+    from scipy.spatial.distance import cdist
+
+    similar, apart = together(shown), cdist(at, at)
+    shared = together(held) >= OFTEN
+    np.fill_diagonal(shared, val=False)
+    near = shared & (apart < OF_SIZE * np.maximum(width[:, None], width))
+    qualify = near & (similar >= bar(similar[np.triu(near)], similar[np.triu(shared & (apart >= (width[:, None] + width) / 2.0))]))
+    return linked(similar, apart, qualify)
+
+
+def together(pictures: Mask) -> Shares:
+    """(F, F) Jaccard's share: of the pictures (F, N) of at least one of two features, how many are of both; 0 where there are none."""
+    some = pictures.astype(np.float32)
+    both, single = some @ some.T, some.sum(axis=1)
+    return np.asarray(both / np.maximum(single[:, None] + single - both, 1.0), np.float32)
+
+
+def bar(near: Shares, others: Shares) -> float:
+    """The share to which pairs must be found together: the least of the ``near`` ones' (N,) that tells them from ``others`` (M,), or infinite."""
+    shares, reach = np.unique(near[near >= OFTEN]), np.sort(others)
+    by_chance = (len(others) - np.searchsorted(reach, shares) + 1.0) / (len(others) + 1.0) * len(near)
+    qualify = len(near) - np.searchsorted(np.sort(near), shares)
+    good = shares[by_chance <= BY_CHANCE * qualify]
+    return float(good.min(initial=np.inf))
+
+
+def within_parts(compound: NDArray[np.int64], part: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(F,) the compounds of features that belong to parts (F,) of a type: what of one is in another part is another, or none (A1)."""
+    return numbered(np.where(compound > 0, compound * (part.max(initial=0) + 1) + part, 0))
+
+
+def linked(similar: Shares, apart: Floats, qualify: Mask) -> NDArray[np.int64]:
+    """(F,) groups of complete linkage, counted from 1, 0 of those that are alone: those most often together first, of equals the nearest.
+
+    All of a group ``qualify`` (F, F) with each other.
+    """
+    from scipy.cluster.hierarchy import fcluster, linkage
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    result = np.zeros(len(qualify), np.int64)
+    count, component = connected_components(csr_array(qualify), directed=False) if len(qualify) else (0, result)
+    order = np.argsort(component, kind="stable")
+    for members in np.split(order, np.searchsorted(component[order], np.arange(1, count))):
+        if len(members) < 2:
+            continue
+        rows, columns = np.triu_indices(len(members), 1)
+        one, other = members[rows], members[columns]
+        rank = np.empty(len(one))
+        rank[np.lexsort((apart[one, other], -similar[one, other]))] = np.arange(len(one))
+        never = float(len(one))
+        tree = linkage(np.where(qualify[one, other], rank, never), "complete")
+        result[members] = fcluster(tree, never - 0.5, "distance") + result.max()
+    return numbered(result)

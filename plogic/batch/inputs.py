@@ -1,0 +1,81 @@
+"""From what a user names to frames: files, folders, patterns, BOP datasets, and lists of all these on standard input."""
+
+from __future__ import annotations
+
+import glob
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from geometry.plain_files import IS_FOLDER, IS_MISSING, fault_of
+from plogic.batch.frames import Frame
+from plogic.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".pgm", ".ppm")
+"""Endings of what is a picture in a folder; a file that is named is one whatever its ending, unless it is JSON."""
+NO_GAMMA = ("camera.json", "truth.json", "interpretation.json", "timings.json")
+"""How the names of JSON files end that stand beside pictures and are no Γ."""
+DATASET = ("scene_camera.json", "[0-9]*/scene_camera.json", "*/[0-9]*/scene_camera.json")
+"""What tells a BOP dataset: its scene's, its split's or its own folder holds one of these."""
+
+
+def frames_of(inputs: Iterable[str], listed: Iterable[str]) -> list[Frame]:
+    """Every frame once, in the order of the inputs, and inside a folder in that of names; ``-`` stands for the lines of ``listed``.
+
+    Raises:
+        InputError: An input leads to no frame at all, or a BOP dataset cannot be told from its folder.
+    """
+    named = (name for given in inputs for name in (_lines(listed) if given == "-" else [given]))
+    found = {(frame.input, frame.frame): frame for name in named for frame in _frames(name)}
+    if not found:
+        raise InputError("there is no input")
+    return list(found.values())
+
+
+def _lines(listed: Iterable[str]) -> Iterator[str]:
+    return (line for line in (line.rstrip("\r\n") for line in listed) if line)
+
+
+def _frames(name: str) -> list[Frame]:
+    path = Path(name)
+    fault = fault_of(path)
+    if fault == IS_MISSING and glob.has_magic(name):
+        found = [frame for match in sorted(glob.glob(name, recursive=True)) for frame in _frames(match)]  # noqa: PTH207 - any path's pattern
+    elif fault == IS_FOLDER:
+        found = _of_dataset(path) if any(any(path.glob(pattern)) for pattern in DATASET) else _of_folder(path)
+    else:
+        return [_of_file(path) if fault is None else Frame(str(path), None, "lost", f"{name}: {fault}")]
+    if not found:
+        raise InputError(f"{name}: leads to no picture and no Γ")
+    return found
+
+
+def _of_file(path: Path) -> Frame:
+    return Frame(str(path), None, "gamma" if path.suffix.lower() == ".json" else "image")
+
+
+def _of_folder(folder: Path) -> list[Frame]:
+    """All pictures and Γ files below it; hidden files and folders aside."""
+    found: list[Path] = []
+    for place, folders, files in os.walk(folder):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        found += [Path(place, name) for name in files if not name.startswith(".") and _is_frame(name.lower())]
+    return [_of_file(path) for path in sorted(found)]
+
+
+def _is_frame(name: str) -> bool:
+    return name.endswith(PICTURES) or (name.endswith(".json") and not name.endswith(NO_GAMMA))
+
+
+def _of_dataset(folder: Path) -> list[Frame]:
+    """Its frames, and one that is lost for all scenes that cannot be read."""
+    from plogic.bop.folders import open_dataset
+
+    dataset = open_dataset(folder)
+    keys, wrong = dataset.listed()
+    places = {scene.scene_id: str(scene.folder) for scene in dataset.scenes}
+    frames = [Frame(str(folder), f"{scene:06d}/{image:06d}", "bop", places[scene]) for scene, image in keys]
+    return frames + ([Frame(str(folder), None, "lost", "\n".join(wrong))] if wrong else [])

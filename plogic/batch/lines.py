@@ -1,0 +1,62 @@
+"""The text of a frame's line, ``frame/1``: self-contained, so that files of lines may be cut, sorted and put together.
+
+``{"format": "frame/1", "input": "a.json", "frame": null, "status": "done", "sha256": "...", "kb": {"name", "digest"}, "options": {...}, ...}``,
+``status`` is ``done``, ``unfinished`` (the deadline was reached) or ``error``. Then comes ``error`` with what ``plogic perceive`` would say, or
+``interpretation`` with what it would write, or the short of it: ``appearances``, how many there are; ``hypotheses``, those that are accepted or
+in a listed world; ``worlds`` and ``unlisted_mass``.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from plogic.batch.frames import digest_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from plogic.batch.frames import Frame, Settings
+
+FORMAT = "frame/1"
+DONE, UNFINISHED, ERROR = "done", "unfinished", "error"
+TOLD = ("id", "type", "status", "T_camera_object", "ev", "ev_reconsidered", "probability")
+"""What is told of a hypothesis in short."""
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Makes the lines of one run; ``kb`` is its name and digest, as in an interpretation."""
+
+    settings: Settings
+    kb: Mapping[str, str]
+
+    def perceived(self, frame: Frame, document: Mapping[str, Any]) -> tuple[str, bytes]:
+        """Status and line of a frame with its interpretation."""
+        status = UNFINISHED if document.get("unfinished") else DONE
+        body = {"interpretation": document} if self.settings.full else short(document, self.settings.worlds)
+        return status, self._line(frame, status, body)
+
+    def wrong(self, frame: Frame, message: str) -> tuple[str, bytes]:
+        """Status and line of a bad frame."""
+        return ERROR, self._line(frame, ERROR, {"error": message})
+
+    def _line(self, frame: Frame, status: str, body: Mapping[str, Any]) -> bytes:
+        head = {"format": FORMAT, "input": frame.input, "frame": frame.frame, "status": status}
+        origin = {"sha256": digest_of(frame, self.settings.camera), "kb": dict(self.kb), "options": self.settings.document()}
+        text = json.dumps({**head, **origin, **body}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        return text.encode("utf-8", "backslashreplace") + b"\n"  # of a file's name that is no text: \udc80, as JSON writes it
+
+
+def short(document: Mapping[str, Any], number: int) -> dict[str, Any]:
+    """An interpretation's ``number`` most probable worlds, and the hypotheses that are accepted or in one of them, with their poses."""
+    listed, rest = document["worlds"][:number], document["worlds"][number:]
+    present = {name for world in listed for name in world["present"]}
+    mass = sum(world["probability"] for world in rest)
+    return {
+        "appearances": len(document["appearances"]),
+        "hypotheses": [{key: h[key] for key in TOLD} for h in document["hypotheses"] if h["status"] == "accepted" or h["id"] in present],
+        "worlds": [{"probability": world["probability"], "present": world["present"]} for world in listed],
+        "unlisted_mass": [bound + mass for bound in document["unlisted_mass"]],
+    }

@@ -1,0 +1,187 @@
+"""The file that lines are appended to, each whole and at once, so that a run that was killed can go on with it."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+from plogic.batch.frames import digest_of
+from plogic.batch.lines import FORMAT
+from plogic.errors import InputError
+from sensing.errors import SensingError
+from sensing.whole_files import check_places
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from io import RawIOBase
+    from typing import BinaryIO
+
+    from plogic.batch.frames import Frame, Settings
+
+HEAD = f'{{"format":"{FORMAT}",'.encode()
+"""How every line begins."""
+KEYS = ("input", "frame", "status", "sha256", "kb", "options")
+
+
+class Written(NamedTuple):
+    """What a line that is there already tells of its frame; ``place`` is the file and its number."""
+
+    place: str
+    input: str
+    frame: str | None
+    status: str
+    sha256: str | None
+    kb: Mapping[str, str]
+    options: Mapping[str, Any]
+
+
+class Log(Protocol):
+    """Where lines go."""
+
+    written: Sequence[Written]
+
+    def cut(self) -> None:
+        """Take away the torn line that follows those that are written."""
+
+    def write(self, line: bytes) -> None:
+        """Append one line, or raise SensingError."""
+
+
+class _Stream:
+    """Standard output, or a file."""
+
+    def __init__(self, name: str, file: BinaryIO | RawIOBase, written: Sequence[Written] = (), end: int | None = None) -> None:
+        """``end``: the bytes of what is written; None where nothing can be cut."""
+        self._name, self._file, self.written, self._end = name, file, written, end
+
+    def cut(self) -> None:
+        if self._end is not None:
+            self._file.truncate(self._end)
+
+    def write(self, line: bytes) -> None:
+        left = memoryview(line)
+        try:
+            while left:
+                left = left[self._file.write(left) :]
+            self._file.flush()
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise SensingError(f"{self._name}: cannot be written: {error.strerror}") from None
+
+
+def check_out(out: str, *, resume: bool) -> None:
+    """Before any work: raise InputError where the file holds something and the run is not to ``resume``, SensingError where none can be written."""
+    if out == "-":
+        return
+    path = Path(out)
+    check_places([path])
+    if not resume and path.is_file() and path.stat().st_size:
+        raise InputError(f"{out}: is there already: --resume goes on with it; else remove it, or name another")
+
+
+@contextmanager
+def log_at(out: str) -> Iterator[Log]:
+    """Standard output for ``-``; else the file, with the lines that it holds already.
+
+    Raises:
+        InputError: Another run is writing, or what is there are no such lines.
+        SensingError: It cannot be written.
+    """
+    if out == "-":
+        yield _Stream("standard output", sys.stdout.buffer)
+        return
+    path = Path(out)
+    try:
+        file = path.open("a+b", buffering=0)
+    except OSError as error:
+        raise SensingError(f"{out}: cannot be written: {error.strerror}") from None
+    with file:
+        if not path.is_file():  # a device
+            yield _Stream(out, file)
+            return
+        _lock(file, out)
+        yield _Stream(out, file, *_read(path, out))
+        os.fsync(file)
+
+
+def _lock(file: RawIOBase, out: str) -> None:
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        raise InputError(f"{out}: another run is writing it") from None
+
+
+def _read(path: Path, out: str) -> tuple[list[Written], int]:
+    """What the lines tell, and their bytes; what follows the last end of a line is a torn one."""
+    written: list[Written] = []
+    end = 0
+    with path.open("rb") as lines:
+        for number, line in enumerate(lines, 1):
+            if not line.endswith(b"\n"):
+                if line[: len(HEAD)] != HEAD[: len(line)]:
+                    raise _not_ours(out, number)
+                break
+            told = _told(line, out, number)
+            written.append(told._replace(kb=written[-1].kb, options=written[-1].options) if written and _alike(told, written[-1]) else told)
+            end += len(line)
+    return written, end
+
+
+def _alike(a: Written, b: Written) -> bool:
+    """Whether two lines may share what a million of them would else each hold for itself."""
+    return a.kb == b.kb and a.options == b.options
+
+
+def _told(line: bytes, out: str, number: int) -> Written:
+    try:
+        document = json.loads(line)
+        if document["format"] == FORMAT and isinstance(document["options"], dict):
+            return Written(f"{out}:{number}", *(document[key] for key in KEYS))
+    except (ValueError, TypeError, KeyError, RecursionError):
+        pass
+    raise _not_ours(out, number)
+
+
+def _not_ours(out: str, number: int) -> InputError:
+    return InputError(f"{out}:{number}: is no {FORMAT}, so that it cannot be gone on with")
+
+
+def left_over(frames: Sequence[Frame], written: Sequence[Written], *, in_order: bool) -> list[Frame]:
+    """The frames that have no line yet.
+
+    Raises:
+        InputError: A line is of no frame that was named, or of one twice; or the lines are not in the order of the frames, and should be.
+    """
+    place = {(frame.input, frame.frame): i for i, frame in enumerate(frames)}
+    seen: set[int] = set()
+    for number, line in enumerate(written):
+        i = place.get((line.input, line.frame))
+        name = line.input if line.frame is None else f"{line.input} {line.frame}"
+        if i is None:
+            raise InputError(f"{line.place}: is of {name}, which is not among the inputs now")
+        if i in seen:
+            raise InputError(f"{line.place}: is of {name}, as an earlier one is")
+        if in_order and i != number:
+            raise InputError(f"{line.place}: is of {name}, which is number {i + 1} of the inputs: to go on out of their order, give --order done")
+        seen.add(i)
+    return [frame for i, frame in enumerate(frames) if i not in seen]
+
+
+def check_same(frames: Sequence[Frame], written: Sequence[Written], settings: Settings, kb: Mapping[str, str]) -> None:
+    """Raise InputError where a line was made with another KB, by other options, or of other content than the frame has now."""
+    known = {(frame.input, frame.frame): frame for frame in frames}
+    options = settings.document()
+    for line in written:
+        if line.kb != kb:
+            raise InputError(f"{line.place}: was made with another knowledge base: {settings.kb} has changed since, or is another")
+        if line.options != options:
+            told = {key: line.options.get(key, "none") for key in {**line.options, **options} if line.options.get(key) != options.get(key)}
+            raise InputError(f"{line.place}: was made by other options: {', '.join(f'{key} {value}' for key, value in told.items())}")
+        if digest_of(known[line.input, line.frame], settings.camera) != line.sha256:
+            raise InputError(f"{line.place}: {line.input} or its camera has changed since it was written")

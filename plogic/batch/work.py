@@ -1,0 +1,68 @@
+"""One frame after the other, in a process that has read the knowledge base once."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from geometry.errors import PlogicError
+from plogic.batch.frames import camera_of, scene_and_image
+from plogic.batch.lines import Lines
+from plogic.bop.dataset import Scene
+from plogic.commands.perceive import detected, gamma_of, image_of
+from plogic.commands.sources import kb_of
+from plogic.delta import Options
+from plogic.errors import InputError
+from plogic.perceive import Perceiver
+from plogic.remembered import cache_folder
+from plogic.stopwatch import Stopwatch
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from plogic.batch.frames import Frame, Settings
+    from sensing.appearance import Gamma
+
+SCENES = 4
+"""BOP scenes whose cameras are kept."""
+
+
+class Worker:
+    """A knowledge base made ready, and what makes a line of a frame with it. Raises PlogicError where the KB cannot be read."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.perceiver = Perceiver(kb_of(settings.kb), cache_folder("indices"))
+        self.lines = Lines(settings, {"name": self.perceiver.kb.name, "digest": self.perceiver.kb.digest})
+        self._scene = lru_cache(SCENES)(lambda folder, number: Scene(Path(folder), number))
+
+    def __call__(self, frame: Frame) -> tuple[str, bytes]:
+        """Status and line of one frame; raises nothing."""
+        try:
+            return self.lines.perceived(frame, self._document(frame))
+        except PlogicError as error:
+            return self.lines.wrong(frame, str(error))
+        except MemoryError:
+            return self.lines.wrong(frame, "out of memory")
+        except Exception as error:  # noqa: BLE001 - no frame may stop the others
+            what = " ".join(f"{type(error).__name__}: {error}".split())
+            return self.lines.wrong(frame, f"internal error: {what}")
+
+    def _document(self, frame: Frame) -> dict[str, Any]:
+        clock, chosen = Stopwatch(), self.settings
+        gamma, image = self._data(frame, clock)
+        end = monotonic() + chosen.deadline if chosen.deadline is not None else None
+        return self.perceiver(gamma, Options(chosen.reading, chosen.reconsider, chosen.smoothing, end), image, clock)
+
+    def _data(self, frame: Frame, clock: Stopwatch) -> tuple[Gamma, NDArray[Any] | None]:
+        kb = self.perceiver.kb
+        if frame.kind == "lost":
+            raise InputError(frame.at)
+        if frame.kind == "bop":
+            scene, image = scene_and_image(frame)
+            shot = self._scene(frame.at, scene).frame(image)
+            return detected(shot.image, shot.camera, kb, clock), shot.image
+        camera = camera_of(frame, self.settings.camera) if frame.kind == "image" else None
+        return gamma_of(frame.input, image_of(frame.input, camera) if frame.kind == "image" else None, camera, kb, clock)

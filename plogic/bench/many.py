@@ -1,0 +1,124 @@
+"""``plogic bench many``: scenes of five to ten objects, partly one behind another, of a knowledge base of fifty types, beside a peer.
+
+Half of the types are polyhedra, half are made of what was learnt from the YCB meshes; where these are not there all are polyhedra, and the text
+says so. ``--quick``: few scenes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from plogic.bench.claims import report
+from plogic.bench.clutter import learnt_kb, ours
+from plogic.bench.clutter_scenes import Trial
+from plogic.bench.clutter_told import told
+from plogic.bench.many_ransac import LEAST_INLIERS, greedy, kept
+from plogic.bench.many_scenes import scene
+from plogic.bench.many_score import deepest, verdict
+from plogic.bench.many_table import CAPTION, OURS, TOLD, Answer, best_least, claims, rows, totals
+from plogic.bench.many_types import many_kb
+from plogic.bench.processor import processor_seconds
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kb.cloud import KnowledgeBase
+    from plogic.bench.many_scenes import Scene
+    from plogic.bench.recognition_peer import Candidate
+    from plogic.bench.recognition_score import Found
+    from plogic.perceive import Perceiver
+
+SCENES, QUICK_SCENES = 100, 5
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene: ours and who was told; what the peer came to, in how many seconds, None where it is not installed."""
+
+    scene: Scene
+    ours: Answer
+    told: Answer
+    peer: tuple[Sequence[Candidate], float] | None
+
+
+def run(
+    *,
+    seed: int,
+    limit: float,
+    quick: bool,
+    as_json: bool,
+    say: Callable[[str], None],
+    learn: Callable[[Callable[[str], None], int], KnowledgeBase | None] = learnt_kb,
+    scenes: int | None = None,
+) -> tuple[str, bool]:
+    """Run the benchmark; a line of progress a scene on ``say``. ``limit``: seconds that the peer may take a scene.
+
+    ``learn`` gives the knowledge base of learnt types (by default that of the YCB meshes), None where there is none.
+    """
+    from plogic.perceive import Perceiver
+
+    learnt = learn(say, seed)
+    kb = many_kb(learnt, seed)
+    perceiver = Perceiver(kb)
+    count = scenes or (QUICK_SCENES if quick else SCENES)
+    peer = find_spec("poselib") is not None
+    if not peer:
+        say("peer: left out, for the package poselib is not installed")
+    cases = []
+    for i in range(count):
+        cases.append(case(perceiver, SCENES * seed + i, limit if peer else None))
+        say(_said(SCENES * seed + i, cases[-1]))
+    return _judgement(cases, kb, learnt, as_json=as_json)
+
+
+def case(perceiver: Perceiver, seed: int, limit: float | None) -> Case:
+    """The scene of a seed; ours first, then who was told, then the peer within ``limit`` seconds, None to leave it out."""
+    posed, kb = scene(perceiver.kb, seed), perceiver.kb
+    mine = _answer(posed, kb, lambda: ours(perceiver, posed.gamma))
+    ceiling = _answer(posed, kb, lambda: all_told(kb, posed))
+    if limit is None:
+        return Case(posed, mine, ceiling, None)
+    start = processor_seconds()
+    candidates = greedy(kb, posed.gamma, limit)
+    return Case(posed, mine, ceiling, (candidates, processor_seconds() - start))
+
+
+def all_told(kb: KnowledgeBase, posed: Scene) -> list[Found]:
+    """The ceiling: the true poses, each refined on its own data."""
+    found: list[Found] = []
+    for i, truth in enumerate(posed.truths):
+        found += told(kb, Trial(posed.gamma, truth, {name: feature for name, (whose, feature) in posed.causes.items() if whose == i}))
+    return found
+
+
+def _answer(posed: Scene, kb: KnowledgeBase, ask: Callable[[], Sequence[Found]]) -> Answer:
+    start = processor_seconds()
+    found = ask()
+    taken = processor_seconds() - start
+    return Answer(verdict(found, posed.truths), taken, deepest(found, kb))
+
+
+def _judgement(cases: Sequence[Case], kb: KnowledgeBase, learnt: KnowledgeBase | None, *, as_json: bool) -> tuple[str, bool]:
+    """The table or the document, and whether every claim was met."""
+    mine, others = totals([c.ours for c in cases]), {TOLD: totals([c.told for c in cases])}
+    if any(c.peer for c in cases):
+        least = best_least({least: totals(_peers(cases, least)) for least in LEAST_INLIERS})
+        others[f"peer at {least}"] = totals(_peers(cases, least, kb))
+    polyhedral = {kind.name for kind in kb.types if kind.name.startswith("p") and kind.name[1:].isdigit()}
+    text, met = report("many", rows(mine, others, lambda name: name not in polyhedral), claims(mine), as_json=as_json)
+    left_out = "" if learnt is not None else "\nThere are no learnt types: all are polyhedra."
+    return (text if as_json else f"{CAPTION}{left_out}\n\n{text}"), met
+
+
+def _peers(cases: Sequence[Case], least: int, kb: KnowledgeBase | None = None) -> list[Answer]:
+    """What the peer accepts with so many inliers or more; with Σ, how far it reaches into each other too, which takes longer to tell."""
+    found = [(c, kept(c.peer[0], least), c.peer[1]) for c in cases if c.peer]
+    return [Answer(verdict(some, c.scene.truths), seconds, deepest(some, kb) if kb else 0.0) for c, some, seconds in found]
+
+
+def _said(seed: int, done: Case) -> str:
+    v = done.ours.verdict
+    found = sum(s.turned is not None for s in v.seen)
+    return f"scene {seed}: {OURS} {found} of {len(v.seen)}, {v.accepted - v.right} of {v.accepted} wrong, in {done.ours.seconds:.2f} s"

@@ -1,0 +1,138 @@
+"""``plogic batch``: many frames, one line of JSON each, by several processes or a Dask cluster."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from plogic.commands.options import BEST_BY, CAMERA, FIRST_READING, KB, RECONSIDER, SMOOTHING, Number
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from plogic.batch.frames import Frame, Settings
+    from plogic.batch.log import Log
+    from plogic.batch.run import Engine
+
+BAD, LATE = 1, 3
+"""Exit statuses: a frame could not be perceived; the deadline cut one short."""
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+@click.argument("inputs", metavar="INPUTS...", nargs=-1, required=True)
+@KB
+@click.option("--jobs", type=click.IntRange(1, 256), help="Processes at work on this machine, one thread each (default: one a core).")
+@click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to work instead, as tcp://HOST:8786; needs plogic[dask].")
+@click.option("-o", "--out", default="-", help="File to append lines to; `-` is stdout (default).")
+@click.option("--resume", is_flag=True, help="Go on with the lines that the file has: skip what is done, cut a torn last line.")
+@click.option(
+    "--order", type=click.Choice(["input", "done"]), default="input", show_default=True, help="Lines in the order of the inputs, or as they are done."
+)
+@click.option("--full", is_flag=True, help="Whole interpretations, as `perceive` writes them, in place of objects, poses and worlds.")
+@click.option("-n", "worlds", type=click.IntRange(0, 100), default=10, show_default=True, help="Worlds that a line lists.")
+@click.option("--timeout", type=Number(0.0, min_open=True), help="Seconds that a frame may take; what takes longer is a bad frame.")
+@CAMERA
+@FIRST_READING
+@RECONSIDER
+@SMOOTHING
+@BEST_BY
+def batch(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) -> None:  # noqa: ANN401 - click's
+    r"""Perceive many frames: one line of JSON each, the same whoever works.
+
+    INPUTS are pictures, Γ files (.json), folders with such at any depth, patterns in quotes, and BOP datasets; `-` is a list of them on stdin, one a
+    line. A picture's camera is --camera, or camera.json beside it.
+
+    A line (frame/1) has input, frame, status (done, unfinished, error), the SHA-256 of what was read, the KB and the options; then the accepted
+    hypotheses with poses and probabilities and the most probable worlds, or the error. A bad frame is such a line and no stop; the exit
+    status is then 1, and else 3 where --deadline left one unfinished. After a kill or Ctrl-C, --resume goes on.
+    """
+    if options["jobs"] and options["dask"]:
+        raise click.UsageError("--jobs and --dask exclude each other")
+    if out == "-" and options["resume"]:
+        raise click.UsageError("--resume needs a file: -o OUT")
+    sys.exit(batch_command(inputs, kb_folder, out, options, listed=sys.stdin))
+
+
+def batch_command(inputs: Sequence[str], kb_folder: str, out: str, options: dict[str, Any], *, listed: Iterable[str]) -> int:
+    """Find the frames, start who works, write the lines; returns the exit status. ``listed``: what ``-`` among the inputs stands for.
+
+    Raises:
+        PlogicError: What is wrong with inputs, KB or file before any work; nothing is written then.
+    """
+    from plogic.batch.frames import Settings
+    from plogic.batch.inputs import frames_of
+    from plogic.batch.log import check_out, log_at
+    from plogic.engine import ending_well
+
+    check_out(out, resume=options["resume"])
+    chosen = {key: options[key] for key in ("camera", "reading", "reconsider", "smoothing", "deadline", "worlds", "full")}
+    settings = Settings(kb_folder, **chosen)
+    frames = frames_of(inputs, listed)
+    with ending_well():
+        engine = _engine(settings, options)
+        try:
+            engine.start(len(frames))
+            kb = engine.kb()
+            with log_at(out) as log:
+                return _run(frames, engine, log, settings, kb, out, in_order=options["order"] == "input")
+        finally:
+            engine.close()
+
+
+def _engine(settings: Settings, options: dict[str, Any]) -> Engine:
+    if options["dask"]:
+        from plogic.batch.dask import Cluster
+
+        return Cluster(settings, os.getcwd(), options["dask"], options["timeout"])  # noqa: PTH109 - text
+    from plogic.batch.pool import Pool
+
+    return Pool(settings, os.getcwd(), options["jobs"] or len(os.sched_getaffinity(0)), options["timeout"])  # noqa: PTH109
+
+
+def _run(frames: Sequence[Frame], engine: Engine, log: Log, settings: Settings, kb: dict[str, str], out: str, *, in_order: bool) -> int:
+    from plogic.batch.lines import ERROR, UNFINISHED
+    from plogic.batch.log import check_same, left_over
+    from plogic.batch.progress import Progress
+    from plogic.batch.run import run
+
+    left = left_over(frames, log.written, in_order=in_order)
+    check_same(frames, log.written, settings, kb)
+    log.cut()
+    count = {status: sum(line.status == status for line in log.written) for status in (ERROR, UNFINISHED)}
+    progress = Progress(len(frames), len(left))
+
+    def write(frame: Frame, status: str, line: bytes) -> None:
+        log.write(line)
+        if status in count:
+            count[status] += 1
+        if status == ERROR:
+            progress.say(_why(frame, line))
+        progress.step(bad=status == ERROR)
+
+    try:
+        run(left, engine, write, in_order=in_order)
+    except BaseException:
+        progress.end()
+        progress.say(f"stopped; --resume goes on with {out}" if out != "-" else "stopped")
+        raise
+    progress.end()
+    progress.say(_summary(out, len(frames), len(left), count[ERROR], count[UNFINISHED]))
+    return BAD if count[ERROR] else LATE if count[UNFINISHED] else 0
+
+
+def _why(frame: Frame, line: bytes) -> str:
+    """The error of a line, its first mistake and how many there are, after the frame's name unless it says that itself."""
+    import json
+
+    first, *others = str(json.loads(line)["error"]).splitlines() or [""]
+    named = first if first.startswith(frame.input) else f"{frame.name}: {first}"
+    return named + (f" (and {len(others)} more)" if others else "")
+
+
+def _summary(out: str, total: int, new: int, bad: int, unfinished: int) -> str:
+    before = f", {total - new} of them before" if new < total else ""
+    wrong = (f", {bad} bad" if bad else "") + (f", {unfinished} unfinished" if unfinished else "")
+    return f"{'' if out == '-' else f'{out}: '}{total} frame{'s' * (total != 1)}{before}{wrong}"

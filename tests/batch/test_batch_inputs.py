@@ -1,0 +1,98 @@
+"""What names lead to: every frame once, in a fixed order, and nothing is left out in silence."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+from bop_folders import dataset, put, scene
+
+from plogic.batch.frames import Frame, camera_of, digest_of
+from plogic.batch.inputs import frames_of
+from plogic.errors import InputError
+
+
+def named(*inputs, listed=()):
+    return [(frame.input, frame.kind) for frame in frames_of(inputs, listed)]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """Where the tests are: files are empty, for nothing is read yet."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("b/2.PNG", "b/1.jpg", "b/camera.json", "b/truth.json", "b/.hidden/3.png", "b/notes.txt", "a.json", "a[1].json", "z/deep/g.json"):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    return tmp_path
+
+
+def test_a_folder_is_all_that_lies_below_it():
+    assert named(".") == [("a.json", "gamma"), ("a[1].json", "gamma"), ("b/1.jpg", "image"), ("b/2.PNG", "image"), ("z/deep/g.json", "gamma")]
+
+
+def test_patterns_lists_and_files_give_each_frame_once_in_their_order():
+    assert named("z", "*/*.jpg", "./b/1.jpg", "-", listed=["a.json\n", "\n", "z\r\n", "a[1].json"]) == [
+        ("z/deep/g.json", "gamma"),
+        ("b/1.jpg", "image"),
+        ("a.json", "gamma"),
+        ("a[1].json", "gamma"),
+    ]
+    assert named("**/g.json") == [("z/deep/g.json", "gamma")]
+    assert named("b/notes.txt") == [("b/notes.txt", "image")], "what is named is tried"
+
+
+def test_what_is_not_there_or_never_ends_is_lost_and_said(folder):
+    os.mkfifo(folder / "pipe.json")
+    lost = frames_of(["gone.png", "pipe.json"], ())
+    assert [(frame.kind, frame.at) for frame in lost] == [
+        ("lost", "gone.png: is missing"),
+        ("lost", "pipe.json: is no plain file, but a pipe or a device"),
+    ]
+    assert all(digest_of(frame, None) for frame in lost)
+
+
+@pytest.mark.parametrize("inputs", [["nothing*"], ["b/.hidden/none*"], ["empty"], ["-"]])
+def test_what_leads_nowhere_is_an_error(folder, inputs):
+    (folder / "empty").mkdir()
+    with pytest.raises(InputError, match=r"leads to no picture|no input"):
+        frames_of(inputs, ())
+
+
+def test_a_dataset_its_split_and_its_scene(folder):
+    dataset(folder / "bop", {3: [], 1: []})
+    keys = [("000001/000001", "bop"), ("000001/000003", "bop")]
+    for name in ("bop", "bop/test", "bop/test/000001"):
+        assert [(frame.input, frame.frame, frame.kind) for frame in frames_of([name], ())] == [(name, *key) for key in keys]
+
+
+def test_a_scene_that_cannot_be_read_is_one_lost_frame(folder):
+    dataset(folder / "bop", {1: []})
+    put(folder / "bop/test/000002/scene_camera.json", "[")
+    frames = frames_of(["bop"], ())
+    assert [frame.kind for frame in frames] == ["bop", "lost"]
+    assert "000002/scene_camera.json" in frames[1].at
+
+
+def test_the_digest_is_of_all_that_is_read(folder):
+    frame = Frame("b/1.jpg", None, "image")
+    assert camera_of(frame, None) == "b/camera.json"
+    assert camera_of(frame, "a.json") == "a.json"
+    assert camera_of(Frame("a.json", None, "image"), None) is None
+    seen = {digest_of(frame, None)}
+    for name in ("b/1.jpg", "b/camera.json"):
+        (folder / name).write_text("more")
+        seen.add(digest_of(frame, None))
+    assert len(seen) == 3
+    (folder / "b/1.jpg").unlink()
+    assert digest_of(frame, None) is None
+
+
+def test_the_digest_of_a_bop_frame_is_of_its_own_camera(folder):
+    place = scene(folder / "s/000001", {1: [], 2: []})
+    first, second = frames_of([str(place)], ())
+    before = digest_of(first, None), digest_of(second, None)
+    cameras = (place / "scene_camera.json").read_text()
+    put(place / "scene_camera.json", cameras.replace('"depth_scale": 1.0', '"depth_scale": 2.0', 1))
+    assert digest_of(first, None) != before[0]
+    assert digest_of(second, None) == before[1]

@@ -1,0 +1,118 @@
+"""The file that is appended to: any cut of it is gone on with, and what does not agree is refused."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from plogic.batch.frames import Frame, Settings
+from plogic.batch.lines import Lines, short
+from plogic.batch.log import check_same, left_over, log_at
+from plogic.errors import InputError
+
+SETTINGS = Settings("towers", worlds=2)
+KB = {"name": "towers", "digest": "d"}
+FRAMES = [Frame(name, None, "lost", f"{name}: is ünfit") for name in ("a.png", "b.png", "c\udc80.json", "d.json")]
+LINES = [Lines(SETTINGS, KB).wrong(frame, frame.at)[1] for frame in FRAMES]
+WHOLE = b"".join(LINES)
+
+
+@given(st.integers(0, len(WHOLE)))
+@settings(deadline=None)
+def test_a_file_cut_anywhere_ends_up_whole(cut):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "out.jsonl"
+        path.write_bytes(WHOLE[:cut])
+        with log_at(str(path)) as log:
+            left = left_over(FRAMES, log.written, in_order=True)
+            check_same(FRAMES, log.written, SETTINGS, KB)
+            assert path.read_bytes() == WHOLE[:cut]
+            assert len(left) == len(FRAMES) - WHOLE[:cut].count(b"\n")
+            log.cut()
+            for frame in left:
+                log.write(Lines(SETTINGS, KB).wrong(frame, frame.at)[1])
+        assert path.read_bytes() == WHOLE
+
+
+def written(lines):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "out.jsonl"
+        path.write_bytes(b"".join(lines))
+        with log_at(str(path)) as log:
+            return log.written
+
+
+@given(st.permutations(range(4)), st.integers(0, 4))
+def test_out_of_order_any_frames_may_be_done(order, count):
+    found = written([LINES[i] for i in order[:count]])
+    left = left_over(FRAMES, found, in_order=False)
+    assert left == [frame for i, frame in enumerate(FRAMES) if i not in order[:count]]
+    if list(order[:count]) != list(range(count)):
+        with pytest.raises(InputError, match="--order done"):
+            left_over(FRAMES, found, in_order=True)
+
+
+def test_what_does_not_agree_is_refused():
+    with pytest.raises(InputError, match=r"out.jsonl:2: is of a.png, as an earlier one is"):
+        left_over(FRAMES, written([LINES[0], LINES[0]]), in_order=False)
+    with pytest.raises(InputError, match=r"a.png, which is not among the inputs now"):
+        left_over(FRAMES[1:], written(LINES[:1]), in_order=False)
+    with pytest.raises(InputError, match=r"other options: worlds 2"):
+        check_same(FRAMES, written(LINES), Settings("towers", worlds=3), KB)
+    with pytest.raises(InputError, match="another knowledge base"):
+        check_same(FRAMES, written(LINES), SETTINGS, {**KB, "digest": "e"})
+    with pytest.raises(InputError, match=r"b.png or its camera has changed"):
+        check_same([FRAMES[0], Frame("b.png", None, "lost", "otherwise"), *FRAMES[2:]], written(LINES), SETTINGS, KB)
+
+
+@pytest.mark.parametrize("content", [b"mine", b"mine\n", b"{}\n", b'{"format":"frame/1"}\n', b"[" * 100_000 + b"\n", b"\xff\n"])
+def test_a_file_of_something_else_is_left_alone(tmp_path, content):
+    path = tmp_path / "out.jsonl"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"out.jsonl:1: is no frame/1"), log_at(str(path)):
+        pass
+    assert path.read_bytes() == content
+
+
+def test_two_runs_cannot_write_one_file(tmp_path):
+    place = str(tmp_path / "out.jsonl")
+    with log_at(place), pytest.raises(InputError, match="another run is writing it"), log_at(place):
+        pass
+
+
+def test_what_the_deadline_cut_short_is_told():
+    document = {"appearances": [], "worlds": [], "unlisted_mass": [0.0, 1.0], "hypotheses": []}
+    assert Lines(SETTINGS, KB).perceived(FRAMES[0], document)[0] == "done"
+    status, line = Lines(SETTINGS, KB).perceived(FRAMES[0], document | {"unfinished": True})
+    assert status == json.loads(line)["status"] == "unfinished"
+
+
+def test_a_name_that_is_no_text_comes_back():
+    assert json.loads(LINES[2])["input"] == FRAMES[2].input
+    assert "ünfit".encode() in LINES[0]
+
+
+WORLD = st.tuples(st.floats(0.001, 1.0), st.lists(st.sampled_from(["h1", "h2", "h3"]), unique=True))
+
+
+@given(st.lists(WORLD, min_size=1, max_size=6), st.integers(0, 7), st.floats(0.0, 0.3))
+def test_in_short_no_mass_is_lost_and_every_name_is_told(worlds, number, unlisted):
+    total = sum(p for p, _ in worlds) / (1.0 - unlisted)
+    kept = {"T_camera_object": [], "ev": 0.5, "ev_reconsidered": 0.5, "probability": 0.5, "type": "t1", "more": 1}
+    document = {
+        "appearances": [1, 2],
+        "worlds": [{"probability": p / total, "present": names, "causes": {}} for p, names in worlds],
+        "unlisted_mass": [unlisted, unlisted],
+        "hypotheses": [{"id": name, "status": "accepted" if name == "h1" else "rejected", **kept} for name in ("h1", "h2", "h3", "h4")],
+    }
+    told = short(document, number)
+    names = {h["id"] for h in told["hypotheses"]}
+    assert sum(world["probability"] for world in told["worlds"]) + told["unlisted_mass"][0] == pytest.approx(1.0)
+    assert names == {"h1"} | {name for world in told["worlds"] for name in world["present"]}
+    assert len(told["worlds"]) == min(number, len(worlds))
+    assert all("more" not in h for h in told["hypotheses"])

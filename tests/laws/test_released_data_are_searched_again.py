@@ -1,0 +1,41 @@
+"""What was accepted and does not hold beside the others releases its data (§7), and they are searched again, without it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from synthetic import cycle_of, scene, side_by_side
+
+from plogic import anytime, cycle
+from plogic.belief import same_hypothesis
+from plogic.rivals import claims
+
+
+@pytest.mark.parametrize("seed", [6300, 6301])
+def test_the_data_of_one_that_had_to_go_are_searched_again(monkeypatch, seed):
+    """Two towers that, so it is told, cannot be kept apart: the one of less worth goes, and its data are looked at once more."""
+    rng = np.random.default_rng(seed)
+    gamma = scene(rng, side_by_side(rng)).gamma
+    both = cycle_of(gamma).accepted
+    assert len(both) == 2
+    stronger, weaker = sorted(both, key=lambda belief: -belief.worth)
+    searched, generate, moved_apart = [], cycle.generate, anytime.moved_apart
+
+    def looked_at(index, left, kb, covered):
+        searched.append(set(left.ids))
+        return generate(index, left, kb, covered)
+
+    def never_apart(posed, camera, kb):
+        return moved_apart(posed, camera, kb)[0], [(0, 1)] if len(posed) > 1 else []
+
+    monkeypatch.setattr(cycle, "generate", looked_at)
+    monkeypatch.setattr(anytime, "moved_apart", never_apart)
+    found = cycle_of(gamma)
+    assert [same_hypothesis(belief.posed, stronger.posed) for belief in found.accepted] == [True]
+    released = {gamma.appearances[i].id for i in claims(weaker.posed)}
+    free = [released <= some for some in searched]
+    assert free[0]
+    assert not all(free), "claimed for a while"
+    assert free[-1], "and looked at again"
+    assert any("did not hold beside the others" in belief.why for belief in found.rejected), "but not for the same again"
+    assert [belief.why for belief in found.rejected].count("shares volume with an accepted object (A4)") >= 1
