@@ -101,8 +101,11 @@ class Anytime(Beside):
         return True
 
     def _glance(self, found: Sequence[tuple[float, Posed]]) -> None:
-        """Keep what Δi is with the best of some poses, if that is heavier than what is kept: so there is an answer before a round is over."""
-        if not found or self.last.weight + found[0][0] <= self.best.weight:
+        """Where there is a deadline keep what Δi is with the best of some poses, if that is heavier than what is kept.
+
+        So there is an answer before a round is over.
+        """
+        if self.deadline.end is None or not found or self.last.weight + found[0][0] <= self.best.weight:
             return
         posed = self._judge(found[0][1], self.free(), rounds=0).posed
         self.deadline.check()

@@ -97,14 +97,15 @@ def supported(
 ) -> tuple[list[Posed], str | None]:
     """What the free data suggest on the plane that accepted objects stand on, and that in words; nothing, and None, where there is no such plane.
 
-    ``check`` is called before each type, and may raise to end it.
+    Only types are looked for of which none is accepted. ``check`` is called before each type, and may raise to end it.
     """
     learnt = [(belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearntIndex)]
     support = support_of(learnt)
     if support is None:
         return [], None
     taken = np.array([(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in learnt])
-    some = [index for index in indices.values() if isinstance(index, LearntIndex)]
+    known = {index.object_type.name for index, _ in learnt}
+    some = [index for name, index in indices.items() if isinstance(index, LearntIndex) and name not in known]
     found: list[Posed] = []
     for index in some:
         check()
