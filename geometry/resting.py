@@ -38,10 +38,8 @@ class Plane:
     @property
     def moves(self) -> Floats:
         """(6, 3) the steps (w, v) of ``geometry.refine`` that leave resting what rests: a turn about ``up``, and two moves along the plane."""
-        aside = np.eye(3)[np.abs(self.up).argmin()]
-        first = np.cross(self.up, aside) / np.linalg.norm(np.cross(self.up, aside))
         result = np.zeros((6, 3))
-        result[:3, 0], result[3:, 1], result[3:, 2] = self.up, first, np.cross(self.up, first)
+        result[:3, 0], result[3:, 1:] = self.up, _along(self.up)
         return result
 
 
@@ -84,6 +82,13 @@ def resting_faces(points: Floats) -> RestingFaces:
     return RestingFaces(normal[kept], (points @ normal[kept].T).max(axis=0))
 
 
+def _along(normal: Floats) -> Floats:
+    """(3, 2) two unit vectors along a plane of this unit normal (3,), at right angles."""
+    first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(normal, first)], axis=1)
+
+
 def _middle_of_mass(corners: Floats, inside: Floats) -> Floats:
     """(3,) of the body whose surface is the triangles (T, 3, 3) around a place inside."""
     spokes = corners - inside
@@ -101,8 +106,6 @@ def _support(vertices: Floats, normal: Floats, reach: float, middle: Floats, gra
     """How far inside its support the middle of mass is (m, negative outside), and the support's area (m²); of vertices (V, 3) about a face."""
     from scipy.spatial import ConvexHull
 
-    aside = np.eye(3)[np.abs(normal).argmin()]
-    across = np.cross(normal, aside) / np.linalg.norm(np.cross(normal, aside))
-    axes = np.stack([across, np.cross(normal, across)], axis=1)
+    axes = _along(normal)
     held: Any = ConvexHull(vertices[vertices @ normal > reach - grain / 2.0] @ axes)
     return -float((held.equations[:, :2] @ (middle @ axes) + held.equations[:, 2]).max()), float(held.volume)

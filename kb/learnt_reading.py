@@ -98,11 +98,11 @@ def with_compounds(seen: tuple[Feature, ...], cloud: LearntCloud, words: Words) 
     order = np.argsort(cloud.compound, kind="stable")
     members = np.split(order, np.searchsorted(cloud.compound[order], np.arange(1, cloud.compounds + 1)))
     for row, group in enumerate(cloud.compound.tolist()):
-        its = [seen[i] for i in members[group].tolist()] if group else []
         if not group:
             maximal.append(seen[row])
             every.append(seen[row])
         elif row == members[group][0]:
+            its = [seen[i] for i in members[group].tolist()]
             name, middle = its[0].name.rpartition("/")[0], np.mean([part.at for part in its], axis=0)
             one = Feature(name, words.names[whole[group]], middle, np.eye(3), (), parts=tuple(part.name for part in its))
             maximal.append(one)

@@ -1,6 +1,5 @@
 """Anytime: the cycle can be stopped between any two of its steps, and the heaviest stable Δi so far is then the answer.
 
-* ``Deadline(end)``: the moment at which a search stops; it is asked between steps
 * ``Stable``: what was accepted at one moment, made stable, as the cycle would end with it
 
 The *weight* of Δi is the sum of the log-likelihood ratios of what it accepts, as the interpretation states them: ln of how much likelier Γ is in
@@ -10,38 +9,20 @@ its world than in the empty one. Law: more time never makes it less. A cycle wit
 from __future__ import annotations
 
 from dataclasses import replace
-from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.beside import Beside, name_of, rounded
 from plogic.disjoint import moved_apart
-from plogic.inference.clock import OutOfTimeError
 from plogic.rivals import apart_on_screen
 from plogic.search.indices import settle
 from plogic.trace import Step, Trace
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
-    from kb.cloud import KnowledgeBase
     from plogic.belief import Belief
     from plogic.expectation import Posed
-    from plogic.search.data import Data
-    from plogic.search.indices import Index
     from plogic.search.oriented.pair_index import PairIndex
-
-
-class Deadline:
-    """``end``: a moment of ``time.monotonic``, or None for never; ``passed``: whether somebody has asked since."""
-
-    def __init__(self, end: float | None) -> None:
-        self.end, self.passed = end, False
-
-    def check(self) -> None:
-        """Raises OutOfTimeError when the time is over."""
-        self.passed = self.passed or (self.end is not None and monotonic() >= self.end)
-        if self.passed:
-            raise OutOfTimeError
 
 
 class Stable(NamedTuple):
@@ -61,20 +42,11 @@ class Stable(NamedTuple):
 class Anytime(Beside):
     """Δi as it grows, and the heaviest stable one that it has been."""
 
-    def __init__(
-        self,
-        data: Data,
-        kb: KnowledgeBase,
-        indices: Mapping[str, Index],
-        dv: Mapping[str, float],
-        end: float | None = None,
-        shared: PairIndex | None = None,
-    ) -> None:
-        self.deadline = Deadline(end)
-        super().__init__(data, kb, indices, dv, shared, self.deadline.check)
+    def __post_init__(self, shared: PairIndex | None) -> None:
+        super().__post_init__(shared)
         self.trace = Trace()
         self.rejected: list[Belief] = []
-        self.reach = data.camera.f, 2.0 * kb.rates.match_tolerance
+        self.reach = self.data.camera.f, 2.0 * self.kb.rates.match_tolerance
         self.best = self.last = Stable()
         self.reconsidered: dict[tuple[int, ...], tuple[tuple[Posed, ...], Belief]] = {}
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import InitVar, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from plogic.belief import Belief, same_hypothesis
+from plogic.deadline import Deadline
 from plogic.evidence import evidence
 from plogic.expectation import hidden_by
 from plogic.measures.explanatory import explanatory_value
@@ -15,7 +17,7 @@ from plogic.search.indices import search_of, settle, significant
 from plogic.search.learnt.index import LearntIndex
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
@@ -23,27 +25,31 @@ if TYPE_CHECKING:
     from plogic.expectation import Posed
     from plogic.search.data import Data
     from plogic.search.indices import Index
+    from plogic.search.oriented.generate import Search
     from plogic.search.oriented.pair_index import PairIndex
 
 FEWEST = 4
 """Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8, trap b)."""
 
 
+@dataclass(eq=False)
 class Beside:
-    """Δi over one Γ, and what can be said of a hypothesis beside it. ``check`` is called between the stages of a search, and may end it."""
+    """Δi over one Γ, and what can be said of a hypothesis beside it.
 
-    def __init__(
-        self,
-        data: Data,
-        kb: KnowledgeBase,
-        indices: Mapping[str, Index],
-        dv: Mapping[str, float],
-        shared: PairIndex | None,
-        check: Callable[[], None],
-    ) -> None:
-        self.data, self.kb, self.indices, self.dv = data, kb, indices, dv
-        self.shared = shared
-        self.together = search_of(shared, data, kb, check)
+    ``end``: a moment of ``time.monotonic`` at which a search stops, None for never; ``shared``: the index of the types that are searched for
+    together, if there is one.
+    """
+
+    data: Data
+    kb: KnowledgeBase
+    indices: Mapping[str, Index]
+    dv: Mapping[str, float]
+    end: float | None = None
+    shared: InitVar[PairIndex | None] = None
+
+    def __post_init__(self, shared: PairIndex | None) -> None:
+        self.deadline = Deadline(self.end)
+        self.together = search_of(shared, self.data, self.kb, self.deadline.check)
         self.accepted: list[Belief] = []
         self.refused: list[Posed] = []
 
@@ -54,6 +60,10 @@ class Beside:
             if belief is not without:
                 mask[list(claims(belief.posed))] = False
         return mask
+
+    def _search_for(self, posed: Posed) -> Search | None:
+        """The search for its type together with others, if there is one."""
+        return self.together if posed.object_type.learnt is None else None
 
     def _is_accepted(self, posed: Posed) -> bool:
         return any(same_hypothesis(posed, belief.posed) for belief in self.accepted)
@@ -89,12 +99,12 @@ class Beside:
         found = posed.candidate & posed.detected & ~self._hidden(posed)
         if found.sum() < FEWEST:
             return f"only {int(found.sum())} expected features were detected; {FEWEST} are demanded"
-        if self.shared is None and not found[belief.index.anchors].any():  # pairs of any features start a search there
+        if self._search_for(posed) is None and not found[belief.index.anchors].any():  # where there is one, pairs of any features start it
             return "none of its most distinctive features was detected"
         if belief.ev_reconsidered is None or belief.ev_reconsidered <= 0.0:
             return f"ev {rounded(belief.ev_reconsidered)} is not above 0"
         surplus = belief.surplus + self._harm(posed)
-        demanded = significant(belief.index, self.together)
+        demanded = significant(belief.index, self._search_for(posed))
         if surplus <= demanded:
             return f"log-likelihood ratio {surplus:.1f} beyond what any pose has; {demanded:.1f} is demanded"
         return None

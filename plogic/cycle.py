@@ -21,13 +21,11 @@ from plogic.search.learnt.index import LearntIndex
 from plogic.support import supported
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
-    from kb.cloud import KnowledgeBase
     from plogic.attention import Attention
     from plogic.expectation import Posed
     from plogic.search.data import Data
-    from plogic.search.indices import Index
     from plogic.search.oriented.pair_index import PairIndex
 
 POOL = 10
@@ -43,16 +41,8 @@ POLISH = 10.0
 class Perception(Anytime):
     """One run of the cycle over one Γ: the state that its steps share."""
 
-    def __init__(
-        self,
-        data: Data,
-        kb: KnowledgeBase,
-        indices: Mapping[str, Index],
-        dv: Mapping[str, float],
-        end: float | None = None,
-        shared: PairIndex | None = None,
-    ) -> None:
-        super().__init__(data, kb, indices, dv, end, shared)
+    def __post_init__(self, shared: PairIndex | None) -> None:
+        super().__post_init__(shared)
         self.rivals: list[Belief] = []
         self.searched: dict[str, int] = {}
         self.standing = 0
@@ -140,9 +130,10 @@ class Perception(Anytime):
 
     def _tilted(self, belief: Belief, left: Data) -> Belief:
         """The best of a hypothesis and of itself at other tilts, where it was searched for with others: in one place it may fit in several ways."""
-        if self.together is None or belief.posed.object_type.learnt is not None or belief.surplus < significant(belief.index, self.together) - POLISH:
+        search = self._search_for(belief.posed)
+        if search is None or belief.surplus < significant(belief.index, search) - POLISH:
             return belief
-        poses = self.together.tilted(name_of(belief), belief.posed.camera_from_object, left)
+        poses = search.tilted(name_of(belief), belief.posed.camera_from_object, left)
         others = [settle(belief.index, pose, self.data, self.kb, free=self.free(), rounds=0) for pose in poses]
         return max([belief, *(self._judge(posed, self.free(), rounds=1) for posed in others)], key=lambda b: b.worth)
 
@@ -183,5 +174,5 @@ class Perception(Anytime):
             return None
         ev, found = explanatory_value(posed.support(), self.dv), evidence(posed, self.data, self.kb)
         enough = int((posed.candidate & posed.detected).sum()) >= FEWEST
-        near = found.ratio > sum(b.worth for b in replaced) - significant(belief.index, self.together)
+        near = found.ratio > sum(b.worth for b in replaced) - significant(belief.index, self._search_for(belief.posed))
         return Belief(posed, belief.index, found.ratio, found.surplus, ev, ev) if enough and ev is not None and near else None

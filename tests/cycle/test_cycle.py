@@ -23,7 +23,7 @@ from synthetic import (
 )
 
 from geometry.frames import look_at
-from plogic import anytime
+from plogic import deadline
 from plogic.attention import attend
 from plogic.belief import considered
 from plogic.cycle import FEWEST
@@ -246,7 +246,7 @@ def test_a_deadline_in_the_first_round_keeps_what_was_found(apart, monkeypatch):
     """A clock of our own, one tick a look: there is time to search for the first type of the first round and to make its best stable, and no more."""
     shot, _ = apart[0]
     ticks = count()
-    monkeypatch.setattr(anytime, "monotonic", lambda: float(next(ticks)))
+    monkeypatch.setattr(deadline, "monotonic", lambda: float(next(ticks)))
     run = perception(shot.gamma, end=4.0)
     attention = attend_to(shot.gamma)
     cycle = run.run(attention)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from synthetic import cycle_of, one_before_the_other, scene, side_by_side
 
+from plogic import anytime
 from plogic import cycle as cycle_module
 
 
@@ -21,5 +22,6 @@ def test_a_cycle_that_remembers_nothing_comes_to_the_same(monkeypatch, stand, se
     rng = np.random.default_rng(seed)
     gamma = scene(rng, stand(rng)).gamma
     with_memory = told(cycle_of(gamma))
-    monkeypatch.setattr(cycle_module, "apart_on_screen", lambda *_: False)
+    for module in (cycle_module, anytime):
+        monkeypatch.setattr(module, "apart_on_screen", lambda *_: False)
     assert told(cycle_of(gamma)) == with_memory

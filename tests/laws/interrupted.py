@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from plogic import anytime
+from plogic import deadline
 
 LATE = 1e9
 """A moment of a clock that only a test ends."""
@@ -29,5 +29,5 @@ def stopped_after(looks):
     """Within, a cycle that ends at ``LATE`` stops at the look after so many."""
     clock = Looks(looks)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(anytime, "monotonic", clock)
+        patch.setattr(deadline, "monotonic", clock)
         yield clock
