@@ -16,9 +16,9 @@ import numpy as np
 
 from geometry.behind import behind
 from geometry.frames import transform_points
-from geometry.overlap import Solid, solid_overlap
-from plogic.bench.clutter_scenes import CAMERA, random_pose, visible
+from plogic.bench.clutter_scenes import CAMERA, random_pose, surface_of, visible
 from plogic.bench.clutter_types import HALF_ANGLE, SLACK, Detector, knowledge_base, made, random_types
+from plogic.bench.many_placing import meet
 from plogic.learning.truth import TrueObject, Truth
 from plogic.search.angles import screen_angle
 from sensing.appearance import Appearance, Gamma
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase, ObjectType
-    from kb.surface import Surface
 
     Floats = NDArray[np.float64]
     Flags = NDArray[np.bool_]
@@ -113,15 +112,10 @@ def _placed(kb: KnowledgeBase, rng: np.random.Generator) -> list[Placed]:
         kind = kb.types[int(rng.integers(len(kb.types)))]
         for _ in range(TRIES):
             pose = random_pose(kind, rng)
-            if not any(_collide((kind, pose), other) for other in placed):
+            if not any(meet(kind, pose, *other) for other in placed):
                 placed.append((kind, pose))
                 break
     return placed
-
-
-def _collide(one: Placed, other: Placed) -> bool:
-    bodies = [(Solid(surface.vertices, surface.triangles), pose) for surface, pose in ((_surface(kind), pose) for kind, pose in (one, other))]
-    return solid_overlap(*bodies[0], *bodies[1]) > 0.0
 
 
 def in_view(kb: KnowledgeBase, one: Placed, placed: Sequence[Placed]) -> tuple[Flags, float]:
@@ -131,7 +125,7 @@ def in_view(kb: KnowledgeBase, one: Placed, placed: Sequence[Placed]) -> tuple[F
     hidden = np.zeros(len(at), bool)
     for other in placed:
         if other is not one:
-            surface = _surface(other[0])
+            surface = surface_of(other[0])
             hidden |= behind(at, surface.rays, other[1], SLACK * surface.diameter)
     return alone & ~hidden, float((alone & ~hidden).sum() / max(alone.sum(), 1))
 
@@ -153,9 +147,3 @@ def _noise(world: World, rng: np.random.Generator) -> Reports:
     looks = np.repeat(np.arange(len(world.clutter)), rng.poisson(world.clutter))
     uv = rng.uniform(-0.5, [CAMERA.width - 0.5, CAMERA.height - 0.5], (len(looks), 2))
     return uv, looks, rng.uniform(0.0, 2.0 * np.pi, len(looks))
-
-
-def _surface(kind: ObjectType) -> Surface:
-    if kind.surface is None:
-        raise ValueError(f"{kind.name} has no surface")
-    return kind.surface

@@ -6,22 +6,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.occlusion import PosedSurface
-from geometry.overlap import Solid, solid_overlap
+from geometry.overlap import solid_overlap
 from plogic.bench.clutter_scenes import CAMERA, picture, random_pose, surface_of
+from plogic.rivals import solid_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from geometry.overlap import Solid
     from kb.cloud import KnowledgeBase, ObjectType
-    from kb.surface import Surface
 
     Floats = NDArray[np.float64]
 
@@ -100,13 +100,12 @@ def depth_of(kind: ObjectType, pose: Floats) -> Floats:
 
 def meet(kind: ObjectType, pose: Floats, other: ObjectType, at: Floats) -> bool:
     """Whether two types share volume where they stand (A4)."""
-    one, two = solid_of(surface_of(kind)), solid_of(surface_of(other))
-    return solid_overlap(one, pose, two, at) > 0.0
+    return solid_overlap(body_of(kind), pose, body_of(other), at) > 0.0
 
 
-@lru_cache(maxsize=256)
-def solid_of(surface: Surface) -> Solid:
+def body_of(kind: ObjectType) -> Solid:
     """The body that A4 is about: of a surface that encloses no volume its hull. Raises ValueError for a flat one."""
-    if surface.solid is None:
-        raise ValueError("a flat surface has no volume")
-    return Solid(surface.solid.vertices, surface.solid.triangles)
+    solid = surface_of(kind).solid
+    if solid is None:
+        raise ValueError(f"{kind.name} is flat and has no volume")
+    return solid_of(solid)

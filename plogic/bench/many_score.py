@@ -13,8 +13,8 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 from geometry.reach import reach
-from plogic.bench.clutter_scenes import CAMERA, surface_of
-from plogic.bench.many_placing import solid_of
+from plogic.bench.clutter_scenes import CAMERA
+from plogic.bench.many_placing import body_of
 from plogic.bench.recognition_score import errors_of, matched, pose_right
 
 if TYPE_CHECKING:
@@ -66,5 +66,5 @@ def deepest(found: Sequence[Found], kb: KnowledgeBase) -> float:
 
 def depth(kind: ObjectType, pose: Floats, other: ObjectType, at: Floats) -> float:
     """Metres by which two bodies reach into each other: the least width of the volume that they share; 0 where they share none."""
-    found = reach(solid_of(surface_of(kind)), pose, solid_of(surface_of(other)), at)
+    found = reach(body_of(kind), pose, body_of(other), at)
     return 0.0 if found is None else found.depth
