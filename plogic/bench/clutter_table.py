@@ -20,12 +20,13 @@ if TYPE_CHECKING:
     from plogic.bench.clutter_scenes import Case
     from plogic.bench.recognition_score import Found, Truth
 
-OURS, TOLD = "ours", "told"
+OURS, ACCEPTED, TOLD = "ours", "accepted", "told"
 CAPTION = """\
 One object of `types` types among clutter. looks: appearance types in all; own: the object's own data in Γ, mean; learnt: trials whose object is
-made of what was learnt from a mesh, and poses right of these. identity: the best object accepted is of the right type; pose: and it stands right,
-within 5 degrees and 5 % of the distance, both as shares of all trials. false: trials with an object that is not there, of another type or a second
-one. Seconds are of the processor, all threads together; build: seconds once a knowledge base; it is in no trial's
+made of what was learnt from a mesh, and poses right of these. identity: the answer is of the right type; pose: and it stands right, within 5
+degrees and 5 % of the distance, both as shares of all trials. ours: the best object accepted or, where none is, the best hypothesis, for there
+is one, and the peers are asked alike; accepted: what is accepted alone. false: trials with an object that is not there, of another type or a
+second one. Seconds are of the processor, all threads together; build: seconds once a knowledge base; it is in no trial's
 seconds. told: the ceiling, somebody who knows the type and whose each datum is, and refines the true pose on them: what he has not
 right, no method can have but by luck; identity is then the share of trials with four data or more of its own. The peers have so many seconds a
 trial as are behind their names, use them, and are asked in the first trials of a row only. quadruples: the paper's sets of four with POSIT;

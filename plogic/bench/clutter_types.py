@@ -35,7 +35,7 @@ DIAMETER = 0.1, 0.3
 SQUARE = 2.0, 6.0
 """Exponents of random bodies: 2 is an ellipsoid, 6 nearly a box."""
 HALF_ANGLE, LEAST_HALF_ANGLE = np.radians(75.0), np.radians(75.0)
-"""Of the lobes of random features, and the least of learnt ones: 'about 20 of its own' of 100 features, 60 % detected.
+"""Of the lobes of random features, and the least of learnt ones, where nothing else is asked for.
 
 Narrower lobes leave the pose open even to somebody who is told the correspondences (the table's row ``told``), and so do smaller pictures.
 """
@@ -66,11 +66,12 @@ EASY, HARD = Detector("easy", 0.6, 1.0, float(np.radians(5.0))), Detector("hard"
 
 
 def random_types(
-    count: int, features: int, appearance_types: int, rng: np.random.Generator, detector: Detector = EASY, appearances: int = APPEARANCES
-) -> KnowledgeBase:
+    count: int, features: int, appearance_types: int, rng: np.random.Generator, detector: Detector = EASY, appearances: int = APPEARANCES,
+    half_angle: float = HALF_ANGLE,
+) -> KnowledgeBase:  # fmt: skip
     """``count`` types of so many features each, which look like random ones of ``appearance_types``."""
     names = type_names(appearance_types)
-    types = [_random_type(f"r{i:04d}", features, names, rng) for i in range(count)]
+    types = [_random_type(f"r{i:04d}", features, names, rng, half_angle) for i in range(count)]
     return knowledge_base(types, names, detector, appearances)
 
 
@@ -92,13 +93,13 @@ def knowledge_base(types: Sequence[ObjectType], names: tuple[str, ...], detector
     return KnowledgeBase("clutter", tuple(types), names, rates, F_REF, "", _digest(types, rates))
 
 
-def learnt_types(kb: KnowledgeBase, features: int, appearance_types: int) -> tuple[ObjectType, ...]:
+def learnt_types(kb: KnowledgeBase, features: int, appearance_types: int, least: float = LEAST_HALF_ANGLE) -> tuple[ObjectType, ...]:
     """Of each learnt type one like a type written by hand, of up to ``features`` of its keypoints: the surest, spread over the directions of view.
 
     A feature's z axis is the lobe's, its x axis the keypoint's direction; its appearance type is that of its visual word, modulo their number.
     """
     names = type_names(appearance_types)
-    return tuple(_of_learnt(kind, kind.learnt.keypoints, features, names) for kind in kb.types if kind.learnt is not None)
+    return tuple(_of_learnt(kind, kind.learnt.keypoints, features, names, least) for kind in kb.types if kind.learnt is not None)
 
 
 def with_learnt(kb: KnowledgeBase, learnt: Sequence[ObjectType], detector: Detector, appearances: int = APPEARANCES) -> KnowledgeBase:
@@ -107,12 +108,12 @@ def with_learnt(kb: KnowledgeBase, learnt: Sequence[ObjectType], detector: Detec
     return knowledge_base(types, kb.appearance_types, detector, appearances)
 
 
-def _random_type(name: str, features: int, names: tuple[str, ...], rng: np.random.Generator) -> ObjectType:
+def _random_type(name: str, features: int, names: tuple[str, ...], rng: np.random.Generator, half_angle: float) -> ObjectType:
     surface = random_body(rng)
     at, normal = scattered(surface, features, rng)
     frames = body_frames(normal, rng)
     looks = [names[i] for i in rng.integers(len(names), size=features)]
-    return made(name, surface, at, frames, looks, np.full(features, HALF_ANGLE))
+    return made(name, surface, at, frames, looks, np.full(features, half_angle))
 
 
 def random_body(rng: np.random.Generator) -> Surface:
@@ -166,11 +167,11 @@ def made(name: str, surface: Surface | None, at: Floats, frames: Floats, looks: 
     return ObjectType(name, tree, features, features, surface, opaque=True, symmetries=np.eye(4)[None])
 
 
-def _of_learnt(kind: ObjectType, cloud: LearntCloud, features: int, names: tuple[str, ...]) -> ObjectType:
+def _of_learnt(kind: ObjectType, cloud: LearntCloud, features: int, names: tuple[str, ...], least: float) -> ObjectType:
     lobes = np.array(list(islice(_spread(cloud, kind.surface), features)), np.intp)
     frames = np.array([_frame(cloud.axis[lobe] / np.linalg.norm(cloud.axis[lobe]), cloud.up[lobe]) for lobe in lobes]).reshape(-1, 3, 3)
     looks = [names[word % len(names)] for word in cloud.lobe_word[lobes]]
-    return made(kind.name, kind.surface, cloud.at[cloud.feature[lobes]], frames, looks, np.maximum(cloud.half_angle[lobes], LEAST_HALF_ANGLE))
+    return made(kind.name, kind.surface, cloud.at[cloud.feature[lobes]], frames, looks, np.maximum(cloud.half_angle[lobes], least))
 
 
 def _spread(cloud: LearntCloud, surface: Surface | None) -> Iterator[int]:

@@ -76,7 +76,7 @@ def run(
 def case(perceiver: Perceiver, seed: int, limit: float | None) -> Case:
     """The scene of a seed; ours first, then who was told, then the peer within ``limit`` seconds, None to leave it out."""
     posed, kb = scene(perceiver.kb, seed), perceiver.kb
-    mine = _answer(posed, kb, lambda: ours(perceiver, posed.gamma))
+    mine = _answer(posed, kb, lambda: ours(perceiver, posed.gamma)[0])
     ceiling = _answer(posed, kb, lambda: all_told(kb, posed))
     if limit is None:
         return Case(posed, mine, ceiling, None)

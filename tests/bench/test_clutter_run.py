@@ -32,7 +32,7 @@ def knowing(monkeypatch):
 
     def ours(perceiver, gamma):
         asked.append((perceiver.kb, gamma))
-        return []
+        return [], []
 
     monkeypatch.setattr(clutter, "ours", ours)
     return asked
@@ -44,28 +44,50 @@ def test_a_real_run_finds_real_objects():
     sharp = replace(FEW, detector=Detector("sharp", 0.8, 0.1, 0.05))
     text, _ = run(seed=0, limit=0.2, quick=True, as_json=True, say=said.append, learn=nobody, plan=Plan([sharp], 5, 0))
     document = json.loads(text)
-    mine, told = document["rows"]
+    mine, accepted, told = document["rows"]
     assert document["bench"] == "clutter"
     assert (mine["who"], mine["trials"], mine["learnt"]) == ("ours", 3, "0/0")
     assert mine["pose"] >= 0.6
     assert mine["build"] >= 0
+    assert (accepted["who"], accepted["median s"]) == ("accepted", mine["median s"])
+    assert accepted["identity"] <= mine["identity"]
     assert (told["who"], told["trials"], told["pose"], told["build"]) == ("told", 3, 1, "")
     assert [line.split(",")[0] for line in said if line.startswith("trial")] == ["trial 1", "trial 2", "trial 4"]
 
 
-def test_the_answers_are_the_accepted_ones_the_best_first():
-    class Accepted:
+class Perceiver:
+    """Has accepted a and, as better, b; considered c, and rejected d."""
+
+    kb = None
+
+    class Belief:
+        """What is asked of one."""
+
         def __init__(self, name, surplus, status="accepted"):
             self.surplus, self.status = surplus, status
             self.posed = type("Posed", (), {"object_type": type("Kind", (), {"name": name}), "camera_from_object": np.eye(4)})
 
-    class Perceiver:
-        def delta(self, *asked):
-            assert asked[1] == Options(reading="posterior")
-            beliefs = {"h1": Accepted("a", 3.0), "h2": Accepted("b", 7.0), "h3": Accepted("c", 9.0, "considered")}
-            return type("Delta", (), {"beliefs": beliefs}), (), []
+    def delta(self, *asked):
+        """As the real one's."""
+        assert asked[1] == Options(reading="posterior")
+        beliefs = {"h1": self.Belief("a", 3.0), "h2": self.Belief("b", 7.0), "h3": self.Belief("c", 9.0, "rival")}
+        return type("Delta", (), {"beliefs": beliefs}), (self.Belief("d", 10.0, "rejected"),), []
 
-    assert [found.type for found in clutter.ours(Perceiver(), None)] == ["b", "a"]
+
+def test_the_accepted_ones_and_the_others_each_the_best_first():
+    accepted, others = clutter.ours(Perceiver(), None)
+    assert [found.type for found in accepted] == ["b", "a"]
+    assert [found.type for found in others] == ["d", "c"]
+
+
+@pytest.mark.parametrize(("accepted", "answer"), [(["b", "a"], "b"), ([], "d")])
+def test_the_answer_is_the_best_accepted_or_else_the_best(monkeypatch, accepted, answer):
+    asked = []
+    monkeypatch.setattr(clutter, "ours", lambda *_: ([Found(name, np.eye(4)) for name in accepted], [Found(name, np.eye(4)) for name in "dc"]))
+    monkeypatch.setattr(clutter, "judged", lambda found, _: asked.append([one.type for one in found]) or (True, True, False))
+    said = clutter.answered(series_of(FEW, None, 0), Perceiver(), (0, 1), (), 1.0)
+    assert [one.who for one in said] == ["ours", "accepted", "told"]
+    assert asked[:2] == [[answer], accepted]
 
 
 def test_a_third_of_the_trials_is_of_learnt_types(knowing):
@@ -95,8 +117,8 @@ def test_peers_get_the_same_data_in_the_first_trials_and_no_more_time_than_the_l
     assert [seconds for *_, seconds in asked] == [least, least]
     assert [gamma for _, gamma, _ in asked] == [gamma for _, gamma in knowing[:2]]
     listed = json.loads(text)["rows"]
-    assert [(row["who"], row["trials"]) for row in listed] == [("ours", 4), ("told", 4), (f"first {least} s", 2)]
-    assert listed[2]["identity"] + listed[2]["false"] / 2 == 1
+    assert [(row["who"], row["trials"]) for row in listed] == [("ours", 4), ("accepted", 4), ("told", 4), (f"first {least} s", 2)]
+    assert listed[3]["identity"] + listed[3]["false"] / 2 == 1
 
 
 def test_a_quick_run_asks_less():

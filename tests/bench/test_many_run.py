@@ -45,7 +45,7 @@ def test_a_real_run_finds_real_objects(monkeypatch, kb):
 def test_without_learnt_types_and_without_poselib_it_goes_on_and_says_so(monkeypatch, kb):
     monkeypatch.setattr(many, "many_kb", lambda *_: kb)
     monkeypatch.setattr(many, "find_spec", lambda _: None)
-    monkeypatch.setattr(many, "ours", lambda *_: [])
+    monkeypatch.setattr(many, "ours", lambda *_: ([], []))
     said = []
     text, met = run(seed=50, limit=1.0, quick=True, as_json=False, say=said.append, learn=lambda *_: None, scenes=1)
     assert not met

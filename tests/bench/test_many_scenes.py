@@ -133,7 +133,8 @@ def test_the_order_of_the_data_decides_nothing(kb, scenes):
     perceiver = Perceiver(kb)
     gamma = scenes[0].gamma
     order = np.random.default_rng(1).permutation(len(gamma.appearances))
-    first, other = ours(perceiver, gamma), ours(perceiver, Gamma(gamma.camera, tuple(replace(gamma.appearances[i]) for i in order)))
+    first, _ = ours(perceiver, gamma)
+    other, _ = ours(perceiver, Gamma(gamma.camera, tuple(replace(gamma.appearances[i]) for i in order)))
     assert len(first) >= 3
     assert [f.type for f in first] == [f.type for f in other]
     assert np.allclose([f.camera_from_object for f in first], [f.camera_from_object for f in other], atol=1e-6)
