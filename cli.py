@@ -231,6 +231,7 @@ def _say(text: str) -> None:
 
 def main() -> None:
     """Run a command; only here does an error turn into an exit code, and none shows a traceback."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # our products of matrices are many and small: more threads take longer
     try:
         cli(standalone_mode=True)
     except BrokenPipeError:

@@ -54,7 +54,7 @@ def _attention(index: Index, here: Counter[str], by_chance: Counter[str]) -> Att
     """Of a type whose features have one appearance type each, as words are, counting finds the best θ; of others it is a matching."""
     kind, weights = index.object_type, index.weights
     if isinstance(index, LearntIndex):
-        ranks = [rank_of_kinds(weights, [feature.type for feature in kind.features], some) for some in (here, by_chance)]
+        ranks = [rank_of_kinds(weights, index.kinds, some) for some in (here, by_chance)]
         return Attention(kind.name, ranks[0], ranks[0] - ranks[1], ranks[0])
     if index.in_line is not None:
         counted, chance = _counted(index, here), _counted(index, by_chance, neighbourhoods=1)

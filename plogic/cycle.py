@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,7 @@ from plogic.rivals import SHARED_CLAIMS, apart_on_screen, claims, overlap, share
 from plogic.search.indices import generate, generate_together, settle, significant
 from plogic.search.learnt.index import LearntIndex
 from plogic.support import supported
+from plogic.threads import each
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -69,18 +70,21 @@ class Perception(Anytime):
 
     def _round(self, attention: Sequence[Attention], pool: list[Posed]) -> bool:
         """Add to the pool what the free data give, then accept its best acceptable pose. True where something was accepted."""
-        left, covered = self.data.only(self.free()), None
+        left = self.data.only(self.free())
         together = {} if self.together is None else generate_together(self.together, left, self.kb, self._hidden)
-        for row in attention:
-            self.deadline.check()
-            if row.type in together:
-                pool += [posed for _, posed in together[row.type]]
-            elif not self._exhausted(row.type):
-                covered = covered_by([b.posed for b in self.accepted], self.data) if covered is None else covered
-                found = generate(self.indices[row.type], left, self.kb, covered)
-                self._glance(found)
-                pool += [posed for _, posed in found]
-                self.searched[row.type] = sum(name_of(b) == row.type for b in self.accepted)
+        alone = [self.indices[row.type] for row in attention if row.type not in together and not self._exhausted(row.type)]
+        by_hand = any(not isinstance(index, LearntIndex) for index in alone)
+        covered = covered_by([b.posed for b in self.accepted], self.data) if by_hand else None
+        with closing(each(lambda index: generate(index, left, self.kb, covered), alone)) as searches:
+            for row in attention:
+                self.deadline.check()
+                if row.type in together:
+                    pool += [posed for _, posed in together[row.type]]
+                elif not self._exhausted(row.type):
+                    found = next(searches)
+                    self._glance(found)
+                    pool += [posed for _, posed in found]
+                    self.searched[row.type] = sum(name_of(b) == row.type for b in self.accepted)
         judged = sorted(self._judged(pool), key=lambda b: -b.worth)
         pool[:] = [b.posed for b in judged[: max(POOL, POOL_OF_TYPE * len(self.indices))]]
         for belief in judged[:POLISHED]:
@@ -119,12 +123,15 @@ class Perception(Anytime):
 
     def _judged(self, pool: Sequence[Posed]) -> list[Belief]:
         """Each pose beside what is accepted: matched on free data, hidden features not expected; as before where nothing near was accepted."""
-        free, judged = self.free(), []
-        for posed in pool:
+        free = self.free()
+
+        def judged_now(posed: Posed) -> Belief:
             self.deadline.check()
             known, accepted = self.known.get(id(posed), (None, 0))
             stale = known is None or any(not apart_on_screen(posed, b.posed, *self.reach) for b in self.accepted[accepted:])
-            judged.append(self._judge(posed, free, rounds=0) if known is None or stale else known)
+            return self._judge(posed, free, rounds=0) if known is None or stale else known
+
+        judged = list(each(judged_now, pool))
         self.known = {id(belief.posed): (belief, len(self.accepted)) for belief in judged}
         return judged
 

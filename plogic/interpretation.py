@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import sys
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -97,7 +96,7 @@ def _feature(f: Mapping[str, Any]) -> FeatureFact:
 
 def hypothesis_document(h: HypothesisFact, cases: Mapping[str, tuple[bool, bool, str | None]]) -> Document:
     """One hypothesis as in the file; ``cases`` gives (expected, detected, case) of each feature in Δi."""
-    row = asdict(h)
+    row = vars(h) | {"features": [dict(vars(feature)) for feature in h.features], "parts": [dict(vars(part)) for part in h.parts]}
     row["T_camera_object"] = [list(r) for r in row.pop("camera_from_object")]
     for feature in row["features"]:
         expected, detected, case = cases[feature["id"]]

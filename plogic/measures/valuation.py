@@ -5,8 +5,7 @@ Vocabulary: a substitution θ, a partial injective map from features to appearan
 
 from __future__ import annotations
 
-from collections import Counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -54,15 +53,28 @@ def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
     return valuation(weights, best_substitution(weights, allowed))
 
 
-def rank_of_kinds(weights: NDArray[np.float64], kinds: Sequence[str], appearance_types: Sequence[str] | Counter[str]) -> float:
-    """``rank`` where feature f is matched by appearances of the one type ``kinds[f]``: of each type the heaviest features, as many as there are.
+def rank_of_kinds(weights: NDArray[np.float64], kinds: Kinds, there: Mapping[str, int]) -> float:
+    """``rank`` where feature f is matched by appearances of one type alone: of each type the heaviest features, as many as are ``there``."""
+    matched = kinds.place < np.array([there.get(name, 0) for name in kinds.names], np.intp)[kinds.code]
+    total = float(weights.sum())
+    return min(1.0, float(weights[matched].sum()) / total) if total > 0.0 else 0.0
 
-    ``appearance_types``: of all data, or how many there are of each.
+
+class Kinds(NamedTuple):
+    """Features by their one appearance type: its ``names`` (K), each feature's ``code`` (F,) among them, and its ``place`` (F,) in it.
+
+    Of one type the heaviest is in place 0, the next in place 1.
     """
-    there, matched = dict(Counter(appearance_types)), []
-    for f in np.argsort(-weights, kind="stable").tolist():
-        left = there.get(kinds[f])
-        if left:
-            there[kinds[f]] = left - 1
-            matched.append(f)
-    return valuation(weights, dict.fromkeys(matched, 0))
+
+    names: tuple[str, ...]
+    code: NDArray[np.intp]
+    place: NDArray[np.intp]
+
+
+def kinds_of(weights: NDArray[np.float64], types: Sequence[str]) -> Kinds:
+    """Of F features of these weights (F,) and appearance types."""
+    names, code = np.unique(np.array(types, dtype=str), return_inverse=True)
+    order = np.lexsort((-weights, code))
+    place = np.empty(len(order), np.intp)
+    place[order] = np.arange(len(order)) - np.searchsorted(code[order], code[order])
+    return Kinds(tuple(names.tolist()), code, place)

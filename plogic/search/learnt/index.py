@@ -13,6 +13,7 @@ import numpy as np
 
 from geometry.resting import resting_faces
 from kb.words import POINT, SIDE
+from plogic.measures.valuation import kinds_of
 from plogic.search.learnt.lexicon import Lexicon, lexicon_of
 from plogic.search.learnt.lobes import Lobes, lobes_of
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from geometry.resting import RestingFaces
     from kb.cloud import ObjectType
     from kb.learnt import LearntCloud
+    from plogic.measures.valuation import Kinds
 
     Floats = NDArray[np.float64]
 
@@ -62,6 +64,11 @@ class LearntIndex:
     def anchors(self) -> NDArray[np.intp]:
         """All features: each is as good as any to start from."""
         return np.arange(len(self.points))
+
+    @cached_property
+    def kinds(self) -> Kinds:
+        """The features by their words."""
+        return kinds_of(self.weights, [feature.type for feature in self.object_type.features])
 
     @cached_property
     def places(self) -> Floats:

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from threading import Lock
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -30,7 +31,10 @@ _BLOCK = 2048
 
 
 class Alike(NamedTuple):
-    """N pairs that look alike: ``datum`` (N,), ``lobe`` (N,), ``apart`` (N,) the distance of the descriptors in SIFT's measure."""
+    """N pairs that look alike: ``datum`` (N,), ``lobe`` (N,), ``apart`` (N,) the distance of the descriptors in SIFT's measure.
+
+    They are in the order of their appearances, of one appearance the most alike first.
+    """
 
     datum: Indices
     lobe: Indices
@@ -69,6 +73,7 @@ class Lexicon:
 
     def __post_init__(self) -> None:
         self._last: tuple[Data, dict[str, Alike]] | None = None
+        self._one_at_a_time = Lock()
 
     def alike(self, name: str, data: Data) -> Alike:
         """The pairs of one type that look alike; those of all types and all of Γ are found at the first question about it."""
@@ -92,16 +97,17 @@ class Lexicon:
         return np.bincount(owner[other], minlength=len(lobe)) / NTH
 
     def _found(self, data: Data) -> dict[str, Alike]:
-        """The pairs of all types and all of Γ that look alike, each type's by appearance."""
-        if self._last is None or self._last[0] is not data.whole:
-            self._last = (data.whole, self._all(data.whole))
-        return self._last[1]
+        """The pairs of all types and all of Γ that look alike."""
+        with self._one_at_a_time:
+            if self._last is None or self._last[0] is not data.whole:
+                self._last = (data.whole, self._all(data.whole))
+            return self._last[1]
 
     def _all(self, data: Data) -> dict[str, Alike]:
         described = np.flatnonzero(data.described)
         vectors = spread(data.descriptors[described])
         row, at, apart = self._within(vectors) if len(described) and len(self.lobe) else (np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0))
-        order = np.lexsort((self.lobe[at], self.owner[at]))
+        order = np.lexsort((apart, self.lobe[at], self.owner[at]))
         row, at, apart = row[order], at[order], apart[order]
         ends = np.searchsorted(self.owner[at], np.arange(len(self.names) + 1))
         return {

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.search.learnt.lexicon import FARTHEST, NTH
+from plogic.search.learnt.lexicon import NTH
 from sensing.fairness import fairly
 
 if TYPE_CHECKING:
@@ -52,11 +52,9 @@ class Pairs:
 def pairs_of(index: LearntIndex, data: Data) -> Pairs:
     """At most ``EACH`` features a keypoint, by their most similar appearance, and ``MOST`` pairs."""
     datum, lobe, apart = index.lexicon.alike(index.object_type.name, data)
-    order = np.argsort(lobe + apart / (2.0 * FARTHEST), kind="stable")
-    starts = np.searchsorted(lobe[order], np.arange(len(index.places)))
-    place = np.arange(len(lobe)) - starts[lobe[order]]
-    order, place = order[place < NTH], place[place < NTH]
-    datum, lobe, apart = datum[order], lobe[order], apart[order]
+    place = np.arange(len(lobe)) - np.searchsorted(lobe, lobe)
+    near = place < NTH
+    datum, lobe, apart, place = datum[near], lobe[near], apart[near], place[near]
     weight = np.exp(-0.5 * (np.maximum(apart - CLOSE, 0.0) / OFF) ** 2) / (1.0 + place) ** 1.5
     feature = index.cloud.feature[lobe]
     keep = _leading(np.lexsort((lobe, -weight, feature, datum)), datum * len(index.points) + feature, 1)
