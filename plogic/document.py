@@ -16,7 +16,7 @@ from plogic.assets import image_asset, mesh_assets
 from plogic.expectation import hidden_by
 from plogic.factors.asking import together
 from plogic.interpretation import FORMAT, facts_of, hypothesis_document
-from plogic.lumped import OTHERS, left_out, looked_at, support_document, told_as
+from plogic.lumped import OTHERS, left_out, looked_at, support_document, told, told_as
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.outlines import outline_rings
@@ -136,12 +136,12 @@ def _hidden(belief: Belief, beside: Sequence[Belief]) -> NDArray[np.bool_]:
 
 
 def _cases(belief: Belief, beside: Sequence[Belief]) -> Cases:
-    """(expected, detected, case) of each feature beside Δi; outside the image, no case."""
+    """(expected, detected, case) of each feature that is told, beside Δi; outside the image, no case."""
     posed = belief.posed
     expected = posed.candidate & ~_hidden(belief, beside)
-    rows = zip(expected.tolist(), posed.detected.tolist(), posed.in_image.tolist(), strict=True)
-    cells = [(e, d, case_of(expected=e, detected=d) if inside else None) for e, d, inside in rows]
-    cases: Cases = {told_as(posed, f).name: cell for f, cell in enumerate(cells)}
+    some = told(posed)
+    rows = zip(some, *(mask[some].tolist() for mask in (expected, posed.detected, posed.in_image)), strict=True)
+    cases: Cases = {told_as(posed, f).name: (e, d, case_of(expected=e, detected=d) if inside else None) for f, e, d, inside in rows}
     return cases | {OTHERS: (False, False, "B")}
 
 

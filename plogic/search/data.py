@@ -91,7 +91,8 @@ class Data:
     def only(self, keep: NDArray[np.bool_]) -> Data:
         """The appearances where ``keep`` (A,) holds."""
         index = np.flatnonzero(keep)
-        names = tuple(self.ids[i] for i in index), tuple(self.types[i] for i in index)
+        rows = index.tolist()
+        names = tuple(map(self.ids.__getitem__, rows)), tuple(map(self.types.__getitem__, rows))
         return Data(
             *names,
             self.uv[index],

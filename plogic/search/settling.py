@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.refine import refine_poses
+from geometry.refine import refine_along
 from plogic.expectation import Posed
 
 if TYPE_CHECKING:
@@ -57,5 +57,5 @@ def polished(posed: Posed, points: Floats, precision: Floats, data: Data, hidden
     if used.sum() < FEWEST:
         return None
     uv, across = data.uv[posed.matches[used]][None], None if posed.across is None else posed.across[used][None]
-    found = refine_poses(posed.camera_from_object[None], points[used][None], uv, precision[used][None], data.camera, huber=robust, across=across)[0]
-    return np.asarray(found[0])
+    pose, its = posed.camera_from_object[None], points[used][None]
+    return np.asarray(refine_along(pose, its, uv, precision[used][None], data.camera, huber=robust, across=across)[0])

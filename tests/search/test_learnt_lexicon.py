@@ -75,6 +75,7 @@ def all_pairs(cloud, data, words=None, most=NTH):
 
 def assert_same(found, expected):
     assert len(found.datum) == len(rows_of(found)), "no pair twice"
+    assert np.array_equal(np.lexsort((found.apart, found.lobe)), np.arange(len(found.lobe))), "by appearance, the most alike first"
     assert rows_of(found).keys() == expected.keys()
     assert rows_of(found) == {key: pytest.approx(value, abs=0.05) for key, value in expected.items()}
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.refine import refine_along, refine_poses
+from geometry.refine import refine_along
 from plogic.search.learnt.agreement import agreement, held_by
 from plogic.search.learnt.side_fit import side_fit
 from plogic.search.learnt.single import plausible
@@ -88,10 +88,7 @@ def refined(
             np.concatenate([used[some], sides.weight[some] * SIDE_WEIGHT], axis=1),
         )
         across = np.concatenate([np.full((*which.shape, 2), np.nan), sides.across[some]], axis=1)
-        if moves is None:
-            poses = refine_poses(poses[some], *both, data.camera, STEPS, huber=ROBUST, across=across)[0]
-        else:
-            poses = refine_along(poses[some], *both, data.camera, moves, huber=ROBUST, across=across)
+        poses = refine_along(poses[some], *both, data.camera, STEPS, moves=moves, huber=ROBUST, across=across)
         poses = poses[plausible(index, poses)]
     last = rounds[-1]
     worth = _worth(held_at(index, poses, pairs, data, last), side_fit(index, poses, data, granularity, last.reach, last.sides))
