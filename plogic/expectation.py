@@ -55,7 +55,7 @@ class Posed:
     sided: NDArray[np.bool_] | None = None
     across: NDArray[np.float64] | None = None
 
-    @property
+    @cached_property
     def candidate(self) -> NDArray[np.bool_]:
         """(F,) Expected where no other object hides it (D7)."""
         hidden = self.self_hidden if self.object_type.opaque else np.zeros_like(self.self_hidden)

@@ -9,6 +9,7 @@ import pytest
 from painted_cube import CAMERA, CORNER, cloud, picture, pose_towards, seen, write_knowledge
 
 import plogic.delta
+import plogic.document
 from kb.read import read_kb
 from plogic.delta import Options
 from plogic.explain import present
@@ -40,7 +41,8 @@ def document(perceiver, gamma):
 
 
 def _in_full(monkeypatch):
-    monkeypatch.setattr(plogic.delta, "told", lambda posed: list(range(len(posed.uv))))
+    for module in (plogic.delta, plogic.document):
+        monkeypatch.setattr(module, "told", lambda posed: list(range(len(posed.uv))))
     monkeypatch.setattr(plogic.delta, "lumped", lambda _posed, _dv: ())
 
 

@@ -127,12 +127,12 @@ class Lexicon:
             square = (mine**2).sum(axis=1)
             for start in range(ends[w], ends[w + 1], _BLOCK):
                 some = row[start : min(start + _BLOCK, ends[w + 1])]
-                apart = own[some][:, None] - 2.0 * (vectors[some] @ mine.T) + square
-                most = np.partition(apart, NTH - 1, axis=0)[NTH - 1] if len(some) > NTH else limit**2
-                near, place = np.nonzero((apart <= most) & (apart < limit**2))
+                apart = square[:, None] - 2.0 * (mine @ vectors[some].T) + own[some]
+                most = np.partition(apart, NTH - 1, axis=1)[:, NTH - 1 : NTH] if len(some) > NTH else limit**2
+                place, near = np.nonzero((apart <= most) & (apart < limit**2))
                 rows.append(some[near])
                 places.append(place + first)
-                squares.append(apart[near, place])
+                squares.append(apart[place, near])
         nothing = np.zeros(0, np.intp)
         distance = np.sqrt(np.maximum(np.concatenate([*squares, np.zeros(0)]), 0.0)) * (FARTHEST / limit)
         return np.concatenate([*rows, nothing]), np.concatenate([*places, nothing]), distance

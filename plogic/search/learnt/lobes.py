@@ -5,8 +5,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Singles = NDArray[np.float32]
     Indices = NDArray[np.intp]
+
+_BLOCK = 1024
+"""Lobes at a time, where few are wanted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +53,12 @@ class Lobes:
         return away @ self.axes - self.along, np.sqrt(np.maximum(apart, 0.0))
 
 
+    def part(self, first: int, last: int) -> Lobes:
+        """Those from one place among them to before another."""
+        some: dict[str, Any] = {f.name: getattr(self, f.name)[..., first:last] for f in fields(self) if f.name != "centre"}
+        return Lobes(centre=self.centre, **some)
+
+
 def lobes_of(cloud: LearntCloud, which: Indices, centre: Floats) -> Lobes:
     """The lobes ``which`` (M,) of a cloud."""
     axis, half, places = cloud.axis[which], cloud.half_angle[which], cloud.at[cloud.feature[which]] - centre
@@ -65,6 +74,23 @@ def held_from(lobes: Lobes, viewpoints: Floats, granularity: float) -> NDArray[n
     along, distance = lobes.seen_from(viewpoints)
     scale = np.float32(granularity)
     return np.asarray((along >= lobes.narrow * distance) & (distance >= lobes.near * scale) & (distance <= lobes.far * scale))
+
+
+def first_held(lobes: Lobes, viewpoints: Floats, granularity: float, most: int) -> tuple[Indices, Indices]:
+    """Viewpoints, increasing, and places among the lobes, of those that hold each: at most so many, the first."""
+    count, left, found = np.zeros(len(viewpoints), np.intp), np.arange(len(viewpoints)), []
+    for start in range(0, len(lobes.which), _BLOCK):
+        held = held_from(lobes.part(start, start + _BLOCK), viewpoints[left], granularity)
+        viewpoint, place = np.nonzero(held & (np.cumsum(held, axis=1) <= (most - count[left])[:, None]))
+        found.append((left[viewpoint], place + start))
+        count[left] += held.sum(axis=1)
+        left = left[count[left] < most]
+        if not len(left):
+            break
+    nothing = np.zeros(0, np.intp)
+    viewpoint, place = (np.concatenate([*parts, nothing]) for parts in (zip(*found, strict=True) if found else ((), ())))
+    order = np.argsort(viewpoint, kind="stable")
+    return viewpoint[order], place[order]
 
 
 def lobes_held(index: LearntIndex, pose: Floats, granularity: float) -> Indices:

@@ -96,8 +96,8 @@ def right_pairs(
 def _within(places: Floats, reach: Floats, data: Data, free: NDArray[np.bool_]) -> tuple[Indices, Indices]:
     """All pairs of a place (F, 2) and a keypoint that is free at most its ``reach`` (F,) from it: indices of places, in order, and of data."""
     place, datum = data.keypoints.near(places, reach)
-    apart = places[place] - data.uv[datum]
-    near = ((apart * apart).sum(axis=1) <= reach[place] ** 2) & free[datum]
+    right, down = (places[:, axis][place] - data.uv[:, axis][datum] for axis in (0, 1))
+    near = (right * right + down * down <= reach[place] ** 2) & free[datum]
     return place[near], datum[near]
 
 

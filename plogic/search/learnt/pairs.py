@@ -57,14 +57,16 @@ def pairs_of(index: LearntIndex, data: Data) -> Pairs:
     datum, lobe, apart, place = datum[near], lobe[near], apart[near], place[near]
     weight = np.exp(-0.5 * (np.maximum(apart - CLOSE, 0.0) / OFF) ** 2) / (1.0 + place) ** 1.5
     feature = index.cloud.feature[lobe]
-    keep = _leading(np.lexsort((lobe, -weight, feature, datum)), datum * len(index.points) + feature, 1)
-    keep = _leading(keep[np.lexsort((lobe[keep], -weight[keep], datum[keep]))], datum, EACH)
-    keep = keep[np.lexsort((lobe[keep], datum[keep], -weight[keep]))]
+    keep = np.lexsort((datum, -weight))  # of one datum by appearance, for so they come
+    keep = _leading(keep, datum * len(index.points) + feature, 1)
+    keep = _leading(keep, datum, EACH)
     best = keep[fairly(data.uv[datum[keep]], CELL)[:MOST]]
     return Pairs(datum[best], lobe[best], weight[best])
 
 
 def _leading(order: NDArray[np.intp], owner: NDArray[np.intp], most: int) -> NDArray[np.intp]:
-    """Of pairs ordered by their owners, the first few of each owner."""
+    """Of pairs in some order the first few of each owner, in that order."""
     owners = owner[order]
-    return order[np.arange(len(order)) - np.searchsorted(owners, owners) < most]
+    by_owner = np.argsort(owners, kind="stable")
+    place = np.arange(len(order)) - np.searchsorted(owners[by_owner], owners[by_owner])
+    return order[np.sort(by_owner[place < most])]

@@ -12,7 +12,7 @@ import numpy as np
 
 from plogic.evidence import MOST_HIT
 from plogic.search.angles import screen_angle
-from plogic.search.learnt.lobes import held_from
+from plogic.search.learnt.lobes import first_held
 from plogic.search.learnt.side_looks import looks_fit
 from plogic.search.learnt.side_pairs import side_pairs
 from plogic.search.learnt.sides import ALONG
@@ -85,6 +85,5 @@ def _expected(index: LearntIndex, poses: Floats, data: Data, granularity: float,
     if not len(lobes.which) or not data.sided.any():
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
     viewpoints = -np.einsum("hij,hi->hj", poses[:, :3, :3], poses[:, :3, 3])
-    pose, lobe = np.nonzero(held_from(lobes, viewpoints, granularity))
-    sure = np.arange(len(pose)) - np.searchsorted(pose, pose) < most
-    return pose[sure], lobes.which[lobe[sure]]
+    pose, place = first_held(lobes, viewpoints, granularity, most)
+    return pose, lobes.which[place]

@@ -61,12 +61,13 @@ class SidePairs:
 def side_pairs(index: LearntIndex, data: Data, lobes: Indices, uv: Floats, angle: Floats) -> SidePairs:
     """Of appearances ``lobes`` (Q,) that a pose puts at uv (Q, 2) pixels, facing angle (Q,) radians."""
     place, datum = data.sides.near(uv, AROUND, angle)
-    apart = data.uv[datum] - uv[place]
-    near = (apart * apart).sum(axis=1) < AROUND**2
-    place, datum, apart = place[near], datum[near], apart[near]
+    right, down = (data.uv[:, axis][datum] - uv[:, axis][place] for axis in (0, 1))
+    near = right * right + down * down < AROUND**2
+    place, datum, right, down = place[near], datum[near], right[near], down[near]
     alike, turned, colours = facing(index.looks[lobes], angle, data, place, datum)
-    place, datum, apart, cos, sin = place[alike], datum[alike], apart[alike], np.cos(angle)[place[alike]], np.sin(angle)[place[alike]]
-    return SidePairs(place, datum, turned, apart[:, 0] * cos + apart[:, 1] * sin, apart[:, 1] * cos - apart[:, 0] * sin, colours)
+    place, datum, right, down = place[alike], datum[alike], right[alike], down[alike]
+    cos, sin = np.cos(angle)[place], np.sin(angle)[place]
+    return SidePairs(place, datum, turned, right * cos + down * sin, down * cos - right * sin, colours)
 
 
 def facing(
