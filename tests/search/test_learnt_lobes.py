@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from learnt_scenes import one_sided, pose_before, ready, viewpoint, with_sides
 from random_cloud import random_cloud, unit
 
+from plogic.search.learnt import lobes as lobes_module
 from plogic.search.learnt.agreement import ASIDE, GRAZING
-from plogic.search.learnt.lobes import held_from, lobes_about
+from plogic.search.learnt.lobes import first_held, held_from, lobes_about
 
 SEEDS = st.integers(0, 9999)
 RIM = 1e-4
@@ -48,6 +50,18 @@ def test_lobes_hold_the_viewpoints_that_are_within_their_cone_and_range(seed, co
     assert (found == expected)[rim > RIM].all()
     assert (rim > RIM).mean() > 0.9
     assert held_from(thing.index.lobes, viewpoints[:0], granularity).shape == (0, len(cloud.feature))
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(SEEDS, st.integers(0, 30), st.integers(1, 45), st.integers(1, 60), st.floats(0.3, 3.0))
+def test_the_first_that_hold_are_those_of_all_that_hold(seed, count, most, block, granularity):
+    lobes, viewpoints = made(seed).index.lobes, around(np.random.default_rng(seed), count)
+    all_held = held_from(lobes, viewpoints, granularity)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lobes_module, "_BLOCK", block)
+        viewpoint, place = first_held(lobes, viewpoints, granularity, most)
+    expected = [(h, p) for h in range(count) for p in np.flatnonzero(all_held[h])[:most].tolist()]
+    assert list(zip(viewpoint.tolist(), place.tolist(), strict=True)) == expected
 
 
 def test_both_answers_are_given():
