@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from plogic.attention import Attention
     from plogic.expectation import Posed
     from plogic.search.data import Data
+    from plogic.search.indices import Index
     from plogic.search.oriented.pair_index import PairIndex
 
 POOL = 10
@@ -37,6 +38,8 @@ POLISHED = 6
 """Poses of a round that are refined beside Δi before they are accepted or not, the best first."""
 POLISH = 10.0
 """What refinement beside Δi may add to the evidence of a learnt type, which was refined when it was found: one that lacks more is not refined."""
+AGAIN = 40
+"""Poses of a learnt type whose sides are looked at where it is searched for again, after one of it was accepted."""
 
 
 class Perception(Anytime):
@@ -75,7 +78,7 @@ class Perception(Anytime):
         alone = [self.indices[row.type] for row in attention if row.type not in together and not self._exhausted(row.type)]
         by_hand = any(not isinstance(index, LearntIndex) for index in alone)
         covered = covered_by([b.posed for b in self.accepted], self.data) if by_hand else None
-        with closing(each(lambda index: generate(index, left, self.kb, covered), alone)) as searches:
+        with closing(each(lambda index: generate(index, left, self.kb, covered, **self._fewer(index)), alone)) as searches:
             for row in attention:
                 self.deadline.check()
                 if row.type in together:
@@ -98,6 +101,11 @@ class Perception(Anytime):
                 pool[:] = [posed for posed in pool if not self._is_accepted(posed)]
                 return True
         return False
+
+    def _fewer(self, index: Index) -> dict[str, int]:
+        """How far to search for a type: less far again, for what stood out most of it is claimed."""
+        again = isinstance(index, LearntIndex) and index.object_type.name in self.searched
+        return {"refined": AGAIN} if again else {}
 
     def _rested(self, pool: list[Posed]) -> bool:
         """Add to the pool what may stand where accepted objects do, where gravity holds and more were accepted since. True where something may."""

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 VOTE = (0.12, 3.0)
 """Share of the diameter, and pixels, within which places agree in the vote: a single pair's pose is coarse."""
-REFINED, VERIFIED = 150, 5
+REFINED, VERIFIED = 80, 4
 """Poses whose sides are looked at, the best by votes and no two alike; and those that are settled, the best that refinement comes to."""
 APART, TURNED = 0.12, 0.35
 """Two poses are alike whose middles are nearer than this share of the distance and whose rotations differ by less, radians."""

@@ -23,7 +23,7 @@ EACH = 3
 """Features that a keypoint is paired with, the most alike."""
 CLOSE, OFF = 120.0, 100.0
 """Descriptors no farther apart are as good as equal; of those farther apart fewer are right, by a bell of this width."""
-MOST, SEEDS = 2500, 700
+MOST, SEEDS = 2500, 400
 """Pairs in all; those of them that poses are made of."""
 CELL = 64.0
 """Pixels: half of the pairs are taken in turns from cells of the image this wide, so that no textured floor drowns an object."""

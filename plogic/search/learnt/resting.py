@@ -35,7 +35,7 @@ GRAZING = 0.01
 """Cosine of the angle to the plane's normal of a line of sight that runs along the plane: where it meets it is not known."""
 VOTE = (0.06, 3.0)
 """Share of the diameter, and pixels, within which places agree in the vote: half of what a pose in the air is given."""
-MOST, VERIFIED = 40, 4
+MOST, VERIFIED = 24, 3
 """Poses whose sides are looked at; and those that are settled."""
 ROUNDS = Round(0.06, 3.0, 12.0, 20, 16), Round(0.04, 3.0, 7.0, 30, 8), Round(0.015, 2.5, 4.0, 40, 5), Round(0.0, 3.0, 3.0, 60, 4)
 """As those of poses in the air, from nearer by, and of fewer."""
