@@ -19,6 +19,7 @@ from learnt_scenes import gamma_at, one_sided, pose_before, ready
 from painted_cube import CAMERA, CORNER, cloud, picture, pose_towards, seen, write_knowledge
 
 import plogic.delta
+import plogic.document
 from kb.learnt import LearntCloud, numbered
 from kb.read import read_kb
 from plogic.attention import attend
@@ -167,7 +168,8 @@ def test_the_program_knows_the_parts_of_compounds_and_reads_back_the_same(docume
 @pytest.mark.parametrize(("reading", "reconsider"), WAYS)
 def test_telling_what_is_left_out_changes_no_probability(perceiver, gamma, monkeypatch, reading, reconsider):
     short = perceiver(gamma, Options(reading, reconsider))
-    monkeypatch.setattr(plogic.delta, "told", lambda posed: list(range(len(posed.uv))))
+    for module in (plogic.delta, plogic.document):
+        monkeypatch.setattr(module, "told", lambda posed: list(range(len(posed.uv))))
     monkeypatch.setattr(plogic.delta, "lumped", lambda _posed, _dv: ())
     full = perceiver(gamma, Options(reading, reconsider))
     assert len(full["hypotheses"][0]["features"]) > len(short["hypotheses"][0]["features"]) + 20
