@@ -14,6 +14,7 @@ from geometry.camera import NEAREST, Camera
 from geometry.errors import GeometryError
 
 _GENTLE, _STRONG = 1e-4, 1e8  # damping at the start, and at its most
+_FEW = 4  # steps of poses that are refined again
 
 
 class _Task(NamedTuple):
@@ -56,26 +57,25 @@ def refine_poses(
     return poses, _rms(poses, task), _covariance(_normal_equations(_seen(poses, task), task)[0])
 
 
-def refine_along(  # noqa: PLR0913 - those of refine_poses, and one more
+def refine_along(
     camera_from_object: ArrayLike,
     points: ArrayLike,
     uv: ArrayLike,
     weights: ArrayLike,
     camera: Camera,
-    iterations: int = 8,
-    *,
     moves: ArrayLike | None = None,
+    *,
     huber: float | None = None,
     across: ArrayLike | None = None,
 ) -> Floats:
-    """The poses (B, 4, 4) of `refine_poses` alone, which costs less; where `moves` (6, M) are given each step (w, v) is a combination of its columns.
+    """The poses (B, 4, 4) of `refine_poses`, after a few steps; where `moves` (6, M) are given each step (w, v) is a combination of its columns.
 
     Raises:
         GeometryError: where the shapes do not fit, or a weight is negative or not finite.
     """
     poses = np.array(last_axes(camera_from_object, (4, 4), "camera_from_object"))
     task = _task(poses, points, uv, weights, camera, np.inf if huber is None else huber, across)
-    return _descended(poses, task, np.eye(6) if moves is None else last_axes(moves, (6, -1), "moves"), iterations)
+    return _descended(poses, task, np.eye(6) if moves is None else last_axes(moves, (6, -1), "moves"), _FEW)
 
 
 def _descended(poses: Floats, task: _Task, ways: Floats, iterations: int) -> Floats:
@@ -191,7 +191,7 @@ def _jacobian(turned: Floats, placed: Floats, s: Floats, K: Floats) -> Floats:
 
 
 def _cross(a: Floats, b: Floats) -> Floats:
-    """The product (..., 3) of (..., 3) and (..., 3), as numpy's, in a third of its time where they are few."""
+    """The product (..., 3) of (..., 3) and (..., 3), as numpy's, without what that does besides."""
     x, y, z, u, v, w = *(a[..., axis] for axis in range(3)), *(b[..., axis] for axis in range(3))
     return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
 

@@ -131,15 +131,12 @@ class Perception(Anytime):
 
     def _judged(self, pool: Sequence[Posed]) -> list[Belief]:
         """Each pose beside what is accepted: matched on free data, hidden features not expected; as before where nothing near was accepted."""
-        free = self.free()
-
-        def judged_now(posed: Posed) -> Belief:
+        free, judged = self.free(), []
+        for posed in pool:
             self.deadline.check()
             known, accepted = self.known.get(id(posed), (None, 0))
             stale = known is None or any(not apart_on_screen(posed, b.posed, *self.reach) for b in self.accepted[accepted:])
-            return self._judge(posed, free, rounds=0) if known is None or stale else known
-
-        judged = list(each(judged_now, pool))
+            judged.append(self._judge(posed, free, rounds=0) if known is None or stale else known)
         self.known = {id(belief.posed): (belief, len(self.accepted)) for belief in judged}
         return judged
 

@@ -8,7 +8,6 @@ than a free body has poses; what leans, hangs or lies on something else is found
 
 from __future__ import annotations
 
-from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -17,7 +16,6 @@ from geometry.resting import Plane
 from plogic.inference.clock import unhurried
 from plogic.search.learnt.index import LearntIndex
 from plogic.search.learnt.resting import resting
-from plogic.threads import each
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -108,11 +106,9 @@ def supported(
     taken = np.array([(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in learnt])
     known = {index.object_type.name for index, _ in learnt}
     some = [index for name, index in indices.items() if isinstance(index, LearntIndex) and name not in known]
-
-    def stood(index: LearntIndex) -> list[Posed]:
+    found: list[Posed] = []
+    for index in some:
         check()
-        return [posed for _, posed in resting(index, support.plane, left, kb, taken)]
-
-    found = list(chain.from_iterable(each(stood, some)))
+        found += [posed for _, posed in resting(index, support.plane, left, kb, taken)]
     who = ", ".join(learnt[i][0].object_type.name for i in support.by)
     return found, f"{who} stand on one plane, {support.plane.offset:.2f} m below the camera: {len(found)} poses that stand there are tried"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.refine import refine_along
+from geometry.refine import refine_poses
 from plogic.expectation import Posed
 
 if TYPE_CHECKING:
@@ -58,4 +58,4 @@ def polished(posed: Posed, points: Floats, precision: Floats, data: Data, hidden
         return None
     uv, across = data.uv[posed.matches[used]][None], None if posed.across is None else posed.across[used][None]
     pose, its = posed.camera_from_object[None], points[used][None]
-    return np.asarray(refine_along(pose, its, uv, precision[used][None], data.camera, huber=robust, across=across)[0])
+    return np.asarray(refine_poses(pose, its, uv, precision[used][None], data.camera, huber=robust, across=across)[0][0])

@@ -52,7 +52,6 @@ class Lobes:
         apart = (away * away).sum(axis=1)[:, None] - 2.0 * (away @ self.places) + self.square
         return away @ self.axes - self.along, np.sqrt(np.maximum(apart, 0.0))
 
-
     def part(self, first: int, last: int) -> Lobes:
         """Those from one place among them to before another."""
         some: dict[str, Any] = {f.name: getattr(self, f.name)[..., first:last] for f in fields(self) if f.name != "centre"}

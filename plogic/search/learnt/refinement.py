@@ -48,8 +48,6 @@ SIDES_A_PAIR, SIDE_WEIGHT = 4.0, 0.3
 """Sides that are as good as one pair to hold a pose, and how much each counts against a pair in its refinement."""
 PAIR_WORTH, SIDE_WORTH = 4.0, 0.35
 """About how much a pair, and a unit of the worth of sides, says of a pose (logarithm of a likelihood ratio), where poses are put in order."""
-STEPS = 4
-"""Steps of a round of refinement: the next round goes on from there."""
 ROBUST = 2.0
 """Pixels beyond which a pair weighs less."""
 
@@ -88,7 +86,7 @@ def refined(
             np.concatenate([used[some], sides.weight[some] * SIDE_WEIGHT], axis=1),
         )
         across = np.concatenate([np.full((*which.shape, 2), np.nan), sides.across[some]], axis=1)
-        poses = refine_along(poses[some], *both, data.camera, STEPS, moves=moves, huber=ROBUST, across=across)
+        poses = refine_along(poses[some], *both, data.camera, moves, huber=ROBUST, across=across)
         poses = poses[plausible(index, poses)]
     last = rounds[-1]
     worth = _worth(held_at(index, poses, pairs, data, last), side_fit(index, poses, data, granularity, last.reach, last.sides))
