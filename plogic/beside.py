@@ -37,7 +37,7 @@ class Beside:
     """Δi over one Γ, and what can be said of a hypothesis beside it.
 
     ``end``: a moment of ``time.monotonic`` at which a search stops, None for never; ``shared``: the index of the types that are searched for
-    together, if there is one.
+    together, if there is one; ``processes``: how many search for the others, this one and copies of it.
     """
 
     data: Data
@@ -46,6 +46,7 @@ class Beside:
     dv: Mapping[str, float]
     end: float | None = None
     shared: InitVar[PairIndex | None] = None
+    processes: int = 1
 
     def __post_init__(self, shared: PairIndex | None) -> None:
         self.deadline = Deadline(self.end)

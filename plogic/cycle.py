@@ -16,10 +16,10 @@ from plogic.evidence import evidence
 from plogic.inference.clock import OutOfTimeError
 from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import SHARED_CLAIMS, apart_on_screen, claims, overlap, shared_claims
+from plogic.search.by_copies import searched
 from plogic.search.indices import generate, generate_together, settle, significant
 from plogic.search.learnt.index import LearntIndex
-from plogic.support import supported
-from plogic.threads import each
+from plogic.support import bodies, supported
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,8 +77,13 @@ class Perception(Anytime):
         together = {} if self.together is None else generate_together(self.together, left, self.kb, self._hidden)
         alone = [self.indices[row.type] for row in attention if row.type not in together and not self._exhausted(row.type)]
         by_hand = any(not isinstance(index, LearntIndex) for index in alone)
+        taken = bodies(self.accepted)
         covered = covered_by([b.posed for b in self.accepted], self.data) if by_hand else None
-        with closing(each(lambda index: generate(index, left, self.kb, covered, **self._fewer(index)), alone)) as searches:
+
+        def search(index: Index) -> list[tuple[float, Posed]]:
+            return generate(index, left, self.kb, covered, taken, **self._fewer(index))
+
+        with closing(searched(search, alone, left, self.processes)) as searches:
             for row in attention:
                 self.deadline.check()
                 if row.type in together:
@@ -112,7 +117,7 @@ class Perception(Anytime):
         if not self.kb.gravity or self.standing == len(self.accepted):
             return False
         self.standing = len(self.accepted)
-        found, why = supported(self.accepted, self.indices, self.data.only(self.free()), self.kb, self.deadline.check)
+        found, why = supported(self.accepted, self.indices, self.data.only(self.free()), self.kb, self.processes, self.deadline.check)
         if why is not None:
             self.trace.add("support", why)
         pool += found

@@ -12,6 +12,7 @@ from plogic.delta import Delta, Options, delta_of
 from plogic.document import document_of
 from plogic.errors import InconsistentError
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
+from plogic.search.by_copies import make_ready
 from plogic.search.data import data_of
 from plogic.search.indices import indices_of
 from plogic.stopwatch import Stopwatch
@@ -39,14 +40,17 @@ LISTED_WORLDS = 100
 class Perceiver:
     """A knowledge base made ready: dv and the view cells of its types, computed once and used for any number of images.
 
-    ``cache``: a folder in which the index over many types is kept between runs.
+    ``cache``: a folder in which the index over many types is kept between runs; ``processes``: how many search an image for learnt types, this
+    one and copies of it (``plogic.forked`` says when there may be more than one).
     """
 
-    def __init__(self, kb: KnowledgeBase, cache: Path | None = None) -> None:
-        self.kb = kb
+    def __init__(self, kb: KnowledgeBase, cache: Path | None = None, processes: int = 1) -> None:
+        self.kb, self.processes = kb, processes
         self.dv = distinctiveness(instance_counts(kb.types))
         self.width = kb.words.centroids.shape[1] if kb.words is not None else 128
         self.indices, self.shared = indices_of(kb, self.dv, cache)
+        if processes > 1:
+            make_ready(self.indices.values())
 
     def __call__(
         self,
@@ -72,7 +76,7 @@ class Perceiver:
         with clock.stage("rank"):
             attention = attend(list(self.indices.values()), data.types, self.kb)
         with clock.stage("search"), uncollected():
-            perception = Perception(data, self.kb, self.indices, self.dv, options.end, self.shared)
+            perception = Perception(data, self.kb, self.indices, self.dv, options.end, self.shared, self.processes)
             cycle = perception.run(attention)
             if perception.unfinished:
                 cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")

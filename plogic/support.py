@@ -8,12 +8,14 @@ than a free body has poses; what leans, hangs or lies on something else is found
 
 from __future__ import annotations
 
+from contextlib import closing
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from geometry.resting import Plane
 from plogic.inference.clock import unhurried
+from plogic.search.by_copies import searched
 from plogic.search.learnt.index import LearntIndex
 from plogic.search.learnt.resting import resting
 
@@ -93,22 +95,29 @@ def _spread(some: Sequence[_Stand]) -> float:
 
 
 def supported(
-    accepted: Sequence[Belief], indices: Mapping[str, Index], left: Data, kb: KnowledgeBase, check: Callable[[], None] = unhurried
+    accepted: Sequence[Belief], indices: Mapping[str, Index], left: Data, kb: KnowledgeBase, processes: int = 1, check: Callable[[], None] = unhurried
 ) -> tuple[list[Posed], str | None]:
     """What the free data suggest on the plane that accepted objects stand on, and that in words; nothing, and None, where there is no such plane.
 
-    Only types are looked for of which none is accepted. ``check`` is called before each type, and may raise to end it.
+    Only types are looked for of which none is accepted, by so many ``processes``. ``check`` is called before each type, and may raise to end it.
     """
     learnt = [(belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearntIndex)]
     support = support_of(learnt)
     if support is None:
         return [], None
-    taken = np.array([(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in learnt])
+    taken = bodies(accepted)
     known = {index.object_type.name for index, _ in learnt}
     some = [index for name, index in indices.items() if isinstance(index, LearntIndex) and name not in known]
     found: list[Posed] = []
-    for index in some:
-        check()
-        found += [posed for _, posed in resting(index, support.plane, left, kb, taken)]
+    with closing(searched(lambda index: resting(index, support.plane, left, kb, taken), some, left, processes)) as searches:
+        for _ in some:
+            check()
+            found += [posed for _, posed in next(searches)]
     who = ", ".join(learnt[i][0].object_type.name for i in support.by)
     return found, f"{who} stand on one plane, {support.plane.offset:.2f} m below the camera: {len(found)} poses that stand there are tried"
+
+
+def bodies(accepted: Sequence[Belief]) -> Floats:
+    """(N, 4) middles, camera frame, and inner radii of accepted objects of learnt types, m: what reaches nearer than that is in them (A4)."""
+    learnt = [(belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearntIndex)]
+    return np.array([(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in learnt]).reshape(-1, 4)

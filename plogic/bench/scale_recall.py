@@ -1,6 +1,6 @@
 """How many types an index can hold: where the right vote stands among those of other types, and where it would stand among more.
 
-* ``Standing``: in one trial, how full the box of the right vote is, and how full those of the others are
+* ``Standing``: in one trial, how much weight the box of the right vote has, and how much those of the others have
 
 The votes of a type depend on no other type. So those of T types are T times as many as those of one, and where the right one stands follows.
 """
@@ -25,9 +25,9 @@ INTERVAL = 2.5, 97.5
 
 @dataclass(frozen=True, eq=False)
 class Standing:
-    """``right``: the greatest count of a right vote, 0 where there is none; ``alike``: right votes of this count.
+    """``right``: the greatest weight of a right vote, 0 where there is none; ``alike``: right votes of this weight.
 
-    ``above``, ``level``: wrong votes of the same type with more, with as many. ``others`` (H,): votes of ``types`` other types, by their count.
+    ``above``, ``level``: wrong votes of the same type with more, with as much. ``others`` (H,): votes of ``types`` other types, by their weight.
     """
 
     right: int
@@ -38,13 +38,13 @@ class Standing:
     types: int
 
     def before(self, types: int) -> tuple[float, float]:
-        """How many votes have more than the right one, and how many as many, to be expected of so many types in all."""
+        """How many votes weigh more than the right one, and how many as much, to be expected of so many types in all."""
         share = (types - 1) / self.types if self.types else 0.0
         level = float(self.others[self.right : self.right + 1].sum())
         return self.above + share * float(self.others[self.right + 1 :].sum()), self.level + share * level
 
     def chance(self, types: int, laid: int) -> float:
-        """How likely one right vote is among the first ``laid`` where those of one count come in any order; 0 where nothing votes right."""
+        """How likely one right vote is among the first ``laid`` where those of one weight come in any order; 0 where nothing votes right."""
         if not self.right:
             return 0.0
         above, level = self.before(types)
@@ -52,7 +52,7 @@ class Standing:
         return float(1.0 - (1.0 - room) ** self.alike)
 
     def joined(self, others: NDArray[np.int64], types: int) -> Standing:
-        """With the votes of more types, by their count."""
+        """With the votes of more types, by their weight."""
         longest = max(len(self.others), len(others))
         total = np.pad(self.others, (0, longest - len(self.others))) + np.pad(others, (0, longest - len(others)))
         return Standing(self.right, self.alike, self.above, self.level, total, self.types + types)

@@ -59,7 +59,7 @@ class Capped(PairIndex):
 
     def found(
         self, looks: tuple[Indices, Indices], angles: tuple[Floats, Floats], tolerance: float, most: int = MOST
-    ) -> tuple[Indices, NDArray[np.uint64]]:
+    ) -> tuple[Indices, NDArray[np.uint64], NDArray[np.uint8]]:
         """As the index finds them."""
         if self.most is None:
             self.asked.append(len(super().found(looks, angles, np.inf, ALL)[0]))
@@ -113,7 +113,7 @@ def seen(ready: Ready, trial: Trial) -> Seen:
     laying = max(0.0, proposing - counting)
     stages = Stages(first, voting + counting, laying, max(0.0, whole - voting - counting - laying))
     right = is_right(ready, votes, data, trial)
-    best = np.argsort(-votes.count, kind="stable")[:LAID]
+    best = np.argsort(-votes.weight, kind="stable")[:LAID]
     found = [_found(belief, trial) for belief in cycle.accepted]
     place = [row.type for row in attention].index(trial.truth.type) / len(attention)
     return Seen(stages, bool(right[best].any()), any(found), len(found) - sum(found), place)
@@ -132,11 +132,11 @@ def is_right(ready: Ready, votes: Votes, data: Data, trial: Trial) -> NDArray[np
 
 def standing_of(votes: Votes, right: NDArray[np.bool_], kind: int, types: int) -> Standing:
     """Where the best right vote stands; (N,) ``right``, of the type ``kind`` of so many."""
-    own, best = votes.kind == kind, int(votes.count[right].max(initial=0))
-    wrong = votes.count[own & ~right]
+    own, best = votes.kind == kind, int(votes.weight[right].max(initial=0))
+    wrong = votes.weight[own & ~right]
     return Standing(
-        best, int((votes.count[right] == best).sum()), int((wrong > best).sum()), int((wrong == best).sum()),
-        np.bincount(votes.count[~own]).astype(np.int64), types - 1,
+        best, int((votes.weight[right] == best).sum()), int((wrong > best).sum()), int((wrong == best).sum()),
+        np.bincount(votes.weight[~own]).astype(np.int64), types - 1,
     )  # fmt: skip
 
 
@@ -167,7 +167,7 @@ def with_more(ready: Ready, trial: Trial, before: Standing, passes: int, rng: np
     for _ in range(passes):
         exchanged = np.where(looks < 0, looks, rng.permutation(len(ready.shared.looks))[looks])
         votes = counted(raw_votes(ready.shared, exchanged, data, sigma))
-        before = before.joined(np.bincount(votes.count).astype(np.int64), len(ready.indices))
+        before = before.joined(np.bincount(votes.weight).astype(np.int64), len(ready.indices))
     return before
 
 

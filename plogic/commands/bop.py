@@ -85,13 +85,14 @@ def look_of(kb: KnowledgeBase) -> Look:
     """The KB's own perceiver: what it accepts, scored by its probability. Raises InputError where no detector reports a type of the KB."""
     from plogic.commands.perceive import detectable
     from plogic.errors import InputError
+    from plogic.forked import processors
     from plogic.perceive import Perceiver
     from plogic.remembered import cache_folder
     from sensing.detector import detect
 
     if not detectable(kb):
         raise InputError(f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types[:8])})")
-    perceiver = Perceiver(kb, cache_folder("indices"))
+    perceiver = Perceiver(kb, cache_folder("indices"), processors())
 
     def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
         document = perceiver(detect(image, camera, kb.sought, kb.words))

@@ -48,11 +48,12 @@ def learn_rates_command(
 def _records(folders: Sequence[Path], kb: KnowledgeBase, say: Callable[[str], None]) -> list[Record]:
     """Every scene's record; what is wrong with any of them is told at once."""
     from geometry.errors import PlogicError
+    from plogic.forked import processors
     from plogic.learning.scenes import record_of
     from plogic.perceive import Perceiver
     from plogic.remembered import cache_folder
 
-    perceiver = Perceiver(kb, cache_folder("indices"))
+    perceiver = Perceiver(kb, cache_folder("indices"), processors())
     records, wrong = [], []
     for i, folder in enumerate(folders, start=1):
         try:

@@ -35,6 +35,7 @@ def perceive_command(
 ) -> int:
     """Read, interpret, write; returns the exit status. Nothing is written where something is wrong with the input."""
     from plogic.delta import Options
+    from plogic.forked import processors
     from plogic.interpretation import text_of
     from plogic.perceive import Perceiver
     from plogic.remembered import cache_folder
@@ -49,7 +50,7 @@ def perceive_command(
     gamma, image = gamma_of(source, picture, options.get("camera"), kb, clock)
     end = monotonic() + options["deadline"] if options.get("deadline") else None
     with clock.stage("index"):
-        perceiver = Perceiver(kb, cache_folder("indices"))
+        perceiver = Perceiver(kb, cache_folder("indices"), processors())
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
     document = perceiver(gamma, chosen, image, clock)
     _write_all(document, text_of(document), out, options, image, clock, write)

@@ -72,6 +72,11 @@ class Data:
         return np.asarray(count[which], np.intp)
 
     @cached_property
+    def sizes(self) -> NDArray[np.float64]:
+        """(A,) the logarithm of ``scale``."""
+        return np.log(self.scale)
+
+    @cached_property
     def keypoints(self) -> Grid:
         """The keypoints among these, by place."""
         which = np.flatnonzero(self.described)

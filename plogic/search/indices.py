@@ -10,6 +10,7 @@ import numpy as np
 from plogic.inference.clock import unhurried
 from plogic.search import generate as by_hand
 from plogic.search.learnt import generate as learnt
+from plogic.search.learnt.generate import NOBODY
 from plogic.search.learnt.index import LearntIndex, learnt_index
 from plogic.search.learnt.lexicon import Lexicon, lexicon_of
 from plogic.search.learnt.settle import settle as settle_learnt
@@ -66,13 +67,16 @@ def significant(index: Index, search: Search | None = None) -> float:
     return log(MOST_PAIRS if search is None else LAID)
 
 
-def generate(index: Index, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None, **most: int) -> list[tuple[float, Posed]]:
+def generate(
+    index: Index, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None, taken: NDArray[np.float64] = NOBODY, **most: int
+) -> list[tuple[float, Posed]]:
     """The poses that Γ suggests, matched, best first, with their log-likelihood ratios; ``most``: ``refined``, ``verified``.
 
-    ``covered`` (H, W): where accepted objects stand. A learnt type needs no telling: what they claim is not in ``data``.
+    ``covered`` (H, W): where accepted objects stand, which a type written by hand is told; ``taken`` (N, 4): their middles and inner radii, m,
+    which a learnt one is told.
     """
     if isinstance(index, LearntIndex):
-        return learnt.generate(index, data, kb, **most)
+        return learnt.generate(index, data, kb, taken, **most)
     return by_hand.generate(index, data, kb, covered, **most)
 
 

@@ -8,6 +8,7 @@ from painted_cube import CAMERA, CORNER, cloud, paint, picture, pose_towards, se
 from geometry.frames import pose_error
 from kb.learnt import LearntCloud
 from kb.read import read_kb
+from plogic.interpretation import text_of
 from plogic.perceive import Perceiver
 from sensing.appearance import Gamma
 from sensing.detector import detect
@@ -97,3 +98,16 @@ def test_in_a_noisy_picture_it_is_there_or_missed_but_nowhere_else(perceiver):
 def test_the_same_picture_gives_the_same_answer(perceiver):
     image = picture([pose_towards(CORNER, 0.6, 0.3)], seed=1)
     assert np.array_equal(found(perceiver, image), found(perceiver, image))
+
+
+def test_copies_of_the_process_change_nothing(tmp_path):
+    """Three types, two of which have one look: what is told of each hypothesis is the same to the byte."""
+    one = cloud(seen())
+    kb = read_kb(write_knowledge(tmp_path, {"cube": one, "twin": one, "third": one}))
+    image = picture([pose_towards(CORNER, 0.6, 0.2, (-0.09, 0.0)), pose_towards((0.7, 0.8, 0.9), 0.6, -0.5, (0.1, 0.0))])
+    texts = []
+    for processes in (1, 2, 3):
+        perceiver = Perceiver(kb, processes=processes)
+        texts.append([text_of(perceiver(gamma(perceiver, image))) for _ in range(2)])
+    assert texts[0][0].count('"accepted"') == 2
+    assert texts == [[texts[0][0]] * 2] * 3

@@ -63,7 +63,7 @@ def asked(looks, angles):
 
 def found(index, looks, angles):
     """What the index finds for one query, as the oracle tells it."""
-    query, entry = index.found(tuple(np.array([x]) for x in looks), tuple(np.array([x], float) for x in angles), ANY)
+    query, entry, _ = index.found(tuple(np.array([x]) for x in looks), tuple(np.array([x], float) for x in angles), ANY)
     assert (query == 0).all()
     return rows_of(entry)
 
@@ -93,7 +93,7 @@ def test_every_pair_is_found_by_its_own_looks_and_angles():
     index, some = clouds(**SMALL).shared, all_pairs()[:: max(1, len(all_pairs()) // 300)]
     looks = tuple(np.array([row[0][side] for row in some]) for side in (0, 1))
     angles = tuple(np.array([row[3][side] for row in some]) for side in (0, 1))
-    query, entry = index.found(looks, angles, ANY)
+    query, entry, _ = index.found(looks, angles, ANY)
     told = {(int(q), row) for q, e in zip(query, entry, strict=True) for row in rows_of(np.array([e]))}
     assert all((n, row[2]) in told for n, row in enumerate(some))
     assert len(some) >= 300
@@ -124,7 +124,9 @@ def test_what_is_further_off_than_the_tolerance_is_not_found(looks, angles, degr
     """To the fineness with which an entry tells its angles."""
     index, step = clouds(**SMALL).shared, 2.0 * np.pi / FINE
     query = tuple(np.array([x]) for x in looks), tuple(np.array([x]) for x in angles)
-    got = Counter(rows_of(index.found(*query, np.radians(degrees))[1]))
+    _, entry, far = index.found(*query, np.radians(degrees))
+    got = Counter(rows_of(entry))
+    assert (far * step <= np.radians(degrees)).all()
     off = [(row, max(abs(wrapped(np.array(a) - b)) for a, b in zip(own, angles, strict=True))) for pair, _, row, own in all_pairs() if pair == looks]
     assert got <= Counter(row for row, far in off if far <= np.radians(degrees) + step)
     assert got >= Counter(row for row, far in off if far <= np.radians(degrees) - step)
@@ -134,7 +136,7 @@ def test_many_queries_are_as_many_single_ones():
     index, rng = clouds(**SMALL).shared, np.random.default_rng(3)
     looks = np.sort(rng.integers(0, 6, (40, 2)), axis=1)
     angles = rng.uniform(-np.pi, np.pi, (40, 2))
-    query, entry = index.found(tuple(looks.T), tuple(angles.T), ANY)
+    query, entry, _ = index.found(tuple(looks.T), tuple(angles.T), ANY)
     for q in range(40):
         assert rows_of(entry[query == q]) == found(index, looks[q], angles[q])
     assert len(entry) > 100
@@ -156,8 +158,9 @@ def test_where_too_much_is_found_the_commonest_are_left_out():
 
 def test_asked_nothing_it_finds_nothing():
     nobody, nothing = np.zeros(0, np.intp), np.zeros(0)
-    query, entry = clouds(**SMALL).shared.found((nobody, nobody), (nothing, nothing), ANY)
+    query, entry, off = clouds(**SMALL).shared.found((nobody, nobody), (nothing, nothing), ANY)
     assert query.shape == entry.shape == (0,)
+    assert off.shape == (0, 2)
 
 
 def test_made_again_it_is_the_same():

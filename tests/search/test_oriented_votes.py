@@ -13,12 +13,12 @@ from plogic.search.angles import wrapped
 from plogic.search.data import centre_of, data_of
 from plogic.search.oriented.generate import coarse_poses
 from plogic.search.oriented.pair_index import FINE, STEP
-from plogic.search.oriented.pair_votes import NEAREST, REACH, counted, raw_votes
+from plogic.search.oriented.pair_votes import BENT, NEAREST, REACH, WHOLE, counted, raw_votes
 from plogic.search.oriented.typed_data import typed_data
 from plogic.search.view_cells import DISTANCE
 
 SIGMA = float(np.radians(5.0))
-FIELDS = ("kind", "cell", "centre", "roll", "scale", "count")
+FIELDS = ("kind", "cell", "centre", "roll", "scale", "weight")
 
 
 def votes_of(ready, appearances, camera=STRAIGHT):
@@ -51,22 +51,22 @@ def test_an_exact_picture_votes_for_what_it_shows(kind, cell, roll):
     votes = votes_of(ready, appearances)
     right = true_ones(votes, kind, cell, roll, scale)
     assert right.any()
-    assert votes.count[right].max() >= 0.5 * votes.count.max(), "with nearly as many as any"
-    assert votes.count[right].max() >= 20
+    assert votes.weight[right].max() >= 0.5 * votes.weight.max(), "with nearly as much as any"
+    assert votes.weight[right].max() >= 20 * WHOLE
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(st.integers(0, 4), st.integers(0, 161), st.floats(-3.1, 3.1), st.integers(2, 8))
 def test_a_vote_counts_different_pairs_of_the_image(kind, cell, roll, most):
-    """However many cells and types a pair resembles, it counts once a box; of n data there are at most n (n − 1) / 2."""
+    """However many cells and types a pair resembles, it counts once a box, and no more than whole; of n data there are at most n (n − 1) / 2."""
     appearances, _ = exact(clouds(), kind, cell, roll, most)
     uv = np.array([a.uv for a in appearances])
     apart = np.linalg.norm(uv[:, None] - uv[None], axis=2)[np.triu_indices(len(uv), 1)]
     pairs = int(((apart >= NEAREST) & (apart <= REACH)).sum())
     votes = votes_of(clouds(), appearances)
-    assert votes.count.max(initial=0) <= pairs
-    assert (votes.count > 0).all()
-    assert len(votes.count) > 0 or not pairs
+    assert votes.weight.max(initial=0) <= pairs * WHOLE
+    assert (votes.weight > 0).all()
+    assert len(votes.weight) > 0 or not pairs
 
 
 def test_two_three_and_four_neighbours_have_one_three_and_six_votes():
@@ -79,7 +79,7 @@ def test_two_three_and_four_neighbours_have_one_three_and_six_votes():
             apart = np.linalg.norm(uv[:, None] - uv[None], axis=2)[np.triu_indices(most, 1)]
             if ((apart > NEAREST) & (apart < REACH)).all():
                 votes = votes_of(ready, appearances)
-                assert votes.count[true_ones(votes, 1, cell, 0.4, scale)].max() == pairs
+                assert votes.weight[true_ones(votes, 1, cell, 0.4, scale)].max() == pairs * WHOLE
                 checked += 1
     assert checked > 15
 
@@ -90,10 +90,22 @@ def test_what_has_no_angle_or_no_known_type_never_votes():
     silent = [replace(a, id=f"{a.id}n", angle=None, uv=(a.uv[0] + 3.0, a.uv[1] + 5.0)) for a in plain]
     unknown = [replace(a, id=f"{a.id}u", type="never seen", uv=(a.uv[0] - 5.0, a.uv[1] + 3.0)) for a in plain]
     first, second = votes_of(clouds(), plain, data.camera), votes_of(clouds(), [*plain, *silent, *unknown], data.camera)
-    assert len(first.count) > 100
+    assert len(first.weight) > 100
     assert all(np.array_equal(getattr(first, name), getattr(second, name)) for name in FIELDS)
-    assert not len(votes_of(clouds(), silent, data.camera).count)
-    assert not len(votes_of(clouds(), unknown, data.camera).count)
+    assert not len(votes_of(clouds(), silent, data.camera).weight)
+    assert not len(votes_of(clouds(), unknown, data.camera).weight)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 6.0, 12.0, 20.0])
+def test_an_angle_that_is_off_weighs_less(degrees):
+    """By a normal density of the noise and of what a cell's width turns; to the fineness with which an entry tells its angles."""
+    ready, step, spread = clouds(), 2.0 * np.pi / FINE, np.hypot(SIGMA, BENT)
+    appearances, scale = exact(ready, 2, 40, 1.0, 2)
+    turned = [appearances[0], replace(appearances[1], angle=appearances[1].angle + np.radians(degrees))]
+    votes = votes_of(ready, turned)
+    weight = votes.weight[true_ones(votes, 2, 40, 1.0, scale)].max()
+    least, most = (WHOLE * np.exp(-0.5 * (off / spread) ** 2) for off in (np.radians(degrees) + step, max(0.0, np.radians(degrees) - step)))
+    assert round(least) <= weight <= round(most)
 
 
 def test_a_datum_at_another_angle_says_something_else():
@@ -107,7 +119,7 @@ def test_a_datum_at_another_angle_says_something_else():
 @pytest.mark.parametrize("apart", [NEAREST - 0.5, REACH + 0.5, 0.0])
 def test_what_is_too_near_or_too_far_is_no_pair(apart):
     names = clouds().shared.looks
-    assert not len(votes_of(clouds(), [datum(0, names[0], (300, 200), 0.1), datum(1, names[1], (300 + apart, 200), 0.2)]).count)
+    assert not len(votes_of(clouds(), [datum(0, names[0], (300, 200), 0.1), datum(1, names[1], (300 + apart, 200), 0.2)]).weight)
 
 
 @pytest.mark.parametrize("number", [0, 1])

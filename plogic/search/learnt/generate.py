@@ -36,15 +36,29 @@ HOPELESS = -20.0
 """Poses that explain less than this beyond chance as they are, before they are settled, are given up, to save time."""
 TILTED = 4.0
 """Poses of less worth are not tried with their other tilt."""
+NOBODY = np.zeros((0, 4))
 WORTHLESS = 12.0
 """Poses of less worth are given up before they are settled: few right ones, and most of the wrong ones (``benchmarks/learnt_spreads.py``)."""
 
 
-def generate(index: LearntIndex, data: Data, kb: KnowledgeBase, *, refined: int = REFINED, verified: int = VERIFIED) -> list[tuple[float, Posed]]:
-    """The settled poses with their log-likelihood ratios, best first; ``refined``, ``verified``: how many poses go that far."""
+def generate(
+    index: LearntIndex, data: Data, kb: KnowledgeBase, taken: Floats = NOBODY, *, refined: int = REFINED, verified: int = VERIFIED
+) -> list[tuple[float, Posed]]:
+    """The settled poses with their log-likelihood ratios, best first; ``refined``, ``verified``: how many poses go that far.
+
+    ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that are there already, m: poses that overlap them (A4) are not looked at.
+    """
     thin = verified <= VERIFIED
-    poses, worth = proposed(index, data, kb, refined, verified, thin=thin)
-    return settled_best(index, poses[worth >= WORTHLESS] if thin else poses, data, kb, verified)
+    poses, worth = proposed(index, data, kb, refined, verified, taken, thin=thin)
+    poses = poses[worth >= WORTHLESS] if thin else poses
+    return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, verified)
+
+
+def clear_of(taken: Floats, index: LearntIndex, poses: Floats) -> NDArray[np.bool_]:
+    """(H,) which poses (H, 4, 4) may keep out of bodies that are there already (N, 4), as far as their inner radii tell (A4)."""
+    middles = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
+    apart = np.linalg.norm(middles[:, None] - taken[:, :3], axis=2)
+    return np.asarray((apart > taken[:, 3] + index.inner_radius).all(axis=1))
 
 
 def settled_best(index: LearntIndex, best: Floats, data: Data, kb: KnowledgeBase, verified: int) -> list[tuple[float, Posed]]:
@@ -57,7 +71,7 @@ def settled_best(index: LearntIndex, best: Floats, data: Data, kb: KnowledgeBase
 
 
 def proposed(
-    index: LearntIndex, data: Data, kb: KnowledgeBase, most: int = REFINED, tried: int = VERIFIED, *, thin: bool = True
+    index: LearntIndex, data: Data, kb: KnowledgeBase, most: int = REFINED, tried: int = VERIFIED, taken: Floats = NOBODY, *, thin: bool = True
 ) -> tuple[Floats, Floats]:
     """Poses (N, 4, 4), refined but not settled, with their worth (N,), best first; ``most``: so many are.
 
@@ -66,6 +80,7 @@ def proposed(
     nothing = np.zeros((0, 4, 4)), np.zeros(0)
     pairs = pairs_of(index, data)
     poses = single_poses(index, pairs.first(SEEDS), data) if len(pairs) >= FEWEST else nothing[0]
+    poses = poses[clear_of(taken, index, poses)]
     if not len(poses):
         return nothing
     worth = votes(agreement(index, poses, pairs, data, *VOTE), pairs)

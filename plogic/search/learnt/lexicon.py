@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from threading import Lock
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -73,11 +72,10 @@ class Lexicon:
 
     def __post_init__(self) -> None:
         self._last: tuple[Data, dict[str, Alike]] | None = None
-        self._one_at_a_time = Lock()
 
     def alike(self, name: str, data: Data) -> Alike:
         """The pairs of one type that look alike; those of all types and all of Γ are found at the first question about it."""
-        found = self._found(data)[name]
+        found = self.ask(data)[name]
         place = np.full(len(data.whole.ids), -1, np.intp)
         place[data.rows] = np.arange(len(data.ids))
         here = place[found.datum] >= 0
@@ -88,7 +86,7 @@ class Lexicon:
 
         ``datum`` (N,) are those that are theirs; others are ``aside`` pixels away from them at least. ``apart`` (N,) is a share of ``FARTHEST``.
         """
-        found, rows = self._found(data)[name], data.rows[datum]
+        found, rows = self.ask(data)[name], data.rows[datum]
         first, last = np.searchsorted(found.lobe, lobe, "left"), np.searchsorted(found.lobe, lobe, "right")
         owner = np.repeat(np.arange(len(lobe)), last - first)
         pair = np.arange(len(owner)) + np.repeat(first - np.cumsum(last - first) + (last - first), last - first)
@@ -96,12 +94,11 @@ class Lexicon:
         other = (off >= aside) & (found.apart[pair] <= FARTHEST * apart[owner])
         return np.bincount(owner[other], minlength=len(lobe)) / NTH
 
-    def _found(self, data: Data) -> dict[str, Alike]:
-        """The pairs of all types and all of Γ that look alike."""
-        with self._one_at_a_time:
-            if self._last is None or self._last[0] is not data.whole:
-                self._last = (data.whole, self._all(data.whole))
-            return self._last[1]
+    def ask(self, data: Data) -> dict[str, Alike]:
+        """By type, the pairs that look alike, of all types and all of Γ: those of the last one that was asked about are kept."""
+        if self._last is None or self._last[0] is not data.whole:
+            self._last = (data.whole, self._all(data.whole))
+        return self._last[1]
 
     def _all(self, data: Data) -> dict[str, Alike]:
         described = np.flatnonzero(data.described)
@@ -120,7 +117,7 @@ class Lexicon:
         ends = np.searchsorted(word, np.arange(len(self.words) + 1))
         own = (vectors**2).sum(axis=1)
         limit = farthest(vectors)
-        rows, places, squares = [], [], []
+        rows, places, squares = [np.zeros(0, np.intp)], [np.zeros(0, np.intp)], [np.zeros(0)]
         for w in np.flatnonzero((np.diff(ends) > 0) & (np.diff(self.starts) > 0)):
             first, last = self.starts[w], self.starts[w + 1]
             mine = spread(self.descriptors[first:last])[:, : vectors.shape[1]]
@@ -133,19 +130,21 @@ class Lexicon:
                 rows.append(some[near])
                 places.append(place + first)
                 squares.append(apart[place, near])
-        nothing = np.zeros(0, np.intp)
-        distance = np.sqrt(np.maximum(np.concatenate([*squares, np.zeros(0)]), 0.0)) * (FARTHEST / limit)
-        return np.concatenate([*rows, nothing]), np.concatenate([*places, nothing]), distance
+        return np.concatenate(rows), np.concatenate(places), np.sqrt(np.maximum(np.concatenate(squares), 0.0)) * (FARTHEST / limit)
 
     def _sorted_by_word(self, vectors: NDArray[np.float32]) -> tuple[Indices, Indices]:
-        """Words and rows of (N, D) vectors, each row with its ``WORDS`` nearest words, by word."""
+        """Words and rows of (N, D) vectors, each row with its ``WORDS`` nearest words, and those as near as the last of them, by word."""
         count = min(WORDS, len(self.words))
         words = self.words[:, : vectors.shape[1]]  # an image without colours is compared without them
         squares = (words**2).sum(axis=1)
-        blocks = [squares - 2.0 * (vectors[i : i + _BLOCK] @ words.T) for i in range(0, len(vectors), _BLOCK)]
-        nearest = np.concatenate([np.argpartition(block, count - 1, axis=1)[:, :count] for block in blocks]).ravel()
-        order = np.argsort(nearest, kind="stable")
-        return nearest[order], np.repeat(np.arange(len(vectors)), count)[order]
+        near = []
+        for start in range(0, len(vectors), _BLOCK):
+            apart = squares - 2.0 * (vectors[start : start + _BLOCK] @ words.T)
+            row, word = np.nonzero(apart <= np.partition(apart, count - 1, axis=1)[:, count - 1 : count])
+            near.append((word, row + start))
+        word, row = (np.concatenate(columns) for columns in zip(*near, strict=True))
+        order = np.argsort(word, kind="stable")
+        return word[order], row[order]
 
 
 def lexicon_of(clouds: Mapping[str, LearntCloud], words: NDArray[np.uint8] | None = None) -> Lexicon:

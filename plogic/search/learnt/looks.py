@@ -81,12 +81,18 @@ def right_pairs(
     first = np.searchsorted(index.cloud.feature[lobes], np.arange(len(index.points) + 1))
     some = np.diff(first)[features] > 0
     features, reach = features[some], np.broadcast_to(reach, len(some))[some]
+    at = posed.at[index.cloud.feature[lobes]]
+    size = np.log(index.cloud.size[lobes] * data.camera.f / np.maximum(at[:, 2], 1e-6))
     feature, datum = _within(posed.uv[features], reach, data, free)
+    if len(feature):  # of the right size for the smallest and the greatest of a feature's appearances, or for one between them
+        least, most = (of_all.reduceat(size, first[features]) for of_all in (np.minimum, np.maximum))
+        may = (data.sizes[datum] > least[feature] - SIZES) & (data.sizes[datum] < most[feature] + SIZES)
+        feature, datum = feature[may], datum[may]
     feature = features[feature]
     count = np.diff(first)[feature]
     place = np.repeat(first[feature], count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     pair = np.repeat(np.arange(len(feature)), count)
-    right, off, fit = _right(index, posed, data, lobes, place, datum[pair])
+    right, off, fit = _right(index, posed, data, lobes, size, place, datum[pair])
     order = np.lexsort((off, pair[right]))
     some, first, pair = np.unique(pair[right][order], return_index=True, return_inverse=True)
     ways = lobes[place[right]][order]
@@ -101,15 +107,19 @@ def _within(places: Floats, reach: Floats, data: Data, free: NDArray[np.bool_]) 
     return place[near], datum[near]
 
 
-def _right(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, place: Indices, datum: Indices) -> tuple[Indices, Floats, Floats]:
-    """Which of N pairs look right, how far apart, and their fit: of an appearance of this pose, ``place`` in ``lobes``, and a keypoint ``datum``."""
-    at = posed.at[index.cloud.feature[lobes]]
-    size = np.log(index.cloud.size[lobes] * data.camera.f / np.maximum(at[:, 2], 1e-6))
-    turn = screen_angle(index.cloud.up[lobes] @ posed.camera_from_object[:3, :3].T, at)
-    grown = size[place] - np.log(data.scale[datum])
+def _right(
+    index: LearntIndex, posed: Posed, data: Data, lobes: Indices, size: Floats, place: Indices, datum: Indices
+) -> tuple[Indices, Floats, Floats]:
+    """Which of N pairs look right, how far apart, and their fit: of an appearance of this pose, ``place`` in ``lobes``, and a keypoint ``datum``.
+
+    ``size`` (L,): logarithms of how large the appearances are in this pose, pixels.
+    """
+    turn = screen_angle(index.cloud.up[lobes] @ posed.camera_from_object[:3, :3].T, posed.at[index.cloud.feature[lobes]])
+    grown = size[place] - data.sizes[datum]
     right = np.flatnonzero(np.abs(grown) < SIZES)
     turned = wrapped(turn[place[right]] - data.angle[datum[right]])
-    right, turned = right[np.abs(turned) < ANGLES], turned[np.abs(turned) < ANGLES]
+    near = np.abs(turned) < ANGLES
+    right, turned = right[near], turned[near]
     fit = _against_even(turned, TURNS, ANGLES) * _against_even(grown[right], GROWTH, SIZES)
     width = min(index.cloud.descriptor.shape[1], data.descriptors.shape[1])
     mine, its = (spread(some[:, :width]) for some in (index.cloud.descriptor[lobes[place[right]]], data.descriptors[datum[right]]))

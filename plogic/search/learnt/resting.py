@@ -12,7 +12,7 @@ import numpy as np
 
 from plogic.search.alike import apart
 from plogic.search.learnt.agreement import agreement, votes
-from plogic.search.learnt.generate import APART, TURNED, WORTHLESS, settled_best
+from plogic.search.learnt.generate import APART, TURNED, WORTHLESS, clear_of, settled_best
 from plogic.search.learnt.pairs import pairs_of
 from plogic.search.learnt.refinement import Round, refined
 from plogic.search.learnt.single import depths, plausible, sights, turns
@@ -48,9 +48,8 @@ def resting(index: LearntIndex, plane: Plane, data: Data, kb: KnowledgeBase, tak
     """
     pairs = pairs_of(index, data)
     poses = set_down(index, pairs, plane, data)
+    poses = poses[clear_of(taken, index, poses)]
     middles = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
-    free = (np.linalg.norm(middles[:, None] - taken[:, :3], axis=2) > taken[:, 3] + index.inner_radius).all(axis=1)  # else they overlap (A4)
-    poses, middles = poses[free], middles[free]
     if not len(poses):
         return []
     worth = votes(agreement(index, poses, pairs, data, *VOTE), pairs)

@@ -12,7 +12,7 @@ from plogic.search.alike import apart
 from plogic.search.angles import screen_angle
 from plogic.search.data import centre_of
 from plogic.search.extend import poses_about
-from plogic.search.oriented.pair_votes import counted, raw_votes
+from plogic.search.oriented.pair_votes import BENT, counted, raw_votes
 from plogic.search.oriented.refinement import Held, Noise, refined
 from plogic.search.oriented.typed_data import typed_data
 from plogic.search.projection import viewpoints_of
@@ -44,8 +44,6 @@ DEVIATIONS = 2.5
 """Standard deviations within which a datum is a sight's."""
 FEWEST = 4
 """Sights that hold a pose."""
-BENT = np.radians(8.0)
-"""Standard deviation of how much a sight is turned because the pose is coarse, in the first round."""
 STEPS = 8
 """Steps of a round of refinement."""
 ROBUST = 3.0
@@ -115,7 +113,7 @@ def _proposals(index: PairIndex, data: Data, noise: Noise, votes: Votes, check: 
     """The best poses of all types, refined, best first; ``votes`` for them."""
     check()
     typed = typed_data(data, index.looks)
-    votes = votes.take(np.argsort(-votes.count, kind="stable")[:LAID])
+    votes = votes.take(np.argsort(-votes.weight, kind="stable")[:LAID])
     kind, poses = votes.kind, coarse_poses(index, votes, data)
     check()
     worth = _laid(index, kind, poses, typed, data, ROUNDS[0][0], noise).worth

@@ -88,11 +88,12 @@ class PairIndex:
 
     def found(
         self, looks: tuple[Indices, Indices], angles: tuple[Floats, Floats], tolerance: float, most: int = MOST
-    ) -> tuple[Indices, NDArray[np.uint64]]:
-        """Query and entry of all pairs that look alike: Q queries of ``looks`` (numbers, the lower first), ``angles`` to the line, radians.
+    ) -> tuple[Indices, NDArray[np.uint64], NDArray[np.uint8]]:
+        """All N pairs that look alike: query and entry (N,), and by how much each of the two angles (N, 2) is off, in ``FINE``ths of the circle.
 
-        Those both angles of which are within ``tolerance``, radians, as far as ``FINE`` and ``BINS`` tell. Where more than ``most`` are to be
-        looked at, the queries are left out that find the most entries: what is common says little (§5.1).
+        Q queries of ``looks`` (numbers, the lower first), ``angles`` to the line, radians. Those are found both angles of which are within
+        ``tolerance``, radians, as far as ``FINE`` and ``BINS`` tell. Where more than ``most`` are to be looked at, the queries are left out that
+        find the most entries: what is common says little (§5.1).
         """
         part, other = (part_of_circle(angle, BINS) for angle in angles)
         base = (looks[0].astype(np.int64) * len(self.looks) + looks[1]) * BINS
@@ -106,9 +107,9 @@ class PairIndex:
         row, at = taken(low[some], high[some])
         query = order[some[row]]
         asked = np.column_stack([part_of_circle(angle, FINE) for angle in angles]).astype(np.uint8)
-        off = np.abs((np.asarray(self.turned)[at] - asked[query]).view(np.int8))  # around the circle as bytes go around
+        off = np.abs((np.asarray(self.turned)[at] - asked[query]).view(np.int8)).view(np.uint8)  # around the circle as bytes go around
         near = np.flatnonzero((off <= tolerance / (2.0 * np.pi) * FINE).all(axis=1))
-        return query[near], np.asarray(self.entry)[at[near]]
+        return query[near], np.asarray(self.entry)[at[near]], off[near]
 
 
 class Said(NamedTuple):

@@ -1,6 +1,6 @@
 """Votes: each pair of neighbours in the image that looks like a pair of some cell of some type says where that would stand.
 
-* ``Votes``: N of them, with how many others say nearly the same
+* ``Votes``: N of them, with how much says nearly the same
 * ``Raw``: those of all pairs, before they are counted
 """
 
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.search.angles import wrapped
-from plogic.search.oriented.pair_index import said
+from plogic.search.oriented.pair_index import FINE, said
 from plogic.search.view_cells import CELLS
 
 if TYPE_CHECKING:
@@ -30,6 +30,10 @@ NEAREST = 4.0
 """Pixels between neighbours at least: nearer, the line between them says little."""
 COARSE, MOST_TURNED = np.radians(14.0), np.radians(40.0)
 """How far an angle may be off because a cell is wide; two standard deviations of its noise come to that, and no more in all."""
+BENT = np.radians(8.0)
+"""Standard deviation of how much a sight is turned because a cell is wide."""
+WHOLE = 16
+"""Weight of a vote both angles of which fit."""
 SMALLEST, LARGEST = 20.0, 2.0
 """Pixels across, and the image's heights across, of an object at least and at most."""
 _ROW = np.uint64(21)
@@ -42,14 +46,17 @@ CELL, ROLL, SCALE = 0.3, np.pi / 6, 0.35
 
 @dataclass(frozen=True)
 class Votes:
-    """``kind``, ``cell`` (N,); ``centre`` (N, 2) ideal pixels; ``roll`` (N,) rad; ``scale`` (N,) pixels a metre; ``count`` (N,) of the like."""
+    """``kind``, ``cell`` (N,); ``centre`` (N, 2) ideal pixels; ``roll`` (N,) rad; ``scale`` (N,) pixels a metre.
+
+    ``weight`` (N,): that of the vote, ``WHOLE`` at most; once they are counted, that of all votes of its box, of each pair of the image the best.
+    """
 
     kind: Indices
     cell: Indices
     centre: Floats
     roll: Floats
     scale: Floats
-    count: Indices
+    weight: Indices
 
     def take(self, index: Indices) -> Votes:
         """Those at ``index``."""
@@ -88,35 +95,44 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
     far = length >= NEAREST
     one, other, length, line = one[far], other[far], length[far], line[far]
     tolerance = min(COARSE + 2.0 * sigma, MOST_TURNED)
-    query, entry = index.found((looks[one], looks[other]), (data.angle[one] - line, data.angle[other] - line), tolerance)
+    query, entry, off = index.found((looks[one], looks[other]), (data.angle[one] - line, data.angle[other] - line), tolerance)
     says = said(entry)
     diameter = index.sights.diameter[says.kind]
     size = length[query] / says.length
     right = np.flatnonzero((size >= SMALLEST) & (size <= LARGEST * data.camera.height))
-    size, query, says = size[right], query[right], says.take(right)
+    size, query, says, off = size[right], query[right], says.take(right), off[right]
     roll = wrapped(line[query] - says.line)
     cos, sin = size * np.cos(roll), size * np.sin(roll)
     x, y = says.place.T
     centre = data.ideal[one[query]] - np.column_stack([cos * x - sin * y, sin * x + cos * y])
-    votes = Votes(says.kind, says.cell, centre, roll, size / diameter[right], np.zeros(len(right), np.intp))
+    votes = Votes(says.kind, says.cell, centre, roll, size / diameter[right], _fit(off, sigma))
     boxes = np.array([_boxes(votes, size, offset) for offset in (0.0, 0.5)])
     return Raw(votes, query, np.column_stack([one[query], other[query]]), boxes)
 
 
 def counted(raw: Raw) -> Votes:
-    """Of each box and cell one vote, with how many different pairs of the image vote for the box: in the fuller of the two grids."""
-    count, row = np.zeros(len(raw.query), np.intp), np.arange(len(raw.query), dtype=np.uint64)
+    """Of each box and cell one vote, with the weight of all pairs of the image that vote for the box: in the fuller of the two grids."""
+    weight, row = np.zeros(len(raw.query), np.intp), np.arange(len(raw.query), dtype=np.uint64)
     for box in raw.boxes:
         both = np.sort((box << _ROW) | row)  # in each box the pairs of the image one after the other
         order, new_box = (both & ((np.uint64(1) << _ROW) - np.uint64(1))).astype(np.intp), _changes(both >> _ROW)
         of_box = np.cumsum(new_box) - 1
-        number = np.bincount(of_box, new_box | _changes(raw.query[order])).astype(np.intp)
+        pairs = np.flatnonzero(new_box | _changes(raw.query[order]))
+        best = np.maximum.reduceat(raw.votes.weight[order], pairs) if len(pairs) else np.zeros(0)
+        whole = np.bincount(of_box[pairs], best).astype(np.intp)
         cells = of_box.astype(np.uint64) * np.uint64(CELLS) + raw.votes.cell[order].astype(np.uint64)
         firsts = np.sort((cells << _ROW) | row)
         first = (firsts[_changes(firsts >> _ROW)] & ((np.uint64(1) << _ROW) - np.uint64(1))).astype(np.intp)
-        count[order[first]] = np.maximum(count[order[first]], number[of_box[first]])
-    some = np.flatnonzero(count)
-    return replace(raw.votes, count=count).take(some)
+        weight[order[first]] = np.maximum(weight[order[first]], whole[of_box[first]])
+    some = np.flatnonzero(weight)
+    return replace(raw.votes, weight=weight).take(some)
+
+
+def _fit(off: NDArray[np.uint8], sigma: float) -> Indices:
+    """(N,) weights of votes the angles (N, 2) of which are off by so many ``FINE``ths of the circle: by a normal density, at least 1."""
+    steps = np.arange(FINE // 2 + 1) * (2.0 * np.pi / FINE)
+    bell = np.exp(-0.5 * (steps / np.hypot(sigma, BENT)) ** 2)
+    return np.asarray(np.maximum(1, np.rint(WHOLE * bell[off[:, 0]] * bell[off[:, 1]])).astype(np.intp))
 
 
 def _changes(values: Indices | NDArray[np.uint64]) -> NDArray[np.bool_]:

@@ -1,0 +1,127 @@
+"""Independent jobs that copies of this process share in: the same results in the same order as one after another.
+
+A copy (``fork``) knows all that the process knows, so nothing is sent to it; what it finds comes back pickled, through a pipe that nobody else
+writes to. Threads would not do: most of a search is steps of Python between small arrays, and the interpreter takes one at a time.
+
+* ``each(done, jobs, 2)``: as ``map``, by this process and one copy
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from multiprocessing import current_process, get_context
+from queue import SimpleQueue
+from threading import Thread
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Iterator, Sequence
+    from multiprocessing.connection import Connection
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+MOST = 8192
+"""Jobs at a time: their numbers, of ``_BYTES`` each, fit into a pipe."""
+_BYTES = 4
+
+
+def processors() -> int:
+    """How many to use: as ``OMP_NUM_THREADS`` says, which other packages heed as well, or else as many as the process may use."""
+    stated = os.environ.get("OMP_NUM_THREADS", "")
+    if stated.isdecimal() and int(stated) > 0:
+        return int(stated)
+    return len(os.sched_getaffinity(0))
+
+
+def each(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -> Generator[Result]:
+    """As ``map``, by so many ``processes``, this one among them; by this one alone where it may have no children.
+
+    Whoever is idle takes the next job. One that raises does so here, in its turn: where a copy fails, or is killed, this process does its job.
+    Of who stops asking no further job is begun. What jobs leave behind besides their results is lost with the copies. A process that has other
+    threads should ask for one process only: a copy has none of them, and what they held stays held.
+    """
+    if processes < 2 or len(jobs) < 2 or current_process().daemon:
+        yield from map(done, jobs)
+        return
+    for start in range(0, len(jobs), MOST):
+        yield from _shared(done, jobs[start : start + MOST], processes)
+
+
+def _shared(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -> Generator[Result]:
+    left, put = os.pipe()
+    os.write(put, b"".join(number.to_bytes(_BYTES, "little") for number in range(len(jobs))))
+    os.close(put)  # who finds it empty finds its end
+    copies = _Copies(done, jobs, left, min(processes, len(jobs)) - 1)
+    try:
+        results: dict[int, Result] = {}
+        own = _taken(left)
+        for wanted in range(len(jobs)):
+            while wanted not in results:
+                number = next(own, None)
+                if number is not None:
+                    results[number] = done(jobs[number])
+                elif not copies.answer(results):
+                    results[wanted] = done(jobs[wanted])
+            yield results.pop(wanted)
+    finally:
+        copies.end()
+        os.close(left)
+
+
+def _taken(left: int) -> Iterator[int]:
+    """The numbers of jobs that nobody else took."""
+    while number := os.read(left, _BYTES):
+        yield int.from_bytes(number, "little")
+
+
+class _Copies:
+    """Copies of this process at work, and a thread each that receives what one finds, so that none waits."""
+
+    def __init__(self, done: Callable[[Job], Any], jobs: Sequence[Job], left: int, count: int) -> None:
+        self._answers: SimpleQueue[tuple[int, Any] | None] = SimpleQueue()
+        context, self._at_work, ends = get_context("fork"), [], []
+        for _ in range(count):
+            ours, theirs = context.Pipe(duplex=False)
+            copy = context.Process(target=_work, args=(done, jobs, left, theirs), daemon=True)
+            copy.start()
+            theirs.close()
+            self._at_work.append(copy)
+            ends.append(ours)
+        self._open = count
+        self._receivers = [Thread(target=self._receive, args=(end,), daemon=True) for end in ends]
+        for receiver in self._receivers:
+            receiver.start()
+
+    def _receive(self, end: Connection) -> None:
+        with end, suppress(Exception):
+            while True:
+                self._answers.put(end.recv())
+        self._answers.put(None)
+
+    def answer(self, results: dict[int, Any]) -> bool:
+        """Wait for one more result; False where there will be none."""
+        while self._open:
+            answer = self._answers.get()
+            if answer is not None:
+                results[answer[0]] = answer[1]
+                return True
+            self._open -= 1
+        return False
+
+    def end(self) -> None:
+        """Kill those that are still at work."""
+        for copy in self._at_work:
+            copy.kill()
+            copy.join()
+            copy.close()
+        for receiver in self._receivers:
+            receiver.join()
+
+
+def _work(done: Callable[[Job], Any], jobs: Sequence[Job], left: int, end: Connection) -> None:
+    """What a copy does: where it cannot go on it leaves the rest to who made it, and says nothing."""
+    with suppress(BaseException):
+        for number in _taken(left):
+            end.send((number, done(jobs[number])))

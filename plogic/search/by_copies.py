@@ -1,0 +1,51 @@
+"""The search for one type after another, in which copies of this process share where it may have some.
+
+* ``searched(search, indices, 2)``: what ``search`` finds of each index, in their order
+"""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+from plogic.expectation import Posed
+from plogic.forked import each
+from plogic.search.learnt.index import LearntIndex
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Iterable, Sequence
+
+    from plogic.search.data import Data
+    from plogic.search.indices import Index
+
+    Found: TypeAlias = list[tuple[float, Posed]]
+
+Kind = TypeVar("Kind", bound="Index")
+_SAID = tuple(field.name for field in fields(Posed) if field.name != "object_type")
+
+
+def searched(search: Callable[[Kind], Found], indices: Sequence[Kind], data: Data, processes: int) -> Generator[Found]:
+    """What ``search`` finds of each index in ``data``, in their order.
+
+    What a copy finds comes back without the type, which is large, and here already. What all types ask of Γ is found before copies are made.
+    """
+    if processes > 1:
+        for lexicon in {id(index.lexicon): index.lexicon for index in indices if isinstance(index, LearntIndex)}.values():
+            lexicon.ask(data)
+
+    def said(index: Kind) -> list[tuple[float, list[Any]]]:
+        return [(ratio, [getattr(posed, name) for name in _SAID]) for ratio, posed in search(index)]
+
+    with closing(each(said, indices, processes)) as answers:
+        for index, answer in zip(indices, answers, strict=True):
+            yield [(ratio, Posed(index.object_type, *arrays)) for ratio, arrays in answer]
+
+
+def make_ready(indices: Iterable[Index]) -> None:
+    """Now, all that indices make when they are first asked for it: what a copy makes is lost with it."""
+    for index in indices:
+        for name, made in vars(type(index)).items():
+            if isinstance(made, cached_property):
+                getattr(index, name)

@@ -1,0 +1,140 @@
+"""Jobs that copies of the process share in: the same results in the same order, whatever becomes of the copies."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from contextlib import closing
+from multiprocessing import active_children, get_context
+
+import numpy as np
+import pytest
+from synthetic import cycle_of, one_before_the_other, scene
+from test_cycle_remembers import told
+
+from plogic import forked
+from plogic.forked import each, processors
+
+HERE = os.getpid()
+
+
+@pytest.fixture(params=[1, 2, 5])
+def some(request):
+    """So many processes."""
+    return int(request.param)
+
+
+@pytest.fixture(autouse=True)
+def _nobody_is_left():
+    yield
+    assert active_children() == []
+
+
+def later(number):
+    """The earlier, the longer it takes."""
+    time.sleep(0.002 * (12 - number))
+    return number * number
+
+
+def here(_):
+    """In which process; long enough that nobody can do all."""
+    time.sleep(0.02)
+    return os.getpid()
+
+
+def test_results_come_in_the_order_of_the_jobs(some):
+    assert list(each(later, range(12), some)) == [n * n for n in range(12)]
+
+
+def test_of_no_jobs_there_is_nothing(some):
+    assert list(each(str, [], some)) == []
+
+
+def test_each_process_does_its_share(some):
+    who = set(each(here, range(30), some))
+    assert HERE in who
+    assert len(who) == some
+
+
+def test_more_jobs_than_a_pipe_holds_are_done_in_turns(monkeypatch, some):
+    monkeypatch.setattr(forked, "MOST", 5)
+    assert list(each(later, range(12), some)) == [n * n for n in range(12)]
+
+
+def test_a_job_that_raises_does_so_here_in_its_turn(some):
+    def done(number):
+        if number == 3:
+            raise ValueError(number, os.getpid())
+        return number
+
+    found = []
+    with pytest.raises(ValueError, match=f"3, {HERE}"):
+        found.extend(each(done, range(2000), some))
+    assert found == [0, 1, 2]
+
+
+def killed_elsewhere(number):
+    time.sleep(0.01)
+    if os.getpid() != HERE and number > 2:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def not_sent(number):
+    """Nothing that can be pickled."""
+    return lambda: number
+
+
+def out_elsewhere(number):
+    time.sleep(0.01)
+    if os.getpid() != HERE:
+        raise SystemExit
+    return number
+
+
+def test_what_a_copy_does_not_do_is_done_here(some):
+    assert list(each(killed_elsewhere, range(10), some)) == list(range(10))
+    assert list(each(out_elsewhere, range(10), some)) == list(range(10))
+    assert [result() for result in each(not_sent, range(10), some)] == list(range(10))
+
+
+def test_who_stops_asking_waits_for_nobody(some):
+    def done(number):
+        time.sleep(60.0 if number >= some and os.getpid() != HERE else 0.02)
+        return number
+
+    began = time.monotonic()
+    with closing(each(done, range(1000), some)) as results:
+        assert next(results) == 0
+    assert time.monotonic() - began < 30.0
+
+
+def test_who_may_have_no_children_does_all_alone():
+    ours, theirs = get_context("fork").Pipe(duplex=False)
+    child = get_context("fork").Process(target=lambda: theirs.send(set(each(here, range(4), 3))), daemon=True)
+    child.start()
+    assert ours.recv() == {child.pid}
+    child.join()
+
+
+def test_large_results_do_not_stop_a_copy():
+    """Each is more than a pipe holds."""
+    arrays = list(each(lambda n: np.full(300_000, n), range(8), 2))
+    assert all((array == n).all() and len(array) == 300_000 for n, array in enumerate(arrays))
+
+
+def test_the_cycle_says_the_same_in_one_process_as_in_many():
+    rng = np.random.default_rng(6103)
+    gamma = scene(rng, one_before_the_other(rng)).gamma
+    alone, shared = told(cycle_of(gamma)), told(cycle_of(gamma, processes=4))
+    assert alone == shared
+    assert alone[0], "something was accepted"
+
+
+def test_so_many_processes_as_is_stated_or_as_there_are_processors(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    assert processors() == 3
+    for nonsense in ("", "many", "0", "-2"):
+        monkeypatch.setenv("OMP_NUM_THREADS", nonsense)
+        assert 1 <= processors() <= (os.cpu_count() or 1)
