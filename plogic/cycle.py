@@ -19,6 +19,7 @@ from plogic.rivals import SHARED_CLAIMS, apart_on_screen, claims, overlap, share
 from plogic.search.by_copies import searched
 from plogic.search.indices import generate, generate_together, settle, significant
 from plogic.search.learnt.index import LearntIndex
+from plogic.search.oriented.generate import DEEP
 from plogic.support import bodies, supported
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ class Perception(Anytime):
             self.trace.add("rank", f"rank {row.rank:.2f}, {row.excess:+.2f} against chance", of_type=row.type)
         pool: list[Posed] = []
         with suppress(OutOfTimeError):
-            while self._round(attention, pool) or self._rested(pool) or self._released():
+            while self._round(attention, pool) or self._rested(pool) or self._deepened() or self._released():
                 pass
             self._compare(pool)
         self._conclude()
@@ -122,6 +123,14 @@ class Perception(Anytime):
             self.trace.add("support", why)
         pool += found
         return bool(found)
+
+    def _deepened(self) -> bool:
+        """Lay more votes of the types that are searched for together, where nothing at all was accepted. True where that is left to do."""
+        if self.together is None or self.accepted or self.together.laid >= DEEP:
+            return False
+        self.together.laid = DEEP
+        self.trace.add("deepen", f"nothing is acceptable: {DEEP} votes are laid onto the image")
+        return True
 
     def _released(self) -> bool:
         """Drop from Δi, for good, what does not hold in it when it is stable, so that its data are searched again. True where there was any."""

@@ -70,6 +70,12 @@ class Perceiver:
             document = document_of(self.kb, gamma, delta, rejected, trace, ranking, image)
         return marked(document, ranking) if any(step["event"] == "deadline" for step in trace) else document
 
+    def accepted(self, gamma: Gamma) -> list[tuple[Belief, float]]:
+        """What is accepted of one Γ, with its probability: what the interpretation document says of it, where nobody reads the rest."""
+        delta, _, trace = self.delta(gamma, Options(), Stopwatch())
+        delta, ranking = ranked(delta, trace)
+        return [(belief, ranking.marginals[name]) for name, belief in delta.beliefs.items() if belief.status == "accepted"]
+
     def delta(self, gamma: Gamma, options: Options, clock: Stopwatch) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
         """Δh with its facts, what was rejected, and the trace."""
         data = data_of(gamma.appearances, gamma.camera, self.width)

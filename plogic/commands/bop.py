@@ -95,9 +95,8 @@ def look_of(kb: KnowledgeBase) -> Look:
     perceiver = Perceiver(kb, cache_folder("indices"), processors())
 
     def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
-        document = perceiver(detect(image, camera, kb.sought, kb.words))
-        accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
-        return [(h["type"], h["T_camera_object"], h["probability"]) for h in accepted]
+        accepted = perceiver.accepted(detect(image, camera, kb.sought, kb.words))
+        return [(belief.posed.object_type.name, belief.posed.camera_from_object, probability) for belief, probability in accepted]
 
     return look
 

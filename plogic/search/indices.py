@@ -14,7 +14,7 @@ from plogic.search.learnt.generate import NOBODY
 from plogic.search.learnt.index import LearntIndex, learnt_index
 from plogic.search.learnt.lexicon import Lexicon, lexicon_of
 from plogic.search.learnt.settle import settle as settle_learnt
-from plogic.search.oriented.generate import LAID, Search
+from plogic.search.oriented.generate import Search
 from plogic.search.oriented.ready import ready
 from plogic.search.oriented.refinement import Noise
 from plogic.search.oriented.settle import settle as settle_oriented
@@ -64,7 +64,7 @@ def significant(index: Index, search: Search | None = None) -> float:
     """
     if isinstance(index, LearntIndex):
         return SURE
-    return log(MOST_PAIRS if search is None else LAID)
+    return log(MOST_PAIRS if search is None else search.laid)
 
 
 def generate(

@@ -111,3 +111,13 @@ def test_copies_of_the_process_change_nothing(tmp_path):
         texts.append([text_of(perceiver(gamma(perceiver, image))) for _ in range(2)])
     assert texts[0][0].count('"accepted"') == 2
     assert texts == [[texts[0][0]] * 2] * 3
+
+
+def test_what_is_accepted_is_what_the_document_says(perceiver):
+    seen_now = gamma(perceiver, picture([pose_towards(CORNER, 0.6, 0.2, (-0.09, 0.0))]))
+    accepted = perceiver.accepted(seen_now)
+    told = [h for h in perceiver(seen_now)["hypotheses"] if h["status"] == "accepted"]
+    assert [(b.posed.object_type.name, b.posed.camera_from_object.tolist(), chance) for b, chance in accepted] == [
+        (h["type"], h["T_camera_object"], h["probability"]) for h in told
+    ]
+    assert len(told) == 1

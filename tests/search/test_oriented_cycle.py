@@ -6,12 +6,14 @@ from time import monotonic
 
 import numpy as np
 import pytest
-from oriented_scenes import EASY, a_trial, clouds
+from oriented_scenes import EASY, HARD, a_trial, clouds
 
 from geometry.frames import is_rigid
+from plogic import cycle
 from plogic.bench.recognition_score import Found, errors_of
 from plogic.delta import Options
 from plogic.perceive import Perceiver
+from plogic.search.oriented import generate
 from plogic.stopwatch import Stopwatch
 from sensing.appearance import Gamma
 
@@ -110,3 +112,39 @@ def test_a_document_tells_of_what_was_found():
     assert sum(world["probability"] for world in document["worlds"]) == pytest.approx(1.0)
     (belief,) = accepted(perceiver(), case.gamma)
     assert is_rigid(belief.posed.camera_from_object)
+
+
+def steps(gamma, perceiving=None):
+    """Accepted types and the events of the trace."""
+    delta, _, trace = (perceiving or perceiver()).delta(gamma, Options(reading="posterior"), Stopwatch())
+    return [b.posed.object_type.name for b in delta.beliefs.values() if b.status == "accepted"], [step["event"] for step in trace]
+
+
+def test_where_nothing_is_accepted_more_votes_are_laid(monkeypatch):
+    """The heaviest vote alone is a wrong one in most of these trials: what is found then was found by those that were laid later."""
+    monkeypatch.setattr(generate, "LAID", 1)
+    monkeypatch.setattr(cycle, "DEEP", 400)
+    ready, later = clouds(detector=HARD, appearances=600, looks=20), 0
+    hard = Perceiver(ready.kb)
+    for seed in (0, 1, 3, 7, 11):
+        _, case, _ = a_trial(ready, seed, HARD, 600)
+        found, events = steps(case.gamma, hard)
+        assert found == [case.truth.type]
+        assert events.count("deepen") <= 1
+        later += "deepen" in events
+    assert 0 < later < 5
+
+
+def test_of_clutter_alone_it_looks_deeper_once():
+    _, case, _ = a_trial(clouds(), 1)
+    clutter = Gamma(case.gamma.camera, tuple(a for a in case.gamma.appearances if a.id not in case.causes))
+    found, events = steps(clutter)
+    assert found == []
+    assert events.count("deepen") == 1
+
+
+def test_what_is_accepted_at_once_needs_no_deeper_look():
+    _, case, _ = a_trial(clouds(), 0)
+    found, events = steps(case.gamma)
+    assert found == [case.truth.type]
+    assert "deepen" not in events

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
-LAID = 2000
-"""Votes whose whole cloud is laid onto Γ, those in the fullest boxes."""
+LAID, DEEP = 2000, 20_000
+"""Votes whose whole cloud is laid onto Γ, those in the heaviest boxes; and so many where that led to nothing."""
 REFINED = 40
 """Poses that are refined, the best and no two alike."""
 ALIKE = float(np.radians(15.0)), 0.08
@@ -80,11 +80,12 @@ class _Match(NamedTuple):
 class Search:
     """The search for all types in one Γ: its pairs vote once, and what is claimed later is no longer counted.
 
-    ``check`` is called between its stages, and may raise to end it.
+    ``check`` is called between its stages, and may raise to end it; ``laid``: how many votes are laid onto Γ.
     """
 
     def __init__(self, index: PairIndex, data: Data, noise: Noise, check: Callable[[], None] = unhurried) -> None:
         self.index, self.data, self.noise, self.check = index, data, noise, check
+        self.laid = LAID
 
     @cached_property
     def raw(self) -> Raw:
@@ -98,7 +99,7 @@ class Search:
         self.check()
         raw = self.raw.without(taken) if taken.any() else self.raw
         self.check()
-        return _proposals(self.index, left, self.noise, counted(raw), self.check)
+        return _proposals(self.index, left, self.noise, counted(raw), self.laid, self.check)
 
     def tilted(self, name: str, pose: Floats, left: Data) -> list[Floats]:
         """The best poses (4, 4) that come of a type's pose at other tilts, refined on what is ``left`` of the data."""
@@ -109,14 +110,17 @@ class Search:
         return list(poses[:TILTS_KEPT])
 
 
-def _proposals(index: PairIndex, data: Data, noise: Noise, votes: Votes, check: Callable[[], None]) -> list[Proposal]:
-    """The best poses of all types, refined, best first; ``votes`` for them."""
+def _proposals(index: PairIndex, data: Data, noise: Noise, votes: Votes, laid: int, check: Callable[[], None]) -> list[Proposal]:
+    """The best poses of all types, refined, best first; ``votes`` for them, of which so many are ``laid`` onto Γ."""
     check()
     typed = typed_data(data, index.looks)
-    votes = votes.take(np.argsort(-votes.weight, kind="stable")[:LAID])
+    votes = votes.take(np.argsort(-votes.weight, kind="stable")[:laid])
     kind, poses = votes.kind, coarse_poses(index, votes, data)
-    check()
-    worth = _laid(index, kind, poses, typed, data, ROUNDS[0][0], noise).worth
+    worth = np.zeros(len(kind))
+    for start in range(0, len(kind), LAID):
+        check()
+        some = slice(start, start + LAID)
+        worth[some] = _laid(index, kind[some], poses[some], typed, data, ROUNDS[0][0], noise).worth
     best = _apart(index, kind, poses, worth, REFINED)
     kind, poses = _narrowed(index, kind[best], poses[best], typed, data, noise, ROUNDS, check)
     tilted = np.concatenate([poses, _tilted(index, kind[:TILTED], poses[:TILTED])])
