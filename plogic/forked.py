@@ -36,13 +36,14 @@ def processors() -> int:
 
 
 def each(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -> Generator[Result]:
-    """As ``map``, by so many ``processes``, this one among them; by this one alone where it may have no children.
+    """As ``map``, by at most so many ``processes``, this one among them, for two jobs or more each; by this one alone where it may have no children.
 
     Whoever is idle takes the next job. One that raises does so here, in its turn: where a copy fails, or is killed, this process does its job.
     Of who stops asking no further job is begun. What jobs leave behind besides their results is lost with the copies. A process that has other
     threads should ask for one process only: a copy has none of them, and what they held stays held.
     """
-    if processes < 2 or len(jobs) < 2 or current_process().daemon:
+    processes = min(processes, len(jobs) // 2)
+    if processes < 2 or current_process().daemon:
         yield from map(done, jobs)
         return
     for start in range(0, len(jobs), MOST):
@@ -53,7 +54,7 @@ def _shared(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) 
     left, put = os.pipe()
     os.write(put, b"".join(number.to_bytes(_BYTES, "little") for number in range(len(jobs))))
     os.close(put)  # who finds it empty finds its end
-    copies = _Copies(done, jobs, left, min(processes, len(jobs)) - 1)
+    copies = _Copies(done, jobs, left, processes - 1)
     try:
         results: dict[int, Result] = {}
         own = _taken(left)

@@ -44,8 +44,10 @@ def searched(search: Callable[[Kind], Found], indices: Sequence[Kind], data: Dat
 
 
 def make_ready(indices: Iterable[Index]) -> None:
-    """Now, all that indices make when they are first asked for it: what a copy makes is lost with it."""
+    """Now, all that indices make when they are first asked for it, and what casts rays: what a copy makes is lost with it."""
     for index in indices:
         for name, made in vars(type(index)).items():
             if isinstance(made, cached_property):
                 getattr(index, name)
+        if index.object_type.surface is not None:
+            _ = index.object_type.surface.rays

@@ -96,9 +96,10 @@ class Lexicon:
 
     def ask(self, data: Data) -> dict[str, Alike]:
         """By type, the pairs that look alike, of all types and all of Γ: those of the last one that was asked about are kept."""
-        if self._last is None or self._last[0] is not data.whole:
-            self._last = (data.whole, self._all(data.whole))
-        return self._last[1]
+        last = self._last
+        if last is None or last[0] is not data.whole:
+            last = self._last = (data.whole, self._all(data.whole))
+        return last[1]  # not what another thread asks about meanwhile
 
     def _all(self, data: Data) -> dict[str, Alike]:
         described = np.flatnonzero(data.described)
