@@ -15,6 +15,7 @@ from plogic.bench.claims import Claim
 from plogic.bench.scale_costs import looks_needed, need, types_under_limit
 from plogic.bench.scale_recall import interval, line, recall
 from plogic.search.oriented.generate import LAID
+from plogic.search.oriented.pair_votes import WHOLE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -30,15 +31,15 @@ of the processor, one thread. The bytes of an index are those of its pairs, sigh
 disk: the folder of the index. attention, votes, laying (with refining), rest: medians a frame; the rest is judging and the later rounds. recall:
 how often a right vote is among those that are laid onto Γ (2000, or ten or a hundred times as many), with its 95 % interval over trials; measured:
 where the true type and so many others were in one index (or, of more than were built, voted against the image with its looks exchanged). limited:
-recall where, besides, one index looks at 2,000,000 entries at most a frame, as it does. right box: image pairs that vote for the fullest right one,
-median. false: accepted where nothing in the image is of any type. GB: of a machine, of which 80 % hold the index and Σ; types an index: no more
-than are not limited; s a frame: of one core, by the line of growth; only votes grow: where attention and all after the votes took the time of no
-types."""
+recall where, besides, one index looks at 2,000,000 entries at most a frame, as it does. right box: weight of the heaviest right one, in pairs of the
+image whose angles fit, median. false: accepted where nothing in the image is of any type. GB: of a machine, of which 80 % hold the index and Σ; types
+an index: no more than are not limited; s a frame: of one core, by the line of growth; only votes grow: where attention and all after the votes took
+the time of no types."""
 SIZES = tuple(10**i for i in range(2, 7))
 GROWN = 1, 10, 100
 """Times as many votes are laid."""
 FULL = 1, 2, 3, 4, 5, 6
-"""Image pairs that vote for one box."""
+"""Weight of a box, in pairs of the image whose angles fit."""
 CLOSE, NEAR, ENOUGH, BYTES = 0.05, 0.25, 100, 2e6
 STAGES = "attention", "votes", "laying", "rest"
 MILLION = 10**6
@@ -91,7 +92,7 @@ def tables(measured: Sequence[Vocabulary], cells: float, memory: Mapping[str, fl
         "growth: ms and, a type, µs": [_growth(v) for v in measured],
         "recall": [_recall(v, size, rng) for v in measured for size in SIZES],
         "prediction from fewer types, and measurement": [row for v in measured for row in _checked(v)],
-        "wrong votes in boxes so full: predicted from fewer types, and measured": [_tail(v) for v in measured if v.deep],
+        "wrong votes in boxes so heavy: predicted from fewer types, and measured": [_tail(v) for v in measured if v.deep],
         "one index": [_limits(v) for v in measured],
         "10^6 types, 10^6 frames an hour": [_million(v, memory["Σ"], gigabytes) for v in measured for gigabytes in MEMORIES],
     }
@@ -161,12 +162,12 @@ def _check(v: Vocabulary, less: int, few: Sequence[Standing], more: Sequence[Sta
 
 
 def _tails(v: Vocabulary) -> list[tuple[float, float]]:
-    """Wrong votes of other types in boxes as full as each of ``FULL``, or fuller: as foretold from the types built, and among the most types."""
+    """Wrong votes of other types in boxes as heavy as each of ``FULL``, or heavier: as foretold from the types built, and among the most types."""
     few = v.standings[v.types][: len(v.deep)]
     return [
         (
-            float(np.mean([less.others[full:].sum() / less.types * more.types for less, more in zip(few, v.deep, strict=True)])),
-            float(np.mean([more.others[full:].sum() for more in v.deep])),
+            float(np.mean([less.others[WHOLE * full :].sum() / less.types * more.types for less, more in zip(few, v.deep, strict=True)])),
+            float(np.mean([more.others[WHOLE * full :].sum() for more in v.deep])),
         )
         for full in FULL
         if v.deep
@@ -182,7 +183,7 @@ def _limits(v: Vocabulary) -> dict[str, Any]:
     right = [standing.right for standing in v.standings[v.types]]
     return {
         "looks": v.looks,
-        "right box": f"{median(right):g}, least {min(right)}",
+        "right box": f"{median(right) / WHOLE:.1f}, least {min(right) / WHOLE:.1f}",
         "entries a type": round(v.asked, 1),
         "types until limited": round(types_under_limit(v.asked)),
         "looks for 10^5": looks_needed(10**5, v.looks, v.asked),
