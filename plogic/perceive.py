@@ -40,8 +40,8 @@ LISTED_WORLDS = 100
 class Perceiver:
     """A knowledge base made ready: dv and the view cells of its types, computed once and used for any number of images.
 
-    ``cache``: a folder in which the index over many types is kept between runs; ``processes``: how many search an image for types that are
-    searched for one by one, this one and copies of it (``plogic.forked`` says when there may be more than one).
+    ``cache``: a folder in which the index over many types is kept between runs; ``processes``: how many search an image for learnt types, this
+    one and copies of it (``plogic.forked`` says when there may be more than one).
     """
 
     def __init__(self, kb: KnowledgeBase, cache: Path | None = None, processes: int = 1) -> None:

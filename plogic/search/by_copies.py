@@ -30,9 +30,12 @@ def searched(search: Callable[[Kind], Found], indices: Sequence[Kind], data: Dat
     """What ``search`` finds of each index in ``data``, in their order.
 
     What a copy finds comes back without the type, which is large, and here already. What all types ask of Γ is found before copies are made.
+    Without learnt types there are none: to copy the process takes as long as to find a type written by hand.
     """
+    lexicons = {id(index.lexicon): index.lexicon for index in indices if isinstance(index, LearntIndex)}
+    processes = processes if lexicons else 1
     if processes > 1:
-        for lexicon in {id(index.lexicon): index.lexicon for index in indices if isinstance(index, LearntIndex)}.values():
+        for lexicon in lexicons.values():
             lexicon.ask(data)
 
     def said(index: Kind) -> list[tuple[float, list[Any]]]:
@@ -44,10 +47,8 @@ def searched(search: Callable[[Kind], Found], indices: Sequence[Kind], data: Dat
 
 
 def make_ready(indices: Iterable[Index]) -> None:
-    """Now, all that indices make when they are first asked for it, and what casts rays: what a copy makes is lost with it."""
+    """Now, all that indices of learnt types make when they are first asked for it: what a copy makes is lost with it."""
     for index in indices:
         for name, made in vars(type(index)).items():
-            if isinstance(made, cached_property):
+            if isinstance(made, cached_property) and isinstance(index, LearntIndex):
                 getattr(index, name)
-        if index.object_type.surface is not None:
-            _ = index.object_type.surface.rays

@@ -155,15 +155,15 @@ def data(shot):
     return data_of(shot.gamma.appearances, shot.gamma.camera)
 
 
-def perception(gamma, end=None, processes=1):
+def perception(gamma, end=None):
     ready = perceiver()
-    return Perception(data_of(gamma.appearances, gamma.camera), ready.kb, ready.indices, ready.dv, end, processes=processes)
+    return Perception(data_of(gamma.appearances, gamma.camera), ready.kb, ready.indices, ready.dv, end)
 
 
-def cycle_of(gamma, end=None, processes=1):
+def cycle_of(gamma, end=None):
     """One run of the perceptual cycle."""
     ready = perceiver()
-    return perception(gamma, end, processes).run(attend(list(ready.indices.values()), [a.type for a in gamma.appearances], ready.kb))
+    return perception(gamma, end).run(attend(list(ready.indices.values()), [a.type for a in gamma.appearances], ready.kb))
 
 
 def posed_at(name, pose, of):

@@ -10,8 +10,6 @@ from multiprocessing import active_children, get_context
 
 import numpy as np
 import pytest
-from synthetic import cycle_of, one_before_the_other, scene
-from test_cycle_remembers import told
 
 from plogic import forked
 from plogic.forked import each, processors
@@ -122,14 +120,6 @@ def test_large_results_do_not_stop_a_copy():
     """Each is more than a pipe holds."""
     arrays = list(each(lambda n: np.full(300_000, n), range(8), 2))
     assert all((array == n).all() and len(array) == 300_000 for n, array in enumerate(arrays))
-
-
-def test_the_cycle_says_the_same_in_one_process_as_in_many():
-    rng = np.random.default_rng(6103)
-    gamma = scene(rng, one_before_the_other(rng)).gamma
-    alone, shared = told(cycle_of(gamma)), told(cycle_of(gamma, processes=4))
-    assert alone == shared
-    assert alone[0], "something was accepted"
 
 
 def test_so_many_processes_as_is_stated_or_as_there_are_processors(monkeypatch):
