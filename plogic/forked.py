@@ -57,13 +57,17 @@ def _shared(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) 
     copies = _Copies(done, jobs, left, processes - 1)
     try:
         results: dict[int, Result] = {}
+        failed: set[int] = set()
         own = _taken(left)
         for wanted in range(len(jobs)):
             while wanted not in results:
-                number = next(own, None)
+                number = None if wanted in failed else next(own, None)
                 if number is not None:
-                    results[number] = done(jobs[number])
-                elif not copies.answer(results):
+                    failed.add(number)
+                    with suppress(Exception):  # it is done again, and raises, in its turn
+                        results[number] = done(jobs[number])
+                        failed.remove(number)
+                elif wanted in failed or not copies.answer(results):
                     results[wanted] = done(jobs[wanted])
             yield results.pop(wanted)
     finally:
