@@ -23,6 +23,8 @@ LARGEST = 16 * 2**20
 """Bytes of a file of poses that is read."""
 ROUNDED = 1e-3
 """How far a matrix may be from a rotation by the rounding of what wrote it; the nearest rotation is taken."""
+EXACT = 1e-12
+"""How far it may be and is left as it is."""
 HOLDS = 'should be {"format": "poses/1", "frames": [{"frame": FILE or null, "T_world_camera": 4x4}, ...]}'
 
 
@@ -76,6 +78,8 @@ def _nearest(pose: Floats) -> Floats | None:
     """The rigid pose that a matrix is but for rounding; None where it is none."""
     if pose.shape != (4, 4) or not np.isfinite(pose).all() or not is_rigid(pose, ROUNDED):
         return None
+    if is_rigid(pose, EXACT):
+        return frozen(pose)
     u, _, v = np.linalg.svd(pose[:3, :3])
     return frozen(from_rotation_translation(u @ v, pose[:3, 3]))
 
