@@ -32,6 +32,8 @@ from plogic.commands.options import (
 )
 from plogic.commands.simulate import BOP, BOP_IMAGES
 
+BENCHES = ["towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale", "panorama", "stereo"]
+
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="plogic")
@@ -188,7 +190,7 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **b
 
 
 @cli.command()
-@click.argument("name", type=click.Choice(["towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale", "panorama"]))
+@click.argument("name", type=click.Choice(BENCHES))
 @click.option("--scenes", type=click.IntRange(1), default=120, show_default=True, help="Scenes of `towers`.")
 @click.option(
     "--limit",
@@ -207,7 +209,8 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
 
     drawn = {"quick": quick, "picture": picture}
     sized = {"quick": quick}
-    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn, "scale": sized, "panorama": sized}
+    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn}
+    others |= dict.fromkeys(("scale", "panorama", "stereo"), sized)
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
     text, met = import_module(f"plogic.bench.{name}").run(seed=seed, **options, as_json=as_json, say=_say)
     _out(text)

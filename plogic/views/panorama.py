@@ -13,21 +13,20 @@ from collections import Counter
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from plogic.beside import FEWEST
 from plogic.evidence import evidence, hit_rates
 from plogic.expectation import hidden_by
 from plogic.recall import Seed
-from plogic.rivals import claims, overlap
+from plogic.rivals import claims
 from plogic.search.data import data_of
 from plogic.stopwatch import Stopwatch
 from plogic.views.joint import joint
-from plogic.views.standing import Seen, Standing, seen_alone, standing_of
+from plogic.views.standing import Seen, Standing, hidden_among, seen_alone, standing_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from plogic.belief import Cycle
@@ -137,10 +136,7 @@ class Panorama:
     def _speaks(self, known: Known, cycle: Cycle, seen: Seen) -> float:
         """The log-likelihood ratio of one object in one view, where what was accepted there hides what it hides."""
         posed = seen_alone(known.standing, seen, self.perceiver.kb)
-        hidden = np.zeros(len(posed.uv), bool)
-        for belief in cycle.accepted:
-            if belief.posed.object_type.opaque and not overlap(posed, belief.posed):
-                hidden |= hidden_by(posed, belief.posed)
+        hidden = hidden_among(posed, [belief.posed for belief in cycle.accepted])
         return evidence(posed, seen.data, self.perceiver.kb, hidden).ratio
 
     def _remember(self, cycle: Cycle, view: View, in_view: Sequence[str]) -> None:

@@ -84,16 +84,22 @@ def seen_beside(standing: Sequence[Standing], alone: Sequence[Posed], first: int
     posed: list[Posed] = []
     for i, (some, lone) in enumerate(zip(standing, alone, strict=True)):
         others = [j for j in range(first) if j != i and (i < first or not _excludes(lone, alone[j]))]
-        hidden = np.zeros(len(lone.uv), bool)
-        for j in others:
-            if alone[j].object_type.opaque and not overlap(lone, alone[j]):
-                hidden |= hidden_by(lone, alone[j])
+        hidden = hidden_among(lone, [alone[j] for j in others])
         free = np.ones(len(seen.data.ids), bool)
         for j in others:
             if j < len(posed):
                 free[list(claims(posed[j]))] = False
         posed.append(lone if free.all() and not hidden.any() else _settled(some, seen, kb, free, hidden))
     return posed
+
+
+def hidden_among(posed: Posed, others: Sequence[Posed]) -> NDArray[np.bool_]:
+    """(F,) what opaque others hide of a hypothesis; those that A4 excludes beside it hide nothing (D7)."""
+    hidden = np.zeros(len(posed.uv), bool)
+    for other in others:
+        if other is not posed and other.object_type.opaque and not overlap(posed, other):
+            hidden |= hidden_by(posed, other)
+    return hidden
 
 
 def _settled(standing: Standing, seen: Seen, kb: KnowledgeBase, free: NDArray[np.bool_], hidden: NDArray[np.bool_]) -> Posed:

@@ -34,6 +34,8 @@ BENT = np.radians(8.0)
 """Standard deviation of how much a sight is turned because a cell is wide."""
 WHOLE = 16
 """Weight of a vote both angles of which fit."""
+LIGHT = 1
+"""Weight of a vote that is not counted: nearly half of all weigh no more, and of the right ones one in twelve."""
 SMALLEST, LARGEST = 20.0, 2.0
 """Pixels across, and the image's heights across, of an object at least and at most."""
 _ROW = np.uint64(21)
@@ -96,16 +98,18 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
     one, other, length, line = one[far], other[far], length[far], line[far]
     tolerance = min(COARSE + 2.0 * sigma, MOST_TURNED)
     query, entry, off = index.found((looks[one], looks[other]), (data.angle[one] - line, data.angle[other] - line), tolerance)
-    says = said(entry)
+    weight = _fit(off, sigma)
+    heavy = np.flatnonzero(weight > LIGHT)
+    query, weight, says = query[heavy], weight[heavy], said(entry[heavy])
     diameter = index.sights.diameter[says.kind]
     size = length[query] / says.length
     right = np.flatnonzero((size >= SMALLEST) & (size <= LARGEST * data.camera.height))
-    size, query, says, off = size[right], query[right], says.take(right), off[right]
+    size, query, says, weight = size[right], query[right], says.take(right), weight[right]
     roll = wrapped(line[query] - says.line)
     cos, sin = size * np.cos(roll), size * np.sin(roll)
     x, y = says.place.T
     centre = data.ideal[one[query]] - np.column_stack([cos * x - sin * y, sin * x + cos * y])
-    votes = Votes(says.kind, says.cell, centre, roll, size / diameter[right], _fit(off, sigma))
+    votes = Votes(says.kind, says.cell, centre, roll, size / diameter[right], weight)
     boxes = np.array([_boxes(votes, size, offset) for offset in (0.0, 0.5)])
     return Raw(votes, query, np.column_stack([one[query], other[query]]), boxes)
 
