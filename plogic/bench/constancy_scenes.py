@@ -58,8 +58,10 @@ class Cause(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Sequence:
-    """``causes`` by view and datum, of all that is no clutter; ``known`` (O,) whether each body is of a type of the KB; ``visible`` by view
-    the features that are to be seen there, detected or not."""
+    """``causes`` by view and datum, of all that is no clutter; ``known`` (O,) whether each body is of a type of the KB.
+
+    ``visible``: by view the features that are to be seen there, detected or not.
+    """
 
     views: tuple[View, ...]
     causes: Mapping[str, Mapping[str, Cause]]
@@ -159,8 +161,7 @@ def _reported(
 
 
 def _clutter(kb: KnowledgeBase, rng: np.random.Generator) -> list[tuple[str, Floats, float, Cause | None]]:
-    rows: list[tuple[str, Floats, float, Cause | None]] = []
-    for name, rate in kb.rates.clutter.items():
-        for _ in range(int(rng.poisson(rate))):
-            rows.append((name, rng.uniform(-0.5, [CAMERA.width - 0.5, CAMERA.height - 0.5]), float(rng.uniform(0.0, 2.0 * np.pi)), None))
-    return rows
+    names = [name for name, rate in kb.rates.clutter.items() for _ in range(int(rng.poisson(rate)))]
+    uv = rng.uniform(-0.5, [CAMERA.width - 0.5, CAMERA.height - 0.5], (len(names), 2))
+    angle = rng.uniform(0.0, 2.0 * np.pi, len(names))
+    return [(name, uv[i], float(angle[i]), None) for i, name in enumerate(names)]

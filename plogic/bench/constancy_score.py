@@ -28,11 +28,14 @@ class Called(NamedTuple):
 
 @dataclass(frozen=True)
 class Score:
-    """Counts. Of unknown features: ``visible`` in a view or more, detected ``twice`` or more, and those of them that were ``found``: a physical
+    """Counts, which add up.
+
+    Of unknown features: ``visible`` in a view or more, detected ``twice`` or more, and those of them that were ``found``: a physical
     feature holds two of its data. Of what was called physical: ``called``, and ``right``: most of its data are of one true feature, unknown or
     left over of a known object. Of clutter: ``clutter``, called ``noise``, called ``undecided``. ``called_noise``: all that was called noise.
     Of unknown bodies: ``bodies`` with four features found, and those that are ``whole``: one cluster has at least 80 % of them and holds at
-    most 10 % of others."""
+    most 10 % of others.
+    """
 
     visible: int = 0
     twice: int = 0
@@ -68,30 +71,35 @@ def score(sequence: Sequence, count: int, called: Called) -> Score:
     views = [view.id for view in sequence.views[:count]]
     unknown = {c for view in views for c in sequence.visible[view] if not sequence.known[c.object]}
     times = Counter(c for view in views for c in sequence.causes[view].values() if not sequence.known[c.object])
-    whose = [Counter(sequence.causes[view].get(datum) for view, datum in data.items()) for data in called.physical]
-    found = {cause for row in whose for cause, n in row.items() if cause is not None and n >= 2 and not sequence.known[cause.object]}
+    causes = [whose(sequence, data) for data in called.physical]
+    found = {cause for row in causes for cause, n in row.items() if cause is not None and n >= 2 and not sequence.known[cause.object]}
     clutter = {(view.id, a.id) for view in sequence.views[:count] for a in view.gamma.appearances if a.id not in sequence.causes[view.id]}
     noise, undecided = ({(view, datum) for view, ids in some.items() for datum in ids} for some in (called.noise, called.undecided))
     return Score(
         visible=len(unknown),
         twice=sum(n >= 2 for n in times.values()),
         found=len(found),
-        called=len(whose),
-        right=sum(_is_one(row) for row in whose),
+        called=len(causes),
+        right=sum(is_one(row) for row in causes),
         clutter=len(clutter),
         noise=len(clutter & noise),
         undecided=len(clutter & undecided),
         called_noise=len(noise),
-    ) + _bodies(called, whose, found)
+    ) + _bodies(called, causes, found)
 
 
-def _is_one(row: Counter[Cause | None]) -> bool:
+def whose(sequence: Sequence, data: Mapping[str, str]) -> Counter[Cause | None]:
+    """How many of a physical feature's data, by view, are of each true feature; None is clutter."""
+    return Counter(sequence.causes[view].get(datum) for view, datum in data.items())
+
+
+def is_one(row: Counter[Cause | None]) -> bool:
     """Whether most of a physical feature's data are of one true feature."""
     return any(cause is not None and 2 * n > row.total() for cause, n in row.items())
 
 
-def _bodies(called: Called, whose: list[Counter[Cause | None]], found: set[Cause]) -> Score:
-    body = [row.most_common(1)[0][0] for row in whose]
+def _bodies(called: Called, causes: list[Counter[Cause | None]], found: set[Cause]) -> Score:
+    body = [row.most_common(1)[0][0] for row in causes]
     of = Counter(c.object for c in found)
     whole = 0
     for which, count in of.items():

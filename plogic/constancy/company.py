@@ -42,7 +42,7 @@ class Company:
     reach: float
 
     def log_place(self, tracks: Tracks, elsewhere: Floats) -> Floats:
-        """ln p(X̂) (T,) with ``elsewhere`` (T,) being that of the first look: half of it, and half normal about each certain place.
+        """The logarithms of p(X̂) (T,) with ``elsewhere`` (T,) being that of the first look: half of it, and half normal about each certain place.
 
         A track does not keep itself company: certain ones that share a datum with it say nothing of it.
         """

@@ -24,8 +24,10 @@ NEAREST = 0.01
 
 
 class Places(NamedTuple):
-    """``at`` (T, 3) m, world; ``covariance`` (T, 3, 3) m²; ``chi2`` (T,) of the residuals; ``depth`` (T, V) m; ``parallax`` (T,) rad, the
-    greatest between two of the track's lines of sight; ``good`` (T,): solved, and in front of all views of the track."""
+    """``at`` (T, 3) m, world; ``covariance`` (T, 3, 3) m²; ``chi2`` (T,) of the residuals; ``depth`` (T, V) m.
+
+    ``parallax`` (T,) rad, the greatest between two of the track's lines of sight; ``good`` (T,): solved, and in front of all its views.
+    """
 
     at: Floats
     covariance: Floats
@@ -33,6 +35,11 @@ class Places(NamedTuple):
     depth: Floats
     parallax: Floats
     good: NDArray[np.bool_]
+
+    def some(self, which: NDArray[np.bool_] | Ints) -> Places:
+        """Those of an index or a mask."""
+        parts = (self.at[which], self.covariance[which], self.chi2[which], self.depth[which], self.parallax[which])
+        return Places(*parts, self.good[which])
 
 
 def places_of(sights: Sights, tracks: Ints, kind: Ints) -> Places:

@@ -23,8 +23,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class PhysicalFeature:
-    """One place that looks alike from several views: its appearances' ``type``, ``at`` (3,) m, world; ``sigma`` m, the standard deviation in
-    the direction that is known worst; the ``probability`` that it is physical; and its ``data``, by view."""
+    """One place that looks alike from several views: its appearances' ``type``, ``at`` (3,) m, world, and its ``data``, by view.
+
+    ``sigma`` m: the standard deviation in the direction that is known worst; ``probability``: that it is physical.
+    """
 
     id: str
     type: str

@@ -113,5 +113,5 @@ def _rows(view: View, ids: Sequence[str]) -> list[Appearance]:
     rows = [a for a in view.gamma.appearances if a.id in wanted]
     if not rows:
         return rows
-    there = np.isfinite(view.gamma.camera.normalised(np.array([a.uv for a in rows]))).all(axis=1)
-    return [a for a, ray in zip(rows, there.tolist(), strict=True) if ray]
+    there = np.isfinite(view.gamma.camera.normalised(np.array([a.uv for a in rows])))
+    return [a for a, ray in zip(rows, there, strict=True) if ray.all()]

@@ -23,8 +23,11 @@ SHARE = 0.25
 
 
 def tellable(sights: Sights, v: int, hidden: Hidden | None) -> Flags:
-    """(N,) of the data of view ``v``: at a quarter of the depths or more where its place may be, some other view has it in its image, hidden by
-    nothing known, along a line of sight that makes ``MIN_PARALLAX`` or more with its own."""
+    """(N,) of the data of view ``v``: whether another view could have told.
+
+    At a quarter of the depths or more where its place may be, some other view has it in its image, hidden by nothing known, along a line of
+    sight that makes ``MIN_PARALLAX`` or more with its own.
+    """
     count = len(sights.ids[v])
     depths = np.geomspace(*DEPTHS, STEPS)
     rays = np.column_stack([sights.xy[v, :count], np.ones(count)])

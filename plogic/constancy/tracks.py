@@ -40,7 +40,7 @@ class Tracks(NamedTuple):
 
     def some(self, which: Flags | Ints) -> Tracks:
         """Those of an index or a mask."""
-        return Tracks(self.data[which], self.kind[which], Places(*(values[which] for values in self.places)))
+        return Tracks(self.data[which], self.kind[which], self.places.some(which))
 
 
 def tracks_of(sights: Sights) -> Tracks:

@@ -61,7 +61,7 @@ def _some(sights: Sights, at: Floats, angles: Floats, sigma: float) -> Floats:
 
 
 def _half_circle(camera_from_world: Floats, at_camera: Floats, angle: Floats, theta: Floats) -> Floats:
-    """(T, S, 3) unit directions in the world that have the ``angle`` (T,) on the screen at places (T, 3), at ``theta`` (S,) from the line of sight."""
+    """(T, S, 3) unit, world: what has the ``angle`` (T,) on the screen at places (T, 3), at ``theta`` (S,) from the line of sight."""
     ray = at_camera / np.linalg.norm(at_camera, axis=1, keepdims=True)
     aside = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))], axis=1)
     aside -= (aside * ray).sum(axis=1, keepdims=True) * ray

@@ -37,7 +37,7 @@ ODDS = 1.0
 
 
 def log_weights(sights: Sights, tracks: Tracks, hidden: Hidden | None, company: Company | None = None) -> Floats:
-    """w (T,) of each track; ``company`` is what is known already of where unknown features are."""
+    """The weights w (T,) of the tracks; ``company`` is what is known already of where unknown features are."""
     if not len(tracks.kind):
         return np.zeros(0)
     place = log_place(sights, tracks)
@@ -50,7 +50,7 @@ def log_weights(sights: Sights, tracks: Tracks, hidden: Hidden | None, company: 
 
 
 def log_place(sights: Sights, tracks: Tracks) -> Floats:
-    """ln p(X̂) (T,) per m³: anywhere in the image alike, and log-uniform over ``DEPTHS``; the mean over the track's views."""
+    """The logarithms of p(X̂) (T,) per m³: anywhere in the image alike, and log-uniform over ``DEPTHS``; the mean over the track's views."""
     mask = tracks.data >= 0
     area = np.array([view.gamma.camera.width * view.gamma.camera.height / view.gamma.camera.f**2 for view in sights.views])
     span = np.log(DEPTHS[1] / DEPTHS[0])
