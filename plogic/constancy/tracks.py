@@ -27,6 +27,8 @@ DEPTHS = 0.2, 10.0
 """m from a camera, least and most, between which unknown places are sought."""
 GATE = 13.82
 """χ² of two degrees of freedom that one true datum in a thousand exceeds."""
+STRONG, SMALL = 4, 3
+"""Data of a track that is taken for the best of its kind; most of those that are kept besides what came of them."""
 RARE = 0.001
 """Share of true tracks whose residuals may be so large that they are lost."""
 
@@ -44,16 +46,56 @@ class Tracks(NamedTuple):
 
 
 def tracks_of(sights: Sights) -> Tracks:
-    """Pairs that meet, and what each becomes by taking up, view after view, the datum nearest to where its place is seen; each once."""
-    current = _plausible(sights, pairs_of(sights))
+    """Pairs that meet, and what each becomes by taking up, view after view, the datum nearest to where its place is seen; each once.
+
+    Pairs of views that follow each other go first. Others that lie within what those became, of ``STRONG`` data or more, would become the same.
+    """
+    pairs = pairs_of(sights)
+    next_to = ((pairs >= 0)[:, 1:] & (pairs >= 0)[:, :-1]).any(axis=1)
+    first = _grown(sights, pairs[next_to])
+    rest = pairs[~next_to]
+    later = _grown(sights, rest[~_within(first[(first >= 0).sum(axis=1) >= STRONG], rest)])
+    return _plausible(sights, _once(np.concatenate([first, later])))
+
+
+def _grown(sights: Sights, pairs: Ints) -> Ints:
+    """(T, V) pairs that are plausible, threes on the way, and what each came to in the end."""
+    current = _plausible(sights, pairs)
     found = [current.data]
     for v in range(len(sights.views)):
         grown = _taken_up(sights, current, v)
-        more = _plausible(sights, grown[~(grown == current.data).all(axis=1)])
-        found.append(more.data)
-        rest = current.some((grown == current.data).all(axis=1))
-        current = _plausible(sights, np.unique(np.concatenate([rest.data, more.data]), axis=0))
-    return _plausible(sights, np.unique(np.concatenate(found), axis=0))
+        more = (grown != current.data).any(axis=1)
+        longer = _plausible(sights, _once(grown[more]))
+        found.append(longer.data[(longer.data >= 0).sum(axis=1) <= SMALL])
+        current = _joined(longer, current.some(~more))
+    return np.concatenate([*found, current.data])
+
+
+def _joined(one: Tracks, other: Tracks) -> Tracks:
+    """Both."""
+    places = Places(*(np.concatenate([a, b]) for a, b in zip(one.places, other.places, strict=True)))
+    return Tracks(np.concatenate([one.data, other.data]), np.concatenate([one.kind, other.kind]), places)
+
+
+def _once(data: Ints) -> Ints:
+    """Each of some tracks (T, V) once, in a fixed order."""
+    short = np.ascontiguousarray(data, np.int32)
+    rows = short.view(np.dtype((np.void, short.dtype.itemsize * short.shape[1]))).ravel()
+    return np.asarray(data[np.sort(np.unique(rows, return_index=True)[1])])
+
+
+def _within(tracks: Ints, pairs: Ints) -> Flags:
+    """(T,) which pairs have both data in one of the tracks."""
+    views, size = pairs.shape[1], int(max(tracks.max(initial=0), pairs.max(initial=0))) + 1
+    codes = [
+        ((i * size + tracks[both, i]) * views + j) * size + tracks[both, j]
+        for i in range(views) for j in range(i + 1, views) if (both := (tracks[:, i] >= 0) & (tracks[:, j] >= 0)).any()
+    ]  # fmt: skip
+    _, seen = np.nonzero(pairs >= 0)
+    i, j = seen.reshape(-1, 2).T
+    rows = np.arange(len(pairs))
+    own = ((i * size + pairs[rows, i]) * views + j) * size + pairs[rows, j]
+    return np.isin(own, np.concatenate([np.zeros(0, np.intp), *codes]))
 
 
 def _plausible(sights: Sights, data: Ints) -> Tracks:
