@@ -6,7 +6,6 @@ The data of known objects are taken away by the engine's own interpretation of e
 from __future__ import annotations
 
 from dataclasses import replace
-from time import perf_counter
 from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.bench.claims import report
@@ -14,6 +13,7 @@ from plogic.bench.constancy_peers import epipolar
 from plogic.bench.constancy_scenes import VIEWS, constancy_kb, sequence
 from plogic.bench.constancy_score import called_of, is_one, score, whose
 from plogic.bench.constancy_table import ANGLELESS, CAPTION, COUNTS, ONE_LOOK, OURS, PEER, Tally, claims, rows
+from plogic.bench.processor import processor_seconds
 from plogic.constancy.decide import unknown_objects
 from plogic.constancy.explained import unexplained_of
 from plogic.constancy.hiding import bodies_of, hiding
@@ -67,9 +67,9 @@ def judge(seen: Seen, count: int, kb: KnowledgeBase, tally: Tally) -> None:
     """All sides on the first ``count`` views."""
     views = seen.sequence.views[:count]
     hidden = hiding(views, seen.bodies)
-    start = perf_counter()
+    start = processor_seconds()
     ours = unknown_objects(views, seen.unexplained, kb.rates, hidden)
-    tally.add(OURS, count, score(seen.sequence, count, called_of(ours)), perf_counter() - start)
+    tally.add(OURS, count, score(seen.sequence, count, called_of(ours)), processor_seconds() - start)
     for feature in (feature for one in ours.unknown for feature in one.features):
         tally.forecast(count, feature.probability, right=is_one(whose(seen.sequence, feature.data)))
     one = unknown_objects(views, seen.unexplained, kb.rates, hidden, looks=1)

@@ -23,9 +23,9 @@ Sequences of a camera on a ring round known and unknown bodies, 12 to 25 degrees
 unknown bodies' features that were detected in two views or more; physical: those of them that are called so (two of their data are in one physical
 feature); of all: the same of those that were to be seen in a view or more, detected or not; precise: of what was called physical, what is one true
 feature; said: the mean probability that was given. noise, undecided: what clutter was called; right: of what was called noise, the clutter (the
-rest are features that were detected once, or lost). whole: unknown bodies, four features found or more, that are one cluster. s: the longest
-sequence. one look: without the second look, which knows where the first found features; no angles: as if data had none; epipolar: plain two-view
-matching, each view with the next."""
+rest are features that were detected once, or lost). whole: unknown bodies, four features found or more, that are one cluster. s: of the
+processor, the longest sequence. one look: without the second look, which knows where the first found features; no angles: as if data had
+none; epipolar: plain two-view matching, each view with the next."""
 
 
 @dataclass
