@@ -1,12 +1,16 @@
-"""One image of a sequence, and where its camera stood.
+"""One image of a sequence.
 
-Vocabulary: ``View``, ``View("v1", gamma, world_from_camera)``.
+* ``View``: ``View("v1", Gamma(...), world_from_camera)``
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from geometry.arrays import frozen
+from geometry.errors import GeometryError
+from geometry.frames import inverse, is_rigid
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,3 +26,14 @@ class View:
     id: str
     gamma: Gamma
     world_from_camera: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        """Keep a read-only pose. Raises GeometryError where it is not rigid."""
+        if not is_rigid(self.world_from_camera):
+            raise GeometryError(f"{self.id}: T_world_camera must be a rotation and a translation")
+        object.__setattr__(self, "world_from_camera", frozen(self.world_from_camera))
+
+    @property
+    def camera_from_world(self) -> NDArray[np.float64]:
+        """The inverse (4, 4)."""
+        return inverse(self.world_from_camera)
