@@ -32,7 +32,7 @@ from plogic.commands.options import (
 )
 from plogic.commands.simulate import BOP, BOP_IMAGES
 
-BENCHES = ["towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale", "panorama", "stereo"]
+BENCHES = ["towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale", "panorama", "stereo", "constancy"]
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -210,7 +210,7 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
     drawn = {"quick": quick, "picture": picture}
     sized = {"quick": quick}
     others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn}
-    others |= dict.fromkeys(("scale", "panorama", "stereo"), sized)
+    others |= dict.fromkeys(("scale", "panorama", "stereo", "constancy"), sized)
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
     text, met = import_module(f"plogic.bench.{name}").run(seed=seed, **options, as_json=as_json, say=_say)
     _out(text)

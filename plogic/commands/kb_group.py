@@ -149,6 +149,23 @@ def kb_learn_rates(scenes: tuple[str, ...], kb_folder: str, as_json: bool, **opt
     _out(learn_rates_command(scenes, kb_folder, options, say=_say, as_json=as_json))
 
 
+@kb.command("assimilate")
+@click.argument("panorama")
+@click.argument("unknown", metavar="UNKNOWN_ID")
+@click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base that the type goes into.")
+@click.option("--name", required=True, help="Name of the new type.")
+@AS_JSON
+def kb_assimilate(panorama: str, unknown: str, kb_folder: str, name: str, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
+    """Make a draft type from an unknown object of PANORAMA, what `plogic perceive FRAME... --poses` writes; `-` is stdin.
+
+    Its features stand where they were triangulated, with lobes about the viewpoints from which they were seen.
+    Where they span a volume, its mesh is a hull of them.
+    """
+    from plogic.commands.kb_assimilate import assimilate_command
+
+    _out(assimilate_command(panorama, unknown, kb_folder, name, as_json=as_json))
+
+
 def _out(text: str) -> None:
     sys.stdout.write(text if text.endswith("\n") else text + "\n")
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from plogic.constancy.of_panorama import constancy_of
+from plogic.constancy.result import constancy_document
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -23,6 +26,7 @@ def panorama_document(panorama: Panorama, looks: Sequence[tuple[str, Look]], for
         "reading": panorama.options.reading,
         "views": [_view(frame, look) for frame, look in looks],
         "objects": [_object(known, last) for known in panorama.known],
+        **constancy_document(constancy_of(panorama, [look for _, look in looks])),
         **_worlds(panorama),
         "ahead": list(foreseen),
     }

@@ -1,0 +1,1 @@
+"""Constancy (§4.4): what triangulates to one place over moved views, and persists, is physical; what does not is noise."""

@@ -1,0 +1,79 @@
+"""What constancy came to, and how it is written.
+
+Vocabulary, each with an example value:
+
+* ``PhysicalFeature("u1/f1", "patch", at, 0.003, 0.97, {"v1": "a3", "v2": "a9"})``
+* ``UnknownObject("u1", 0.98, features)``
+* ``Constancy(unknown, noise={"v1": ("a4",)}, undecided={"v1": ("a7",)})``
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from geometry.arrays import frozen
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class PhysicalFeature:
+    """One place that looks alike from several views: its appearances' ``type``, ``at`` (3,) m, world, and its ``data``, by view.
+
+    ``sigma`` m: the standard deviation in the direction that is known worst; ``probability``: that it is physical.
+    """
+
+    id: str
+    type: str
+    at: NDArray[np.float64]
+    sigma: float
+    probability: float
+    data: Mapping[str, str]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "at", frozen(self.at))
+
+
+@dataclass(frozen=True, eq=False)
+class UnknownObject:
+    """A cluster of physical features that no type of Σo explains. ``probability``: that one of them at least is physical."""
+
+    id: str
+    probability: float
+    features: tuple[PhysicalFeature, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Constancy:
+    """What case D was (§4.4). ``noise`` and ``undecided``: the ids of the rest, by view, in the order of Γ."""
+
+    unknown: tuple[UnknownObject, ...]
+    noise: Mapping[str, tuple[str, ...]]
+    undecided: Mapping[str, tuple[str, ...]]
+
+
+def constancy_document(constancy: Constancy) -> dict[str, Any]:
+    """The keys ``unknown``, ``noise`` and ``undecided`` of a ``panorama/1``."""
+    return {
+        "unknown": [
+            {"id": one.id, "probability": one.probability, "features": [_feature(feature) for feature in one.features]} for one in constancy.unknown
+        ],
+        "noise": {view: list(ids) for view, ids in constancy.noise.items()},
+        "undecided": {view: list(ids) for view, ids in constancy.undecided.items()},
+    }
+
+
+def _feature(feature: PhysicalFeature) -> dict[str, Any]:
+    return {
+        "id": feature.id,
+        "type": feature.type,
+        "at": feature.at.tolist(),
+        "sigma": feature.sigma,
+        "probability": feature.probability,
+        "data": dict(feature.data),
+    }
