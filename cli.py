@@ -12,6 +12,7 @@ import click
 from plogic.commands.batch import batch
 from plogic.commands.bop import bop
 from plogic.commands.kb_group import kb
+from plogic.commands.next_view import next_view
 from plogic.commands.options import (
     AS_JSON,
     BEST_BY,
@@ -209,6 +210,7 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
 cli.add_command(kb)
 cli.add_command(bop)
 cli.add_command(batch)
+cli.add_command(next_view)
 
 
 def _warn(source: str, *, trust: bool) -> None:
