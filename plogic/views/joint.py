@@ -25,6 +25,7 @@ from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
 from plogic.trace import Trace
 from plogic.views.standing import Seen, Standing, refined, seen_alone, seen_beside
+from plogic.worlds import ranked_worlds
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -37,11 +38,14 @@ if TYPE_CHECKING:
     from plogic.perceive import Perceiver
     from plogic.search.data import Data
     from plogic.situation import FeatureFact, HypothesisFact, Situation
+    from plogic.worlds import Ranking
 
     Floats = NDArray[np.float64]
 
 ROUNDS = 2
 """Times that poses are refined in all views together, and matched again."""
+AGAIN = 3
+"""Times that all are judged, each time beside the Δi that the last came to."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,15 +65,30 @@ class _Known(NamedTuple):
     depth: float
 
 
-def joint(seen: Sequence[Seen], standing: Sequence[Standing], perceiver: Perceiver, options: Options) -> Joint:
-    """Judge hypotheses in all views: the heaviest that fit together are Δi, the others its rivals, each refined on what all views show of it.
+def joint(seen: Sequence[Seen], standing: Sequence[Standing], perceiver: Perceiver, options: Options) -> tuple[Joint, Ranking]:
+    """Judge hypotheses in all views, each refined on what all views show of it: Δi is what is present in the most probable world.
 
-    Raises ValueError without a view.
+    What is matched depends on what Δi is: so they are judged again where the worlds say that it is another, ``AGAIN`` times at most. Raises
+    ValueError without a view.
     """
     if not seen:
         raise ValueError("there is no view to judge hypotheses in")
+    ordered, first = _ordered(standing, seen, perceiver.kb)
+    for _ in range(AGAIN):
+        found = _judged(ordered, first, seen, perceiver, options)
+        ranking = ranked_worlds(found.situation)
+        present = {int(name[1:]) - 1 for name in ranking.worlds[0].present} if ranking.worlds else set()
+        if present == set(range(first)):
+            break
+        inside = sorted(present)
+        ordered = [found.standing[i] for i in [*inside, *(i for i in range(len(ordered)) if i not in present)]]
+        first = len(inside)
+    return found, ranking
+
+
+def _judged(ordered: Sequence[Standing], first: int, seen: Sequence[Seen], perceiver: Perceiver, options: Options) -> Joint:
+    """Hypotheses of which the ``first`` are in Δi, in all views."""
     kb = perceiver.kb
-    ordered, first = _ordered(standing, seen, kb)
     posed = _posed(ordered, first, seen, kb)
     for _ in range(ROUNDS if len(seen) > 1 else 0):
         ordered = [refined(some, mine, seen, kb) for some, mine in zip(ordered, zip(*posed, strict=True), strict=True)]

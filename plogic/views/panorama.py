@@ -18,12 +18,11 @@ from plogic.beside import FEWEST
 from plogic.evidence import evidence, hit_rates
 from plogic.expectation import hidden_by
 from plogic.recall import Seed
-from plogic.rivals import claims
+from plogic.rivals import claims, overlap
 from plogic.search.data import data_of
 from plogic.stopwatch import Stopwatch
 from plogic.views.joint import joint
 from plogic.views.standing import Seen, Standing, seen_alone, standing_of
-from plogic.worlds import ranked_worlds
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -99,8 +98,14 @@ class Panorama:
             gone = self._forget(expected, cycle, seen)
             self.seen = [*self.seen, seen][-WINDOW:]
             self._remember(cycle, view, [known.id for known, _ in expected])
-        told = tuple(_told(known, posed, self.perceiver) for known, posed in expected)
-        return Look(view, interpretation, told, gone, self._left(view, cycle, seen), clock.seconds)
+        return Look(view, interpretation, self._foreseen(expected), gone, _left(cycle, seen), clock.seconds)
+
+    def predicted(self, view: View) -> tuple[dict[str, Any], ...]:
+        """What anticipated motion leads to expect: of each object of Δp that should be seen from there, as ``panorama/1`` says it."""
+        return self._foreseen(self.expected(view))
+
+    def _foreseen(self, expected: Sequence[tuple[Known, Posed]]) -> tuple[dict[str, Any], ...]:
+        return tuple(_told(known, posed, self.perceiver) for known, posed in expected)
 
     def expected(self, view: View) -> list[tuple[Known, Posed]]:
         """What of Δp should be seen from here, the surest first: of which ``FEWEST`` features or more are expected (D7). Γ is not looked at."""
@@ -113,10 +118,19 @@ class Panorama:
         gone = []
         for known, _ in expected:
             found = any(known.standing.same(standing_of(b, seen.view), seen.view) for b in cycle.accepted)
-            if not found and evidence(seen_alone(known.standing, seen, self.perceiver.kb), seen.data, self.perceiver.kb).ratio < GONE:
+            if not found and self._speaks(known, cycle, seen) < GONE:
                 gone.append(known.id)
         self.known = [known for known in self.known if known.id not in gone]
         return tuple(gone)
+
+    def _speaks(self, known: Known, cycle: Cycle, seen: Seen) -> float:
+        """The log-likelihood ratio of one object in one view, where what was accepted there hides what it hides."""
+        posed = seen_alone(known.standing, seen, self.perceiver.kb)
+        hidden = np.zeros(len(posed.uv), bool)
+        for belief in cycle.accepted:
+            if belief.posed.object_type.opaque and not overlap(posed, belief.posed):
+                hidden |= hidden_by(posed, belief.posed)
+        return evidence(posed, seen.data, self.perceiver.kb, hidden).ratio
 
     def _remember(self, cycle: Cycle, view: View, in_view: Sequence[str]) -> None:
         """Judge what is known and what is new in all views together, and keep what is probable."""
@@ -129,8 +143,7 @@ class Panorama:
         self.joint, self.ranking = None, None
         chances: list[tuple[Standing, float]] = []
         if standing:
-            self.joint = joint(self.seen, standing, self.perceiver, self.options)
-            self.ranking = ranked_worlds(self.joint.situation)
+            self.joint, self.ranking = joint(self.seen, standing, self.perceiver, self.options)
             chances = [(some, self.ranking.marginals[f"h{i}"]) for i, some in enumerate(self.joint.standing, 1)]
         self.rivals = [some for some, chance in chances if POSSIBLE <= chance < BELIEVED]
         self._update([pair for pair in chances if pair[1] >= BELIEVED], cycle, view, in_view)
@@ -155,11 +168,6 @@ class Panorama:
         outside = [replace(k, age=k.age + 1) for k in kept if k.last_seen != view.id]
         self.known = sorted([*(k for k in kept if k.last_seen == view.id), *outside], key=lambda known: int(known.id[1:]))
 
-    def _left(self, view: View, cycle: Cycle, seen: Seen) -> tuple[str, ...]:
-        """Ids of the view's data that no accepted hypothesis claims."""
-        taken = {i for belief in cycle.accepted for i in claims(belief.posed)}
-        return tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
-
 
 def _aged(old: Known, standing: Standing, chance: float, cycle: Cycle, view: View, *, here: bool) -> Known:
     """The same object after one more view, in which it was found or was expected (``here``), or which did not show it."""
@@ -168,6 +176,12 @@ def _aged(old: Known, standing: Standing, chance: float, cycle: Cycle, view: Vie
     if names or here:
         return Known(old.id, standing, chance, view.id, 0, by_view)
     return replace(old, standing=standing, probability=chance, by_view=by_view)
+
+
+def _left(cycle: Cycle, seen: Seen) -> tuple[str, ...]:
+    """Ids of a view's data that no accepted hypothesis claims."""
+    taken = {i for belief in cycle.accepted for i in claims(belief.posed)}
+    return tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
 
 
 def _awaited(posed: Posed, others: Sequence[tuple[Known, Posed]]) -> NDArray[np.bool_]:
