@@ -31,7 +31,9 @@ from plogic.commands.options import (
     TRUST,
     Number,
 )
-from plogic.commands.simulate import BOP, BOP_IMAGES
+from plogic.commands.simulate import BOP, BOP_IMAGES, ROBOT
+
+BENCHES = ("towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale", "panorama", "look-again")
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -180,16 +182,17 @@ def report(interpretation: str, out: str) -> None:
 )
 @BOP
 @BOP_IMAGES
-def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **bop_options: Any) -> None:
+@ROBOT
+def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **options: Any) -> None:
     """Render a physically settled scene with its ground truth."""
     from plogic.commands.simulate import simulate_command
 
-    simulate_command(kb_folder, number, decoys, seed, out, **bop_options)
+    simulate_command(kb_folder, number, decoys, seed, out, **options)
     _say(f"wrote {out}")
 
 
 @cli.command()
-@click.argument("name", type=click.Choice(["towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale", "panorama"]))
+@click.argument("name", type=click.Choice(BENCHES))
 @click.option("--scenes", type=click.IntRange(1), default=120, show_default=True, help="Scenes of `towers`.")
 @click.option(
     "--limit",
@@ -208,9 +211,10 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
 
     drawn = {"quick": quick, "picture": picture}
     sized = {"quick": quick}
-    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn, "scale": sized, "panorama": sized}
+    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn}
+    others |= dict.fromkeys(("scale", "panorama", "look-again"), sized)
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
-    text, met = import_module(f"plogic.bench.{name}").run(seed=seed, **options, as_json=as_json, say=_say)
+    text, met = import_module(f"plogic.bench.{name.replace('-', '_')}").run(seed=seed, **options, as_json=as_json, say=_say)
     _out(text)
     sys.exit(0 if met else 1)
 

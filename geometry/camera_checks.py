@@ -21,7 +21,7 @@ def camera_mistakes(document: object, where: str = "camera") -> list[str]:
     sides = [_side(document[key], f"{where}.{key}") for key in KEYS[:2] if key in document]
     rest = [_matrix(document[key], f"{where}.K") for key in ("K",) if key in document]
     rest += [_dist(document.get("dist", []), f"{where}.dist")]
-    rest += [pose_mistake(document.get("T_world_camera"), f"{where}.T_world_camera")]
+    rest += [_pose(document.get("T_world_camera"), f"{where}.T_world_camera")]
     return unknown + missing + [mistake for mistake in sides + rest if mistake]
 
 
@@ -50,8 +50,7 @@ def _dist(value: object, where: str) -> str:
     return ""
 
 
-def pose_mistake(value: object, where: str) -> str:
-    """One line where ``value`` is no rigid 4x4 matrix, "" where it is one or None."""
+def _pose(value: object, where: str) -> str:
     if value is None:
         return ""
     pose = _numbers(value)

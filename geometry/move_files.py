@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from geometry.camera_checks import pose_mistake
 from geometry.errors import GeometryError
 from geometry.frames import inverse
 from geometry.json_files import JsonError, json_of
+from geometry.pose_files import nearest_rigid, read_poses
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from geometry.arrays import Floats
 
-MOVES, POSES = "moves/1", "poses/1"
+MOVES = "moves/1"
 LARGEST = 16 * 2**20
 """Bytes of a file of moves."""
 WORLD, PRESENT = "T_world_camera", "T_present_candidate"
@@ -53,22 +53,26 @@ def read_moves(path: Path) -> list[Move]:
     except JsonError as error:
         raise GeometryError(str(error)) from None
     kind = document.get("format") if isinstance(document, dict) else None
-    if kind not in (MOVES, POSES):
-        raise GeometryError(f"{path}: format: {kind!r:.40} should be {MOVES!r} or {POSES!r}")
-    key = "moves" if kind == MOVES else "frames"
-    rows = document.get(key)
+    if kind == "poses/1":
+        return [Move(p.frame or f"move {i}", None, p.world_from_camera) for i, p in enumerate(read_poses(path), 1)]
+    if kind != MOVES:
+        raise GeometryError(f"{path}: format: {kind!r:.40} should be {MOVES!r} or 'poses/1'")
+    rows = document.get("moves")
     if not isinstance(rows, list) or not rows:
-        raise GeometryError(f"{path}: {key}: should be a list of at least one pose")
-    return [_move(row, f"{path}: {key}.{i}", i) for i, row in enumerate(rows)]
+        raise GeometryError(f"{path}: moves: should be a list of at least one pose")
+    return [_move(row, f"{path}: moves.{i}", i) for i, row in enumerate(rows)]
 
 
 def _move(row: Any, place: str, number: int) -> Move:  # noqa: ANN401 - parsed JSON
-    if not isinstance(row, dict) or (row.get(PRESENT) is None) == (row.get(WORLD) is None):
+    keys = [key for key in (PRESENT, WORLD) if isinstance(row, dict) and row.get(key) is not None]
+    if len(keys) != 1:
         raise GeometryError(f"{place}: should be an object with one of {PRESENT} and {WORLD}")
-    key = WORLD if row.get(PRESENT) is None else PRESENT
-    mistake = pose_mistake(row[key], f"{place}.{key}")
-    if mistake:
-        raise GeometryError(mistake)
-    pose = np.array(row[key], dtype=float)
-    name = str(row.get("name", row.get("frame", f"move {number + 1}")))
-    return Move(name, pose, None) if key == PRESENT else Move(name, None, pose)
+    try:
+        pose = np.array(row[keys[0]], dtype=float)
+    except (TypeError, ValueError):
+        pose = np.zeros(0)
+    rigid = nearest_rigid(pose)
+    if rigid is None:
+        raise GeometryError(f"{place}.{keys[0]}: must be a rigid 4x4 matrix (row-major, metres)")
+    name = str(row.get("name", f"move {number + 1}"))
+    return Move(name, rigid, None) if keys[0] == PRESENT else Move(name, None, rigid)

@@ -52,7 +52,7 @@ def counted(seed: int, scenes: int, say: Callable[[str], None]) -> list[Counted]
         first = None if begun is None else begun.state([0]).true
         if begun is None or first is None or first >= SURE:
             continue
-        needed = {name: views_needed(begun, policy, one.seed) for name, policy in POLICIES.items()}
+        needed = {name: views_needed(begun, policy) for name, policy in POLICIES.items()}
         found.append(Counted(one.sort, first, needed, tried))
         say(f"scene {len(found)} ({one.sort}, the {tried}. tried), {first:.2f} at first: " + ", ".join(f"{n} {v}" for n, v in needed.items()))
     return found

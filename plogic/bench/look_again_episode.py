@@ -7,14 +7,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.frames import inverse, pose_error
+from plogic.bench.clutter_scenes import CAMERA
 from plogic.delta import Options
-from plogic.lookahead.candidates import Stand, ring
+from plogic.lookahead.candidates import Candidate, Stand, ring
 from plogic.lookahead.from_views import prospect_of_views
 from plogic.lookahead.look import looked_ahead
 from plogic.search.data import data_of
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.bench.look_again_scenes import Scene
-    from plogic.lookahead.candidates import Candidate
     from plogic.lookahead.prospect import Prospect
     from plogic.perceive import Perceiver
     from plogic.views.joint import Joint
@@ -41,6 +41,8 @@ SURE = 0.95
 """Probability of the true world at which a policy may stop."""
 MOST_VIEWS = 6
 """Views of a tour; where they leave the true world less probable, one more is counted."""
+LISTED = 100
+"""Worlds that are looked ahead in."""
 TURN, PLACE = np.radians(5.0), 0.05
 """Within which a pose is true: radians, and a share of the distance from the first camera."""
 UP = np.array([0.0, 0.0, 1.0])
@@ -73,12 +75,13 @@ class Tour:
         return self.states[key]
 
     def _judged(self, visited: Sequence[int]) -> State:
-        looks = [self._look(place) for place in visited]
-        together = joint([one.seen for one in looks], merged(looks, self.perceiver.kb), self.perceiver, Options(reading="posterior"))
-        ranking = ranked_worlds(together.situation, 100)
+        looks = [self.look(place) for place in visited]
+        together, _ = joint([one.seen for one in looks], merged(looks, self.perceiver.kb), self.perceiver, Options(reading="posterior"))
+        ranking = ranked_worlds(together.situation, LISTED)
         return State(prospect_of_views(together, ranking, self.perceiver.kb), ranking, true_mass(together, ranking, self.scene))
 
-    def _look(self, place: int) -> Found:
+    def look(self, place: int) -> Found:
+        """What is seen from a place, and the hypotheses that it leads to by itself."""
         if place not in self.found:
             pose = self.scene.first if place == 0 else self.places[place].reference_from_camera
             view = self.scene.view(f"v{place}", pose, place)
@@ -91,11 +94,9 @@ class Tour:
 def tour(scene: Scene, perceiver: Perceiver) -> Tour | None:
     """The scene with a ring of places about the middle of what the first view shows; None where it shows nothing."""
     begun = Tour(scene, perceiver)
-    if not begun._look(0).beliefs:  # noqa: SLF001
+    if not begun.look(0).beliefs:
         return None
     made, _ = ring(begun.state([0]).prospect, Stand(scene.first, UP, upright=True))
-    from plogic.lookahead.candidates import Candidate
-
     begun.places = [Candidate("first", scene.first), *made]
     return begun
 
@@ -119,7 +120,7 @@ def _true(some: Standing, scene: Scene) -> int | None:
     return None
 
 
-Policy = Callable[[Tour, Sequence[int], np.random.Generator], int]
+Policy = Callable[[Tour, Sequence[int]], int]
 
 
 def left(begun: Tour, visited: Sequence[int]) -> list[int]:
@@ -127,43 +128,41 @@ def left(begun: Tour, visited: Sequence[int]) -> list[int]:
     return [i for i in range(len(begun.places)) if i not in visited]
 
 
-def greatest_gain(begun: Tour, visited: Sequence[int], rng: np.random.Generator) -> int:
+def greatest_gain(begun: Tour, visited: Sequence[int]) -> int:
     """Ours: the greatest expected reduction of the worlds' entropy."""
     names = {begun.places[i].name: i for i in left(begun, visited)}
-    from plogic.bench.clutter_scenes import CAMERA
-
     looks = looked_ahead(begun.state(visited).prospect, CAMERA, [begun.places[i] for i in names.values()], seed=0)
     return names[looks[0].candidate.name]
 
 
-def at_random(begun: Tour, visited: Sequence[int], rng: np.random.Generator) -> int:
+def at_random(begun: Tour, visited: Sequence[int]) -> int:
     """Any of the places left."""
+    rng = np.random.default_rng([begun.scene.seed, 2008, len(visited)])
     return int(rng.choice(left(begun, visited)))
 
 
 def fixed(step: int) -> Policy:
     """Always so many places on; where one was there, to the next that is left."""
 
-    def move(begun: Tour, visited: Sequence[int], rng: np.random.Generator) -> int:
+    def move(begun: Tour, visited: Sequence[int]) -> int:
         count = len(begun.places)
         return next(i for i in ((visited[-1] + step + k) % count for k in range(count)) if i not in visited)
 
     return move
 
 
-def widest(begun: Tour, visited: Sequence[int], rng: np.random.Generator) -> int:
+def widest(begun: Tour, visited: Sequence[int]) -> int:
     """The place whose nearest visited one is farthest."""
     eyes = np.array([place.reference_from_camera[:3, 3] for place in begun.places])
     apart = {i: min(float(np.linalg.norm(eyes[i] - eyes[j])) for j in visited) for i in left(begun, visited)}
     return max(apart, key=lambda i: (round(apart[i], 6), -i))
 
 
-def views_needed(begun: Tour, policy: Policy, seed: int) -> int:
+def views_needed(begun: Tour, policy: Policy) -> int:
     """How many views until the true world's probability is ``SURE``."""
-    rng = np.random.default_rng([seed, 2008])
     visited = [0]
     while begun.state(visited).true < SURE:
         if len(visited) == MOST_VIEWS:
             return MOST_VIEWS + 1
-        visited.append(policy(begun, visited, rng))
+        visited.append(policy(begun, visited))
     return len(visited)

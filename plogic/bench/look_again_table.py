@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 RESAMPLES = 10_000
-CAPTION = f"""Views until the probability of the true world (which objects, within 5° and 5 %, and nothing else) is {SURE:g}; the first view counts,
-and leaves it below that. {MOST_VIEWS} views are the most: where they do not do, {MOST_VIEWS + 1} are counted. Intervals: 95 %, bootstrap over scenes."""
+CAPTION = f"""Views until the probability of the true world (which objects, within 5° and 5 %, and nothing else) is {SURE:g}; the first counts, and
+leaves it below that. {MOST_VIEWS} views are the most: where they do not do, {MOST_VIEWS + 1} are counted. Intervals: 95 %, bootstrap over scenes."""
 
 
 @dataclass(frozen=True)

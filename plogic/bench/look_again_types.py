@@ -83,7 +83,11 @@ def _box(size: Floats) -> Surface:
     import trimesh
 
     mesh = trimesh.creation.box(extents=size)
-    return Surface(np.asarray(mesh.vertices) + [0.0, 0.0, size[2] / 2.0], np.asarray(mesh.faces))
+    return Surface(np.asarray(mesh.vertices) + _raised(size), np.asarray(mesh.faces))
+
+
+def _raised(size: Floats) -> Floats:
+    return np.array([0.0, 0.0, size[2] / 2.0])
 
 
 def _scattered(size: Floats, count: int, names: Sequence[str], rng: np.random.Generator) -> Cloud:
@@ -92,7 +96,7 @@ def _scattered(size: Floats, count: int, names: Sequence[str], rng: np.random.Ge
     area = np.prod(size) / np.abs(normals @ size)
     normal = normals[rng.choice(5, count, p=area / area.sum())]
     at = rng.uniform(-0.46, 0.46, (count, 3)) * size
-    at = np.where(normal != 0.0, normal * size / 2.0, at) + [0.0, 0.0, size[2] / 2.0]
+    at = np.where(normal != 0.0, normal * size / 2.0, at) + _raised(size)
     return at, body_frames(normal, rng), [names[i] for i in rng.integers(len(names), size=count)]
 
 

@@ -4,26 +4,25 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from plogic.lookahead.look import Outlook
 
 DIGITS = 6
-"""Of bits and matrices in the document."""
+"""Of bits and masses in the document."""
 
 
 def outlook_document(look: Outlook, world_from_reference: NDArray[np.float64] | None) -> dict[str, Any]:
     """One candidate: where, how much it would tell, and why."""
     pose = look.candidate.reference_from_camera
-    world = {} if world_from_reference is None else {"T_world_camera": np.round(world_from_reference @ pose, DIGITS).tolist()}
+    world = {} if world_from_reference is None else {"T_world_camera": (world_from_reference @ pose).tolist()}
     return {
         "name": look.candidate.name,
-        "T_present_candidate": np.round(pose, DIGITS).tolist(),
+        "T_present_candidate": pose.tolist(),
         **world,
         "gain_bits": round(look.gain.bits, DIGITS),
         "standard_error": round(look.gain.error, DIGITS),
