@@ -48,12 +48,18 @@ def cli() -> None:
 )
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--reading", type=READINGS, default="score", show_default=True)
+@click.option("--look-again", is_flag=True, help="Two worlds near even, and the second view that settles it (posterior reading).")
 @AS_JSON
-def demo(out: Path, seed: int, reading: Any, as_json: bool) -> None:
+def demo(out: Path, seed: int, reading: Any, look_again: bool, as_json: bool) -> None:
     """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
-    from plogic.demo import run_demo
+    if look_again:
+        from plogic.demo_look_again import run_look_again
 
-    _out(run_demo(out, seed, reading, say=_say, as_json=as_json))
+        _out(run_look_again(out, seed, say=_say, as_json=as_json))
+    else:
+        from plogic.demo import run_demo
+
+        _out(run_demo(out, seed, reading, say=_say, as_json=as_json))
 
 
 @cli.command()

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
     from plogic.lookahead.look import Outlook
 
+SHOWN = 0.0005
+"""Least standard error that the table shows."""
 DIGITS = 6
 """Of bits and masses in the document."""
 
@@ -45,7 +47,7 @@ def table_of(document: dict[str, Any]) -> str:
     table.add_column("gain, bits", justify="right")
     table.add_column("why")
     for i, row in enumerate(document["candidates"], 1):
-        bits = f"{row['gain_bits']:.3f}" + (f" ± {row['standard_error']:.3f}" if row["standard_error"] > 0.0 else "")
+        bits = f"{row['gain_bits']:.3f}" + (f" ± {row['standard_error']:.3f}" if row["standard_error"] >= SHOWN else "")
         table.add_row(str(i), Text(row["name"]), Text(bits), Text("\n".join(r["text"] for r in row["why"]) or _nothing(row)))
     return f"{_open(document)}\n{text_of_table(table)}"
 
