@@ -20,7 +20,7 @@ from plogic.worlds import Ranking, ranked_worlds
 from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     import numpy as np
@@ -96,14 +96,19 @@ class Perceiver:
             delta = delta_of(cycle, data, self.kb, self.dv, options)
         return delta, cycle.rejected, cycle.trace.document()
 
-    def cycle(self, gamma: Gamma, options: Options, clock: Stopwatch, seeds: Sequence[Seed] = ()) -> tuple[Data, Cycle]:
-        """Γ as arrays, and what the cycle comes to in it; ``seeds`` are what is remembered to stand here, the surest first."""
+    def cycle(
+        self, gamma: Gamma, options: Options, clock: Stopwatch, seeds: Sequence[Seed] = (), usual: Mapping[str, int] | None = None
+    ) -> tuple[Data, Cycle]:
+        """Γ as arrays, and what the cycle comes to in it; ``seeds`` are what is remembered to stand here, the surest first.
+
+        ``usual``: how many data of each type are left unexplained here, as a rule.
+        """
         data = data_of(gamma.appearances, gamma.camera, self.width)
         with clock.stage("rank"):
             attention = attend(list(self.indices.values()), data.types, self.kb)
         with clock.stage("search"), uncollected():
             perception = Recall(data, self.kb, self.indices, self.dv, options.end, self.shared, self.processes)
-            cycle = perception.resume(attention, seeds)
+            cycle = perception.resume(attention, seeds, usual or {})
             if perception.unfinished:
                 cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")
         return data, cycle

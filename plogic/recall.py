@@ -15,7 +15,7 @@ from plogic.cycle import Perception
 from plogic.search.indices import settle
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
@@ -39,8 +39,8 @@ class Seed(NamedTuple):
 class Recall(Perception):
     """A run of the cycle over one Γ that begins with what is remembered."""
 
-    def resume(self, attention: Sequence[Attention], seeds: Sequence[Seed]) -> Cycle:
-        """Accept of the seeds, in their order, what holds here; then search for more where what is left is more than clutter.
+    def resume(self, attention: Sequence[Attention], seeds: Sequence[Seed], usual: Mapping[str, int]) -> Cycle:
+        """Accept of the seeds, in their order, what holds here; then search for more where what is left is more than clutter, or than ``usual``.
 
         Without seeds that is the cycle.
         """
@@ -48,7 +48,7 @@ class Recall(Perception):
         if not self.accepted:
             return self._with(refused, self.run(attention))
         self._keep()
-        why = unexplained([self.data.types[i] for i in self.free().nonzero()[0]], self.kb)
+        why = unexplained([self.data.types[i] for i in self.free().nonzero()[0]], self.kb, usual)
         if why is not None:
             self.trace.add("search", why)
             return self._with(refused, self.run(attention))
@@ -78,15 +78,19 @@ class Recall(Perception):
         )
 
 
-def unexplained(types: Sequence[str], kb: KnowledgeBase) -> str | None:
-    """Of what data of these ``types`` there are more than clutter gives, in words; None where there are no more."""
+def unexplained(types: Sequence[str], kb: KnowledgeBase, usual: Mapping[str, int]) -> str | None:
+    """Of what data of these ``types`` there are more than clutter gives, in words; None where there are no more.
+
+    ``usual``: how many of each type were left where a search found no more: where that is above the KB's clutter rate, this place has so much.
+    """
     from scipy.stats import poisson
 
-    there = Counter(types)
     rates = {name: kb.rates.clutter.get(name, 1.0) for name in kb.appearance_types}
-    if poisson.sf(len(types) - 1, sum(rates.values())) < RARE:
-        return f"{len(types)} data are left, where clutter gives {sum(rates.values()):.0f}"
-    for name, number in sorted(there.items()):
-        if poisson.sf(number - 1, rates.get(name, 1.0)) < RARE / len(rates):
-            return f"{number} of {name} are left, where clutter gives {rates.get(name, 1.0):.1f}"
+    most = max(sum(rates.values()), sum(usual.values()))
+    if poisson.sf(len(types) - 1, most) < RARE:
+        return f"{len(types)} data are left, where clutter gives {most:.0f}"
+    for name, number in sorted(Counter(types).items()):
+        expected = max(rates.get(name, 1.0), usual.get(name, 0))
+        if poisson.sf(number - 1, expected) < RARE / len(rates):
+            return f"{number} of {name} are left, where clutter gives {expected:.1f}"
     return None

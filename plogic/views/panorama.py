@@ -9,6 +9,7 @@ The world is taken to stand still: what is expected in a view and plainly not th
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -83,6 +84,7 @@ class Panorama:
         self.rivals: list[Standing] = []
         self.ranking: Ranking | None = None
         self.joint: Joint | None = None
+        self.usual: dict[str, int] = {}
         self.named = 0
 
     def look(self, view: View, image: NDArray[np.uint8] | None = None) -> Look:
@@ -91,14 +93,23 @@ class Panorama:
         with clock.stage("expect"):
             expected = self.expected(view)
         seeds = [Seed(known.standing.index, known.standing.before(view)) for known, _ in expected]
-        data, cycle = self.perceiver.cycle(view.gamma, self.options, clock, seeds)
+        data, cycle = self.perceiver.cycle(view.gamma, self.options, clock, seeds, self.usual)
         interpretation = self.perceiver.document(view.gamma, data, cycle, self.options, image, clock)
         seen = Seen(view, data)
         with clock.stage("together"):
             gone = self._forget(expected, cycle, seen)
             self.seen = [*self.seen, seen][-WINDOW:]
             self._remember(cycle, view, [known.id for known, _ in expected])
-        return Look(view, interpretation, self._foreseen(expected), gone, _left(cycle, seen), clock.seconds)
+        left = _left(cycle, seen)
+        if not any(step.event == "no search" for step in cycle.trace.steps):
+            self._searched(left, seen)
+        return Look(view, interpretation, self._foreseen(expected), gone, left, clock.seconds)
+
+    def _searched(self, left: Sequence[str], seen: Seen) -> None:
+        """Note how many data of each type a search left unexplained: the most of any view."""
+        kind = dict(zip(seen.data.ids, seen.data.types, strict=True))
+        here = Counter(kind[name] for name in left)
+        self.usual = {name: max(here[name], self.usual.get(name, 0)) for name in sorted({*here, *self.usual})}
 
     def predicted(self, view: View) -> tuple[dict[str, Any], ...]:
         """What anticipated motion leads to expect: of each object of Δp that should be seen from there, as ``panorama/1`` says it."""
