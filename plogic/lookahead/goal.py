@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.errors import ProgramError, SituationError
+from plogic.live import LiveScene
 from plogic.query import answers
 from plogic.talk.tokens import quoted
 
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from plogic.engine import Answer
     from plogic.situation import Situation
 
 DIGITS = 9
@@ -26,7 +29,10 @@ def answers_in(situation: Situation, worlds: Sequence[Sequence[str]], goal: str)
     Of a ground goal the answers are true and false. Of one with variables, which substitutions hold: worlds of which all have the same
     probabilities give the same answer. Raises ProgramError for what is no goal.
     """
-    rows = [_in(situation, present, goal) for present in worlds]
+    try:
+        rows = _by_graph(situation, worlds, goal)
+    except (ProgramError, SituationError):  # only the program text can say it, or what is wrong with it
+        rows = [_rounded(answers(situation, goal, given=_told(situation, present))) for present in worlds]
     if all(len(row) == 1 for row in rows) and len({tuple(row) for row in rows}) == 1:
         true = np.array([next(iter(row.values())) for row in rows], dtype=float)
         return np.stack([true, 1.0 - true], axis=1)
@@ -34,8 +40,20 @@ def answers_in(situation: Situation, worlds: Sequence[Sequence[str]], goal: str)
     return np.eye(len(kinds))[[kinds[tuple(sorted(row.items()))] for row in rows]]
 
 
-def _in(situation: Situation, present: Sequence[str], goal: str) -> dict[str, float]:
-    """The goal's answers in one world, with their probabilities."""
+def _by_graph(situation: Situation, worlds: Sequence[Sequence[str]], goal: str) -> list[dict[str, float]]:
+    """The goal's answers in each world, from the factor graph: what the goal and each hypothesis' presence mean is worked out once."""
+    scene, rows = LiveScene(situation), []
+    for present in worlds:
+        scene.given = tuple(_told(situation, present))
+        rows.append(_rounded(scene.answers(goal)))
+    return rows
+
+
+def _told(situation: Situation, present: Sequence[str]) -> list[str]:
+    """A world as evidence."""
     there = set(present)
-    given = [f"present({quoted(h.id)})" if h.id in there else f"\\+ present({quoted(h.id)})" for h in situation.hypotheses]
-    return {a.goal: round(a.probability, DIGITS) for a in answers(situation, goal, given=given)}
+    return [f"present({quoted(h.id)})" if h.id in there else f"\\+ present({quoted(h.id)})" for h in situation.hypotheses]
+
+
+def _rounded(found: Sequence[Answer]) -> dict[str, float]:
+    return {a.goal: round(a.probability, DIGITS) for a in found}

@@ -53,7 +53,7 @@ def table_of(document: dict[str, Any]) -> str:
 
 
 def _nothing(row: dict[str, Any]) -> str:
-    return "no feature that would tell the worlds apart" if row["sites"] == 0 else "many features, each of which tells little"
+    return "no feature that would tell the worlds apart" if row["sites"] == 0 else "no feature that tells more than 0.001 bits by itself"
 
 
 def _open(document: dict[str, Any]) -> str:
