@@ -12,6 +12,7 @@ import click
 from plogic.commands.batch import batch
 from plogic.commands.bop import bop
 from plogic.commands.kb_group import kb
+from plogic.commands.next_view import next_view
 from plogic.commands.options import (
     AS_JSON,
     BEST_BY,
@@ -30,9 +31,10 @@ from plogic.commands.options import (
     TRUST,
     Number,
 )
-from plogic.commands.simulate import BOP, BOP_IMAGES
+from plogic.commands.simulate import BOP, BOP_IMAGES, ROBOT
 
-BENCHES = ["towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale", "panorama", "stereo", "constancy"]
+SIZED = "scale", "panorama", "stereo", "constancy", "look-again"
+BENCHES = "towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", *SIZED
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -47,12 +49,18 @@ def cli() -> None:
 )
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--reading", type=READINGS, default="score", show_default=True)
+@click.option("--look-again", is_flag=True, help="Two worlds near even, and the second view that settles it (posterior reading).")
 @AS_JSON
-def demo(out: Path, seed: int, reading: Any, as_json: bool) -> None:
+def demo(out: Path, seed: int, reading: Any, look_again: bool, as_json: bool) -> None:
     """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
-    from plogic.demo import run_demo
+    if look_again:
+        from plogic.demo_look_again import run_look_again
 
-    _out(run_demo(out, seed, reading, say=_say, as_json=as_json))
+        _out(run_look_again(out, seed, say=_say, as_json=as_json))
+    else:
+        from plogic.demo import run_demo
+
+        _out(run_demo(out, seed, reading, say=_say, as_json=as_json))
 
 
 @cli.command()
@@ -181,11 +189,12 @@ def report(interpretation: str, out: str) -> None:
 )
 @BOP
 @BOP_IMAGES
-def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **bop_options: Any) -> None:
+@ROBOT
+def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **options: Any) -> None:
     """Render a physically settled scene with its ground truth."""
     from plogic.commands.simulate import simulate_command
 
-    simulate_command(kb_folder, number, decoys, seed, out, **bop_options)
+    simulate_command(kb_folder, number, decoys, seed, out, **options)
     _say(f"wrote {out}")
 
 
@@ -210,9 +219,9 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
     drawn = {"quick": quick, "picture": picture}
     sized = {"quick": quick}
     others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn}
-    others |= dict.fromkeys(("scale", "panorama", "stereo", "constancy"), sized)
+    others |= dict.fromkeys(SIZED, sized)
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
-    text, met = import_module(f"plogic.bench.{name}").run(seed=seed, **options, as_json=as_json, say=_say)
+    text, met = import_module(f"plogic.bench.{name.replace('-', '_')}").run(seed=seed, **options, as_json=as_json, say=_say)
     _out(text)
     sys.exit(0 if met else 1)
 
@@ -220,6 +229,7 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
 cli.add_command(kb)
 cli.add_command(bop)
 cli.add_command(batch)
+cli.add_command(next_view)
 
 
 def _warn(source: str, *, trust: bool) -> None:

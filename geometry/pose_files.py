@@ -70,11 +70,11 @@ def _entry(where: str, frame: Any) -> Placed | str:  # noqa: ANN401 - parsed JSO
         pose = np.array(frame["T_world_camera"], np.float64)
     except (TypeError, ValueError):
         pose = np.zeros(0)
-    nearest = _nearest(pose)
+    nearest = nearest_rigid(pose)
     return f"{where}.T_world_camera: must be a rigid 4x4 matrix (row-major, metres)" if nearest is None else Placed(name, nearest)
 
 
-def _nearest(pose: Floats) -> Floats | None:
+def nearest_rigid(pose: Floats) -> Floats | None:
     """The rigid pose that a matrix is but for rounding; None where it is none."""
     if pose.shape != (4, 4) or not np.isfinite(pose).all() or not is_rigid(pose, ROUNDED):
         return None

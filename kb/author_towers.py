@@ -189,9 +189,14 @@ def _row(values: Sequence[float] | Floats, digits: int = 6) -> str:
 
 def author(folder: Path) -> None:
     """Write the KB's files into ``folder``, over those that are there."""
+    write_towers(folder, KB_YAML, (t1(), t2()))
+
+
+def write_towers(folder: Path, yaml: str, towers: Sequence[Tower]) -> None:
+    """A KB of such towers."""
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "kb.yaml").write_text(KB_YAML, encoding="utf-8")
-    for tower in (t1(), t2()):
+    (folder / "kb.yaml").write_text(yaml, encoding="utf-8")
+    for tower in towers:
         place = folder / "objects" / tower.name
         place.mkdir(parents=True, exist_ok=True)
         for name, content in files(tower).items():

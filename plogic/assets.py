@@ -40,26 +40,28 @@ def image_asset(image: NDArray[np.uint8] | None) -> dict[str, Any]:
 
 
 def mesh_assets(types: Mapping[str, ObjectType]) -> dict[str, Any]:
-    """``{"meshes": {type: {"vertices", "triangles"}}}`` in metres, object frame, to 0.1 mm."""
+    """``{"meshes": {type: {"vertices", "triangles"}}}`` in metres, object frame, to 0.1 mm; of a coarser one how far off it may be, ``slack``, m."""
     meshes = {}
     for name, object_type in sorted(types.items()):
         surface = object_type.surface
         if surface is not None:
-            vertices, triangles = _carried(surface.vertices, surface.triangles)
-            meshes[name] = {"vertices": np.round(vertices, 4).tolist(), "triangles": triangles.tolist()}
+            vertices, triangles, slack = _carried(surface.vertices, surface.triangles)
+            coarser = {} if slack == 0.0 else {"slack": round(slack, 5)}
+            meshes[name] = {"vertices": np.round(vertices, 4).tolist(), "triangles": triangles.tolist(), **coarser}
     return {"meshes": meshes}
 
 
 def _carried(
     vertices: NDArray[np.float64], triangles: NDArray[np.intp]
-) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+) -> tuple[NDArray[np.float64], NDArray[np.intp], float]:
+    """The mesh, few enough triangles of it, and the diagonal of the cells that its vertices were made one in: 0 where they were not."""
     if len(triangles) <= MOST_TRIANGLES:
-        return vertices, triangles
+        return vertices, triangles, 0.0
     for cells in GRIDS:
         fewer = _clustered(vertices, triangles, cells)
         if len(fewer[1]) <= MOST_TRIANGLES:
             break
-    return fewer
+    return *fewer, float(np.sqrt(3.0) * np.ptp(vertices, axis=0).max() / cells)
 
 
 def _clustered(vertices: NDArray[np.float64], triangles: NDArray[np.intp], cells: int) -> tuple[NDArray[np.float64], NDArray[np.intp]]:

@@ -13,6 +13,7 @@ from plogic.belief import Belief, Cycle, considered
 from plogic.beside import FEWEST, name_of
 from plogic.covering import covered_by
 from plogic.evidence import evidence
+from plogic.expectation import hidden_by
 from plogic.inference.clock import OutOfTimeError
 from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import SHARED_CLAIMS, apart_on_screen, claims, overlap, shared_claims
@@ -24,6 +25,8 @@ from plogic.support import bodies, supported
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from plogic.attention import Attention
     from plogic.expectation import Posed
@@ -187,18 +190,30 @@ class Perception(Anytime):
             self.trace.add("reject", reason, of_type=name_of(belief), ev=belief.ev_reconsidered)
 
     def _alone(self, belief: Belief) -> Belief | None:
-        """The hypothesis with the data of those that it would replace; None where it explains them worse by far."""
+        """The hypothesis beside the other accepted ones, with the data of those that it would replace; None where it explains them worse by far."""
         replaced = [b for b in self.accepted if overlap(belief.posed, b.posed) or shared_claims(belief.posed, b.posed)[1] > SHARED_CLAIMS]
         if not replaced:
             return None
+        beside = [b for b in self.accepted if not any(b is other for other in replaced)]
         free = np.ones(len(self.data.ids), dtype=bool)
-        for other in self.accepted:
-            if not any(other is b for b in replaced):
-                free[list(claims(other.posed))] = False
-        posed = settle(belief.index, belief.posed.camera_from_object, self.data, self.kb, free=free, rounds=1)
+        for other in beside:
+            free[list(claims(other.posed))] = False
+        hidden = _hidden_by_all(belief.posed, beside)
+        posed = settle(belief.index, belief.posed.camera_from_object, self.data, self.kb, free=free, hidden=hidden, rounds=1)
         if self._is_accepted(posed):
             return None
-        ev, found = explanatory_value(posed.support(), self.dv), evidence(posed, self.data, self.kb)
-        enough = int((posed.candidate & posed.detected).sum()) >= FEWEST
+        hidden = _hidden_by_all(posed, beside)
+        ev, again = explanatory_value(posed.support(), self.dv), explanatory_value(posed.support(hidden), self.dv)
+        found = evidence(posed, self.data, self.kb, hidden)
+        enough = int((posed.candidate & posed.detected & ~hidden).sum()) >= FEWEST
         near = found.ratio > sum(b.worth for b in replaced) - significant(belief.index, self._search_for(belief.posed))
-        return Belief(posed, belief.index, found.ratio, found.surplus, ev, ev) if enough and ev is not None and near else None
+        return Belief(posed, belief.index, found.ratio, found.surplus, ev, again) if enough and again is not None and near else None
+
+
+def _hidden_by_all(posed: Posed, others: Sequence[Belief]) -> NDArray[np.bool_]:
+    """(F,) what opaque objects hide of a hypothesis that stands beside them."""
+    mask = np.zeros(len(posed.uv), dtype=bool)
+    for other in others:
+        if other.posed.object_type.opaque:
+            mask |= hidden_by(posed, other.posed)
+    return mask

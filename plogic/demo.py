@@ -31,7 +31,7 @@ GOALS = ("present(H)", "partially_occludes(X, Y)")
 
 def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], None], as_json: bool = False) -> str:
     """Render, detect, interpret in both readings, write the folder ``out`` and return the text to print (in ``reading``)."""
-    _check_folder(out)
+    check_folder(out)
     from geometry.camera import camera_to_dict
     from plogic.delta import Options
     from plogic.perceive import Perceiver
@@ -54,13 +54,13 @@ def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], Non
     documents: dict[Reading, dict[str, Any]] = {name: perceiver(gamma, Options(reading=name), image, clock) for name in READINGS}
     files = {
         "image.png": png(image),
-        "camera.json": _json(camera_to_dict(scene.camera)),
-        "truth.json": _json(truth_to_dict(scene)),
-        "gamma.json": _json(gamma_to_dict(gamma)),
+        "camera.json": json_bytes(camera_to_dict(scene.camera)),
+        "truth.json": json_bytes(truth_to_dict(scene)),
+        "gamma.json": json_bytes(gamma_to_dict(gamma)),
         **_results(documents["score"], image, ""),
         **_results(documents["posterior"], image, "posterior-"),
     }
-    _write(out, files)
+    write_into(out, files)
     document = documents[reading]
     asked = {"format": "demo/1", "reading": reading, "folder": str(out), "worlds": document["worlds"], "unlisted_mass": document["unlisted_mass"]}
     return json.dumps(asked | {"answers": _answers(document)}) if as_json else _told(document, out)
@@ -81,18 +81,19 @@ def _results(document: dict[str, Any], image: NDArray[Any], prefix: str) -> dict
     }
 
 
-def _json(document: dict[str, Any]) -> bytes:
+def json_bytes(document: dict[str, Any]) -> bytes:
+    """A document as the bytes of its file."""
     return (json.dumps(document, indent=1) + "\n").encode()
 
 
-def _check_folder(out: Path) -> None:
+def check_folder(out: Path) -> None:
     """Raise InputError where something that is no folder stands in the way of ``out``, before any work is done."""
     for place in (out, *out.parents):
         if place.exists() and not place.is_dir():
             raise InputError(f"{out}: cannot be written: {place} is no folder")
 
 
-def _write(out: Path, files: dict[str, bytes]) -> None:
+def write_into(out: Path, files: dict[str, bytes]) -> None:
     """All of the files or none; the folder may be there from an earlier run."""
     from sensing.whole_files import write_files
 

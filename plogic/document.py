@@ -13,6 +13,7 @@ import numpy as np
 
 from geometry.camera import camera_to_dict
 from plogic.assets import image_asset, mesh_assets
+from plogic.carried_lobes import sensing_document, types_document
 from plogic.expectation import hidden_by
 from plogic.factors.asking import together
 from plogic.interpretation import FORMAT, facts_of, hypothesis_document
@@ -55,6 +56,7 @@ def document_of(
     situation = delta.situation
     counts = instance_counts(kb.types)
     dv = distinctiveness(counts)
+    kinds = {b.posed.object_type.name: b.posed.object_type for b in delta.beliefs.values()}
     return {
         "format": FORMAT,
         "reading": situation.reading,
@@ -75,8 +77,9 @@ def document_of(
         "priors": situation.priors,
         "rules": situation.rules,
         "labels": {},
-        "assets": image_asset(image)
-        | mesh_assets({b.posed.object_type.name: b.posed.object_type for b in delta.beliefs.values()}),
+        "sensing": sensing_document(kb),
+        "types": types_document(kinds, kb),
+        "assets": image_asset(image) | mesh_assets(kinds),
         "trace": trace,
     }
 

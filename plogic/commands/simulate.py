@@ -21,13 +21,21 @@ BOP = click.option("--bop", type=click.Path(path_type=Path), help="New folder fo
 BOP_IMAGES = click.option(
     "--bop-images", type=click.IntRange(1, 1000), default=1, show_default=True, help="Its images: scenes of this seed and the next."
 )
+ROBOT = click.option(
+    "--robot", metavar="MOVES.json|ring:N", help="Look again from elsewhere: a moves/1 or poses/1 file, or N places around; frames and poses.json."
+)
+RING = "ring:"
+MOST_VIEWS = 360
+"""Of a ring."""
+
 
 def simulate_command(
-    kb_folder: str, number: int, decoys: int, seed: int, out: Path, bop: Path | None = None, bop_images: int = 1
+    kb_folder: str, number: int, decoys: int, seed: int, out: Path, bop: Path | None = None, bop_images: int = 1, robot: str | None = None
 ) -> None:
     """Write image.png, camera.json and truth.json into a new folder; the types are drawn by the seed, every type once before any twice.
 
-    With ``bop``, the scenes of this seed and the next become a BOP dataset in a folder of its own; the first is the same.
+    With ``bop``, the scenes of this seed and the next become a BOP dataset in a folder of its own; the first is the same. With ``robot``,
+    the camera moves: a folder a frame, the first from where the scene's camera is, and ``poses.json``.
     """
     from sensing.simulated.scene_files import write_scene
     from sensing.whole_files import check_new_folder
@@ -39,7 +47,32 @@ def simulate_command(
     shapes = shapes_of(kb)
     if bop is not None:
         _write_bop(kb, shapes, [seed + i for i in range(bop_images)], number, decoys, bop)
-    write_scene(_scene(shapes, number, decoys, seed), out)
+    if robot is None:
+        write_scene(_scene(shapes, number, decoys, seed), out)
+    else:
+        _tour(_scene(shapes, number, decoys, seed), robot, out)
+
+
+def _tour(scene: Scene, moves: str, out: Path) -> None:
+    """The frames of a robot that goes where ``moves`` says."""
+    from geometry.move_files import read_moves
+    from sensing.simulated.robot import Robot
+    from sensing.simulated.robot_files import write_tour
+
+    robot = Robot(scene)
+    start = robot.world_from_camera
+    others = robot.ring(_views(moves))[1:] if moves.startswith(RING) else [move.world(start) for move in read_moves(Path(moves))]
+    write_tour(robot, [start, *others], out)
+
+
+def _views(moves: str) -> int:
+    """N of ``ring:N``. Raises InputError."""
+    from plogic.errors import InputError
+
+    text = moves.removeprefix(RING)
+    if text.isascii() and text.isdecimal() and 1 <= len(text) <= len(str(MOST_VIEWS)) and 1 <= int(text) <= MOST_VIEWS:
+        return int(text)
+    raise InputError(f"--robot {moves}: should be a file of moves, or ring:N with N from 1 to {MOST_VIEWS}")
 
 
 def _scene(shapes: Sequence[tuple[str, TexturedMesh]], number: int, decoys: int, seed: int) -> Scene:

@@ -1,0 +1,107 @@
+"""``plogic next-view``: where to look next, and why."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from plogic.commands.options import AS_JSON, INTERPRETATION, READING, SEED, Number
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from geometry.camera import Camera
+    from plogic.lookahead.candidates import Candidate
+    from plogic.lookahead.prospect import Prospect
+    from plogic.situation import Situation
+
+    Worlds = list[tuple[float, Sequence[str]]]
+
+LISTED_WORLDS = 100
+"""Worlds that are taken in the other reading: as many as an interpretation lists."""
+
+
+@click.command(name="next-view", context_settings={"help_option_names": ["-h", "--help"]})
+@INTERPRETATION
+@click.option("--about", metavar="GOAL", help="What should become certain, as `plogic query` takes it (default: which world it is).")
+@click.option("--ring", type=Number(0.0, min_open=True), metavar="METRES", help="Radius of the ring around the scene (default: the present one).")
+@click.option("--moves", type=click.Path(path_type=Path), help="Candidates of your own: a moves/1 or poses/1 file.")
+@click.option("--within", type=Number(0.0, min_open=True), metavar="METRES", help="All of a grid within this distance, turned to the scene.")
+@click.option("-n", "number", type=click.IntRange(1), default=5, show_default=True, help="Candidates to list, the best first.")
+@READING
+@click.option("--seed", type=SEED, default=0, show_default=True)
+@AS_JSON
+def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **options: Any) -> None:  # noqa: ANN401 - click's
+    """Say where to look next: the camera moves that would tell most, with their expected gains in bits, and why.
+
+    Without --ring, --moves or --within the candidates are a ring of eleven places around the scene at the present height and distance.
+    """
+    if sum(options[name] is not None for name in ("ring", "moves", "within")) > 1:
+        raise click.UsageError("--ring, --moves and --within exclude one another")
+    text = next_view_command(interpretation, number, seed, options, as_json=as_json)
+    sys.stdout.write(text if text.endswith("\n") else text + "\n")
+
+
+def next_view_command(source: str, number: int, seed: int, options: dict[str, Any], *, as_json: bool) -> str:
+    """The table, or the document ``next-view/1``. ``options``: about, ring, moves, within, reading."""
+    from plogic.errors import InterpretationError
+    from plogic.interpretation import read_interpretation
+    from plogic.lookahead.told import table_of
+
+    document = read_interpretation(source)
+    try:
+        answer = looked(document, number, seed, options)
+    except InterpretationError as error:
+        raise InterpretationError(f"{'<stdin>' if source == '-' else source}: {error}") from None
+    return json.dumps(answer) if as_json else table_of(answer)
+
+
+def looked(document: dict[str, Any], number: int, seed: int, options: dict[str, Any]) -> dict[str, Any]:
+    """The document of an interpretation's next views."""
+    from geometry.camera import camera_from_dict
+    from plogic.interpretation import situation_of
+    from plogic.lookahead.gain import entropy
+    from plogic.lookahead.goal import answers_in
+    from plogic.lookahead.look import looked_ahead
+    from plogic.lookahead.reading import prospect_of
+    from plogic.lookahead.told import next_view_document
+
+    camera, situation = camera_from_dict(document["camera"]), situation_of(document)
+    worlds, unlisted = _worlds(document, situation, options["reading"])
+    situation = situation if options["reading"] is None else replace(situation, reading=options["reading"])
+    prospect = prospect_of(document, worlds)
+    about = options["about"]
+    answers = None if about is None else answers_in(situation, [members for _, members in worlds], about)
+    candidates, made = _candidates(prospect, camera, options)
+    looks = looked_ahead(prospect, camera, candidates, answers, seed)
+    uncertain = float(entropy(prospect.probability if answers is None else prospect.probability @ answers))
+    stated = {"about": about, "reading": situation.reading, "entropy_bits": round(uncertain, 6), "worlds": len(worlds), "unlisted_mass": unlisted}
+    return next_view_document(looks, stated | {"moves": made, "seed": seed}, camera.world_from_camera, number)
+
+
+def _worlds(document: dict[str, Any], situation: Situation, reading: str | None) -> tuple[Worlds, list[float]]:
+    """The worlds that the interpretation lists, or those of the other reading."""
+    if reading is None or reading == situation.reading:
+        return [(float(w["probability"]), w["present"]) for w in document["worlds"]], list(document["unlisted_mass"])
+    from plogic.worlds import ranked_worlds
+
+    ranking = ranked_worlds(replace(situation, reading="posterior" if reading == "posterior" else "score"), LISTED_WORLDS)
+    return [(w.probability, w.present) for w in ranking.worlds], list(ranking.unlisted)
+
+
+def _candidates(prospect: Prospect, camera: Camera, options: dict[str, Any]) -> tuple[list[Candidate], dict[str, Any]]:
+    from geometry.move_files import read_moves
+    from plogic.lookahead.candidates import Candidate, checked, ring, standing, within
+
+    stand = standing(camera.world_from_camera)
+    if options["moves"] is not None:
+        moves = read_moves(options["moves"])
+        return checked([Candidate(m.name, m.present(camera.world_from_camera)) for m in moves]), {"moves": "list", "places": len(moves)}
+    if options["within"] is not None:
+        return within(prospect, stand, options["within"])
+    return ring(prospect, stand, options["ring"])

@@ -1,0 +1,106 @@
+"""A camera that moves in the simulated world: it looks, goes elsewhere where it can be, and looks again.
+
+* ``Robot``: ``robot = Robot(scene); robot.look(); robot.move_to(world_from_camera); robot.look()``
+
+The bodies stay where they settled. Each look has noise of its own; the same looks at the same places give the same bytes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.frames import inverse, is_rigid, look_at
+from sensing.errors import SceneError
+from sensing.simulated.camera import visible_fractions
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from sensing.simulated.body import Body
+    from sensing.simulated.camera import Rendering
+    from sensing.simulated.scene import Scene
+
+LOW = 0.1
+"""M above the floor that a camera stays."""
+CLEARANCE = 0.1
+"""M that a camera stays from the convex hull of a body."""
+ROOM = 20.0
+"""M from the middle of the bodies, on the level, that the walls are; as high is the ceiling."""
+
+
+class Robot:
+    """A settled scene, and where its camera is now. ``looks``: how often it looked."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Begin where the scene's own camera is. Raises SceneError where that is nowhere."""
+        if scene.camera.world_from_camera is None:
+            raise SceneError("camera: has no pose in the world (T_world_camera)")
+        self._scene, self.looks = scene, 0
+
+    @property
+    def world_from_camera(self) -> NDArray[np.float64]:
+        """(4, 4) m."""
+        pose = self._scene.camera.world_from_camera
+        assert pose is not None  # noqa: S101 - ``__init__`` and ``move_to`` see to that
+        return pose
+
+    @property
+    def middle(self) -> NDArray[np.float64]:
+        """(3,) m: the middle of the box around all bodies; the origin where there is none."""
+        points = [body.vertices_world for body in self._scene.bodies]
+        return np.zeros(3) if not points else (np.concatenate(points).min(axis=0) + np.concatenate(points).max(axis=0)) / 2.0
+
+    def why_not(self, world_from_camera: NDArray[np.float64]) -> str | None:
+        """Why the camera cannot be there; None where it can. Only the place is looked at, not the way to it."""
+        if np.shape(world_from_camera) != (4, 4) or not is_rigid(world_from_camera):
+            return "is no rigid 4x4 matrix"
+        eye = np.asarray(world_from_camera)[:3, 3]
+        if eye[2] < LOW:
+            return f"is {eye[2]:.2f} m above the floor; {LOW} m are the least"
+        if np.linalg.norm(eye[:2] - self.middle[:2]) > ROOM or eye[2] > ROOM:
+            return f"is outside the room, which reaches {ROOM:g} m from the middle of the scene"
+        near = next((body for body in self._scene.bodies if _outside(body, eye) < CLEARANCE), None)
+        return None if near is None else f"is inside or nearer than {CLEARANCE} m to {'a decoy' if near.label is None else repr(near.label)}"
+
+    def move_to(self, world_from_camera: NDArray[np.float64]) -> None:
+        """Go there. Raises SceneError that says why it cannot, and stays where it is."""
+        reason = self.why_not(world_from_camera)
+        if reason is not None:
+            raise SceneError(f"camera: cannot go there: it {reason}")
+        self._scene = replace(self._scene, camera=replace(self._scene.camera, world_from_camera=np.asarray(world_from_camera)))
+
+    def look(self, supersample: int = 3) -> Rendering:
+        """What is seen from here, with noise that no other look has."""
+        self.looks += 1
+        sensor = self._scene.sensor
+        return replace(self._scene, sensor=replace(sensor, seed=sensor.seed + self.looks - 1)).photograph(supersample)
+
+    def scene(self) -> Scene:
+        """The scene from here, with the visible shares of the bodies: ground truth."""
+        return replace(self._scene, fractions=visible_fractions(self._scene.bodies, self._scene.camera))
+
+    def ring(self, views: int) -> list[NDArray[np.float64]]:
+        """So many places (4, 4) evenly around the middle, at the present height and distance, turned to the middle; the first is on this side."""
+        eye = self.world_from_camera[:3, 3]
+        out = eye - self.middle
+        height, level = out[2], np.array([out[0], out[1], 0.0])
+        places = []
+        for angle in 2.0 * np.pi * np.arange(views) / views:
+            c, s = np.cos(angle), np.sin(angle)
+            side = np.array([c * level[0] - s * level[1], s * level[0] + c * level[1], height])
+            places.append(inverse(look_at(self.middle + side, self.middle)))
+        return places
+
+
+def _outside(body: Body, eye: NDArray[np.float64]) -> float:
+    """M from a body's convex hull to a place outside of it, or less; negative inside."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull = ConvexHull(body.vertices_world)
+    except QhullError:  # flat: nothing is inside
+        return float(np.linalg.norm(body.vertices_world - eye, axis=1).min())
+    return float((hull.equations[:, :3] @ eye + hull.equations[:, 3]).max())
