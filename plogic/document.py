@@ -20,6 +20,7 @@ from plogic.lumped import OTHERS, left_out, looked_at, support_document, told, t
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.outlines import outline_rings
+from plogic.spatial import space_document
 from sensing.gamma_files import appearance_to_dict
 from sensing.uncollected import uncollected
 
@@ -71,6 +72,7 @@ def document_of(
         "unlisted_mass": list(ranking.unlisted),
         "relations": relation_probabilities(situation),
         "facts": facts_of(situation),
+        "space": space_document(situation.space),
         "measures": {"dv": situation.dv, "p_dv": _told(probability_of_distinctiveness(counts), situation.dv), "rank": situation.rank},
         "priors": situation.priors,
         "rules": situation.rules,
