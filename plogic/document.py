@@ -13,6 +13,7 @@ import numpy as np
 
 from geometry.camera import camera_to_dict
 from plogic.assets import image_asset, mesh_assets
+from plogic.exclusions import apart_of
 from plogic.expectation import hidden_by
 from plogic.factors.asking import together
 from plogic.interpretation import FORMAT, facts_of, hypothesis_document
@@ -107,10 +108,12 @@ def relation_probabilities(situation: Situation) -> list[dict[str, Any]]:
 
 def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, float]) -> list[dict[str, Any]]:
     facts = {h.id: h for h in delta.situation.hypotheses}
+    apart = apart_of(delta.situation.space, {name: h.type for name, h in facts.items()})
     return [
         {
             **hypothesis_document(facts[name], _cases(belief, _beside(name, delta))),
             **_verdict(belief, gamma, dv),
+            **({"apart": apart[name]} if name in apart else {}),
             "probability": ranking.marginals[name],
         }
         for name, belief in delta.beliefs.items()

@@ -46,14 +46,10 @@ function drawCauses() {
 const sentence = (s) => String(s).charAt(0).toUpperCase() + String(s).slice(1).replace(/\.?$/, '.');
 const cellSums = (h) => Object.values(h.support || {}).map(numbers).reduce((sum, row) => sum.map((n, i) => n + row[i]), [0, 0, 0, 0]);
 const EVENT = {rank: 'Ranked', try: 'Tried', accept: 'Accepted', reject: 'Rejected', release: 'Released', reconsider: 'Reconsidered', noise: 'Noise', stable: 'Stable'};
-// Whom A4 keeps out of its worlds: how much volume the two share, and how deep the one is in the other.
-const millimetres = (f) => (f.depth_interval || [f.depth]).map((d) => fixed(1000 * d, 1)).join(' to ');
-const excluded = (h) => list(doc.facts).filter((f) => f.fact === 'overlap' && f.depth != null && list(f.args).includes(h.id)).slice(0, 3).map((f) => el('p', {class: 'apart'}, 'Never together with ',
-  who(f.args.find((id) => id !== h.id)), `: they share ${Number(f.volume).toPrecision(3)} m\u00b3, ${millimetres(f)} mm deep.`));
 function card(h, number) {
   const look = () => { show({present: [h.id], causes: null, title: `Only ${called(h.id)} is shown, as it was tried.`}); at('view').scrollIntoView({block: 'start'}); };
   const [a, c, , d] = cellSums(h), box = el('div', {class: 'why'}, el('p', {class: 'top'}, who(h.id), number), el('p', null, `Of ${plural(a + c, 'expected feature')} ${a} found, ${c} missed${d ? `; ${d} more found that it does not expect` : ''}.`),
-    h.why ? el('p', null, sentence(h.why)) : null, excluded(h), h.status === 'accepted' ? null : button('Show it alone', look, {'data-alone': h.id}));
+    h.why ? el('p', null, sentence(h.why)) : null, list(h.apart).map((t) => el('p', null, t)), h.status === 'accepted' ? null : button('Show it alone', look, {'data-alone': h.id}));
   if (h.status !== 'accepted') for (const [event, id] of [['pointerenter', h.id], ['pointerleave', null], ['focusin', h.id], ['focusout', null]]) box.addEventListener(event, () => hint(id));
   return box;
 }
