@@ -59,16 +59,21 @@ overlap(h2, h3).
 rival_pair(h2, h3).
 outline_relation(partially_occludes, h1, h2).
 % Space: the middles of bodies and their nearest places to the camera, metres, camera frame; then the gaps between two, and up.
-body_middle(h1, 0.0000, 0.0000, 5.0000). body_nearest(h1, 5.0000).
-body_middle(h2, 0.0000, 0.0000, 5.0000). body_nearest(h2, 5.0000).
-body_middle(h3, 0.0000, 0.0000, 5.0000). body_nearest(h3, 5.0000).
+body_middle(h1, 0.1000, -0.2000, 4.5000). body_nearest(h1, 4.1000). inside_image(h1).
+body_middle(h2, 0.0000, 0.3000, 5.0000). body_nearest(h2, 4.6000). cut_by_image(h2).
+body_middle(h3, 0.0000, 0.3000, 5.0000). body_nearest(h3, 4.7000).
 body_middle(h4, 0.0000, 0.0000, 5.0000). body_nearest(h4, 5.0000).
-body_gap(h1, h2, 0.0000).
-body_gap(h1, h3, 0.0000).
-body_gap(h1, h4, 0.0000).
-body_gap(h2, h3, 0.0000).
-body_gap(h2, h4, 0.0000).
-body_gap(h3, h4, 0.0000).
+body_gap(h1, h2, 0.0012).
+body_gap(h1, h3, 0.4000).
+body_gap(h1, h4, 0.5477).
+body_gap(h2, h4, 0.3000).
+body_gap(h3, h4, 0.3000).
+up_direction(0.0000, -1.0000, 0.0000). % from: T_world_camera
+body_over(h1, h2).
+body_over(h1, h3).
+stands_on(h1, h2).
+stands_on_both(h1, h3, h4).
+% overlap(h2, h3): 2.1e-05 m3, 12 to 12.5 mm deep
 dv(apex, 0.9910714285714286).
 dv(corner, 0.8571428571428572).
 dv(other, 0.1517857142857143).
