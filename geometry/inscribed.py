@@ -28,10 +28,16 @@ def inscribed_radius(body: Any) -> float:  # noqa: ANN401 - manifold3d ships no 
     rays = RayMesh(vertices, triangles)
     chords = rays.first_hit(starts + 1e-6 * rays.size * inward, inward)  # a little inside, so that the facet itself is not met
     kept = np.isfinite(chords)
-    middles = starts[kept] + 0.5 * chords[kept, None] * inward[kept]
-    return max((_distance(corners, middle) for middle in middles), default=0.0)
+    middles, best = starts[kept] + 0.5 * chords[kept, None] * inward[kept], 0.0
+    balls = corners.mean(axis=1), np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max(axis=1)
+    for place in np.argsort(-chords[kept], kind="stable"):
+        if 0.5 * chords[kept][place] > best:
+            best = max(best, _distance(corners, balls, middles[place]))
+    return best
 
 
-def _distance(corners: Floats, place: Floats) -> float:
-    """Metres from a place (3,) to the nearest of triangles (T, 3, 3)."""
-    return float(np.linalg.norm(nearest_places(corners, place) - place, axis=1).min())
+def _distance(corners: Floats, balls: tuple[Floats, Floats], place: Floats) -> float:
+    """Metres from a place (3,) to the nearest of triangles (T, 3, 3); `balls`, middles (T, 3) and radii (T,), hold these, so that few are asked."""
+    far = np.linalg.norm(balls[0] - place, axis=1)
+    few = corners[far - balls[1] <= (far + balls[1]).min()]
+    return float(np.linalg.norm(nearest_places(few, place) - place, axis=1).min())

@@ -135,7 +135,7 @@ def _stacked(pairs: Iterable[tuple[_Placed, _Placed]], up: Floats) -> tuple[tupl
     slack: dict[str, float] = {}
     for pair in pairs:
         for x, y in (pair, pair[::-1]):
-            if x.surface is None or y.surface is None:
+            if x.surface is None or y.surface is None or _aside(x, y, up):
                 continue
             upper, lower = bodies(x.name, x.surface), bodies(y.name, y.surface)
             tolerance = CONTACT * min(x.reach, y.reach)
@@ -150,6 +150,14 @@ def _stacked(pairs: Iterable[tuple[_Placed, _Placed]], up: Floats) -> tuple[tupl
     leaning = {x: [y for y in below if (x, y) not in on] for x, below in under.items()}
     both = [(x, y, z) for x, some in leaning.items() for y, z in combinations(some, 2) if steady([under[x][y], under[x][z]], slack[x])]
     return tuple(over), tuple(on), tuple(both)
+
+
+def _aside(x: _Placed, y: _Placed, up: Floats) -> bool:
+    """Whether no plumb line can meet both, by the balls around them."""
+    way = x.posed.middle - y.posed.middle
+    level = way - (way @ up) * up
+    sizes = [one.posed.object_type.surface.diameter for one in (x, y) if one.posed.object_type.surface is not None]
+    return bool(np.linalg.norm(level) >= 0.5 * sum(sizes))
 
 
 def _shared(x: _Placed, y: _Placed) -> SharedFact | None:

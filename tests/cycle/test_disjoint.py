@@ -7,8 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic import CAMERA, cycle_of, data, posed_at, scene, stand, towers
 
+from geometry.depth import penetration
 from geometry.frames import pose_error
 from plogic.disjoint import DEEP, contacts, moved_apart
+from plogic.rivals import solid_of
 
 
 def pushed(seed, deep, names=("t1", "t2")):
@@ -51,6 +53,8 @@ def test_what_reaches_into_another_is_moved_out(seed, deep):
     poses, left = moved_apart(posed, CAMERA, towers())
     assert left == []
     assert reached([replace(some, camera_from_object=pose) for some, pose in zip(posed, poses, strict=True)]) <= DEEP
+    deepest = penetration(*(part for some, pose in zip(posed, poses, strict=True) for part in (solid_of(some.object_type.surface), pose)))
+    assert deepest is None or deepest.high <= DEEP, "by the definition of depth too, which knows nothing of least widths"
     for some, pose in zip(posed, poses, strict=True):
         turned, moved = pose_error(pose, some.camera_from_object)
         assert moved < 3.0 * deep + DEEP, "as far as it must"
