@@ -1,4 +1,4 @@
-// Worlds, hypotheses, relations, measures, trace: everything that is words and numbers.
+// Everything that is words and numbers.
 const listed = (b) => el('li', {class: 'fold'}, b);
 const across = (n) => (b) => el('tr', null, el('td', {colspan: n, class: 'fold'}, b));
 const boxed = (b) => el('div', null, b);
