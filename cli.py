@@ -54,9 +54,10 @@ def demo(out: Path, seed: int, reading: Any, as_json: bool) -> None:
 
 
 @cli.command()
-@click.argument("input", metavar="INPUT")
+@click.argument("inputs", metavar="INPUT...", nargs=-1, required=True)
 @KB
 @CAMERA
+@click.option("--poses", type=click.Path(), help="Where the camera stood for each of several INPUTs: `poses/1` or a TUM trajectory.")
 @FIRST_READING
 @RECONSIDER
 @SMOOTHING
@@ -67,12 +68,18 @@ def demo(out: Path, seed: int, reading: Any, as_json: bool) -> None:
     "--picture", type=click.Path(path_type=Path), help="Also write the picture with the hypotheses over it (PNG)."
 )
 @click.option("--timings", type=click.Path(path_type=Path), help="Write the seconds of each stage as JSON.")
-def perceive(input: str, kb_folder: str, out: str, **options: Any) -> None:
-    """Interpret INPUT, an image or a Γ file (`-` is a Γ on stdin), with a knowledge base."""
-    from plogic.commands.perceive import perceive_command
+def perceive(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) -> None:
+    """Interpret INPUT, an image or a Γ file (`-` is a Γ on stdin), with a knowledge base.
 
-    status = perceive_command(input, kb_folder, out, options, say=_say, write=_out)
-    sys.exit(status)
+    Several, from a camera whose places are known (--poses, or T_world_camera in each Γ), are views of one world: they give a panorama.
+    """
+    if len(inputs) == 1 and options["poses"] is None:
+        from plogic.commands.perceive import perceive_command
+
+        sys.exit(perceive_command(inputs[0], kb_folder, out, options, say=_say, write=_out))
+    from plogic.commands.perceive_sequence import sequence_command
+
+    sys.exit(sequence_command(inputs, kb_folder, out, options, say=_say, write=_out))
 
 
 @cli.command()
@@ -181,7 +188,7 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **b
 
 
 @cli.command()
-@click.argument("name", type=click.Choice(["towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale"]))
+@click.argument("name", type=click.Choice(["towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale", "panorama"]))
 @click.option("--scenes", type=click.IntRange(1), default=120, show_default=True, help="Scenes of `towers`.")
 @click.option(
     "--limit",
@@ -199,7 +206,8 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
     from importlib import import_module
 
     drawn = {"quick": quick, "picture": picture}
-    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn, "scale": {"quick": quick}}
+    sized = {"quick": quick}
+    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn, "scale": sized, "panorama": sized}
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
     text, met = import_module(f"plogic.bench.{name}").run(seed=seed, **options, as_json=as_json, say=_say)
     _out(text)

@@ -25,7 +25,7 @@ from plogic.trace import Trace
 from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     from plogic.expectation import Posed
     from plogic.search.data import Data
     from plogic.search.indices import Index
+
+    Rated = tuple[NDArray[np.float64], NDArray[np.float64]]
+    Fitted = Callable[[Posed, Data, KnowledgeBase, NDArray[np.bool_] | None], Rated]
 
 EVERY = 1000
 """Poses a type that ``unpruned`` refines and verifies: more than the search tells apart in one image."""
@@ -58,8 +61,11 @@ class Delta:
 
 
 @uncollected()
-def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], options: Options) -> Delta:
-    """Name the hypotheses that were not rejected and collect the facts that decide their probabilities."""
+def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], options: Options, fitted: Fitted = as_fitted) -> Delta:
+    """Name the hypotheses that were not rejected and collect the facts that decide their probabilities.
+
+    ``fitted(posed, data, kb, hidden)`` gives the hit rates (F,) and densities (F,) that the program is told.
+    """
     beliefs = {f"h{i}": belief for i, belief in enumerate((*cycle.accepted, *cycle.considered), 1)}
     names = list(beliefs)
     posed = {name: belief.posed for name, belief in beliefs.items()}
@@ -69,8 +75,8 @@ def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float
     exclusive = overlaps | {pair for pair, share in shared.items() if share > SHARED_CLAIMS}
     rivals = exclusive | {pair for pair, share in shared.items() if share > 0.0}
     hiding = {(x, y): hidden_by(posed[x], posed[y]) for x in names for y in names if x != y}
-    group = _groups(posed, exclusive)
-    rates = {name: as_fitted(belief.posed, data, kb, _hidden(name, beliefs, hiding, exclusive)) for name, belief in beliefs.items()}
+    group = instances({name: p.object_type.name for name, p in posed.items()}, exclusive)
+    rates = {name: fitted(belief.posed, data, kb, _hidden(name, beliefs, hiding, exclusive)) for name, belief in beliefs.items()}
     hypotheses = tuple(_hypothesis(name, posed[name], group[name], hiding, rates[name], data, dv) for name in names)
     return Delta(
         beliefs,
@@ -110,12 +116,12 @@ def _appearances(data: Data, kb: KnowledgeBase) -> tuple[AppearanceFact, ...]:
     return tuple(AppearanceFact(name, kind, (uv[0], uv[1]), f) for name, kind, uv, f in rows)
 
 
-def _groups(posed: Mapping[str, Posed], exclusive: frozenset[tuple[str, str]]) -> dict[str, str]:
-    """The instance that each hypothesis competes for: same type, connected by exclusion."""
+def instances(types: Mapping[str, str], exclusive: frozenset[tuple[str, str]]) -> dict[str, str]:
+    """The instance that each hypothesis competes for, ``types`` by id: same type, connected by exclusion."""
     graph = nx.Graph()
-    graph.add_nodes_from(posed)
-    graph.add_edges_from((x, y) for x, y in exclusive if posed[x].object_type.name == posed[y].object_type.name)
-    components = sorted(nx.connected_components(graph), key=lambda members: min(list(posed).index(m) for m in members))
+    graph.add_nodes_from(types)
+    graph.add_edges_from((x, y) for x, y in exclusive if types[x] == types[y])
+    components = sorted(nx.connected_components(graph), key=lambda members: min(list(types).index(m) for m in members))
     return {name: f"i{i}" for i, members in enumerate(components, 1) for name in members}
 
 

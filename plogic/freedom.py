@@ -3,7 +3,7 @@
 The evidence of presence is that of all poses, not of the best (the marginal likelihood, by Laplace's method): the likelihood at the best
 pose, times the share of all poses that fit about as well.
 
-* ``log_share(at, precision, centre, camera, across)``: the logarithm of that share, at most 0
+* ``log_share(at, precision, centre, camera, across)``: the logarithm of that share, at most 0; ``share_of(information, ...)``, of what is known
 """
 
 from __future__ import annotations
@@ -33,8 +33,13 @@ def log_share(at: Floats, precision: Floats, centre: Floats, camera: Camera, acr
     ``at`` (N, 3) metres, camera frame; ``precision`` (N,) 1/pixel²; ``centre`` (3,) of the object, before the camera; ``across`` (N, 2) unit
     vectors across the edges that sides lie anywhere along, NaN of others.
     """
-    scale = np.array([1.0, 1.0, 1.0, *[centre[2]] * 3])  # moves are counted in depths
+    return share_of(information(at, centre, precision, camera, across), float(centre[2]), camera)
+
+
+def share_of(information: Floats, depth: float, camera: Camera) -> float:
+    """The logarithm of that share, of what is known (6, 6) of a step (w rad, v m) in the camera's axes about a middle at ``depth`` metres."""
+    scale = np.array([1.0, 1.0, 1.0, *[depth] * 3])  # moves are counted in depths
     loose = np.array([*[LOOSE[1]] * 3, camera.width / camera.f, camera.height / camera.f, LOOSE[0]])
-    known = information(at, centre, precision, camera, across) * np.outer(scale, scale) + np.diag(loose**-2.0)
+    known = information * np.outer(scale, scale) + np.diag(loose**-2.0)
     volume = 3.0 * np.log(2.0 * np.pi) - 0.5 * float(np.linalg.slogdet(known)[1])
     return float(volume - np.log(camera.width * camera.height / camera.f**2 * DEPTHS * 8.0 * np.pi**2))

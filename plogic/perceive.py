@@ -7,11 +7,11 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from plogic.attention import attend
-from plogic.cycle import Perception
 from plogic.delta import Delta, Options, delta_of
 from plogic.document import document_of
 from plogic.errors import InconsistentError
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
+from plogic.recall import Recall
 from plogic.search.by_copies import make_ready
 from plogic.search.data import data_of
 from plogic.search.indices import indices_of
@@ -20,13 +20,16 @@ from plogic.worlds import Ranking, ranked_worlds
 from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     import numpy as np
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase
-    from plogic.belief import Belief
+    from plogic.belief import Belief, Cycle
+    from plogic.recall import Seed
+    from plogic.search.data import Data
     from sensing.appearance import Gamma
 
 SMOOTHED = 0.001
@@ -61,7 +64,13 @@ class Perceiver:
     ) -> dict[str, Any]:
         """The interpretation document of one Γ; ``image`` (H, W, 3) is only carried along. An empty Γ gives the empty world."""
         options, clock = options or Options(), clock or Stopwatch()
-        delta, rejected, trace = self.delta(gamma, options, clock)
+        return self.document(gamma, *self.cycle(gamma, options, clock), options, image, clock)
+
+    def document(
+        self, gamma: Gamma, data: Data, cycle: Cycle, options: Options, image: NDArray[np.uint8] | None, clock: Stopwatch
+    ) -> dict[str, Any]:
+        """The interpretation document of what the cycle came to."""
+        delta, rejected, trace = self._facts(data, cycle, options, clock)
         with clock.stage("worlds"):
             delta, ranking = ranked(delta, trace, None if options.end is None else max(options.end - monotonic(), AFTER))
             if not ranking.exact and options.end is not None and not any(step["event"] == "deadline" for step in trace):
@@ -78,17 +87,31 @@ class Perceiver:
 
     def delta(self, gamma: Gamma, options: Options, clock: Stopwatch) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
         """Δh with its facts, what was rejected, and the trace."""
+        return self._facts(*self.cycle(gamma, options, clock), options, clock)
+
+    def _facts(
+        self, data: Data, cycle: Cycle, options: Options, clock: Stopwatch
+    ) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
+        with clock.stage("facts"):
+            delta = delta_of(cycle, data, self.kb, self.dv, options)
+        return delta, cycle.rejected, cycle.trace.document()
+
+    def cycle(
+        self, gamma: Gamma, options: Options, clock: Stopwatch, seeds: Sequence[Seed] = (), usual: Mapping[str, int] | None = None
+    ) -> tuple[Data, Cycle]:
+        """Γ as arrays, and what the cycle comes to in it; ``seeds`` are what is remembered to stand here, the surest first.
+
+        ``usual``: how many data of each type are left unexplained here, as a rule.
+        """
         data = data_of(gamma.appearances, gamma.camera, self.width)
         with clock.stage("rank"):
             attention = attend(list(self.indices.values()), data.types, self.kb)
         with clock.stage("search"), uncollected():
-            perception = Perception(data, self.kb, self.indices, self.dv, options.end, self.shared, self.processes)
-            cycle = perception.run(attention)
+            perception = Recall(data, self.kb, self.indices, self.dv, options.end, self.shared, self.processes)
+            cycle = perception.resume(attention, seeds, usual or {})
             if perception.unfinished:
                 cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")
-        with clock.stage("facts"):
-            delta = delta_of(cycle, data, self.kb, self.dv, options)
-        return delta, cycle.rejected, cycle.trace.document()
+        return data, cycle
 
 
 def ranked(delta: Delta, trace: list[dict[str, object]], seconds: float | None = None) -> tuple[Delta, Ranking]:

@@ -36,6 +36,7 @@ class Appearance:
         arms: Directions of a junction's arms, radians, same convention as ``angle``, ascending in [0, 2π); empty for other types.
         descriptor: Raw bytes of a keypoint's descriptor: 128 of SIFT, or 138 with its colours, 32 of ORB; 5 of the looks of the side of an edge;
             None where the detector gives none.
+        depth: Metres along the camera's z axis, or None; ``depth_sigma``: its standard deviation, metres, where there is one (§3.3).
     """
 
     id: str
@@ -47,6 +48,8 @@ class Appearance:
     score: float | None = None
     arms: tuple[float, ...] = ()
     descriptor: bytes | None = None
+    depth: float | None = None
+    depth_sigma: float | None = None
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Γ as a file, ``gamma/1`` of the contract: read with every mistake at once, written whole or not at all.
 
-``{"format": "gamma/1", "camera": {...}, "appearances": [{"id", "type", "uv", "detector", "angle", "scale", "score", "arms", "descriptor"}]}``
-where angle, scale, score, arms and descriptor (base64 of a keypoint's descriptor) are optional.
+``{"format": "gamma/1", "camera": {...}, "appearances": [{"id", "type", "uv", "detector", "angle", "scale", "score", "arms", "descriptor",
+"depth", "depth_sigma"}]}`` where all after the detector are optional; a descriptor is base64 of a keypoint's, depths are in metres.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ import binascii
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from geometry.camera import Camera, camera_from_dict, camera_to_dict
 from geometry.errors import CameraError
@@ -45,6 +45,14 @@ class _AppearanceModel(BaseModel):
     score: _Number | None = None
     arms: Annotated[list[_Number], Field(max_length=64)] = []
     descriptor: Annotated[str, Field(strict=True)] | None = None
+    depth: Annotated[_Number, Field(gt=0)] | None = None
+    depth_sigma: Annotated[_Number, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _both(self) -> Self:
+        if (self.depth is None) != (self.depth_sigma is None):
+            raise ValueError("depth and depth_sigma (m) must be given together")
+        return self
 
 
 class _GammaModel(BaseModel):
@@ -101,6 +109,8 @@ def appearance_to_dict(appearance: Appearance, *, described: bool = True) -> dic
         keys["score"] = a.score
     if a.arms:
         keys["arms"] = list(a.arms)
+    if a.depth is not None:
+        keys |= {"depth": a.depth, "depth_sigma": a.depth_sigma}
     if described and a.descriptor is not None:
         keys["descriptor"] = base64.b64encode(a.descriptor).decode()
     return keys

@@ -31,7 +31,8 @@ class Data:
 
     ``angle`` (A,) rad, ``scale`` (A,) pixels, NaN where the detector gives none; ``descriptors`` (A, D) uint8; ``described`` (A,) whether a
     datum has place, angle, scale and descriptor: a keypoint; ``sided`` (A,) whether it is the side of an edge, which has no scale, and ``looks``
-    (A, 5) uint8 how it looks. ``rows`` (A,) are their indices in ``whole``, of which these are some.
+    (A, 5) uint8 how it looks. ``depth``, ``depth_sigma`` (A,) m, NaN where nothing tells a depth; None where nothing tells any. ``rows`` (A,) are
+    their indices in ``whole``, of which these are some.
     """
 
     ids: tuple[str, ...]
@@ -47,6 +48,8 @@ class Data:
     sided: NDArray[np.bool_]
     looks: NDArray[np.uint8]
     part_of: tuple[Data, NDArray[np.intp]] | None = None
+    depth: NDArray[np.float64] | None = None
+    depth_sigma: NDArray[np.float64] | None = None
 
     @property
     def whole(self) -> Data:
@@ -111,6 +114,8 @@ class Data:
             self.sided[index],
             self.looks[index],
             (self.whole, self.rows[index]),
+            None if self.depth is None else self.depth[index],
+            None if self.depth_sigma is None else self.depth_sigma[index],
         )
 
 
@@ -141,4 +146,14 @@ def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138)
     sided = (sizes == SIDE) & np.isfinite(angle) & np.isnan(scale)
     looks = np.zeros((len(appearances), SIDE), np.uint8)
     looks[sided] = np.frombuffer(b"".join(a.descriptor or b"" for a, has in zip(appearances, sided, strict=True) if has), np.uint8).reshape(-1, SIDE)
-    return Data(ids, tuple(a.type for a in appearances), uv, ideal, arms, camera, angle, scale, descriptors, described, sided, looks)
+    types = tuple(a.type for a in appearances)
+    depth = _depths_of(appearances)
+    return Data(ids, types, uv, ideal, arms, camera, angle, scale, descriptors, described, sided, looks, None, *depth)
+
+
+def _depths_of(appearances: Sequence[Appearance]) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
+    """Depths and their standard deviations (A,), or None where there are none."""
+    if all(a.depth is None for a in appearances):
+        return None, None
+    rows = [(np.nan, np.nan) if a.depth is None or a.depth_sigma is None else (a.depth, a.depth_sigma) for a in appearances]
+    return np.array([d for d, _ in rows]), np.array([s for _, s in rows])

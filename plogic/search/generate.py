@@ -176,7 +176,7 @@ def settle(
         return matched(pose_of(index.object_type, pose, data, kb), data, allowed, kb.rates.match_tolerance, free, hidden)
 
     def better(posed: Posed) -> NDArray[np.float64] | None:
-        return polished(posed, index.points, _precision(index, kb), data, hidden, ROBUST)
+        return polished(posed, index.points, _precision(index, kb), data, hidden, ROBUST, kb.rates.sigma)
 
     return settled(pose, match, better, rounds)
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.refine import refine_poses
+from geometry.refine_sights import Sight
 from plogic.expectation import Posed
+from plogic.search.depths import with_depths
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,10 +49,13 @@ def settled(
     return best
 
 
-def polished(posed: Posed, points: Floats, precision: Floats, data: Data, hidden: NDArray[np.bool_] | None, robust: float) -> Floats | None:
+def polished(
+    posed: Posed, points: Floats, precision: Floats, data: Data, hidden: NDArray[np.bool_] | None, robust: float, sigma: float = 1.0
+) -> Floats | None:
     """Least squares (4, 4) on the expected features that were detected, or None where they are fewer than ``FEWEST``.
 
-    ``points`` (F, 3) m, object frame; ``precision`` (F,) 1/pixel²; a residual beyond ``robust`` pixels weighs less.
+    ``points`` (F, 3) m, object frame; ``precision`` (F,) 1/pixel², or in any unit, that of ``sigma`` pixels; a residual beyond ``robust`` pixels
+    weighs less. Depths count where data have them.
     """
     used = posed.candidate & posed.detected
     used = used if hidden is None else used & ~hidden
@@ -58,4 +63,8 @@ def polished(posed: Posed, points: Floats, precision: Floats, data: Data, hidden
         return None
     uv, across = data.uv[posed.matches[used]][None], None if posed.across is None else posed.across[used][None]
     pose, its = posed.camera_from_object[None], points[used][None]
-    return np.asarray(refine_poses(pose, its, uv, precision[used][None], data.camera, huber=robust, across=across)[0][0])
+    found = np.asarray(refine_poses(pose, its, uv, precision[used][None], data.camera, huber=robust, across=across)[0][0])
+    if data.depth is None:
+        return found
+    seen = Sight(data.camera, np.eye(4), points[used], uv[0], precision[used], None if across is None else across[0])
+    return with_depths(found, seen, points[used], posed.matches[used], data, sigma=sigma, huber=robust)

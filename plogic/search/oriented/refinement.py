@@ -43,16 +43,24 @@ class Held(NamedTuple):
 
 def refined(poses: Floats, held: Held, noise: Noise, camera: Camera, *, steps: int, robust: float) -> Floats:
     """(N, 4, 4) from poses (N, 4, 4); a residual beyond ``robust`` times the noise of places weighs less."""
+    points, uv, weight, across = met(poses, held, noise, camera)
+    return np.asarray(refine_poses(poses, points, uv, weight, camera, steps, huber=robust * noise.pixels, across=across)[0])
+
+
+def met(poses: Floats, held: Held, noise: Noise, camera: Camera) -> tuple[Floats, Floats, Floats, Floats]:
+    """What poses (N, 4, 4) are to meet, of places and then of angles, as ``refine_poses`` takes it.
+
+    Points (N, 2 V, 3) m, pixels (N, 2 V, 2), weights (N, 2 V) 1/pixel², and unit vectors across lines (N, 2 V, 2).
+    """
     sided = np.isfinite(held.angle) & (held.weight > 0.0)
     line = np.where(sided, held.angle, 0.0)
     at = np.einsum("nij,nvj->nvi", poses[:, :3, :3], held.points) + poses[:, None, :3, 3]
     length = ARM * noise.pixels / noise.angle
     ends = held.points + (length * np.maximum(at[..., 2], 0.0) / camera.f)[..., None] * held.turns
-    both = (
+    across = np.stack([-np.sin(line), np.cos(line)], axis=2)
+    return (
         np.concatenate([held.points, ends], axis=1),
         np.concatenate([held.uv, held.uv], axis=1),
         np.concatenate([held.weight, held.weight * sided / (1.0 + ARM**2)], axis=1) / noise.pixels**2,
+        np.concatenate([np.full(across.shape, np.nan), across], axis=1),
     )
-    across = np.stack([-np.sin(line), np.cos(line)], axis=2)
-    directions = np.concatenate([np.full(across.shape, np.nan), across], axis=1)
-    return np.asarray(refine_poses(poses, *both, camera, steps, huber=robust * noise.pixels, across=directions)[0])

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.refine_sights import Sight
 from plogic.evidence import evidence
 from plogic.expectation import matched, pose_of
 from plogic.inference.clock import unhurried
 from plogic.search.alike import distinct
 from plogic.search.angles import screen_angle, wrapped
-from plogic.search.oriented.refinement import Held, Noise, refined
+from plogic.search.depths import with_depths
+from plogic.search.oriented.refinement import Held, Noise, met, refined
 from plogic.search.settling import FEWEST, settled
 
 if TYPE_CHECKING:
@@ -82,7 +84,11 @@ def polished(index: TypeIndex, posed: Posed, data: Data, kb: KnowledgeBase, hidd
     held = Held(*(rows[None] for rows in (index.points[used], index.turns[used], data.uv[datum], data.angle[datum], weight)))
     noise = Noise(kb.rates.sigma, kb.rates.sigma_angle)
     new = refined(posed.camera_from_object[None], held, noise, data.camera, steps=STEPS, robust=ROBUST)
-    return np.asarray(new[0])
+    if data.depth is None:
+        return np.asarray(new[0])
+    points, uv, weights, across = (rows[0] for rows in met(new, held, noise, data.camera))
+    seen = Sight(data.camera, np.eye(4), points, uv, weights, across)
+    return with_depths(new[0], seen, index.points[used], datum, data, sigma=noise.pixels, huber=ROBUST * noise.pixels)
 
 
 def verified(

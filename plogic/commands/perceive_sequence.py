@@ -1,0 +1,130 @@
+"""``plogic perceive FRAME... --poses FILE``: a sequence of views with known camera motion to a panorama."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from plogic.commands.perceive import UNFINISHED, gamma_of, image_of, is_gamma, places
+from plogic.commands.sources import kb_of
+from plogic.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from geometry.pose_files import Placed
+    from kb.cloud import KnowledgeBase
+    from plogic.views.panorama import Look, Panorama
+    from plogic.views.view import View
+
+ONE_ONLY = ("report", "picture")
+"""What is made of one frame."""
+
+
+def sequence_command(
+    frames: Sequence[str],
+    kb_folder: str,
+    out: str,
+    options: Mapping[str, Any],
+    *,
+    say: Callable[[str], None],
+    write: Callable[[str], None],
+) -> int:
+    """Read, interpret frame after frame, write; returns the exit status. A line a frame on ``say``."""
+    from plogic.delta import Options
+    from plogic.forked import processors
+    from plogic.interpretation import text_of
+    from plogic.perceive import Perceiver
+    from plogic.remembered import cache_folder
+    from plogic.views.document import ahead, panorama_document
+    from plogic.views.panorama import Panorama
+    from sensing.whole_files import check_places, write_files
+
+    _check(options)
+    check_places(places(out, options))
+    kb = kb_of(kb_folder)
+    poses, foreseen = placed_frames(frames, options.get("poses"))
+    end = monotonic() + options["deadline"] if options.get("deadline") else None
+    chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
+    panorama = Panorama(Perceiver(kb, cache_folder("indices"), processors()), chosen)
+    looks: list[tuple[str, Look]] = []
+    for number, (frame, pose) in enumerate(zip(frames, poses, strict=True), 1):
+        look = _looked(panorama, frame, pose, number, kb, options)
+        looks.append((frame, look))
+        say(_summary(frame, look, panorama))
+    camera = looks[-1][1].view
+    told = [ahead(panorama, _moved(camera, placed)) for placed in foreseen]
+    text = text_of(panorama_document(panorama, looks, told))
+    if out == "-":
+        write(text)
+    else:
+        write_files({Path(out): text.encode()})
+    return UNFINISHED if any(look.interpretation.get("unfinished") for _, look in looks) else 0
+
+
+def _check(options: Mapping[str, Any]) -> None:
+    for key in (*ONE_ONLY, "timings"):
+        if options.get(key):
+            raise InputError(f"--{key}: is made of one frame; give one INPUT, or leave it out")
+
+
+def placed_frames(frames: Sequence[str], poses: str | None) -> tuple[list[Placed | None], list[Placed]]:
+    """The pose of each frame, None where its own file must tell it, and the poses at which there is no frame, where all that is known is told.
+
+    A pose is a frame's if it bears its name, or the end of its path; where none bears any, the first is the first frame's, and so on. Raises
+    InputError or CameraError.
+    """
+    if poses is None:
+        return [None] * len(frames), []
+    from geometry.pose_files import read_poses
+
+    listed = read_poses(poses)
+    named = [placed for placed in listed if placed.frame is not None]
+    foreseen = [placed for placed in listed if placed.frame is None]
+    found = [_named(frame, named) for frame in frames]
+    if not any(found) and len(named) == len(frames):
+        return list(named), foreseen
+    lost = [f"{frame}: {poses} has no pose of this name" for frame, one in zip(frames, found, strict=True) if one is None]
+    if lost:
+        raise InputError("\n".join(lost))
+    return found, foreseen
+
+
+def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
+    """The one pose of this name; of the longest common end of the path where there are several."""
+    parts = Path(frame).parts
+    fit = [(len(own), placed) for placed in poses if (own := Path(str(placed.frame)).parts) and parts[-len(own) :] == own]
+    return max(fit, key=lambda pair: pair[0])[1] if fit else None
+
+
+def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, kb: KnowledgeBase, options: Mapping[str, Any]) -> Look:
+    from plogic.stopwatch import Stopwatch
+    from plogic.views.view import View
+
+    picture: NDArray[Any] | None = None if is_gamma(frame) else image_of(frame, options.get("camera"))
+    gamma, image = gamma_of(frame, picture, options.get("camera"), kb, Stopwatch())
+    pose = gamma.camera.world_from_camera if placed is None else placed.world_from_camera
+    if pose is None:
+        raise InputError(f"{frame}: where its camera stood is not known: give --poses FILE, or T_world_camera in the Γ's camera")
+    return panorama.look(View(f"v{number}", gamma, pose), image)
+
+
+def _moved(view: View, placed: Placed) -> View:
+    """The last view's camera elsewhere."""
+    from plogic.views.view import View
+
+    return View("ahead", view.gamma, placed.world_from_camera)
+
+
+def _summary(frame: str, look: Look, panorama: Panorama) -> str:
+    """One line: what was recalled, what was found, what is known now."""
+    events = [step["event"] for step in look.interpretation["trace"]]
+    told = [f"{events.count('recall')} recalled"] * ("recall" in events) + ["no search"] * ("no search" in events)
+    told += [f"gone: {', '.join(look.gone)}"] * bool(look.gone)
+    known = ", ".join(
+        f"{k.id} {k.standing.object_type.name} ({k.probability:.3f}{f', {k.age} views ago' if k.age else ''})" for k in panorama.known
+    )
+    return f"{look.view.id} {frame}: {len(look.view.gamma.appearances)} appearances; {'; '.join([*told, known or 'no known object'])}"

@@ -1,0 +1,75 @@
+"""``panorama/1``: a sequence of views as a document, each with its interpretation, and Δp, what stands in the world after all of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from plogic.views.panorama import Known, Look, Panorama
+    from plogic.views.view import View
+
+FORMAT = "panorama/1"
+
+
+def panorama_document(panorama: Panorama, looks: Sequence[tuple[str, Look]], foreseen: Sequence[Mapping[str, Any]] = ()) -> dict[str, Any]:
+    """The document of a sequence: ``looks`` with their frames' names, and what is ``foreseen`` where nothing was seen yet."""
+    kb = panorama.perceiver.kb
+    last = looks[-1][1].view.id if looks else ""
+    return {
+        "format": FORMAT,
+        "kb": {"name": kb.name, "digest": kb.digest},
+        "reading": panorama.options.reading,
+        "views": [_view(frame, look) for frame, look in looks],
+        "objects": [_object(known, last) for known in panorama.known],
+        **_worlds(panorama),
+        "ahead": list(foreseen),
+    }
+
+
+def _view(frame: str, look: Look) -> dict[str, Any]:
+    return {
+        "id": look.view.id,
+        "frame": frame,
+        "T_world_camera": look.view.world_from_camera.tolist(),
+        "predicted": list(look.predicted),
+        "gone": list(look.gone),
+        "unexplained": list(look.unexplained),
+        "interpretation": look.interpretation,
+    }
+
+
+def _object(known: Known, last: str) -> dict[str, Any]:
+    return {
+        "id": known.id,
+        "type": known.standing.object_type.name,
+        "T_world_object": known.standing.world_from_object.tolist(),
+        "probability": known.probability,
+        "age": known.age,
+        "last_seen": known.last_seen,
+        "in_view": known.last_seen == last,
+        "hypotheses": dict(known.by_view),
+    }
+
+
+def _worlds(panorama: Panorama) -> dict[str, Any]:
+    """The possible worlds of the last views together: Δh by name, an object's own or one of its rivals', and which are present."""
+    if panorama.joint is None or panorama.ranking is None:
+        return {"hypotheses": [], "worlds": [], "unlisted_mass": [0.0, 0.0]}
+    standing = {f"h{i}": some for i, some in enumerate(panorama.joint.standing, 1)}
+    known = {id(k.standing): k.id for k in panorama.known}
+    rivals = [h for h, some in standing.items() if id(some) not in known]
+    name = {h: known.get(id(some)) or f"r{rivals.index(h) + 1}" for h, some in standing.items()}
+    chance = panorama.ranking.marginals
+    rows = [
+        {"id": name[h], "type": some.object_type.name, "T_world_object": some.world_from_object.tolist(), "probability": chance[h]}
+        for h, some in standing.items()
+    ]
+    worlds = [{"probability": w.probability, "present": [name[h] for h in w.present]} for w in panorama.ranking.worlds]
+    return {"hypotheses": rows, "worlds": worlds, "unlisted_mass": list(panorama.ranking.unlisted)}
+
+
+def ahead(panorama: Panorama, view: View) -> dict[str, Any]:
+    """What will be seen from where a view stands, as far as Δp knows; its Γ is not looked at."""
+    return {"T_world_camera": view.world_from_camera.tolist(), "predicted": list(panorama.predicted(view))}

@@ -1,0 +1,217 @@
+"""What several views say together: one Situation over all their data, whose worlds are those of the place, not of an image (§8).
+
+The hypotheses stand in the world, the same in every view. A view adds the features that it expects of them and the data that it has; given the
+world, views are independent. Priors count once, and so does what a pose owes to its freedom (``plogic.freedom``), of all views' matches together.
+
+* ``Joint``: what comes of it
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import chain
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from geometry.refine import information
+from geometry.refine_sights import turned_step
+from plogic.belief import Belief, Cycle
+from plogic.bounds import LEAST
+from plogic.delta import delta_of, instances
+from plogic.evidence import as_counted, evidence, sigmas
+from plogic.freedom import share_of
+from plogic.measures.explanatory import explanatory_value
+from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
+from plogic.trace import Trace
+from plogic.views.standing import Seen, Standing, refined, seen_alone, seen_beside
+from plogic.worlds import ranked_worlds
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.cloud import KnowledgeBase
+    from plogic.delta import Options
+    from plogic.expectation import Posed
+    from plogic.perceive import Perceiver
+    from plogic.search.data import Data
+    from plogic.situation import FeatureFact, HypothesisFact, Situation
+    from plogic.worlds import Ranking
+
+    Floats = NDArray[np.float64]
+
+ROUNDS = 2
+"""Times that poses are refined in all views together, and matched again."""
+AGAIN = 3
+"""Times that all are judged, each time beside the Δi that the last came to."""
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """``standing``: Δh in the order h1, h2, ..., the ``first`` of them Δi; ``posed[v][i]``: how view v shows hypothesis i; ``situation`` of all."""
+
+    standing: tuple[Standing, ...]
+    first: int
+    posed: tuple[tuple[Posed, ...], ...]
+    situation: Situation
+
+
+class _Known(NamedTuple):
+    """``information`` (6, 6) of one hypothesis in one view, world axes, about its middle; ``depth`` of that, metres."""
+
+    information: Floats
+    depth: float
+
+
+def joint(seen: Sequence[Seen], standing: Sequence[Standing], perceiver: Perceiver, options: Options) -> tuple[Joint, Ranking]:
+    """Judge hypotheses in all views, each refined on what all views show of it: Δi is what is present in the most probable world.
+
+    What is matched depends on what Δi is: so they are judged again where the worlds say that it is another, ``AGAIN`` times at most. Raises
+    ValueError without a view.
+    """
+    if not seen:
+        raise ValueError("there is no view to judge hypotheses in")
+    ordered, first = _ordered(standing, seen, perceiver.kb)
+    for _ in range(AGAIN):
+        found = _judged(ordered, first, seen, perceiver, options)
+        ranking = ranked_worlds(found.situation)
+        present = {int(name[1:]) - 1 for name in ranking.worlds[0].present} if ranking.worlds else set()
+        if present == set(range(first)):
+            break
+        inside = sorted(present)
+        ordered = [found.standing[i] for i in [*inside, *(i for i in range(len(ordered)) if i not in present)]]
+        first = len(inside)
+    return found, ranking
+
+
+def _judged(ordered: Sequence[Standing], first: int, seen: Sequence[Seen], perceiver: Perceiver, options: Options) -> Joint:
+    """Hypotheses of which the ``first`` are in Δi, in all views."""
+    kb = perceiver.kb
+    posed = _posed(ordered, first, seen, kb)
+    for _ in range(ROUNDS if len(seen) > 1 else 0):
+        ordered = [refined(some, mine, seen, kb) for some, mine in zip(ordered, zip(*posed, strict=True), strict=True)]
+        posed = _posed(ordered, first, seen, kb)
+    told = [_told(mine, first, some, perceiver, options) for mine, some in zip(posed, seen, strict=True)]
+    return Joint(tuple(ordered), first, tuple(tuple(mine) for mine in posed), _merged(told, seen, ordered))
+
+
+def _ordered(standing: Sequence[Standing], seen: Sequence[Seen], kb: KnowledgeBase) -> tuple[list[Standing], int]:
+    """The hypotheses, those of Δi first, and how many these are: the heaviest over all views, and each next that none of them excludes."""
+    alone = [[seen_alone(some, one, kb) for one in seen] for some in standing]
+    worth = [sum(evidence(posed, one.data, kb).ratio for posed, one in zip(mine, seen, strict=True)) for mine in alone]
+    order = sorted(range(len(standing)), key=lambda i: -worth[i])
+    kept: list[int] = []
+    for i in order:
+        if worth[i] > 0.0 and not any(_excludes(alone[i], alone[j]) for j in kept):
+            kept.append(i)
+    return [standing[i] for i in [*kept, *(i for i in order if i not in kept)]], len(kept)
+
+
+def _excludes(one: Sequence[Posed], other: Sequence[Posed]) -> bool:
+    """A4, or claims on the same data in some view."""
+    return any(overlap(a, b) or shared_claims(a, b)[1] > SHARED_CLAIMS for a, b in zip(one, other, strict=True))
+
+
+def _posed(standing: Sequence[Standing], first: int, seen: Sequence[Seen], kb: KnowledgeBase) -> list[list[Posed]]:
+    """All hypotheses in each view."""
+    return [seen_beside(standing, [seen_alone(some, one, kb) for some in standing], first, one, kb) for one in seen]
+
+
+class _Told(NamedTuple):
+    """One view's Situation, whose matches owe nothing yet, and what its matches tell of each hypothesis' pose."""
+
+    situation: Situation
+    known: tuple[_Known | None, ...]
+
+
+def _told(posed: Sequence[Posed], first: int, seen: Seen, perceiver: Perceiver, options: Options) -> _Told:
+    kb, known = perceiver.kb, list[_Known | None]()
+
+    def counted(one: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None) -> tuple[Floats, Floats]:
+        known.append(_known(one, hidden, seen, kb))
+        return as_counted(one, data, kb, hidden)
+
+    accepted, rivals = ([_belief(one, status, seen, perceiver) for one in some] for some, status in _parted(posed, first))
+    cycle = Cycle(tuple(accepted), tuple(rivals), (), (), Trace())
+    return _Told(delta_of(cycle, seen.data, kb, perceiver.dv, options, counted).situation, tuple(known))
+
+
+def _parted(posed: Sequence[Posed], first: int) -> tuple[tuple[Sequence[Posed], str], ...]:
+    return (posed[:first], "accepted"), (posed[first:], "rival")
+
+
+def _belief(posed: Posed, status: str, seen: Seen, perceiver: Perceiver) -> Belief:
+    found, ev = evidence(posed, seen.data, perceiver.kb), explanatory_value(posed.support(), perceiver.dv)
+    return Belief(posed, perceiver.indices[posed.object_type.name], found.ratio, found.surplus, ev, ev, status)
+
+
+def _known(posed: Posed, hidden: NDArray[np.bool_] | None, seen: Seen, kb: KnowledgeBase) -> _Known | None:
+    """What a view's matches tell of a pose; None where there are none."""
+    found = posed.candidate & posed.detected
+    found = found if hidden is None else found & ~hidden
+    if not found.any():
+        return None
+    precision = posed.counted[found] / sigmas(posed, kb)[found] ** 2
+    across = None if posed.across is None else posed.across[found]
+    own = information(posed.at[found], posed.middle, precision, seen.data.camera, across)
+    turn = turned_step(seen.view.camera_from_world[:3, :3])
+    return _Known(turn.T @ own @ turn, float(posed.middle[2]))
+
+
+def _merged(told: Sequence[_Told], seen: Sequence[Seen], standing: Sequence[Standing]) -> Situation:
+    """One Situation of all views': hypotheses with the features of each, ids behind those of their views."""
+    last = told[-1].situation
+    exclusive = frozenset(chain.from_iterable(t.situation.exclusive for t in told))
+    groups = instances({h.id: h.type for h in last.hypotheses}, exclusive)
+    appearances = [replace(a, id=f"{one.view.id}:{a.id}") for t, one in zip(told, seen, strict=True) for a in t.situation.appearances]
+    clutter = {a.id: a.clutter for a in appearances}
+    hypotheses = [_hypothesis(i, told, seen, groups, clutter) for i in range(len(standing))]
+    return replace(
+        last,
+        hypotheses=tuple(hypotheses),
+        appearances=tuple(appearances),
+        overlaps=frozenset(chain.from_iterable(t.situation.overlaps for t in told)),
+        rivals=frozenset(chain.from_iterable(t.situation.rivals for t in told)),
+        exclusive=exclusive,
+    )
+
+
+def _hypothesis(
+    i: int, told: Sequence[_Told], seen: Sequence[Seen], groups: Mapping[str, str], clutter: Mapping[str, float]
+) -> HypothesisFact:
+    """Hypothesis ``i`` with its features in every view: those of view v1 as 'v1:roof/apex'."""
+    last = told[-1].situation.hypotheses[i]
+    features = [_of_view(f, one.view.id) for t, one in zip(told, seen, strict=True) for f in t.situation.hypotheses[i].features]
+    known = [t.known[i] for t in told]
+    cameras = [(one.view.camera_from_world, one.data.camera) for one in seen]
+    pairs = [(k, camera) for k, camera in zip(known, cameras, strict=True) if k is not None]
+    owed = 0.0
+    if pairs:
+        total = np.sum([k.information for k, _ in pairs], axis=0)
+        nearest, (camera_from_world, camera) = min(pairs, key=lambda pair: pair[0].depth)
+        turn = turned_step(camera_from_world[:3, :3])
+        owed = share_of(turn @ total @ turn.T, nearest.depth, camera)
+    return replace(last, group=groups[last.id], parts=(), features=tuple(owing(last, features, clutter, owed)))
+
+
+def _of_view(feature: FeatureFact, view: str) -> FeatureFact:
+    match = None if feature.match is None else f"{view}:{feature.match}"
+    return replace(feature, id=f"{view}:{feature.id}", match=match)
+
+
+def owing(h: HypothesisFact, features: Sequence[FeatureFact], clutter: Mapping[str, float], owed: float) -> list[FeatureFact]:
+    """The features, of which expected ones that are matched give up in proportion what the pose owes, ``plogic.fitted`` (a logarithm, at most 0).
+
+    ``clutter``: density of each datum, per pixel².
+    """
+    paying = [f for f in features if f.match is not None and f.density > 0.0 and h.candidate(f)]
+    rates = {f.id: (min(max(f.hit_rate, LEAST), 1.0 - LEAST), clutter[str(f.match)]) for f in paying}
+    better = {f.id: float(np.log1p(rates[f.id][0] * f.density / ((1.0 - rates[f.id][0]) * rates[f.id][1]))) for f in paying}
+    kept = max(LEAST, 1.0 + owed / max(sum(better.values()), LEAST))
+    return [_weaker(f, kept * better[f.id], *rates[f.id]) if f.id in better else f for f in features]
+
+
+def _weaker(feature: FeatureFact, better: float, hit: float, clutter: float) -> FeatureFact:
+    return replace(feature, density=float(np.expm1(better)) * (1.0 - hit) * clutter / hit)

@@ -1,0 +1,39 @@
+"""One image of a sequence.
+
+* ``View``: ``View("v1", Gamma(...), world_from_camera)``
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from geometry.arrays import frozen
+from geometry.errors import GeometryError
+from geometry.frames import inverse, is_rigid
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from sensing.appearance import Gamma
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """One image of a sequence: ``id`` ('v1'), its Γ, and where its camera stood: ``world_from_camera`` (4, 4), metres, world z up."""
+
+    id: str
+    gamma: Gamma
+    world_from_camera: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        """Keep a read-only pose. Raises GeometryError where it is not rigid."""
+        if not is_rigid(self.world_from_camera):
+            raise GeometryError(f"{self.id}: T_world_camera must be a rotation and a translation")
+        object.__setattr__(self, "world_from_camera", frozen(self.world_from_camera))
+
+    @property
+    def camera_from_world(self) -> NDArray[np.float64]:
+        """The inverse (4, 4)."""
+        return inverse(self.world_from_camera)

@@ -1,0 +1,136 @@
+"""A calibrated stereo pair as one notional viewpoint (§3.3): the left camera's, whose appearances carry depth where the right one tells it.
+
+An appearance of the left image is found again in the right one by its type, what the detector says of it, and the epipolar line. Where more than
+one fits, its depth is not told: a wrong depth is worse than none.
+
+* ``Pair``: how the right camera stands beside the left, ``Pair(right_from_left)``
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.arrays import frozen
+from geometry.errors import CameraError
+from geometry.frames import is_rigid, transform_points
+from sensing.appearance import Gamma
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from geometry.camera import Camera
+    from sensing.appearance import Appearance
+
+    Floats = NDArray[np.float64]
+
+OFF = 3.0
+"""Standard deviations of a place within which an appearance lies on the epipolar line of its partner."""
+NEAREST = 0.02
+"""Metres, least depth that is believed."""
+TURNED, LARGER = 0.5, 1.6
+"""Radians by which the angles, and the factor by which the scales, of one feature's appearances in the two images differ at most."""
+ALIKE = 0.8
+"""Of descriptors, the next best partner must be this much farther: Lowe's ratio."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """``right_from_left`` (4, 4): points of the left camera's frame in the right one's, metres. Raises CameraError where it is no such pose."""
+
+    right_from_left: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        """Keep a read-only pose."""
+        if not is_rigid(self.right_from_left) or not np.linalg.norm(np.asarray(self.right_from_left)[:3, 3]) > 0.0:
+            raise CameraError("T_right_left must be a rotation and a translation that is not zero")
+        object.__setattr__(self, "right_from_left", frozen(self.right_from_left))
+
+
+def fused(left: Gamma, right: Gamma, pair: Pair, sigma: float = 1.0) -> Gamma:
+    """Γ of the pair: the left one's appearances, with ``depth`` and ``depth_sigma`` (m) where one of the right image is theirs, and no other.
+
+    ``sigma``: noise of places, pixels, in both images.
+    """
+    near, depth = _partners(left, right, pair, sigma)
+    found = _unique(left, right, near)
+    rows = list(left.appearances)
+    for i, j in found:
+        spread = _sigma(left.camera, left.uv[i], float(depth[i, j]), pair, sigma)
+        rows[i] = replace(rows[i], depth=float(depth[i, j]), depth_sigma=spread)
+    return Gamma(left.camera, tuple(rows))
+
+
+def _partners(left: Gamma, right: Gamma, pair: Pair, sigma: float) -> tuple[NDArray[np.bool_], Floats]:
+    """(L, R) which may be appearances of one feature, and the depth (L, R) m before the left camera that they tell."""
+    count = len(left.appearances), len(right.appearances)
+    if 0 in count:
+        return np.zeros(count, bool), np.zeros(count)
+    a, b = (_normalised(gamma) for gamma in (left, right))
+    turned = np.concatenate([a, np.ones((len(a), 1))], axis=1) @ pair.right_from_left[:3, :3].T  # (L, 3) right frame
+    t = pair.right_from_left[:3, 3]
+    depth = _depths(turned, b, t)
+    placed = turned[:, None] * depth[..., None] + t
+    f = right.camera.f
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off = f * np.linalg.norm(placed[..., :2] / placed[..., 2:] - b[None], axis=2)
+    near = (off <= OFF * np.sqrt(2.0) * sigma) & (depth > NEAREST) & (placed[..., 2] > NEAREST)
+    return near & _alike(left.appearances, right.appearances), depth
+
+
+def _normalised(gamma: Gamma) -> Floats:
+    return np.asarray(gamma.camera.normalised(gamma.uv))
+
+
+def _depths(turned: Floats, b: Floats, t: Floats) -> Floats:
+    """(L, R) the depth at which a left ray, (L, 3) in the right frame per metre of depth, comes nearest to a right pixel (R, 2) on its line."""
+    # x_right = (d·turned + t), and b·z = xy: two equations in d, in least squares
+    slope = turned[:, None, :2] - b[None] * turned[:, None, 2:]
+    rest = b * t[2] - t[:2]
+    square = (slope**2).sum(axis=2)
+    return np.asarray((slope * rest[None]).sum(axis=2) / np.where(square > 1e-18, square, np.inf))
+
+
+def _alike(left: tuple[Appearance, ...], right: tuple[Appearance, ...]) -> NDArray[np.bool_]:
+    """(L, R) of one type, and alike in angle and scale where both have them."""
+    types = np.array([a.type for a in left])[:, None] == np.array([a.type for a in right])[None]
+    angles = [np.array([np.nan if a.angle is None else a.angle for a in some]) for some in (left, right)]
+    scales = [np.array([np.nan if a.scale is None else a.scale for a in some]) for some in (left, right)]
+    turn = np.abs((angles[0][:, None] - angles[1][None] + np.pi) % (2.0 * np.pi) - np.pi)
+    larger = np.abs(np.log(scales[0])[:, None] - np.log(scales[1])[None])
+    return np.asarray(types & ~(turn > TURNED) & ~(larger > np.log(LARGER)))
+
+
+def _unique(left: Gamma, right: Gamma, near: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Pairs of which neither has another partner; of keypoints, of which the descriptors say that no other is nearly as like."""
+    cost = np.where(near, _unlikeness(left, right, near), np.inf)
+    if not cost.size:
+        return []
+    best_right, best_left = cost.argmin(axis=1), cost.argmin(axis=0)
+    mutual = [i for i in range(len(cost)) if np.isfinite(cost[i, best_right[i]]) and best_left[best_right[i]] == i]
+    return [(i, int(best_right[i])) for i in mutual if _clear(cost[i], int(best_right[i])) and _clear(cost[:, best_right[i]], i)]
+
+
+def _clear(costs: Floats, best: int) -> bool:
+    others = np.delete(costs, best)
+    return bool(costs[best] < ALIKE * others.min()) if len(others) and np.isfinite(others.min()) else True
+
+
+def _unlikeness(left: Gamma, right: Gamma, near: NDArray[np.bool_]) -> Floats:
+    """(L, R) the distance of descriptors; 1 where there are none to compare."""
+    result = np.ones(near.shape)
+    for i, j in np.argwhere(near):
+        one, other = left.appearances[i].descriptor, right.appearances[j].descriptor
+        if one is not None and other is not None and len(one) == len(other):
+            result[i, j] = np.linalg.norm(np.frombuffer(one, np.uint8).astype(float) - np.frombuffer(other, np.uint8).astype(float))
+    return result
+
+
+def _sigma(camera: Camera, uv: Floats, depth: float, pair: Pair, sigma: float) -> float:
+    """Standard deviation of a depth, metres: of what both places' noise makes along the epipolar line."""
+    ray = np.append(np.asarray(camera.normalised(uv[None]))[0], 1.0)
+    ends = transform_points(pair.right_from_left, np.stack([ray * depth, ray * (depth * 1.001)]))
+    step = np.linalg.norm(ends[1, :2] / ends[1, 2] - ends[0, :2] / ends[0, 2]) / (0.001 * depth)  # normalised, a metre
+    return float(np.sqrt(2.0) * sigma / camera.f / max(step, 1e-12))

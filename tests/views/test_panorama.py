@@ -1,0 +1,92 @@
+"""Δp: what left the view stays, what comes back needs no search, what is gone is forgotten (§1)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sequences import BESIDE, EYE, away_and_back, events, panorama, turned, view
+from synthetic import towers
+
+from geometry.errors import GeometryError
+from geometry.frames import pose_error
+from plogic.views.view import View
+
+SEEDS = [0, 1, 2]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_names_and_poses_last_while_the_camera_turns_away_and_back(seed):
+    known, looks = away_and_back(seed)
+    assert sorted(k.standing.object_type.name for k in known.known) == ["t1", "t2"]
+    assert sorted(k.id for k in known.known) == ["p1", "p2"]
+    errors = [
+        pose_error(k.standing.world_from_object, BESIDE[name := k.standing.object_type.name], towers().type(name).symmetries) for k in known.known
+    ]
+    assert max(np.degrees(turn) for turn, _ in errors) < 2.0
+    assert max(moved for _, moved in errors) < 0.02 * np.linalg.norm(EYE)
+    assert all(k.age == 0 and set(k.by_view) == {"v1", "v2", "v4"} for k in known.known)
+    assert len(looks) == 4
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_search_is_needed_on_return(seed):
+    _, looks = away_and_back(seed)
+    assert "recall" not in events(looks[0])
+    assert "no search" in events(looks[-1])
+    assert events(looks[-1]).count("recall") == 2
+    assert len(looks[-1].interpretation["hypotheses"]) >= 2
+
+
+def test_what_left_the_view_stays_with_its_probability_and_grows_older():
+    known = panorama()
+    known.look(view(1, turned(0.0)))
+    before = {k.id: k.probability for k in known.known}
+    for n in (2, 3):
+        look = known.look(view(n, turned(90.0)))
+        assert look.predicted == ()
+    assert {k.id: k.age for k in known.known} == dict.fromkeys(before, 2)
+    assert {k.id: k.probability for k in known.known} == pytest.approx(before)
+    assert {k.last_seen for k in known.known} == {"v1"}
+
+
+def test_what_is_expected_is_told_before_gamma_is_looked_at():
+    known = panorama()
+    known.look(view(1, turned(0.0)))
+    pose = turned(12.0)
+    foreseen = known.predicted(View("ahead", view(9, pose, there={}).gamma, pose))
+    look = known.look(view(2, pose))
+    assert [row["id"] for row in foreseen] == [row["id"] for row in look.predicted]
+    assert len(foreseen) == 2
+    for row in foreseen:
+        assert 0.0 < row["expected_detections"] < row["expected_features"]
+
+
+def test_what_is_plainly_not_there_any_more_is_gone():
+    known = panorama()
+    known.look(view(1, turned(0.0)))
+    (name,) = [k.id for k in known.known if k.standing.object_type.name == "t2"]
+    look = known.look(view(2, turned(0.0), there={"t1": BESIDE["t1"]}))
+    assert look.gone == (name,)
+    assert [k.standing.object_type.name for k in known.known] == ["t1"]
+
+
+def test_what_is_new_in_view_is_searched_for_beside_what_is_recalled():
+    known = panorama()
+    known.look(view(1, turned(0.0), there={"t1": BESIDE["t1"]}))
+    look = known.look(view(2, turned(3.0)))
+    assert "recall" in events(look)
+    assert "search" in events(look)
+    assert sorted(k.standing.object_type.name for k in known.known) == ["t1", "t2"]
+
+
+def test_the_same_sequence_comes_to_the_same(monkeypatch):
+    known, looks = away_and_back(0)
+    again = panorama()
+    repeated = [again.look(one.view) for one in looks]
+    assert [a.interpretation == b.interpretation for a, b in zip(looks, repeated, strict=True)] == [True] * 4
+    assert [(k.id, k.probability) for k in known.known] == [(k.id, k.probability) for k in again.known]
+
+
+def test_a_view_of_no_rigid_pose_is_refused():
+    with pytest.raises(GeometryError, match="v1: T_world_camera"):
+        View("v1", view(1, turned(0.0)).gamma, np.diag([1.0, 1.0, 2.0, 1.0]))

@@ -1,0 +1,104 @@
+"""``plogic perceive FRAME... --poses FILE`` through the console script."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from console import document, good, plogic
+from sequences import turned, view
+
+from sensing.gamma_files import write_gamma
+
+ANGLES = [0.0, 15.0, 80.0, 1.0]
+
+
+@pytest.fixture(scope="module")
+def frames(tmp_path_factory):
+    """Four Γ files, f1.json to f4.json, and poses.json, which also names a place where nothing was seen yet."""
+    folder = tmp_path_factory.mktemp("frames")
+    poses = [turned(angle) for angle in ANGLES]
+    for n, pose in enumerate(poses, 1):
+        write_gamma(view(n, pose).gamma, folder / f"f{n}.json")
+    rows = [{"frame": f"f{n}.json", "T_world_camera": pose.tolist()} for n, pose in enumerate(poses, 1)]
+    rows.append({"frame": None, "T_world_camera": turned(10.0).tolist()})
+    (folder / "poses.json").write_text(json.dumps({"format": "poses/1", "frames": rows}))
+    return folder
+
+
+def names(count=4):
+    return [f"f{n}.json" for n in range(1, count + 1)]
+
+
+def test_a_sequence_gives_a_panorama_and_a_line_a_frame(frames, tmp_path):
+    done = plogic("perceive", *names(), "--kb", "towers", "--poses", "poses.json", "--reading", "posterior", "-o", tmp_path / "p.json", cwd=frames)
+    assert done.returncode == 0, done.stderr
+    told = json.loads((tmp_path / "p.json").read_text())
+    assert told["format"] == "panorama/1"
+    assert [v["frame"] for v in told["views"]] == names()
+    assert {o["type"]: (o["last_seen"], o["age"], o["in_view"]) for o in told["objects"]} == {"t1": ("v4", 0, True), "t2": ("v4", 0, True)}
+    assert told["worlds"][0]["present"] == ["p1", "p2"]
+    (ahead,) = told["ahead"]
+    assert {row["id"] for row in ahead["predicted"]} == {"p1", "p2"}
+    lines = done.stderr.splitlines()
+    assert len(lines) == 4
+    assert "no search" in lines[3]
+    assert "2 recalled" in lines[3]
+
+
+def test_each_view_of_it_is_an_interpretation(frames, tmp_path):
+    told = document("perceive", *names(2), "--kb", "towers", "--poses", "poses.json", "--reading", "posterior", cwd=frames)
+    path = tmp_path / "v2.json"
+    path.write_text(json.dumps(told["views"][1]["interpretation"]))
+    worlds = document("worlds", path, "--json")
+    assert worlds["worlds"][0]["present"] == ["h1", "h2"]
+
+
+def test_gammas_that_know_their_places_need_no_poses(frames, tmp_path):
+    for n, angle in enumerate(ANGLES[:2], 1):
+        gamma = view(n, turned(angle)).gamma
+        write_gamma(replace(gamma, camera=replace(gamma.camera, world_from_camera=turned(angle))), tmp_path / f"f{n}.json")
+    own = document("perceive", *names(2), "--kb", "towers", cwd=tmp_path)
+    told = document("perceive", *names(2), "--kb", "towers", "--poses", frames / "poses.json", cwd=frames)
+    assert own["objects"] == told["objects"]
+
+
+def test_poses_of_other_names_go_by_their_order(frames, tmp_path):
+    lines = []
+    for n, angle in enumerate(ANGLES[:2]):
+        pose = turned(angle)
+        from scipy.spatial.transform import Rotation
+
+        quat = Rotation.from_matrix(pose[:3, :3]).as_quat()
+        lines.append(" ".join(map(str, [1000.5 + n, *pose[:3, 3], *quat])))
+    (tmp_path / "tum.txt").write_text("\n".join(lines))
+    by_order = document("perceive", *names(2), "--kb", "towers", "--poses", tmp_path / "tum.txt", cwd=frames)
+    by_name = document("perceive", *names(2), "--kb", "towers", "--poses", "poses.json", cwd=frames)
+    poses = [[np.array(o["T_world_object"]) for o in told["objects"]] for told in (by_order, by_name)]
+    assert np.allclose(poses[0], poses[1], atol=1e-6)
+
+
+def test_the_same_bytes_twice(frames):
+    command = "perceive", *names(2), "--kb", "towers", "--poses", "poses.json"
+    assert good(*command, cwd=frames) == good(*command, cwd=frames)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["f1.json", "f2.json"], "f1.json: where its camera stood is not known"),
+        (["f1.json", "nope.json", "--poses", "poses.json"], "nope.json: poses.json has no pose of this name"),
+        (["f1.json", "f2.json", "--poses", "none.json"], "none.json: is missing"),
+        (["f1.json", "f2.json", "--poses", "poses.json", "--report", "page.html"], "--report: is made of one frame"),
+        (["f1.json", "f2.json", "--poses", "poses.json", "-o", "f1.json/x"], "f1.json"),
+    ],
+)
+def test_what_is_wrong_is_said_in_a_line(frames, arguments, words):
+    before = sorted(frames.iterdir())
+    done = plogic("perceive", *arguments, "--kb", "towers", cwd=frames)
+    assert done.returncode == 1
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr
+    assert sorted(frames.iterdir()) == before
