@@ -36,7 +36,7 @@ def ideal_outline(vertices: ArrayLike, triangles: ArrayLike, camera_from_object:
     placed = transform_points(camera_from_object, last_axes(vertices, (-1, 3), "vertices"))
     facets = np.asarray(triangles, dtype=np.int64)
     if (placed[:, 2] >= NEAR).all():
-        return _union(camera.to_pixels(placed[:, :2] / placed[:, 2:]), facets)
+        return drawn_together(camera.to_pixels(placed[:, :2] / placed[:, 2:]), facets)
     pieces = [piece for piece in (_clipped(corners) for corners in placed[facets]) if len(piece) >= 3]
     return shapely.union_all([shapely.Polygon(camera.to_pixels(p[:, :2] / p[:, 2:])) for p in pieces])
 
@@ -90,7 +90,8 @@ def facing(corners: Floats, triangles: Ints) -> Mask:
     return np.asarray(front if front.sum() <= back.sum() else back)
 
 
-def _union(pixels: Floats, triangles: Ints) -> Area:
+def drawn_together(pixels: Floats, triangles: Ints) -> Area:
+    """The union of the images of `triangles` (T, 3), whose corners are at `pixels` (V, 2), or at any other places of a plane."""
     corners = pixels[triangles]
     facets = facing(corners, triangles)
     if facets.sum() <= _FEW:

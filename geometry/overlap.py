@@ -40,15 +40,19 @@ class Solid:
         T = last_axes(own_from_other, (4, 4), "own_from_other")
         if self._apart(T, other):
             return 0.0
-        volume = float((self.body ^ other.body.transform(T[:3])).volume())
+        volume = float(self.meet(T, other).volume())
         return volume if volume > _ROUNDING * min(self.volume, other.volume) else 0.0
 
-    def common(self, own_from_other: ArrayLike, other: "Solid") -> Floats:
-        """Corners (N, 3) m, in this one's frame, of the volume shared with `other`, posed by `own_from_other` (4, 4); none where they share none."""
+    def pieces(self, own_from_other: ArrayLike, other: "Solid") -> list[Floats]:
+        """Corners (N, 3) m, in this one's frame, of each connected piece of the volume shared with `other`, posed by `own_from_other` (4, 4)."""
         T = last_axes(own_from_other, (4, 4), "own_from_other")
         if not self.shared(T, other) > 0.0:
-            return np.zeros((0, 3))
-        return np.asarray((self.body ^ other.body.transform(T[:3])).to_mesh64().vert_properties)[:, :3]
+            return []
+        return [np.asarray(piece.to_mesh64().vert_properties)[:, :3] for piece in self.meet(T, other).decompose()]
+
+    def meet(self, own_from_other: ArrayLike, other: "Solid") -> Any:  # noqa: ANN401 - manifold3d ships no types
+        """What is common to both, in this one's frame, as manifold3d has it; `other` posed by `own_from_other` (4, 4)."""
+        return self.body ^ other.body.transform(last_axes(own_from_other, (4, 4), "own_from_other")[:3])
 
     def _apart(self, T: Floats, other: "Solid") -> bool:
         """The cheap answer: the spheres round the two, or the boxes along this one's axes, do not meet."""

@@ -60,14 +60,14 @@ def _of_learnt(kind: ObjectType) -> Iterator[str]:
 
 def _of_mesh(kind: ObjectType) -> Iterator[str]:
     surface = kind.surface
-    if surface is None or (surface.closed and surface.volume > 0):
+    if surface is None or surface.solid is surface:
         return
-    solid = surface.solid
     what = f"the mesh is not closed ({surface.faults})" if not surface.closed else "the mesh encloses no volume"
-    if solid is None:
-        yield f"{what}, and it is flat: it hides what is behind it, and shares no volume with others (A4)"
+    solid, done, refused = surface.mended
+    if solid is not None:
+        yield f"{what}; repaired for shared volume (A4): {done}; {solid.volume:.4g} m3"
     else:
-        yield f"{what}: it hides what is behind it all the same; for shared volume (A4) its convex hull stands in, {solid.volume:.4g} m3"
+        yield f"{what}; refused as a solid: {refused}. It hides what is behind it all the same, but A4 says nothing of it: others may stand in it"
 
 
 def _named(names: list[str]) -> str:

@@ -1,7 +1,7 @@
 """Surfaces: Surface(surface(x), BoundingSurface, facets), of triangles, closed and manifold where it can be (§2.8).
 
 Vocabulary: ``Surface``, a tetrahedron having 4 vertices and 4 triangles; its edges lie each in exactly two facets. A surface that is
-not closed hides what is behind it all the same, for that is a matter of rays; A4's volume is then that of ``solid``, its convex hull.
+not closed hides what is behind it all the same, for that is a matter of rays; for A4 it is repaired, or refused as a ``solid``.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
+
+    from kb.solid import Mended
 
 WELD = 1e-6
 """Vertices nearer than this, as a share of the diameter, are one: a texture's seam splits them."""
@@ -69,14 +71,17 @@ class Surface:
         """
         return is_closed(self.triangles)
 
-    @cached_property
+    @property
     def solid(self) -> Surface | None:
-        """The closed surface whose volume A4 is about: this one, or, of one that encloses none, its convex hull.
+        """The closed surface whose volume A4 is about: this one, or it repaired; None where it is refused, and shares no volume with anything."""
+        return self.mended.surface
 
-        The hull is too large where the body is hollow, so that A4 forbids more than it should there. None for a flat surface, which
-        shares no volume with anything.
-        """
-        return self if self.closed and self.volume > 0 else _hull(self.vertices)
+    @cached_property
+    def mended(self) -> Mended:
+        """What of it is a solid, and what was repaired for that, or why it is refused (``kb.solid``)."""
+        from kb.solid import mended
+
+        return mended(self)
 
     @cached_property
     def diameter(self) -> float:
@@ -165,21 +170,6 @@ def check_closed(surface: Surface) -> None:
     """
     if surface.faults:
         raise SurfaceError(f"no closed surface: {surface.faults} of {len(surface.triangles)} facets")
-
-
-def _hull(vertices: NDArray[np.float64]) -> Surface | None:
-    """The convex hull of points (V, 3), facets outward; None where they lie in a plane."""
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        hull = ConvexHull(vertices)
-    except QhullError:
-        return None
-    a, b, c = np.moveaxis(vertices[hull.simplices], 1, 0)
-    inward = np.einsum("ti,ti->t", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
-    facets = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
-    used, index = np.unique(facets, return_inverse=True)
-    return Surface(vertices[used], index.reshape(-1, 3))
 
 
 def _edge_faults(triangles: NDArray[np.int64]) -> dict[str, int]:

@@ -17,6 +17,7 @@ from plogic.fitted import as_fitted
 from plogic.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.measures.explanatory import explanatory_value
 from plogic.parts import part_facts
+from plogic.placing import space_of_view
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
 from plogic.search.indices import generate
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Reading, Reconsider, Situation
@@ -88,6 +89,7 @@ def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float
             overlaps=overlaps,
             rivals=rivals,
             exclusive=exclusive,
+            space=space_of_view(beliefs, overlaps, data.camera, kb),
             relations=_relations(posed, [pair for pair in pairs if pair not in exclusive], data.camera),
             priors={t.name: kb.rates.prior.get(t.name, 0.5) for t in kb.types},
             dv=types_told(dv, kb, hypotheses),

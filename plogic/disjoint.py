@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from geometry.reach import reach
+from geometry.reach import reaches
 from geometry.refine import information
 from plogic.evidence import sigmas
 from plogic.freedom import LOOSE
@@ -72,14 +72,12 @@ def moved_apart(posed: Sequence[Posed], camera: Camera, kb: KnowledgeBase) -> tu
 
 
 def contacts(posed: Sequence[Posed], poses: Sequence[Floats]) -> list[Contact]:
-    """Where closed bodies at some poses reach into each other; of one that is not closed nobody knows."""
+    """Where bodies at some poses reach into each other, once a connected piece of what they share; of one that is no solid nobody knows."""
     found = []
     for i, j in combinations(range(len(posed)), 2):
-        one, other = (posed[k].object_type.surface for k in (i, j))
-        if one is not None and other is not None and one.solid is one and other.solid is other:
-            deep = reach(solid_of(one), poses[i], solid_of(other), poses[j])
-            if deep is not None:
-                found.append(Contact(i, j, deep))
+        one, other = (None if (surface := posed[k].object_type.surface) is None else surface.solid for k in (i, j))
+        if one is not None and other is not None:
+            found += [Contact(i, j, deep) for deep in reaches(solid_of(one), poses[i], solid_of(other), poses[j])]
     return found
 
 

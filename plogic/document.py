@@ -14,6 +14,7 @@ import numpy as np
 from geometry.camera import camera_to_dict
 from plogic.assets import image_asset, mesh_assets
 from plogic.carried_lobes import sensing_document, types_document
+from plogic.exclusions import apart_of
 from plogic.expectation import hidden_by
 from plogic.factors.asking import together
 from plogic.interpretation import FORMAT, facts_of, hypothesis_document
@@ -21,6 +22,7 @@ from plogic.lumped import OTHERS, left_out, looked_at, support_document, told, t
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.outlines import outline_rings
+from plogic.spatial import space_document
 from sensing.gamma_files import appearance_to_dict
 from sensing.uncollected import uncollected
 
@@ -73,6 +75,7 @@ def document_of(
         "unlisted_mass": list(ranking.unlisted),
         "relations": relation_probabilities(situation),
         "facts": facts_of(situation),
+        "space": space_document(situation.space),
         "measures": {"dv": situation.dv, "p_dv": _told(probability_of_distinctiveness(counts), situation.dv), "rank": situation.rank},
         "priors": situation.priors,
         "rules": situation.rules,
@@ -108,10 +111,12 @@ def relation_probabilities(situation: Situation) -> list[dict[str, Any]]:
 
 def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, float]) -> list[dict[str, Any]]:
     facts = {h.id: h for h in delta.situation.hypotheses}
+    apart = apart_of(delta.situation.space, {name: h.type for name, h in facts.items()})
     return [
         {
             **hypothesis_document(facts[name], _cases(belief, _beside(name, delta))),
             **_verdict(belief, gamma, dv),
+            **({"apart": apart[name]} if name in apart else {}),
             "probability": ranking.marginals[name],
         }
         for name, belief in delta.beliefs.items()

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from plogic.errors import InterpretationError, SituationError
 from plogic.sanity import check
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, PartFact, Reading, Reconsider, Situation
+from plogic.spatial import overlap_document, space_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -29,6 +30,7 @@ def facts_of(situation: Situation) -> list[Document]:
     """The facts between hypotheses, in a fixed order."""
     pairs = [("overlap", situation.overlaps), ("rival", situation.rivals), ("exclusive", situation.exclusive)]
     facts: list[Document] = [{"fact": name, "args": list(pair)} for name, found in pairs for pair in sorted(found)]
+    facts = [overlap_document(fact, situation.space) if fact["fact"] == "overlap" else fact for fact in facts]
     facts += [{"fact": "relation", "relation": r.relation, "args": [r.x, r.y]} for r in situation.relations]
     for h in situation.hypotheses:
         facts += [{"fact": "behind", "args": [f"{h.id}/{f.id}", other]} for f in h.features for other in f.hidden_by]
@@ -64,6 +66,7 @@ def _situation(document: Mapping[str, Any]) -> Situation:
         rivals=_pairs(facts, "rival"),
         exclusive=_pairs(facts, "exclusive"),
         relations=tuple(PairFact(f["relation"], *f["args"]) for f in facts if f["fact"] == "relation"),
+        space=space_of(document.get("space"), facts),
         priors=dict(document["priors"]),
         dv=dict(document["measures"]["dv"]),
         rank=dict(document["measures"]["rank"]),

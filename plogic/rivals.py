@@ -33,7 +33,7 @@ def solid_of(surface: Surface) -> Solid:
 
 
 def overlap(one: Posed, other: Posed) -> bool:
-    """A4: whether the two bodies share volume beyond what pose errors make of touching ones; of one not closed, its convex hull."""
+    """A4: whether the two bodies share volume beyond what pose errors make of touching ones; of one that is no solid nobody knows."""
     a, b = one.object_type.surface, other.object_type.surface
     if a is None or b is None:
         return False
@@ -41,7 +41,7 @@ def overlap(one: Posed, other: Posed) -> bool:
     if apart >= 0.5 * (a.diameter + b.diameter):
         return False
     first, second = a.solid, b.solid
-    if first is None or second is None:  # a flat one has no volume to share
+    if first is None or second is None:  # refused (kb.solid)
         return False
     volume = _shared(first, one.camera_from_object.tobytes(), second, other.camera_from_object.tobytes())
     return bool(volume > SHARED_VOLUME * min(first.volume, second.volume))

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from plogic.situation import FeatureFact, HypothesisFact, Situation
+    from plogic.spatial import Space
 
 
 def check(situation: Situation) -> None:
@@ -22,6 +23,7 @@ def check(situation: Situation) -> None:
             _known(name, pair, ids)
     for relation in situation.relations:
         _known(f"relation {relation.relation}", (relation.x, relation.y), ids)
+    _check_space(situation.space, ids)
     for a in situation.appearances:
         _number(f"appearance {a.id}: clutter", a.clutter, 0.0, math.inf)
     for h in situation.hypotheses:
@@ -29,6 +31,20 @@ def check(situation: Situation) -> None:
     for name, prior in situation.priors.items():
         _number(f"prior of {name}", prior, 0.0, 1.0)
     _number("smoothing", situation.smoothing, 0.0, 0.5)
+
+
+def _check_space(space: Space, ids: frozenset[str]) -> None:
+    _known("space", sorted(space.names()), ids)
+    _unique("space: body of hypothesis", [body.id for body in space.bodies])
+    for body in space.bodies:
+        _number(f"space: {body.id}: nearest", body.nearest, 0.0, math.inf)
+        for metres in body.middle:
+            _number(f"space: {body.id}: middle", metres, -math.inf, math.inf)
+    for x, y, gap in space.gaps:
+        _number(f"space: gap of {x} and {y}", gap, 0.0, math.inf)
+    for shared in space.shared:
+        for value in (shared.volume, *shared.depth):
+            _number(f"overlap of {shared.x} and {shared.y}", value, 0.0, math.inf)
 
 
 def _check_hypothesis(h: HypothesisFact, ids: frozenset[str], data: frozenset[str]) -> None:

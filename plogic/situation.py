@@ -16,6 +16,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+from plogic.spatial import Space
+
 Reading = Literal["score", "posterior"]
 Reconsider = Literal["to_B", "drop", "reassign"]
 
@@ -103,7 +105,8 @@ class Situation:
     excludes from one world and those that claim the same appearances; ``exclusive`` is the part of ``rivals`` that the constraints of the
     score reading forbid to be present together (an appearance serves one feature, D8). ``priors`` per type (posterior). ``smoothing`` ε
     replaces p by ε + (1 − 2ε) p in the *score* program's choices (trap c), never in the measures; 0 by default. ``dv`` per feature type
-    and ``rank`` per object type are side tables for queries. ``rules`` is the author's ``rules.pl``.
+    and ``rank`` per object type are side tables for queries. ``space`` says where bodies are, and decides no probability of a world. ``rules``
+    is the author's ``rules.pl``.
     """
 
     reading: Reading
@@ -114,6 +117,7 @@ class Situation:
     rivals: frozenset[tuple[str, str]] = frozenset()
     exclusive: frozenset[tuple[str, str]] = frozenset()
     relations: tuple[PairFact, ...] = ()
+    space: Space = field(default_factory=Space)
     priors: dict[str, float] = field(default_factory=dict)
     dv: dict[str, float] = field(default_factory=dict)
     rank: dict[str, float] = field(default_factory=dict)

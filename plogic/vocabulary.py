@@ -9,25 +9,8 @@ Every predicate holds *in a world*: of hypotheses that are not present nothing i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-
-@dataclass(frozen=True)
-class Entry:
-    """``name/arity`` "is true if" ``meaning``; ``clause`` is its ProbLog text, one clause a line."""
-
-    name: str
-    arity: int
-    meaning: str
-    usage: str
-    clause: str
-    reading: str = ""
-
-    @property
-    def signature(self) -> str:
-        """``present/1``."""
-        return f"{self.name}/{self.arity}"
-
+from plogic.vocabulary_entry import Entry
+from plogic.vocabulary_space import SPACE
 
 SPELLINGS = {("atom", 1): "atom_node"}
 """Predicates that ProbLog already has: what a user writes → what programs say; mapped on the syntax tree."""
@@ -188,27 +171,7 @@ VOCABULARY: tuple[Entry, ...] = (
         "ev(H, V)",
         "ev(H, V) :- hypothesis(H, _), present(H), context(H, C), ev_given(H, C, V).",
     ),
-    Entry(
-        "left_of",
-        2,
-        "X's origin is further left than Y's, along the camera's x axis",
-        "left_of(X, Y)",
-        "left_of(X, Y) :- at(X, A, _, _), at(Y, B, _, _), A < B, present(X), present(Y).",
-    ),
-    Entry(
-        "nearer",
-        2,
-        "X's origin is nearer to the camera than Y's",
-        "nearer(X, Y)",
-        "nearer(X, Y) :- distance(X, A), distance(Y, B), A < B, present(X), present(Y).",
-    ),
-    Entry(
-        "near",
-        3,
-        "X's and Y's origins are at most D metres apart",
-        "near(X, Y, D)",
-        "near(X, Y, D) :- at(X, A, B, C), at(Y, E, F, G), X \\= Y, (A-E)^2 + (B-F)^2 + (C-G)^2 =< D^2, present(X), present(Y).",
-    ),
+    *SPACE,
 )
 
 

@@ -153,8 +153,8 @@ def _simplified(mended: Repaired) -> list[str]:
 
 def _open(mended: Repaired) -> str:
     what = f" ({mended.left} larger holes left open)" if mended.left else ""
-    hull = "volume is shared by its convex hull (A4)" if mended.surface.solid is not None else "it is flat and shares no volume (A4)"
-    return f"  not closed{what}: {mended.surface.faults}; it hides what is behind it all the same, {hull}"
+    refused = mended.surface.mended.refused
+    return f"  not closed{what}: {mended.surface.faults}; refused as a solid: {refused}; it hides what is behind it, A4 says nothing of it"
 
 
 def _symmetries(document: dict[str, Any]) -> list[str]:

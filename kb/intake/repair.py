@@ -53,13 +53,13 @@ def repaired(vertices: Places, triangles: Facets) -> Repaired:
         joined = welded(vertices, triangles)
     except SurfaceError as error:
         raise IntakeError(f"no surface can be made of it: {error}") from error
-    places, facets, holes, left = _closed(joined)
+    places, facets, holes, left = closed_up(joined)
     smaller, off = simplified(Surface(places, facets))
     lost = len(triangles) - len(joined.triangles) + joined_twice(joined.triangles)
     return Repaired(smaller, len(vertices), len(triangles), len(vertices) - len(joined.vertices), lost, holes, left, off)
 
 
-def _closed(surface: Surface) -> tuple[Places, Facets, int, int]:
+def closed_up(surface: Surface) -> tuple[Places, Facets, int, int]:
     """Vertices, triangles, holes filled and holes left, of the first way of cleaning that closes the surface; else of the last."""
     result = surface.vertices, surface.triangles, 0, 0
     for single in _once(surface.triangles):

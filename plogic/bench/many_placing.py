@@ -104,8 +104,8 @@ def meet(kind: ObjectType, pose: Floats, other: ObjectType, at: Floats) -> bool:
 
 
 def body_of(kind: ObjectType) -> Solid:
-    """The body that A4 is about: of a surface that encloses no volume its hull. Raises ValueError for a flat one."""
+    """The body that A4 is about. Raises ValueError for a surface that is none."""
     solid = surface_of(kind).solid
     if solid is None:
-        raise ValueError(f"{kind.name} is flat and has no volume")
+        raise ValueError(f"{kind.name} is no solid: {surface_of(kind).mended.refused}")
     return solid_of(solid)

@@ -100,14 +100,17 @@ def _of_scene(
 ) -> tuple[str, int]:
     from plogic import tables
     from plogic.commands.printing import text_of_table
+    from plogic.exclusions import exclusion_lines, exclusions
 
     ranking = _scene_ranking(situation, number, given, seconds)
     rows = [_row(world, ranking) for world in ranking.worlds]
     answer = {"format": "worlds/1", "reading": document["reading"], "worlds": rows, "unlisted_mass": list(ranking.unlisted)}
+    answer["exclusions"] = exclusions(document)
     exact = ranking.exact
     if as_json:
         return json.dumps(answer if exact else {**answer, "deadline": "reached"}), 0 if exact else LATE
     text = text_of_table(tables.worlds({**document, "worlds": rows, "unlisted_mass": list(ranking.unlisted)}, number))
+    text = "".join([text, *(f"{line}\n" for line in exclusion_lines(document))])
     middles = ranking.log_evidence_interval[0] != ranking.log_evidence_interval[1]
     more = "probabilities are the middles of intervals, which --json states" if middles else "more worlds could be listed with more time"
     said = f"The deadline was reached: {more}."

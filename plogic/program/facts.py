@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from plogic.program.layout import coordinate, number, quoted
+from plogic.program.whereabouts import whereabouts
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -58,6 +59,7 @@ def geometry(w: Writer) -> Iterator[str]:
         yield from (_feature(w, h, f) for f in h.features)
     yield from _data(w)
     yield from _pairs(w)
+    yield from whereabouts(w)
     yield from _measures(w)
 
 

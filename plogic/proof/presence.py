@@ -16,6 +16,7 @@ from plogic.dependence import Scene
 from plogic.likelihood import group_shares
 from plogic.lumped import OTHERS
 from plogic.measures.explanatory import case_of
+from plogic.spatial import words_of_shared
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -130,6 +131,12 @@ def _datum(view: View, c: Contribution) -> str:
     return f"no appearance at ({f.uv[0]:.0f}, {f.uv[1]:.0f}), where {whose}{why}"
 
 
+def _with_volume(situation: Situation, name: str, other: str) -> str:
+    """``h3 (2.1e-05 m3, 12 mm deep)`` where that is known."""
+    found = situation.space.sharing(name, other)
+    return other if found is None else f"{other} ({words_of_shared(found)})"
+
+
 def _excluded(view: View) -> Iterator[str]:
     """Hypotheses that the constraints keep out of its worlds."""
     situation, h = view.scene.situation, view.h
@@ -139,7 +146,8 @@ def _excluded(view: View) -> Iterator[str]:
     for reason, pairs in reasons:
         others = sorted({x if y == h.id else y for x, y in pairs if h.id in (x, y)}, key=list(view.scene.by_id).index)
         if others:
-            yield f"  excludes, since it {reason}: {_listed(others)}"
+            told = [_with_volume(situation, h.id, other) for other in others] if pairs is situation.overlaps else others
+            yield f"  excludes, since it {reason}: {_listed(told)}"
     if situation.reading == "posterior":
         rivals = [g.id for g in situation.hypotheses if g.group == h.group and g.id != h.id]
         if rivals:

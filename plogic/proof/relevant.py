@@ -1,7 +1,8 @@
 """The part of a situation that a goal is about: the hypotheses that it names, and all that hang together with them.
 
-Hypotheses hang together if one can hide a feature of the other, if they share an appearance, are rivals, exclude each other or compete for one
-instance. Worlds are products over such parts, so that probabilities and explanations of a goal about one part are those of the part alone.
+Hypotheses hang together if one can hide a feature of the other, if they share an appearance, are rivals, exclude each other, compete for one instance
+or carry something together. Worlds are products over such parts, so that probabilities and explanations of a goal about one part
+are those of the part alone.
 """
 
 from __future__ import annotations
@@ -96,6 +97,9 @@ def _together(situation: Situation, named: set[str]) -> set[str]:
                 link(h.id, other)
     for x, y in (*situation.overlaps, *situation.rivals, *situation.exclusive):
         link(x, y)
+    for x, y, z in situation.space.on_both:  # whether x is on y may hang on z
+        link(x, y)
+        link(x, z)
     ids = {h.id for h in situation.hypotheses}
     stack = [name if name in ids else f"datum {name}" for name in sorted(named)]
     reached: set[str] = set()
@@ -122,5 +126,6 @@ def _part(situation: Situation, kept: set[str], named: set[str]) -> Situation:
         rivals=inside(situation.rivals),
         exclusive=inside(situation.exclusive),
         relations=tuple(r for r in situation.relations if r.x in kept and r.y in kept),
+        space=situation.space.among(kept),
         rules="",
     )

@@ -3,12 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic import CAMERA, cycle_of, data, posed_at, scene, stand, towers
 
+from geometry.depth import penetration
 from geometry.frames import pose_error
 from plogic.disjoint import DEEP, contacts, moved_apart
+from plogic.rivals import solid_of
 
 
 def pushed(seed, deep, names=("t1", "t2")):
@@ -55,6 +58,16 @@ def test_what_reaches_into_another_is_moved_out(seed, deep):
         turned, moved = pose_error(pose, some.camera_from_object)
         assert moved < 3.0 * deep + DEEP, "as far as it must"
         assert turned < 0.1
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_was_moved_out_is_out_by_the_definition_of_depth_too(seed):
+    """Which knows nothing of least widths."""
+    posed = pushed(seed, 0.004 * (1 + seed))
+    poses, _ = moved_apart(posed, CAMERA, towers())
+    (a, T_a), (b, T_b) = ((solid_of(some.object_type.surface), pose) for some, pose in zip(posed, poses, strict=True))
+    found = penetration(a, T_a, b, T_b)
+    assert found is None or found.high <= DEEP
 
 
 def test_the_one_that_nobody_saw_makes_way():

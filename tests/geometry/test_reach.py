@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
-from geometry_bodies import at, box, random_rotations, wedge
+from geometry_bodies import at, box, bracket, random_rotations, wedge
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.frames import from_rotation_translation
 from geometry.overlap import Solid, solid_overlap
-from geometry.reach import least_width, reach
+from geometry.reach import least_width, reach, reaches
 
 CUBE, BRICK, WEDGE = Solid(*box()), Solid(*box(0.8, 0.6, 1.3)), Solid(*wedge())
 
@@ -57,3 +57,12 @@ def test_the_least_width_of_a_brick_is_its_thickness():
         assert abs(way @ R[:, 2]) == pytest.approx(1.0)
     assert least_width(corners * [1, 1, 0]) is None
     assert least_width(corners[:2]) is None
+
+
+def test_two_that_interlock_reach_into_each_other_piece_by_piece():
+    """A block too wide for the U by 1 mm on either side: two slabs of 1 mm, where their common hull is a metre wide."""
+    you, block = Solid(*bracket()), Solid(*box(1.202, 0.5, 0.8))
+    found = reaches(you, np.eye(4), block, at(0, 0.3, 0))
+    assert [one.depth for one in found] == pytest.approx([0.001, 0.001], abs=1e-7)
+    assert {round(one.at[0], 3) for one in found} == {-0.6, 0.6}
+    assert reach(you, np.eye(4), block, at(0, 0.3, 0)).depth == pytest.approx(0.001, abs=1e-7)

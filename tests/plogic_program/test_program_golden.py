@@ -17,6 +17,7 @@ from situations import feature, hypothesis, situation
 from plogic.errors import SituationError
 from plogic.program.text import left_out, program_text, query_lines
 from plogic.situation import AppearanceFact, PairFact
+from plogic.spatial import BodyFact, SharedFact, Space
 from plogic.worlds import ranked_worlds
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -40,6 +41,20 @@ def small(reading="score", mode="to_B"):
     return replace(
         made,
         appearances=(*made.appearances, AppearanceFact("a9", "patch", (9.0, 9.0), 1e-5)),
+        space=Space(
+            (0.0, -1.0, 0.0),
+            "T_world_camera",
+            bodies=(
+                BodyFact("h1", (0.1, -0.2, 4.5), 4.1, "inside"),
+                BodyFact("h2", (0.0, 0.3, 5.0), 4.6, "cut"),
+                BodyFact("h3", (0.0, 0.3, 5.0), 4.7, "outside"),
+            ),
+            gaps=(("h1", "h2", 0.0012), ("h1", "h3", 0.4)),
+            above=(("h1", "h2"), ("h1", "h3")),
+            on=(("h1", "h2"),),
+            on_both=(("h1", "h3", "h4"),),
+            shared=(SharedFact("h2", "h3", 2.1e-5, (0.012, 0.0125)),),
+        ),
         rules="tall(H) :- feature(H, 'roof/apex', apex).",
     )
 

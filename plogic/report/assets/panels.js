@@ -1,4 +1,4 @@
-// Worlds, hypotheses, relations, measures, trace: everything that is words and numbers.
+// Everything that is words and numbers.
 const listed = (b) => el('li', {class: 'fold'}, b);
 const across = (n) => (b) => el('tr', null, el('td', {colspan: n, class: 'fold'}, b));
 const boxed = (b) => el('div', null, b);
@@ -49,7 +49,7 @@ const EVENT = {rank: 'Ranked', try: 'Tried', accept: 'Accepted', reject: 'Reject
 function card(h, number) {
   const look = () => { show({present: [h.id], causes: null, title: `Only ${called(h.id)} is shown, as it was tried.`}); at('view').scrollIntoView({block: 'start'}); };
   const [a, c, , d] = cellSums(h), box = el('div', {class: 'why'}, el('p', {class: 'top'}, who(h.id), number), el('p', null, `Of ${plural(a + c, 'expected feature')} ${a} found, ${c} missed${d ? `; ${d} more found that it does not expect` : ''}.`),
-    h.why ? el('p', null, sentence(h.why)) : null, h.status === 'accepted' ? null : button('Show it alone', look, {'data-alone': h.id}));
+    h.why ? el('p', null, sentence(h.why)) : null, list(h.apart).map((t) => el('p', null, t)), h.status === 'accepted' ? null : button('Show it alone', look, {'data-alone': h.id}));
   if (h.status !== 'accepted') for (const [event, id] of [['pointerenter', h.id], ['pointerleave', null], ['focusin', h.id], ['focusout', null]]) box.addEventListener(event, () => hint(id));
   return box;
 }

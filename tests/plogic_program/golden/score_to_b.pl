@@ -58,6 +58,22 @@ datum(a9, patch).
 overlap(h2, h3).
 rival_pair(h2, h3).
 outline_relation(partially_occludes, h1, h2).
+% Space: the middles of bodies and their nearest places to the camera, metres, camera frame; then the gaps between two, and up.
+body_middle(h1, 0.1000, -0.2000, 4.5000). body_nearest(h1, 4.1000). inside_image(h1).
+body_middle(h2, 0.0000, 0.3000, 5.0000). body_nearest(h2, 4.6000). cut_by_image(h2).
+body_middle(h3, 0.0000, 0.3000, 5.0000). body_nearest(h3, 4.7000).
+body_middle(h4, 0.0000, 0.0000, 5.0000). body_nearest(h4, 5.0000).
+body_gap(h1, h2, 0.0012).
+body_gap(h1, h3, 0.4000).
+body_gap(h1, h4, 0.5477).
+body_gap(h2, h4, 0.3000).
+body_gap(h3, h4, 0.3000).
+up_direction(0.0000, -1.0000, 0.0000). % from: T_world_camera
+body_over(h1, h2).
+body_over(h1, h3).
+stands_on(h1, h2).
+stands_on_both(h1, h3, h4).
+% overlap(h2, h3): 2.1e-05 m3, 12 to 12.5 mm deep
 dv(apex, 0.9910714285714286).
 dv(corner, 0.8571428571428572).
 dv(other, 0.1517857142857143).
@@ -96,6 +112,9 @@ in_lobe(_, _) :- fail. self_hidden(_, _) :- fail. behind_surface(_, _, _) :- fai
 match(_, _, _) :- fail. preferred(_, _, _) :- fail. datum(_, _) :- fail.
 overlap(_, _) :- fail. rival_pair(_, _) :- fail. exclusive(_, _) :- fail.
 outline_relation(_, _, _) :- fail. at(_, _, _, _) :- fail. distance(_, _) :- fail.
+body_middle(_, _, _, _) :- fail. body_nearest(_, _) :- fail. up_direction(_, _, _) :- fail.
+inside_image(_) :- fail. cut_by_image(_) :- fail. body_gap(_, _, _) :- fail.
+body_over(_, _) :- fail. stands_on(_, _) :- fail. stands_on_both(_, _, _) :- fail.
 dv(_, _) :- fail. rank(_, _) :- fail. ev_given(_, _, _) :- fail.
 context(_, _) :- fail.
 
@@ -205,12 +224,31 @@ non_occludes(X, Y) :- roc(non_occludes, X, Y).
 opaque(H) :- opaque_surface(H).
 % ev(H, V): V is the explanatory value of the present H, given which of its occluders are present (§5.4, §5.5).
 ev(H, V) :- hypothesis(H, _), present(H), context(H, C), ev_given(H, C, V).
-% left_of(X, Y): X's origin is further left than Y's, along the camera's x axis.
-left_of(X, Y) :- at(X, A, _, _), at(Y, B, _, _), A < B, present(X), present(Y).
-% nearer(X, Y): X's origin is nearer to the camera than Y's.
-nearer(X, Y) :- distance(X, A), distance(Y, B), A < B, present(X), present(Y).
-% near(X, Y, D): X's and Y's origins are at most D metres apart.
-near(X, Y, D) :- at(X, A, B, C), at(Y, E, F, G), X \= Y, (A-E)^2 + (B-F)^2 + (C-G)^2 =< D^2, present(X), present(Y).
+% left_of(X, Y): X's middle is further left than Y's, along the camera's x axis.
+left_of(X, Y) :- body_middle(X, A, _, _), body_middle(Y, B, _, _), A < B, present(X), present(Y).
+% right_of(X, Y): Y is left of X.
+right_of(X, Y) :- left_of(Y, X).
+% nearer(X, Y): the nearest place of X's surface is nearer to the camera than that of Y's.
+nearer(X, Y) :- body_nearest(X, A), body_nearest(Y, B), A < B, present(X), present(Y).
+% farther(X, Y): Y is nearer than X.
+farther(X, Y) :- nearer(Y, X).
+% gap(X, Y, V): V is how many metres are between X's surface and Y's, 0 where they touch.
+gap(X, Y, V) :- body_gap(X, Y, V), present(X), present(Y).
+gap(X, Y, V) :- body_gap(Y, X, V), present(X), present(Y).
+% near(X, Y, D): X's and Y's surfaces are at most D metres apart.
+near(X, Y, D) :- gap(X, Y, V), V =< D.
+% above(X, Y): X is over Y along some plumb line, and Y over X along none; without a known up, of nothing.
+above(X, Y) :- body_over(X, Y), present(X), present(Y).
+% below(X, Y): Y is above X.
+below(X, Y) :- above(Y, X).
+% on(X, Y): X is above Y, touches it, and is held up by Y, or by Y and one other present object.
+on(X, Y) :- stands_on(X, Y), present(X), present(Y).
+on(X, Y) :- stands_on_both(X, Y, Z), present(X), present(Y), present(Z).
+on(X, Y) :- stands_on_both(X, Z, Y), present(X), present(Y), present(Z).
+% in_view_of_camera(X): X's outline lies wholly in the image, hidden or not.
+in_view_of_camera(X) :- inside_image(X), present(X).
+% partly_in_view_of_camera(X): X's outline lies partly in the image, and partly outside.
+partly_in_view_of_camera(X) :- cut_by_image(X), present(X).
 
 % ---- The rules of the knowledge base's author
 tall(H) :- feature(H,f1,apex).
