@@ -15,18 +15,14 @@ leave open, so exactly one relation holds; each row is the mirror of its convers
 own, so that R(a, b) is the converse of R(b, a), bit for bit. An area without points is DC from everything.
 """
 
-from typing import Literal, NamedTuple, get_args
+from typing import NamedTuple
 
 import numpy as np
 import shapely
 
 from geometry.outline import Area
+from geometry.roc import Rcc8, rcc_converse
 
-Rcc8 = Literal["DC", "EC", "PO", "TPP", "NTPP", "EQ", "TPPi", "NTPPi"]
-
-RCC8: tuple[Rcc8, ...] = get_args(Rcc8)
-"""The eight, jointly exhaustive and pairwise disjoint."""
-_CONVERSE: dict[Rcc8, Rcc8] = {"TPP": "TPPi", "NTPP": "NTPPi", "TPPi": "TPP", "NTPPi": "NTPP"}
 _QUARTER = 16  # corners of a quarter of a circle: a widened area falls short of its tolerance by 0.1 % of it at most
 
 
@@ -51,11 +47,6 @@ def related(a: Area, b: Area, tolerance: float) -> Related:
             found = _related(b, a, tolerance)
             return Related(rcc_converse(found.rcc), found.interior)
         return _related(a, b, tolerance)
-
-
-def rcc_converse(relation: Rcc8) -> Rcc8:
-    """The relation of (b, a) where ``relation`` is that of (a, b)."""
-    return _CONVERSE.get(relation, relation)
 
 
 def _related(a: Area, b: Area, tolerance: float) -> Related:

@@ -16,8 +16,7 @@ A relation is the RCC-8 term of the image of x to the image of y, times who is i
 
 from typing import Literal, get_args
 
-from geometry.rcc import Rcc8, rcc_converse
-
+Rcc8 = Literal["DC", "EC", "PO", "TPP", "NTPP", "EQ", "TPPi", "NTPPi"]
 CoarseRelation = Literal[
     "non_occludes",
     "partially_occludes",
@@ -51,9 +50,12 @@ Roc = Literal[
 Los14 = Literal["C", "JC", "PH", "PHI", "JH", "JHI", "H", "HI", "EH", "EHI", "JF", "JFI", "F", "FI"]
 Front = Literal["nobody", "x", "y", "both"]
 
+RCC8: tuple[Rcc8, ...] = get_args(Rcc8)
+"""The eight, jointly exhaustive and pairwise disjoint."""
 ROC20: tuple[Roc, ...] = get_args(Roc)
 """The twenty, jointly exhaustive and pairwise disjoint."""
 COARSE: tuple[CoarseRelation, ...] = get_args(CoarseRelation)
+_RCC_CONVERSE: dict[Rcc8, Rcc8] = {"TPP": "TPPi", "NTPP": "NTPPi", "TPPi": "TPP", "NTPPi": "NTPP"}
 _COVERED: dict[Front, tuple[Rcc8, ...]] = {"x": ("EQ", "TPPi", "NTPPi"), "y": ("EQ", "TPP", "NTPP")}
 """Who is in front → the terms at which the hinder image is covered."""
 _WORDS: dict[Front, tuple[CoarseRelation, CoarseRelation]] = {
@@ -63,6 +65,11 @@ _WORDS: dict[Front, tuple[CoarseRelation, CoarseRelation]] = {
     "both": ("mutually_occludes", "mutually_occludes"),
 }
 _MIRRORED: dict[Front, Front] = {"x": "y", "y": "x", "nobody": "nobody", "both": "both"}
+
+
+def rcc_converse(term: Rcc8) -> Rcc8:
+    """The RCC-8 relation of (b, a) where ``term`` is that of (a, b)."""
+    return _RCC_CONVERSE.get(term, term)
 
 
 def roc(rcc: Rcc8, front: Front) -> Roc:

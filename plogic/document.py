@@ -97,7 +97,7 @@ def relation_probabilities(situation: Situation) -> list[dict[str, Any]]:
     """P(relation) of each pair: that both are present, most probable first."""
     chances = together(situation, [(fact.x, fact.y) for fact in situation.relations])
     rows = [
-        {"relation": fact.relation, "args": [fact.x, fact.y], "probability": chance}
+        {"relation": fact.relation, "args": [fact.x, fact.y], "probability": chance, **({"roc": fact.roc} if fact.roc else {})}
         for fact, chance in zip(situation.relations, chances, strict=True)
     ]
     return sorted(rows, key=lambda row: (-row["probability"], row["relation"], row["args"]))

@@ -212,6 +212,7 @@ def without(situation: Situation, name: str) -> Situation:
         rivals=kept(situation.rivals),
         exclusive=kept(situation.exclusive),
         relations=tuple(r for r in situation.relations if name not in (r.x, r.y)),
+        part_relations=tuple(r for r in situation.part_relations if name not in (r.x, r.y)),
     )
 
 

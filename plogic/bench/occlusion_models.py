@@ -15,12 +15,11 @@ from functools import cache
 from itertools import combinations, permutations, product
 from typing import TYPE_CHECKING, NamedTuple
 
-from geometry.roc import Front, Roc, roc
+from geometry.roc import Front, Rcc8, Roc, roc
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator, Sequence
 
-    from geometry.rcc import Rcc8
 
 Cell = tuple[bool, bool, bool]
 """In x, in y, in z."""
@@ -28,10 +27,13 @@ Contact = tuple[bool | None, bool | None, bool | None]
 """Inside (True), outside (False) or on the boundary (None) of each."""
 Triple = tuple[Roc, Roc, Roc]
 Fronts = tuple[Front, Front, Front]
+Terms = tuple[Rcc8, Rcc8, Rcc8]
+Firsts = tuple[frozenset[int], frozenset[int], frozenset[int]]
+"""Of each pair, which of its two (0, 1) is first somewhere."""
 
 PAIRS = ((0, 1), (1, 2), (0, 2))
-CELLS: tuple[Cell, ...] = tuple(cell for cell in product((False, True), repeat=3) if any(cell))
-CONTACTS: tuple[Contact, ...] = tuple(c for c in product((False, True, None), repeat=3) if c.count(None) >= 2)
+CELLS: tuple[Cell, ...] = tuple((x, y, z) for x, y, z in product((False, True), repeat=3) if x or y or z)
+CONTACTS: tuple[Contact, ...] = tuple((x, y, z) for x, y, z in product((False, True, None), repeat=3) if (x, y, z).count(None) >= 2)
 _OUTSIDE: Cell = (False, False, False)
 
 
@@ -49,8 +51,13 @@ def possible_triples() -> frozenset[Triple]:
     for cells in _cell_sets():
         fronts = possible_fronts(cells)
         for terms in {rcc_terms(images) for images in _with_contacts(cells)}:
-            found.update(tuple(roc(term, front) for term, front in zip(terms, some, strict=True)) for some in fronts)  # type: ignore[misc]
+            found.update(triple_of(terms, some) for some in fronts)
     return frozenset(found)
+
+
+def triple_of(terms: Terms, fronts: Fronts) -> Triple:
+    """The relations of (x, y), (y, z), (x, z) from how their images lie and who is in front."""
+    return roc(terms[0], fronts[0]), roc(terms[1], fronts[1]), roc(terms[2], fronts[2])
 
 
 def _cell_sets() -> Iterator[frozenset[Cell]]:
@@ -72,10 +79,9 @@ def _has_room(contact: Contact, cells: frozenset[Cell]) -> bool:
     return all(len({cell[i] for cell in around}) == 2 for i in range(3) if contact[i] is None)
 
 
-def rcc_terms(images: Images) -> tuple[Rcc8, Rcc8, Rcc8]:
+def rcc_terms(images: Images) -> Terms:
     """The RCC-8 relations of (x, y), (y, z), (x, z)."""
-    first, second, third = (_rcc(images, i, j) for i, j in PAIRS)
-    return first, second, third
+    return _rcc(images, 0, 1), _rcc(images, 1, 2), _rcc(images, 0, 2)
 
 
 def _rcc(images: Images, i: int, j: int) -> Rcc8:
@@ -95,7 +101,8 @@ def _rcc(images: Images, i: int, j: int) -> Rcc8:
 @cache
 def possible_fronts(cells: frozenset[Cell]) -> frozenset[Fronts]:
     """Who is in front of (x, y), (y, z), (x, z), for every choice of a nonempty set of depth orders in each cell."""
-    found = {(frozenset[int](), frozenset[int](), frozenset[int]())}
+    nobody: frozenset[int] = frozenset()
+    found: set[Firsts] = {(nobody, nobody, nobody)}
     for cell in cells:
         choices = _order_sets(tuple(i for i in range(3) if cell[i]))
         found = {(a | p, b | q, c | r) for a, b, c in found for p, q, r in choices}
@@ -103,17 +110,19 @@ def possible_fronts(cells: frozenset[Cell]) -> frozenset[Fronts]:
 
 
 @cache
-def _order_sets(members: tuple[int, ...]) -> frozenset[tuple[frozenset[int], frozenset[int], frozenset[int]]]:
+def _order_sets(members: tuple[int, ...]) -> frozenset[Firsts]:
     """For every nonempty set of orders of the members: per pair, which of its two is before the other in some order."""
     orders = list(permutations(members))
     sets = (some for size in range(1, len(orders) + 1) for some in combinations(orders, size))
     return frozenset(_firsts(some) for some in sets)
 
 
-def _firsts(orders: Iterable[tuple[int, ...]]) -> tuple[frozenset[int], frozenset[int], frozenset[int]]:
-    some = list(orders)
-    a, b, c = (frozenset(min(pair, key=order.index) for order in some if set(pair) <= set(order)) for pair in PAIRS)
-    return tuple(frozenset(pair.index(i) for i in first) for pair, first in zip(PAIRS, (a, b, c), strict=True))  # type: ignore[return-value]
+def _firsts(orders: Sequence[tuple[int, ...]]) -> Firsts:
+    return _first_of((0, 1), orders), _first_of((1, 2), orders), _first_of((0, 2), orders)
+
+
+def _first_of(pair: tuple[int, int], orders: Sequence[tuple[int, ...]]) -> frozenset[int]:
+    return frozenset(pair.index(min(pair, key=order.index)) for order in orders if set(pair) <= set(order))
 
 
 def _front(first: frozenset[int]) -> Front:

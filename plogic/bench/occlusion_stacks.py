@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from geometry.rcc import Rcc8
+    from geometry.roc import Rcc8
 
     Grids = NDArray[np.int8]
     Masks = NDArray[np.bool_]

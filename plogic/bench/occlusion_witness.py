@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.roc import parts_of, roc
-from plogic.bench.occlusion_models import PAIRS, Images, possible_fronts, rcc_terms
+from geometry.roc import parts_of
+from plogic.bench.occlusion_models import PAIRS, Images, possible_fronts, rcc_terms, triple_of
 from plogic.bench.occlusion_stacks import masks_of, one_piece
 
 if TYPE_CHECKING:
@@ -29,8 +29,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from geometry.rcc import Rcc8
-    from plogic.bench.occlusion_models import Cell, Contact, Fronts, Triple
+    from plogic.bench.occlusion_models import Cell, Contact, Fronts, Terms, Triple
     from plogic.bench.occlusion_stacks import Grids
 
 WIDE, HIGH, DEEP = 5, 3, 8
@@ -44,12 +43,12 @@ class Arrangement(NamedTuple):
 
     squares: NDArray[np.bool_]
     cells: frozenset[Cell]
-    terms: tuple[Rcc8, Rcc8, Rcc8]
+    terms: Terms
 
 
 def arrangements(rng: np.random.Generator, count: int, side: int = 7) -> list[Arrangement]:
     """Of ``count`` random ones and all their renamings, one for each set of cells with its terms."""
-    found: dict[tuple[frozenset[Cell], tuple[Rcc8, ...]], Arrangement] = {}
+    found: dict[tuple[frozenset[Cell], Terms], Arrangement] = {}
     for squares in masks_of(rng, count, 3, side):
         if not all(one_piece(image) for image in squares):
             continue
@@ -90,11 +89,7 @@ def _corners_of_boundary(image: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def triples(found: Iterable[Arrangement]) -> frozenset[Triple]:
     """What can be built over the arrangements."""
     pairs = {(one.cells, one.terms) for one in found}
-    return frozenset(
-        tuple(roc(term, front) for term, front in zip(terms, fronts, strict=True))  # type: ignore[misc]
-        for cells, terms in pairs
-        for fronts in possible_fronts(cells)
-    )
+    return frozenset(triple_of(terms, fronts) for cells, terms in pairs for fronts in possible_fronts(cells))
 
 
 def built(one: Arrangement, triple: Triple) -> Grids:

@@ -122,5 +122,6 @@ def _part(situation: Situation, kept: set[str], named: set[str]) -> Situation:
         rivals=inside(situation.rivals),
         exclusive=inside(situation.exclusive),
         relations=tuple(r for r in situation.relations if r.x in kept and r.y in kept),
+        part_relations=tuple(r for r in situation.part_relations if r.x in kept and r.y in kept),
         rules="",
     )
