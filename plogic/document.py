@@ -20,6 +20,7 @@ from plogic.lumped import OTHERS, left_out, looked_at, support_document, told, t
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.outlines import outline_rings
+from plogic.predictions import doubts
 from sensing.gamma_files import appearance_to_dict
 from sensing.uncollected import uncollected
 
@@ -70,6 +71,7 @@ def document_of(
         **_worlds(ranking, situation, short=kb.words is not None),
         "unlisted_mass": list(ranking.unlisted),
         "relations": relation_probabilities(situation),
+        "doubts": [doubt.document() for doubt in doubts(situation)],
         "facts": facts_of(situation),
         "measures": {"dv": situation.dv, "p_dv": _told(probability_of_distinctiveness(counts), situation.dv), "rank": situation.rank},
         "priors": situation.priors,
