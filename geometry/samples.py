@@ -17,6 +17,7 @@ from geometry.outline import NEAR, Area, is_closed
 
 GRID = 400  # points, about, of the even grid over the common interior
 CROSSINGS = 4000  # pairs of facets beyond which the crossings are thinned out evenly
+_THIN = 0.02  # px; a crossing narrower than twice this is left out: along an edge of both surfaces single precision decides who is met
 _INWARD = 0.02  # how far a corner's point is drawn towards the crossing's middle, as a part of the way
 
 
@@ -86,7 +87,7 @@ def _sides(corners: Floats) -> tuple[Floats, Floats]:
 
 def _corners(areas: Area) -> Floats:
     """Points (N, 2) just inside the corners of `areas` (K,), and their middles."""
-    areas = areas[shapely.area(areas) > 0]
+    areas = areas[shapely.area(areas) > _THIN * shapely.length(areas)]
     corners, owner = shapely.get_coordinates(areas, return_index=True)
     middles = shapely.get_coordinates(shapely.centroid(areas))
     if not len(middles):
