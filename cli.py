@@ -181,7 +181,9 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **b
 
 
 @cli.command()
-@click.argument("name", type=click.Choice(["towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale"]))
+@click.argument(
+    "name", type=click.Choice(["towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", "scale", "occlusion"])
+)
 @click.option("--scenes", type=click.IntRange(1), default=120, show_default=True, help="Scenes of `towers`.")
 @click.option(
     "--limit",
@@ -199,7 +201,8 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
     from importlib import import_module
 
     drawn = {"quick": quick, "picture": picture}
-    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn, "scale": {"quick": quick}}
+    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn}
+    others |= {fast: {"quick": quick} for fast in ("scale", "occlusion")}
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
     text, met = import_module(f"plogic.bench.{name}").run(seed=seed, **options, as_json=as_json, say=_say)
     _out(text)

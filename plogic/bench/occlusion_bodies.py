@@ -95,7 +95,7 @@ def prism(shape: Any, height: float) -> Body:  # noqa: ANN401 - shapely ships no
         for a, b in zip(here, here[1:] + here[:1], strict=True):
             facets += [(a, b, b + count), (a, b + count, a + count)]
     low = np.c_[corners, np.zeros(count)]
-    return body(np.vstack([low, low + [0.0, 0.0, height]]), np.array(facets))
+    return body(np.vstack([low, low + np.array([0.0, 0.0, height])]), np.array(facets))
 
 
 def stack_surface(blocks: NDArray[np.bool_], across: Floats, down: Floats, depth: Floats) -> PosedSurface:

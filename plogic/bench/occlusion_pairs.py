@@ -14,7 +14,7 @@ from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw, 
 from geometry.overlap import solid_overlap
 from geometry.roc import ROC20
 from plogic.bench.occlusion_bodies import Body, body, concave_bodies, convex_bodies, placed, posed, stack_surface
-from plogic.bench.occlusion_stacks import codes, grown
+from plogic.bench.occlusion_stacks import clamps, codes, grown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -37,7 +37,7 @@ class Pair(NamedTuple):
     known: Roc | None = None
 
 
-KINDS = ("convex", "concave", "interlocking", "touching", "nested", "equal", "stacks")
+KINDS = ("convex", "concave", "interlocking", "touching", "nested", "equal", "stacks", "clamps")
 
 
 def pairs(kind: str, count: int, seed: int) -> Iterator[Pair]:
@@ -45,6 +45,9 @@ def pairs(kind: str, count: int, seed: int) -> Iterator[Pair]:
     rng = np.random.default_rng([seed, KINDS.index(kind)])
     if kind == "stacks":
         yield from _stacks(rng, count)
+        return
+    if kind == "clamps":
+        yield from (_of_grid(rng, grid, kind) for grid in clamps(rng, count))
         return
     makers = {
         "convex": lambda: _anywhere(rng, "convex", _convex(), _convex()),
@@ -162,10 +165,10 @@ def _stacks(rng: np.random.Generator, count: int) -> Iterator[Pair]:
         yield _of_grid(rng, grids[int(rng.choice(some))])
 
 
-def _of_grid(rng: np.random.Generator, grid: NDArray[np.int8]) -> Pair:
+def _of_grid(rng: np.random.Generator, grid: NDArray[np.int8], kind: str = "stacks") -> Pair:
     """Uneven lines and layers: squares of 14 px or more, layers of 0.2 m or more."""
     side, _, layers = grid.shape
     across, down = (np.cumsum(np.r_[rng.uniform(100, 250), rng.uniform(14, 40, side)]) for _ in range(2))
     depth = np.cumsum(np.r_[2.0, rng.uniform(0.2, 0.8, layers)])
     x, y = (stack_surface(grid == name, across, down, depth) for name in (1, 2))
-    return Pair("stacks", x, y, ROC20[int(codes(grid[None], 1, 2)[0])])
+    return Pair(kind, x, y, ROC20[int(codes(grid[None], 1, 2)[0])])

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     Masks = NDArray[np.bool_]
 
 SIDE, LAYERS = 6, 4
+MUTUAL = ROC20.index("mutually_occludes_po")
+"""Where the mutual relations begin."""
 STEPS = 9
 """Rounds of growth."""
 
@@ -68,12 +70,48 @@ def _beside(mine: Masks, along: Masks) -> Masks:
     return found
 
 
+def clamps(rng: np.random.Generator, count: int, side: int = 9) -> Grids:
+    """(count, side, side, 7) two bodies that reach round each other and have room to move: a clamp, 2, and what it holds, 1.
+
+    The clamp has a plate in front and one at the back, and a pillar between them; the other a plate between those two, one behind both, and a
+    pillar that leads through a hole of the clamp's back plate, which its front plate covers. One square is free round each pillar.
+    """
+    made: list[Grids] = []
+    while len(made) < count:
+        grid = _clamp(rng, side)
+        if grid is not None and one_piece(grid == 1) and one_piece(grid == 2) and codes(grid[None], 1, 2)[0] >= MUTUAL:
+            made.append(grid)
+    return np.stack(made)
+
+
+def _clamp(rng: np.random.Generator, side: int) -> Grids | None:
+    pillars = np.zeros((2, side, side), dtype=bool)
+    for pillar, place in zip(pillars, rng.integers(1, side - 1, (2, 2)), strict=True):
+        pillar[tuple(place)] = True
+    mine, theirs = pillars
+    if (widened(mine) & widened(theirs)).any():
+        return None
+    front, back, between, behind = boxes(rng, 4, side)
+    front |= widened(mine)
+    clamp = front | (back & ~widened(mine)) | theirs
+    kinds = (behind, clamp, _shrunk(clamp), widened(clamp))
+    kind = int(rng.integers(len(kinds)))
+    behind = kinds[kind] | mine
+    between = (between & ~widened(theirs) & (clamp | (kind in (0, 3)))) | mine
+    grid = np.zeros((side, side, 7), dtype=np.int8)
+    for layer, squares in ((0, front | theirs), (4, (back & ~widened(mine)) | theirs), (1, theirs), (2, theirs), (3, theirs)):
+        grid[squares, layer] = 2
+    for layer, squares in ((2, between), (6, behind), (3, mine), (4, mine), (5, mine)):
+        grid[squares, layer] = 1
+    return grid
+
+
 def masks_of(rng: np.random.Generator, count: int, bodies: int, side: int) -> Masks:
     """(count, bodies, side, side) the image that each body may fill: boxes of their own, or another's, one's within it, or round it."""
     masks = np.zeros((count, bodies, side, side), dtype=bool)
     for body in range(bodies):
-        own = _boxes(rng, count, side)
-        own |= _boxes(rng, count, side) & (rng.random((count, 1, 1)) < 0.3)
+        own = boxes(rng, count, side)
+        own |= boxes(rng, count, side) & (rng.random((count, 1, 1)) < 0.3)
         masks[:, body] = own
         if body:
             other = masks[np.arange(count), rng.integers(0, body, count)]
@@ -84,7 +122,7 @@ def masks_of(rng: np.random.Generator, count: int, bodies: int, side: int) -> Ma
     return masks[np.arange(count)[:, None], shuffled]
 
 
-def _boxes(rng: np.random.Generator, count: int, side: int) -> Masks:
+def boxes(rng: np.random.Generator, count: int, side: int) -> Masks:
     """(count, side, side) a box of squares each."""
     low, high = np.sort(rng.integers(0, side, (2, count, 2)), axis=0)
     steps = np.arange(side)

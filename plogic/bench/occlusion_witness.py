@@ -20,12 +20,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.roc import parts_of
+from geometry.roc import ROC20, parts_of
 from plogic.bench.occlusion_models import PAIRS, Images, possible_fronts, rcc_terms, triple_of
-from plogic.bench.occlusion_stacks import masks_of, one_piece
+from plogic.bench.occlusion_stacks import boxes, codes, masks_of, one_piece
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from numpy.typing import NDArray
 
@@ -49,13 +49,20 @@ class Arrangement(NamedTuple):
 def arrangements(rng: np.random.Generator, count: int, side: int = 7) -> list[Arrangement]:
     """Of ``count`` random ones and all their renamings, one for each set of cells with its terms."""
     found: dict[tuple[frozenset[Cell], Terms], Arrangement] = {}
-    for squares in masks_of(rng, count, 3, side):
+    for squares in (*masks_of(rng, count, 3, side), *_framed(rng, count // 10, side)):
         if not all(one_piece(image) for image in squares):
             continue
         for order in permutations(range(3)):
             one = arranged(squares[list(order)])
             found.setdefault((one.cells, one.terms), one)
     return list(found.values())
+
+
+def _framed(rng: np.random.Generator, count: int, side: int) -> NDArray[np.bool_]:
+    """(count, 3, side, side) a box of all squares, and two in it: what lies deep in another is rare among random ones."""
+    squares = boxes(rng, 3 * count, side).reshape(count, 3, side, side)
+    squares[:, 0] = True
+    return squares
 
 
 def arranged(squares: NDArray[np.bool_]) -> Arrangement:
@@ -90,6 +97,23 @@ def triples(found: Iterable[Arrangement]) -> frozenset[Triple]:
     """What can be built over the arrangements."""
     pairs = {(one.cells, one.terms) for one in found}
     return frozenset(triple_of(terms, fronts) for cells, terms in pairs for fronts in possible_fronts(cells))
+
+
+def checked(found: Iterable[Arrangement], some: Iterable[Triple], rng: np.random.Generator, count: int) -> list[bool]:
+    """For ``count`` of the triples, drawn at random: whether the bodies built for it are one piece each and stand in its relations."""
+    by_terms: dict[Terms, list[Arrangement]] = {}
+    for one in found:
+        by_terms.setdefault(one.terms, []).append(one)
+    ordered = sorted(some)
+    return [_holds(ordered[i], by_terms) for i in rng.permutation(len(ordered))[:count].tolist()]
+
+
+def _holds(triple: Triple, by_terms: Mapping[Terms, list[Arrangement]]) -> bool:
+    (a, first), (b, second), (c, third) = (parts_of(relation) for relation in triple)
+    one = next(one for one in by_terms[a, b, c] if (first, second, third) in possible_fronts(one.cells))
+    grid = built(one, triple)
+    relations = tuple(ROC20[int(codes(grid, x + 1, y + 1)[0])] for x, y in PAIRS)
+    return relations == triple and all(one_piece(grid[0] == body) for body in (1, 2, 3))
 
 
 def built(one: Arrangement, triple: Triple) -> Grids:
