@@ -138,10 +138,14 @@ def _first(pair: tuple[PosedSurface, PosedSurface], interior: Area, camera: Came
             return True, False
         if b.reach[1] < a.reach[0] * (1 - depth_tolerance):
             return False, True
-    ideal = camera.from_pixels(samples_inside(interior, pair, camera))
-    rays = np.concatenate([ideal, np.ones((len(ideal), 1))], axis=-1)
-    depth_a, depth_b = a.depth(rays), b.depth(rays)
-    both = np.isfinite(depth_a) & np.isfinite(depth_b)
-    gap = depth_a[both] - depth_b[both]
-    margin = depth_tolerance * np.minimum(depth_a[both], depth_b[both])
-    return bool((gap < -margin).any()), bool((gap > margin).any())
+    a_first = b_first = False
+    for pixels in samples_inside(interior, pair, camera):
+        ideal = camera.from_pixels(pixels)
+        rays = np.concatenate([ideal, np.ones((len(ideal), 1))], axis=-1)
+        depth_a, depth_b = a.depth(rays), b.depth(rays)
+        both = np.isfinite(depth_a) & np.isfinite(depth_b)
+        gap, margin = depth_a[both] - depth_b[both], depth_tolerance * np.minimum(depth_a[both], depth_b[both])
+        a_first, b_first = a_first or bool((gap < -margin).any()), b_first or bool((gap > margin).any())
+        if a_first and b_first:
+            break
+    return a_first, b_first

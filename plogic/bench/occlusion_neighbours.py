@@ -22,7 +22,7 @@ from plogic.bench.occlusion_bodies import CAMERA, placed
 from plogic.bench.occlusion_pairs import KINDS, pairs
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -36,10 +36,10 @@ INSTANT = 1e-6
 MOVED = tuple(kind for kind in KINDS if kind != "convex")
 
 
-def neighbours(count: int, seed: int) -> Neighbours:
+def neighbours(count: int, seed: int, kinds: Sequence[str] = MOVED) -> Neighbours:
     """The ordered pairs of neighbours, both ways and for both orders of the bodies, of ``count`` motions of each kind of pair."""
     found: set[tuple[Roc, Roc]] = set()
-    for kind in MOVED:
+    for kind in kinds:
         rng = np.random.default_rng([seed, 7, KINDS.index(kind)])
         for pair in pairs(kind, count, seed):
             for before, after in changes(pair.x, _motion(rng, pair.y)):
