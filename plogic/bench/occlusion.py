@@ -37,7 +37,7 @@ ARRANGED, QUICK_ARRANGED = 8000, 600
 """Random arrangements of images for the composition table."""
 BUILT, QUICK_BUILT = 2421, 60
 """Triples whose bodies are built and asked."""
-MOTIONS, QUICK_MOTIONS = 150, 2
+MOTIONS, QUICK_MOTIONS = 100, 2
 """Motions of each kind of pair."""
 CAPTION = """\
 Pairs of each kind, in ideal pixels of a 640 x 480 camera, f = 600 px; tolerance 0.25 px. converse: R(x, y) is the converse of R(y, x).

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from geometry_bodies import CAMERA, LENS, at, bodies, box, bracket, posed, random_rotations, wedge
 
+from geometry.behind import behind
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation
 from geometry.occlusion import PosedSurface, coarse_relation, drawn, occlusion, occlusions
@@ -116,6 +117,18 @@ def raster_relation(x, y):
         return None
     name = "partially" if (back & ~front).any() else "totally"
     return f"{name}_occludes" if x_first else f"{name}_occluded_by"
+
+
+def test_total_by_outlines_is_total_by_points(random_pairs):
+    """The law of §3.5: what is covered and behind everywhere has no self-visible point that is not Behind the one in front."""
+    checked = 0
+    for x, y in random_pairs:
+        if coarse(occlusion(x, y, CAMERA)) == "totally_occludes" and discrete(x, y):
+            points = y.vertices[y.triangles].mean(axis=1) @ y.camera_from_object[:3, :3].T + y.camera_from_object[:3, 3]
+            visible = points[~behind(points, y.rays, y.camera_from_object, 1e-3)]
+            assert behind(visible, x.rays, x.camera_from_object, 1e-3).all()
+            checked += len(visible)
+    assert checked > 20
 
 
 def test_the_relation_does_not_depend_on_where_x_y_and_the_image_lie():
