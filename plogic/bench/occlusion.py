@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.occlusion import drawn, occlusion
+from geometry.occlusion import TOLERANCE, drawn, occlusion
 from geometry.roc import ROC20, coarse, converse
 from plogic.bench.claims import Claim
 from plogic.bench.occlusion_bodies import CAMERA
@@ -42,8 +42,8 @@ MOTIONS, QUICK_MOTIONS = 100, 2
 CAPTION = """\
 Pairs of each kind, in ideal pixels of a 640 x 480 camera, f = 600 px; tolerance 0.25 px. converse: R(x, y) is the converse of R(y, x).
 known: the relation is decided by how the pair was made. rays: decided by 80 x 80 rays over both, or, where these say otherwise than we
-do, by 400 x 400; undecided: it hangs on fewer than six rays, or on what lies within two rays of an edge, and is left out. us: microseconds
-of the processor a pair, median and 95 %, its two outlines given; outlines: of drawing them."""
+do, by 400 x 400; undecided: it hangs on fewer than six rays, on what lies within two rays of an edge, or on the tolerance (at half or twice of
+it we say otherwise), and is left out. us: microseconds of the processor a pair, median and 95 %, its two outlines given; outlines: of drawing."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,8 @@ def judge(pair: Pair) -> Judged:
     relation = occlusion(pair.x, pair.y, CAMERA, images=images)
     end = time.process_time()
     backward = occlusion(pair.y, pair.x, CAMERA)
-    rays = raster_relation(pair.x, pair.y)
+    sure = all(occlusion(pair.x, pair.y, CAMERA, other, images=images) == relation for other in (TOLERANCE / 2, 2 * TOLERANCE))
+    rays = raster_relation(pair.x, pair.y) if sure else None
     if rays not in (None, relation):
         rays = raster_relation(pair.x, pair.y, FINE)
     return Judged(pair.kind, relation, backward, pair.known, rays, 1e6 * (end - middle), 1e6 * (middle - start))

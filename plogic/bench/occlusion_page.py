@@ -77,7 +77,8 @@ _JUDGED = """\
 ## How it was checked
 
 `plogic bench occlusion`: random posed pairs of eight kinds, each asked both ways; by dense rays, which decide a pair unless it hangs on fewer than
-six rays or on what lies within two rays of an edge, and by how the pair was made, where that decides it. Interlocking, touching and nested
+six rays, on what lies within two rays of an edge, or on the tolerance (half or twice of it gives another relation), and by how
+the pair was made, where that decides it. Interlocking, touching and nested
 bodies, equal silhouettes (each corner moved along its line of sight), stacks and clamps of blocks along the lines of sight. µs: of the
 processor a pair, its two outlines given; outlines: µs of drawing the two.
 """

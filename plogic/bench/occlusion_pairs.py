@@ -170,5 +170,6 @@ def _of_grid(rng: np.random.Generator, grid: NDArray[np.int8], kind: str = "stac
     side, _, layers = grid.shape
     across, down = (np.cumsum(np.r_[rng.uniform(100, 250), rng.uniform(14, 40, side)]) for _ in range(2))
     depth = np.cumsum(np.r_[2.0, rng.uniform(0.2, 0.8, layers)])
-    x, y = (stack_surface(grid == name, across, down, depth) for name in (1, 2))
-    return Pair(kind, x, y, ROC20[int(codes(grid[None], 1, 2)[0])])
+    first, second = (1, 2) if rng.random() < 0.5 else (2, 1)
+    x, y = (stack_surface(grid == name, across, down, depth) for name in (first, second))
+    return Pair(kind, x, y, ROC20[int(codes(grid[None], first, second)[0])])
