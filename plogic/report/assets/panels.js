@@ -62,7 +62,7 @@ function drawHypotheses() {
   const related = list(doc.relations).filter(once);
   put('relations', related.length ? fold(related.map((r) => el('div', {class: 'why'}, el('p', {class: 'top'},
     tag(null, who(r.args[0]), tag('id', words(r.relation) + ' '), r.args.slice(1).map(who)), tag('p', chance(r.probability))))), 6, 'relations', boxed) : none('No two objects to relate.'),
-    el('div', null, list(doc.doubts).map((d) => el('p', null, `A reason to doubt that ${d.args[0]} ${words(d.relation)} ${d.args[1]}: expected ${d.expected}, found ${d.found}. ${sentence(d.why)}`))));
+    ...list(doc.doubts).map((d) => el('p', null, `Doubtful: ${d.expected}, but ${d.found}. ${sentence(d.why)}`)));
 }
 
 const numbers = (row) => [row.expected_detected, row.expected_missed, row.hidden_missed, row.hidden_detected].map((n) => n || 0);
