@@ -33,7 +33,7 @@ from plogic.commands.options import (
 )
 from plogic.commands.simulate import BOP, BOP_IMAGES, ROBOT
 
-SIZED = "scale", "panorama", "stereo", "constancy", "look-again"
+SIZED = "scale", "panorama", "stereo", "constancy", "look-again", "occlusion"
 BENCHES = "towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", *SIZED
 
 

@@ -1,11 +1,13 @@
 """``python docs/generate.py``: writes docs/vocabulary.md and docs/commands.md, and runs the commands of README.md and puts in what they print.
 
-``--quick`` leaves the README alone. A test holds all three to what this would write.
+``--quick`` leaves the README alone. A test holds all three to what this would write. ``--occlusion BENCH.json`` writes docs/occlusion.md and
+its composition table alone, from ``plogic bench occlusion --json``, which takes a quarter of an hour.
 """
 # ruff: noqa: INP001 - a script, no package
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
@@ -94,9 +96,24 @@ def _printed(command: str, folder: Path) -> str:
     return "\n".join(line.rstrip() for line in run.stdout.strip("\n").splitlines()).rstrip("\n")
 
 
+def occlusion(bench: Path) -> None:
+    """Write docs/occlusion.md and the composition table beside it, from what ``plogic bench occlusion --json`` printed."""
+    from plogic.bench.occlusion import MOTIONS
+    from plogic.bench.occlusion_neighbours import MOVED
+    from plogic.bench.occlusion_page import LINES_FILE, bounds, lines, page
+
+    lower, upper = bounds()
+    text = page(json.loads(bench.read_text(encoding="utf-8")), lower, upper, len(MOVED), MOTIONS)
+    (HERE / "occlusion.md").write_text(text, encoding="utf-8")
+    (HERE / LINES_FILE).write_text(lines(lower, upper), encoding="utf-8")
+
+
 def main() -> None:
     """Write the files."""
     sys.path.insert(0, str(ROOT))
+    if "--occlusion" in sys.argv[1:]:
+        occlusion(Path(sys.argv[sys.argv.index("--occlusion") + 1]))
+        return
     (HERE / "vocabulary.md").write_text(vocabulary(), encoding="utf-8")
     (HERE / "commands.md").write_text(commands(), encoding="utf-8")
     if "--quick" not in sys.argv[1:]:

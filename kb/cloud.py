@@ -127,6 +127,13 @@ class ObjectType:
         return names, np.array([place[feature.type] for feature in self.features], np.intp)
 
     @cached_property
+    def part_bodies(self) -> dict[str, Surface]:
+        """What of the surface belongs to which part that is an object, by the part's path in the tree."""
+        from kb.part_bodies import part_bodies
+
+        return part_bodies(self)
+
+    @cached_property
     def lobes(self) -> LobeTable:
         """The lobes of ``seen_features`` as arrays."""
         return self.learnt_lobes or lobe_table(self.features)

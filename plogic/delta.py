@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import networkx as nx
 import numpy as np
 
-from geometry.occlusion import CoarseRelation, PosedSurface, coarse_relation, converse, drawn
 from plogic.belief import Belief, Cycle
 from plogic.evidence import clutter_density, evidence
 from plogic.expectation import hidden_by
@@ -18,9 +17,10 @@ from plogic.lumped import compound_parts, counts, lumped, told, told_as, types_t
 from plogic.measures.explanatory import explanatory_value
 from plogic.parts import part_facts
 from plogic.placing import space_of_view
+from plogic.relations import part_relations_of, relations_of
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
 from plogic.search.indices import generate
-from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Reading, Reconsider, Situation
+from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, Reading, Reconsider, Situation
 from plogic.trace import Trace
 from sensing.uncollected import uncollected
 
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from geometry.camera import Camera
     from kb.cloud import KnowledgeBase
     from plogic.expectation import Posed
     from plogic.search.data import Data
@@ -73,6 +72,7 @@ def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float
     overlaps = frozenset(pair for pair in pairs if overlap(posed[pair[0]], posed[pair[1]]))
     shared = {pair: shared_claims(posed[pair[0]], posed[pair[1]])[1] for pair in pairs if pair not in overlaps}
     exclusive = overlaps | {pair for pair, share in shared.items() if share > SHARED_CLAIMS}
+    together = [pair for pair in pairs if pair not in exclusive]
     rivals = exclusive | {pair for pair, share in shared.items() if share > 0.0}
     hiding = {(x, y): hidden_by(posed[x], posed[y]) for x in names for y in names if x != y}
     group = instances({name: p.object_type.name for name, p in posed.items()}, exclusive)
@@ -90,7 +90,8 @@ def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float
             rivals=rivals,
             exclusive=exclusive,
             space=space_of_view(beliefs, overlaps, data.camera, kb),
-            relations=_relations(posed, [pair for pair in pairs if pair not in exclusive], data.camera),
+            relations=relations_of(posed, together, data.camera),
+            part_relations=part_relations_of(posed, together, data.camera),
             priors={t.name: kb.rates.prior.get(t.name, 0.5) for t in kb.types},
             dv=types_told(dv, kb, hypotheses),
             rank={row.type: row.rank for row in cycle.attention},
@@ -186,31 +187,3 @@ def _hypothesis(
 
 def _triple(row: NDArray[np.float64]) -> tuple[float, float, float]:
     return float(row[0]), float(row[1]), float(row[2])
-
-
-def _relations(posed: Mapping[str, Posed], pairs: Sequence[tuple[str, str]], camera: Camera) -> tuple[PairFact, ...]:
-    """The occlusion relation of each pair that can be present together, of the ordered pair that it holds of (§3.6)."""
-    facts: list[PairFact] = []
-    surfaces = {name: _surface(posed[name]) for name in dict.fromkeys(name for pair in pairs for name in pair)}
-    images = {name: drawn(surface, camera) for name, surface in surfaces.items() if surface is not None}
-    for x, y in pairs:
-        a, b = surfaces[x], surfaces[y]
-        if a is not None and b is not None:
-            facts += pair_facts(coarse_relation(a, b, camera, images=(images[x], images[y])), x, y)
-    return tuple(facts)
-
-
-def pair_facts(relation: CoarseRelation, x: str, y: str) -> list[PairFact]:
-    """A relation in the vocabulary of queries: ``x`` occluded by ``y`` is said of (y, x); what is its own converse, of both."""
-    if relation == converse(relation):
-        return [PairFact(relation, x, y), PairFact(relation, y, x)]
-    if relation.endswith("_occluded_by"):
-        return [PairFact(converse(relation), y, x)]
-    return [PairFact(relation, x, y)]
-
-
-def _surface(posed: Posed) -> PosedSurface | None:
-    surface = posed.object_type.surface
-    if surface is None:
-        return None
-    return PosedSurface(surface.vertices, surface.triangles, surface.rays, posed.camera_from_object)

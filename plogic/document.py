@@ -22,6 +22,7 @@ from plogic.lumped import OTHERS, left_out, looked_at, support_document, told, t
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.outlines import outline_rings
+from plogic.predictions import doubts
 from plogic.spatial import space_document
 from sensing.gamma_files import appearance_to_dict
 from sensing.uncollected import uncollected
@@ -74,6 +75,7 @@ def document_of(
         **_worlds(ranking, situation, short=kb.words is not None),
         "unlisted_mass": list(ranking.unlisted),
         "relations": relation_probabilities(situation),
+        "doubts": [doubt.document() for doubt in doubts(situation)],
         "facts": facts_of(situation),
         "space": space_document(situation.space),
         "measures": {"dv": situation.dv, "p_dv": _told(probability_of_distinctiveness(counts), situation.dv), "rank": situation.rank},
@@ -103,7 +105,7 @@ def relation_probabilities(situation: Situation) -> list[dict[str, Any]]:
     """P(relation) of each pair: that both are present, most probable first."""
     chances = together(situation, [(fact.x, fact.y) for fact in situation.relations])
     rows = [
-        {"relation": fact.relation, "args": [fact.x, fact.y], "probability": chance}
+        {"relation": fact.relation, "args": [fact.x, fact.y], "probability": chance, **({"roc": fact.roc} if fact.roc else {})}
         for fact, chance in zip(situation.relations, chances, strict=True)
     ]
     return sorted(rows, key=lambda row: (-row["probability"], row["relation"], row["args"]))

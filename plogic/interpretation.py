@@ -31,7 +31,8 @@ def facts_of(situation: Situation) -> list[Document]:
     pairs = [("overlap", situation.overlaps), ("rival", situation.rivals), ("exclusive", situation.exclusive)]
     facts: list[Document] = [{"fact": name, "args": list(pair)} for name, found in pairs for pair in sorted(found)]
     facts = [overlap_document(fact, situation.space) if fact["fact"] == "overlap" else fact for fact in facts]
-    facts += [{"fact": "relation", "relation": r.relation, "args": [r.x, r.y]} for r in situation.relations]
+    facts += [{"fact": "relation"} | _relation_document(r) for r in situation.relations]
+    facts += [{"fact": "part_relation"} | _relation_document(r) | {"parts": list(r.parts)} for r in situation.part_relations]
     for h in situation.hypotheses:
         facts += [{"fact": "behind", "args": [f"{h.id}/{f.id}", other]} for f in h.features for other in f.hidden_by]
     return facts
@@ -65,13 +66,25 @@ def _situation(document: Mapping[str, Any]) -> Situation:
         overlaps=_pairs(facts, "overlap"),
         rivals=_pairs(facts, "rival"),
         exclusive=_pairs(facts, "exclusive"),
-        relations=tuple(PairFact(f["relation"], *f["args"]) for f in facts if f["fact"] == "relation"),
         space=space_of(document.get("space"), facts),
+        relations=tuple(_relation(f) for f in facts if f["fact"] == "relation"),
+        part_relations=tuple(_relation(f) for f in facts if f["fact"] == "part_relation"),
         priors=dict(document["priors"]),
         dv=dict(document["measures"]["dv"]),
         rank=dict(document["measures"]["rank"]),
         rules=document["rules"],
     )
+
+
+def _relation_document(r: PairFact) -> Document:
+    return {"relation": r.relation, "args": [r.x, r.y]} | ({"roc": r.roc} if r.roc else {})
+
+
+def _relation(fact: Mapping[str, Any]) -> PairFact:
+    """Documents of before ROC-20 tell the coarse relation alone."""
+    x, y = fact["args"]
+    of_x, of_y = fact.get("parts", ("", ""))
+    return PairFact(fact["relation"], x, y, fact.get("roc", ""), (of_x, of_y))
 
 
 def _pairs(facts: list[Document], name: str) -> frozenset[tuple[str, str]]:

@@ -12,6 +12,8 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plogic.pair_facts import both_ways
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -71,7 +73,8 @@ def _labels(situation: Situation) -> Iterator[tuple[str, str]]:
         yield from ((label, "n") for label in (appearance.id, appearance.type))
     for table in (situation.dv, situation.rank, situation.priors):
         yield from ((label, "n") for label in table)
-    yield from _each(relation.relation for relation in situation.relations)
+    for fact in (*situation.relations, *situation.part_relations):
+        yield from _each((fact.relation, *both_ways(fact)))
 
 
 def _inner_labels(hypothesis: HypothesisFact) -> Iterator[tuple[str, str]]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from geometry.roc import ROC20, coarse
 from plogic.errors import SituationError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from plogic.situation import FeatureFact, HypothesisFact, Situation
+    from plogic.situation import FeatureFact, HypothesisFact, PairFact, Situation
     from plogic.spatial import Space
 
 
@@ -21,9 +22,14 @@ def check(situation: Situation) -> None:
     for pairs, name in ((situation.overlaps, "overlaps"), (situation.rivals, "rivals"), (situation.exclusive, "exclusive")):
         for pair in sorted(pairs):
             _known(name, pair, ids)
-    for relation in situation.relations:
+    for relation in (*situation.relations, *situation.part_relations):
         _known(f"relation {relation.relation}", (relation.x, relation.y), ids)
+        _check_relation(relation)
     _check_space(situation.space, ids)
+    nodes = {h.id: frozenset(part.id for part in h.parts) | {""} for h in situation.hypotheses}
+    for relation in situation.part_relations:
+        for name, part in zip((relation.x, relation.y), relation.parts, strict=True):
+            _known(f"relation {relation.relation}: parts of {name}", (part,), nodes[name])
     for a in situation.appearances:
         _number(f"appearance {a.id}: clutter", a.clutter, 0.0, math.inf)
     for h in situation.hypotheses:
@@ -45,6 +51,13 @@ def _check_space(space: Space, ids: frozenset[str]) -> None:
     for shared in space.shared:
         for value in (shared.volume, *shared.depth):
             _number(f"overlap of {shared.x} and {shared.y}", value, 0.0, math.inf)
+
+
+def _check_relation(fact: PairFact) -> None:
+    """What is told of ROC-20 is the coarse relation in full."""
+    fine = {name for name in ROC20 if coarse(name) == fact.relation}
+    if fact.roc and fact.roc not in fine:
+        raise SituationError(f"relation {fact.relation}: {fact.roc!r} is no case of it, as {', '.join(sorted(fine)) or 'nothing'} would be")
 
 
 def _check_hypothesis(h: HypothesisFact, ids: frozenset[str], data: frozenset[str]) -> None:

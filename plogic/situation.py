@@ -5,7 +5,7 @@ Vocabulary, each with an example value:
 * ``FeatureFact``: one feature of one hypothesis as the geometry sees it, ``FeatureFact(id="roof/apex", type="apex", ...)``
 * ``HypothesisFact``: one element of Δh, ``HypothesisFact(id="h1", type="t2", features=(...), ...)``
 * ``AppearanceFact``: one datum of Γ, ``AppearanceFact(id="a1", type="l_junction", uv=(312.4, 201.9), clutter=2e-5)``
-* ``PairFact``: a relation that geometry computed of two posed objects, ``PairFact("partially_occludes", "h1", "h2")``
+* ``PairFact``: a relation that geometry computed of two posed objects, ``PairFact("partially_occludes", "h1", "h2", "partially_occludes_po")``
 * ``Situation``: all of it, with the reading, the mode of reconsideration and the side tables.
 
 Nothing here is computed from probabilities; everything here is plain data that goes into ``interpretation.json`` and comes back.
@@ -90,11 +90,17 @@ class HypothesisFact:
 
 @dataclass(frozen=True)
 class PairFact:
-    """``relation`` holds of the ordered pair ``(x, y)`` of hypotheses, decided by outlines and depth (§3.5-3.7)."""
+    """``relation`` holds of the ordered pair ``(x, y)`` of hypotheses, decided by outlines and depth (§3.5-3.7).
+
+    ``roc`` is the relation of ROC-20 that it is the coarse form of, '' in documents that do not tell it. ``parts``: of which part of x, and of
+    which part of y, it is said; '' is the whole.
+    """
 
     relation: str
     x: str
     y: str
+    roc: str = ""
+    parts: tuple[str, str] = ("", "")
 
 
 @dataclass(frozen=True)
@@ -105,8 +111,9 @@ class Situation:
     excludes from one world and those that claim the same appearances; ``exclusive`` is the part of ``rivals`` that the constraints of the
     score reading forbid to be present together (an appearance serves one feature, D8). ``priors`` per type (posterior). ``smoothing`` ε
     replaces p by ε + (1 − 2ε) p in the *score* program's choices (trap c), never in the measures; 0 by default. ``dv`` per feature type
-    and ``rank`` per object type are side tables for queries. ``space`` says where bodies are, and decides no probability of a world. ``rules``
-    is the author's ``rules.pl``.
+    and ``rank`` per object type are side tables for queries. ``relations`` are of whole hypotheses that can be present together,
+    ``part_relations`` of a part of one and a part of another, or the whole of it. ``space`` says where bodies are, and decides no probability of a
+    world. ``rules`` is the author's ``rules.pl``.
     """
 
     reading: Reading
@@ -118,6 +125,7 @@ class Situation:
     exclusive: frozenset[tuple[str, str]] = frozenset()
     relations: tuple[PairFact, ...] = ()
     space: Space = field(default_factory=Space)
+    part_relations: tuple[PairFact, ...] = ()
     priors: dict[str, float] = field(default_factory=dict)
     dv: dict[str, float] = field(default_factory=dict)
     rank: dict[str, float] = field(default_factory=dict)

@@ -15,6 +15,17 @@ from plogic.vocabulary_space import SPACE
 SPELLINGS = {("atom", 1): "atom_node"}
 """Predicates that ProbLog already has: what a user writes → what programs say; mapped on the syntax tree."""
 
+
+
+def _coarse(name: str, meaning: str) -> Entry:
+    """One of the coarse occlusion relations (§3.6), of whole hypotheses or of parts that are objects."""
+    clause = (
+        f"{name}(X, Y) :- outline_relation({name}, X, Y), present(X), present(Y).\n"
+        f"{name}(X, Y) :- part_relation({name}, X, Y), node(X), node(Y)."
+    )
+    return Entry(name, 2, meaning, f"{name}(X, Y)", clause)
+
+
 VOCABULARY: tuple[Entry, ...] = (
     Entry("present", 1, "hypothesis H is in the world", "present(H)", ""),
     Entry("object", 2, "H is present and is of the type", "object(H, Type)", "object(H, T) :- hypothesis(H, T), present(H)."),
@@ -119,11 +130,10 @@ VOCABULARY: tuple[Entry, ...] = (
     Entry(
         "roc",
         3,
-        "the coarse occlusion relation of X to Y, by outlines and depth (§3.7); exactly one holds",
+        "the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); X and Y are hypotheses, of which exactly one holds, "
+        "or parts that are objects",
         "roc(Relation, X, Y)",
-        "roc(R, X, Y) :- outline_relation(R, X, Y), present(X), present(Y).\n"
-        "roc(partially_occluded_by, X, Y) :- outline_relation(partially_occludes, Y, X), present(X), present(Y).\n"
-        "roc(totally_occluded_by, X, Y) :- outline_relation(totally_occludes, Y, X), present(X), present(Y).",
+        "roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).\nroc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).",
     ),
     Entry(
         "occludes",
@@ -133,34 +143,10 @@ VOCABULARY: tuple[Entry, ...] = (
         "occludes(X, Y) :- partially_occludes(X, Y).\noccludes(X, Y) :- totally_occludes(X, Y).\n"
         "occludes(X, Y) :- mutually_occludes(X, Y).",
     ),
-    Entry(
-        "totally_occludes",
-        2,
-        "X covers Y, in front everywhere (D5, by outlines)",
-        "totally_occludes(X, Y)",
-        "totally_occludes(X, Y) :- roc(totally_occludes, X, Y).",
-    ),
-    Entry(
-        "partially_occludes",
-        2,
-        "X is in front of a part of Y (D6, by outlines)",
-        "partially_occludes(X, Y)",
-        "partially_occludes(X, Y) :- roc(partially_occludes, X, Y).",
-    ),
-    Entry(
-        "mutually_occludes",
-        2,
-        "each is in front of a part of the other",
-        "mutually_occludes(X, Y)",
-        "mutually_occludes(X, Y) :- roc(mutually_occludes, X, Y).",
-    ),
-    Entry(
-        "non_occludes",
-        2,
-        "neither is in front of a part of the other",
-        "non_occludes(X, Y)",
-        "non_occludes(X, Y) :- roc(non_occludes, X, Y).",
-    ),
+    _coarse("totally_occludes", "X covers Y, in front everywhere (D5, by outlines)"),
+    _coarse("partially_occludes", "X is in front of a part of Y (D6, by outlines)"),
+    _coarse("mutually_occludes", "each is in front of a part of the other, or they coincide"),
+    _coarse("non_occludes", "neither is in front of a part of the other"),
     Entry("opaque", 1, "H's surface is opaque (A5, A6)", "opaque(H)", "opaque(H) :- opaque_surface(H)."),
     Entry("dv", 2, "V is the distinctiveness of the feature type (§5.1)", "dv(Type, V)", ""),
     Entry("rank", 2, "V is the rank of the object type (§5.3)", "rank(Type, V)", ""),

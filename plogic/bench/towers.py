@@ -156,8 +156,8 @@ def _relation_right(
     scene: Scene,
 ) -> bool:
     """Whether the most probable relation of the two reported towers is the one of the true poses, by outlines and depth."""
-    from geometry.occlusion import PosedSurface, coarse_relation
-    from plogic.delta import pair_facts
+    from geometry.occlusion import PosedSurface, occlusion
+    from plogic.pair_facts import pair_facts
 
     posed = []
     for label, pose, _ in truth:
@@ -167,7 +167,7 @@ def _relation_right(
         posed.append(PosedSurface(surface.vertices, surface.triangles, surface.rays, pose))
     if None in names:
         return False
-    right = pair_facts(coarse_relation(posed[0], posed[1], scene.camera), str(names[0]), str(names[1]))[0]
+    right = pair_facts(occlusion(posed[0], posed[1], scene.camera), str(names[0]), str(names[1]))[0]
     rows = [r for r in document["relations"] if set(r["args"]) == set(names)]
     likeliest = max(rows, key=lambda r: float(r["probability"]), default=None)
     return likeliest is not None and _same(right, likeliest)

@@ -6,14 +6,12 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from plogic.situation import PairFact, Situation
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kb.cloud import KnowledgeBase
     from plogic.perceive import Perceiver
-    from plogic.situation import HypothesisFact
+    from plogic.situation import HypothesisFact, Situation
     from sensing.simulated.scene import Scene
 
 RIVALS = 10
@@ -77,6 +75,7 @@ def joined(views: Sequence[Situation]) -> Situation:
         rivals=frozenset().union(*(part.rivals for part in parts)),
         exclusive=frozenset().union(*(part.exclusive for part in parts)),
         relations=tuple(r for part in parts for r in part.relations),
+        part_relations=tuple(r for part in parts for r in part.part_relations),
     )
 
 
@@ -91,7 +90,8 @@ def _renamed(view: Situation, prefix: str) -> Situation:
         overlaps=pairs(view.overlaps),
         rivals=pairs(view.rivals),
         exclusive=pairs(view.exclusive),
-        relations=tuple(PairFact(r.relation, prefix + r.x, prefix + r.y) for r in view.relations),
+        relations=tuple(replace(r, x=prefix + r.x, y=prefix + r.y) for r in view.relations),
+        part_relations=tuple(replace(r, x=prefix + r.x, y=prefix + r.y) for r in view.part_relations),
     )
 
 

@@ -55,6 +55,8 @@ def perceive_command(
     document = perceiver(gamma, chosen, image, clock)
     _write_all(document, text_of(document), out, options, image, clock, write)
     say(_summary(document, clock))
+    for line in _doubts(document):
+        say(line)
     return UNFINISHED if document.get("unfinished") else 0
 
 
@@ -153,6 +155,14 @@ def picture_of(document: dict[str, Any], image: NDArray[Any] | None) -> bytes:
     from plogic.overlay import overlay
 
     return bytes(cv2.imencode(".png", overlay(document, image))[1].tobytes())
+
+
+def _doubts(document: dict[str, Any]) -> list[str]:
+    """What the relations of accepted objects predict in vain (§3.8); of others the document says it."""
+    from plogic.predictions import Doubt, said
+
+    accepted = {h["id"] for h in document["hypotheses"] if h["status"] == "accepted"}
+    return [said(Doubt(**row)) for row in document["doubts"] if set(row["args"]) <= accepted]
 
 
 def _summary(document: dict[str, Any], clock: Stopwatch) -> str:

@@ -101,6 +101,7 @@ def _of_scene(
     from plogic import tables
     from plogic.commands.printing import text_of_table
     from plogic.exclusions import exclusion_lines, exclusions
+    from plogic.predictions import doubts, said
 
     ranking = _scene_ranking(situation, number, given, seconds)
     rows = [_row(world, ranking) for world in ranking.worlds]
@@ -111,10 +112,12 @@ def _of_scene(
         return json.dumps(answer if exact else {**answer, "deadline": "reached"}), 0 if exact else LATE
     text = text_of_table(tables.worlds({**document, "worlds": rows, "unlisted_mass": list(ranking.unlisted)}, number))
     text = "".join([text, *(f"{line}\n" for line in exclusion_lines(document))])
+    found = [said(doubt) for doubt in doubts(situation)]
+    text = "\n".join([text.rstrip(), "", *found, ""]) if found else text
     middles = ranking.log_evidence_interval[0] != ranking.log_evidence_interval[1]
     more = "probabilities are the middles of intervals, which --json states" if middles else "more worlds could be listed with more time"
-    said = f"The deadline was reached: {more}."
-    return (text, 0) if exact else (f"{text.rstrip()}\n{said}", LATE)
+    late = f"The deadline was reached: {more}."
+    return (text, 0) if exact else (f"{text.rstrip()}\n{late}", LATE)
 
 
 def _row(world: Any, ranking: Ranking) -> dict[str, Any]:  # noqa: ANN401 - plogic.worlds.World

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from plogic.pair_facts import both_ways
 from plogic.program.layout import coordinate, number, quoted
 from plogic.program.whereabouts import whereabouts
 
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from plogic.program.layout import Writer
-    from plogic.situation import FeatureFact, HypothesisFact
+    from plogic.situation import FeatureFact, HypothesisFact, PairFact
 
 
 def label_comments(w: Writer) -> Iterator[str]:
@@ -96,7 +97,23 @@ def _pairs(w: Writer) -> Iterator[str]:
     yield ""
     for name, pairs in (("overlap", situation.overlaps), ("rival_pair", situation.rivals), ("exclusive", situation.exclusive)):
         yield from (w.fact(name, x, y) for x, y in _once(w, pairs))
-    yield from (w.fact("outline_relation", r.relation, r.x, r.y) for r in situation.relations)
+    for r in situation.relations:
+        yield from _relation(w, r, ("outline_relation", "outline_roc"), *(w.names.atom(name) for name in (r.x, r.y)))
+    for r in situation.part_relations:
+        x, y = (_node(w, name, part) for name, part in zip((r.x, r.y), r.parts, strict=True))
+        yield from _relation(w, r, ("part_relation", "part_roc"), x, y)
+
+
+def _relation(w: Writer, r: PairFact, predicates: tuple[str, str], x: str, y: str) -> Iterator[str]:
+    """The coarse relation of the ordered pair that it is said of, and the fine ones of both."""
+    coarse, fine = predicates
+    yield f"{coarse}({w.names.atom(r.relation)}, {x}, {y})."
+    pairs = ((x, y), (y, x))
+    yield from (f"{fine}({w.names.atom(name)}, {', '.join(pair)})." for name, pair in zip(both_ways(r), pairs, strict=False))
+
+
+def _node(w: Writer, name: str, part: str) -> str:
+    return w.node(w.scene.by_id[name], part) if part else w.names.atom(name)
 
 
 def _once(w: Writer, pairs: frozenset[tuple[str, str]]) -> list[tuple[str, str]]:

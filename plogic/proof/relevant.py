@@ -127,5 +127,6 @@ def _part(situation: Situation, kept: set[str], named: set[str]) -> Situation:
         exclusive=inside(situation.exclusive),
         relations=tuple(r for r in situation.relations if r.x in kept and r.y in kept),
         space=situation.space.among(kept),
+        part_relations=tuple(r for r in situation.part_relations if r.x in kept and r.y in kept),
         rules="",
     )

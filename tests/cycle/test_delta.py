@@ -8,8 +8,9 @@ import pytest
 from synthetic import belief_at, cycle_of, data, one_before_the_other, perceiver, scene, side_by_side, towers
 
 from geometry.frames import from_rotation_translation
-from plogic.delta import Options, delta_of, pair_facts
+from plogic.delta import Options, delta_of
 from plogic.expectation import hidden_by
+from plogic.pair_facts import pair_facts
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
 from plogic.worlds import ranked_worlds
 
@@ -107,16 +108,19 @@ def test_every_pair_that_can_be_together_has_one_relation(rich):
 @pytest.mark.parametrize(
     ("relation", "facts"),
     [
-        ("non_occludes", [("non_occludes", "x", "y"), ("non_occludes", "y", "x")]),
-        ("mutually_occludes", [("mutually_occludes", "x", "y"), ("mutually_occludes", "y", "x")]),
-        ("partially_occludes", [("partially_occludes", "x", "y")]),
-        ("partially_occluded_by", [("partially_occludes", "y", "x")]),
-        ("totally_occludes", [("totally_occludes", "x", "y")]),
-        ("totally_occluded_by", [("totally_occludes", "y", "x")]),
+        ("non_occludes_ec", [("non_occludes", "x", "y", "non_occludes_ec"), ("non_occludes", "y", "x", "non_occludes_ec")]),
+        (
+            "mutually_occludes_tpp",
+            [("mutually_occludes", "x", "y", "mutually_occludes_tpp"), ("mutually_occludes", "y", "x", "mutually_occludes_tppi")],
+        ),
+        ("partially_occludes_tpp", [("partially_occludes", "x", "y", "partially_occludes_tpp")]),
+        ("partially_occluded_by_tppi", [("partially_occludes", "y", "x", "partially_occludes_tpp")]),
+        ("totally_occludes_ntppi", [("totally_occludes", "x", "y", "totally_occludes_ntppi")]),
+        ("totally_occluded_by_ntpp", [("totally_occludes", "y", "x", "totally_occludes_ntppi")]),
     ],
 )
 def test_relations_are_said_of_the_pair_that_they_hold_of(relation, facts):
-    assert [(f.relation, f.x, f.y) for f in pair_facts(relation, "x", "y")] == facts
+    assert [(f.relation, f.x, f.y, f.roc) for f in pair_facts(relation, "x", "y")] == facts
 
 
 def test_appearances_and_side_tables_are_carried(rich):

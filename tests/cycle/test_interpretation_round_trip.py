@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from synthetic import belief_at, cycle_of, data, one_before_the_other, perceiver, scene, towers
 
+from plogic.commands.worlds import worlds_command
 from plogic.delta import Options, delta_of
 from plogic.document import document_of, relation_probabilities
 from plogic.errors import InterpretationError
@@ -32,6 +33,7 @@ def written(parts, options):
     return delta, ranking, json.loads(text_of(document))
 
 
+ASKED = {"reading": None, "deadline": None, "trust": False}
 ALL = [Options(reading=r, reconsider=m, smoothing=s) for r in ("score", "posterior") for m in ("to_B", "drop", "reassign") for s in (0.0, 0.01)]
 
 
@@ -108,3 +110,32 @@ def test_what_is_missing_is_one_clear_line(parts, key):
         situation_of(document)
     assert "\n" not in str(caught.value)
     assert key in str(caught.value)
+
+
+def test_facts_between_parts_are_told_and_come_back(parts):
+    delta, _, document = written(parts, Options())
+    facts = [f for f in document["facts"] if f["fact"] == "part_relation"]
+    assert {tuple(f["parts"]) for f in facts} >= {("roof", ""), ("body", "roof")}
+    assert len(facts) == len(delta.situation.part_relations)
+    assert all(f["roc"].startswith(f["relation"]) for f in facts)
+
+
+def test_documents_of_before_the_twenty_relations_are_read(parts):
+    _, ranking, document = written(parts, Options())
+    old = [{k: v for k, v in f.items() if k != "roc"} for f in document["facts"] if f["fact"] != "part_relation"]
+    back = situation_of(document | {"facts": old})
+    assert back.relations
+    assert {r.roc for r in back.relations} == {""}
+    assert ranked_worlds(back, 100) == ranking
+
+
+def test_doubts_are_told_and_printed(parts, tmp_path):
+    """Of the scene as it is there are none; where the outlines are said to cover what is seen, there is one."""
+    _, _, document = written(parts, Options())
+    assert document["doubts"] == []
+    path = tmp_path / "interpretation.json"
+    path.write_text(text_of(document))
+    assert "reason to doubt" not in worlds_command(str(path), 3, (), ASKED, as_json=False)[0]
+    covered = [f | {"relation": "totally_occludes", "roc": "totally_occludes_eq"} if f["fact"] == "relation" else f for f in document["facts"]]
+    path.write_text(text_of(document | {"facts": covered}))
+    assert "a reason to doubt totally_occludes(h1, h2): expected no feature of h2" in worlds_command(str(path), 3, (), ASKED, as_json=False)[0]

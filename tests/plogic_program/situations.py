@@ -7,6 +7,8 @@ from random import Random
 
 from hypothesis import strategies as st
 
+from geometry.roc import ROC20
+from plogic.pair_facts import pair_facts
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Situation
 
 POSE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 5.0), (0.0, 0.0, 0.0, 1.0))
@@ -69,7 +71,7 @@ def towers(reading="score", mode="drop", **changes):
         hypothesis("t2_distorted", from_table("z", T2_DISTORTED), type="t2", group="g"),
     )
     pair = frozenset({("t2", "t2_distorted")})
-    relations = (PairFact("partially_occludes", "t1", "t2"),)
+    relations = (PairFact("partially_occludes", "t1", "t2", "partially_occludes_po"),)
     return situation(hypotheses, reading, mode, overlaps=pair, rivals=pair, relations=relations, **changes)
 
 
@@ -132,7 +134,7 @@ def _random_situation(rng, most, readings, modes):
         overlaps=_some(rng, pairs),
         rivals=_some(rng, pairs) | exclusive,
         exclusive=exclusive,
-        relations=tuple(PairFact("partially_occludes", x, y) for x, y in sorted(_some(rng, pairs))),
+        relations=tuple(fact for x, y in sorted(_some(rng, pairs)) for fact in pair_facts(rng.choice(ROC20), x, y)),
         priors={"t1": 0.4, "t2": 0.2},
         smoothing=rng.choice([0.0, 0.01]),
     )

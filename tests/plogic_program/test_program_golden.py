@@ -16,7 +16,7 @@ from situations import feature, hypothesis, situation
 
 from plogic.errors import SituationError
 from plogic.program.text import left_out, program_text, query_lines
-from plogic.situation import AppearanceFact, PairFact
+from plogic.situation import AppearanceFact, PairFact, PartFact
 from plogic.spatial import BodyFact, SharedFact, Space
 from plogic.worlds import ranked_worlds
 
@@ -26,7 +26,8 @@ GOLDEN = Path(__file__).parent / "golden"
 def small(reading="score", mode="to_B"):
     """Every kind of line once: a name that needs an atom, occlusion, a rival, an overlap, a shared appearance, an undefined ev."""
     front = hypothesis(
-        "h1", [feature("roof/apex", type="apex", dv=0.99, match="a1"), feature("corner", match="a2"), feature("patch", "C", dv=0.15)]
+        "h1", [feature("roof/apex", type="apex", dv=0.99, match="a1"), feature("corner", match="a2"), feature("patch", "C", dv=0.15)],
+        parts=(PartFact("roof", "", "object", "roof"),),
     )
     back = hypothesis(
         "h2",
@@ -36,7 +37,13 @@ def small(reading="score", mode="to_B"):
     nowhere = hypothesis("h4", [feature("corner", "B", in_image=False)], type="Grand Hall")
     pair = frozenset({("h2", "h3")})
     made = situation(
-        [front, back, rival, nowhere], reading, mode, overlaps=pair, rivals=pair, relations=(PairFact("partially_occludes", "h1", "h2"),)
+        [front, back, rival, nowhere],
+        reading,
+        mode,
+        overlaps=pair,
+        rivals=pair,
+        relations=(PairFact("partially_occludes", "h1", "h2", "partially_occludes_po"), PairFact("non_occludes", "h1", "h4")),
+        part_relations=(PairFact("totally_occludes", "h2", "h1", "totally_occludes_tppi", ("", "roof")),),
     )
     return replace(
         made,

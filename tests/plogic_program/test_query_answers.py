@@ -88,11 +88,11 @@ def test_mereology():
 def test_occlusion_by_outlines_and_by_features():
     front = hypothesis("h1", [feature("x")])
     back = hypothesis("h2", [feature("y", "C", hidden_by=("h1",)), feature("z", "D", hidden_by=("h1",), match="b")])
-    subject = situation([front, back], relations=(PairFact("totally_occludes", "h1", "h2"),), smoothing=0.01)
+    subject = situation([front, back], relations=(PairFact("totally_occludes", "h1", "h2", "totally_occludes_tppi"),), smoothing=0.01)
     goals = ["hides_all_features(X, Y)", "occludes(X, Y)", "roc(R, X, Y)", "behind(Y, X)", "non_occludes(X, Y)"]
     hides, occludes, roc, behind, non = ([a.goal for a in row] for row in answers_to_all(subject, goals))
     assert (hides, occludes, non) == (["hides_all_features(h1, h2)"], ["occludes(h1, h2)"], [])
-    assert roc == ["roc(totally_occluded_by, h2, h1)", "roc(totally_occludes, h1, h2)"]
+    assert roc == ["roc(totally_occluded_by_tpp, h2, h1)", "roc(totally_occludes_tppi, h1, h2)"]
     assert behind == ["behind(h2, h1)", "behind(h2/y, h1)", "behind(h2/z, h1)"]
 
 

@@ -61,7 +61,8 @@ function drawHypotheses() {
   const once = (r, i, all) => r.probability >= 0.0005 && !(/^(non|mutually)_/.test(r.relation) && all.slice(0, i).some((q) => q.relation === r.relation && q.args[0] === r.args[1] && q.args[1] === r.args[0]));
   const related = list(doc.relations).filter(once);
   put('relations', related.length ? fold(related.map((r) => el('div', {class: 'why'}, el('p', {class: 'top'},
-    tag(null, who(r.args[0]), tag('id', words(r.relation) + ' '), r.args.slice(1).map(who)), tag('p', chance(r.probability))))), 6, 'relations', boxed) : none('No two objects to relate.'));
+    tag(null, who(r.args[0]), tag('id', words(r.relation) + ' '), r.args.slice(1).map(who)), tag('p', chance(r.probability))))), 6, 'relations', boxed) : none('No two objects to relate.'),
+    ...list(doc.doubts).map((d) => el('p', null, `Doubtful: ${d.expected}, but ${d.found}. ${sentence(d.why)}`)));
 }
 
 const numbers = (row) => [row.expected_detected, row.expected_missed, row.hidden_missed, row.hidden_detected].map((n) => n || 0);

@@ -6,7 +6,8 @@
 % ==== (1) Σo: the feature-cloud trees of the hypotheses and their part-whole hierarchy
 
 hypothesis(h1, box). instance(h1, g_h1). opaque_surface(h1).
-part_of(h1/f1, h1).
+part_of(h1/roof, h1).
+part_of(h1/f1, h1/roof).
 part_of(h1/corner, h1).
 part_of(h1/patch, h1).
 feature_of(h1, f1, apex).
@@ -58,6 +59,12 @@ datum(a9, patch).
 overlap(h2, h3).
 rival_pair(h2, h3).
 outline_relation(partially_occludes, h1, h2).
+outline_roc(partially_occludes_po, h1, h2).
+outline_roc(partially_occluded_by_po, h2, h1).
+outline_relation(non_occludes, h1, h4).
+part_relation(totally_occludes, h2, h1/roof).
+part_roc(totally_occludes_tppi, h2, h1/roof).
+part_roc(totally_occluded_by_tpp, h1/roof, h2).
 % Space: the middles of bodies and their nearest places to the camera, metres, camera frame; then the gaps between two, and up.
 body_middle(h1, 0.1000, -0.2000, 4.5000). body_nearest(h1, 4.1000). inside_image(h1).
 body_middle(h2, 0.0000, 0.3000, 5.0000). body_nearest(h2, 4.6000). cut_by_image(h2).
@@ -113,7 +120,8 @@ instance(_, _) :- fail. opaque_surface(_) :- fail. in_image(_, _) :- fail.
 in_lobe(_, _) :- fail. self_hidden(_, _) :- fail. behind_surface(_, _, _) :- fail.
 match(_, _, _) :- fail. preferred(_, _, _) :- fail. datum(_, _) :- fail.
 overlap(_, _) :- fail. rival_pair(_, _) :- fail. exclusive(_, _) :- fail.
-outline_relation(_, _, _) :- fail. at(_, _, _, _) :- fail. distance(_, _) :- fail.
+outline_relation(_, _, _) :- fail. outline_roc(_, _, _) :- fail. part_relation(_, _, _) :- fail.
+part_roc(_, _, _) :- fail. at(_, _, _, _) :- fail. distance(_, _) :- fail.
 body_middle(_, _, _, _) :- fail. body_nearest(_, _) :- fail. up_direction(_, _, _) :- fail.
 inside_image(_) :- fail. cut_by_image(_) :- fail. body_gap(_, _, _) :- fail.
 body_over(_, _) :- fail. stands_on(_, _) :- fail. stands_on_both(_, _, _) :- fail.
@@ -198,22 +206,25 @@ behind(H/F, G) :- behind_surface(H, F, G), present(H), present(G).
 behind(H, G) :- hypothesis(H, _), hypothesis(G, _), all_behind(H, G), present(H), present(G).
 % hides_all_features(X, Y): opaque X hides every self-visible feature of Y, and there is one (D5, feature form).
 hides_all_features(X, Y) :- hypothesis(Y, _), opaque(X), behind(Y, X).
-% roc(Relation, X, Y): the coarse occlusion relation of X to Y, by outlines and depth (§3.7); exactly one holds.
-roc(R, X, Y) :- outline_relation(R, X, Y), present(X), present(Y).
-roc(partially_occluded_by, X, Y) :- outline_relation(partially_occludes, Y, X), present(X), present(Y).
-roc(totally_occluded_by, X, Y) :- outline_relation(totally_occludes, Y, X), present(X), present(Y).
+% roc(Relation, X, Y): the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); X and Y are hypotheses, of which exactly one holds, or parts that are objects.
+roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).
+roc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).
 % occludes(X, Y): some part of X totally occludes some part of Y (§3.6).
 occludes(X, Y) :- partially_occludes(X, Y).
 occludes(X, Y) :- totally_occludes(X, Y).
 occludes(X, Y) :- mutually_occludes(X, Y).
 % totally_occludes(X, Y): X covers Y, in front everywhere (D5, by outlines).
-totally_occludes(X, Y) :- roc(totally_occludes, X, Y).
+totally_occludes(X, Y) :- outline_relation(totally_occludes, X, Y), present(X), present(Y).
+totally_occludes(X, Y) :- part_relation(totally_occludes, X, Y), node(X), node(Y).
 % partially_occludes(X, Y): X is in front of a part of Y (D6, by outlines).
-partially_occludes(X, Y) :- roc(partially_occludes, X, Y).
-% mutually_occludes(X, Y): each is in front of a part of the other.
-mutually_occludes(X, Y) :- roc(mutually_occludes, X, Y).
+partially_occludes(X, Y) :- outline_relation(partially_occludes, X, Y), present(X), present(Y).
+partially_occludes(X, Y) :- part_relation(partially_occludes, X, Y), node(X), node(Y).
+% mutually_occludes(X, Y): each is in front of a part of the other, or they coincide.
+mutually_occludes(X, Y) :- outline_relation(mutually_occludes, X, Y), present(X), present(Y).
+mutually_occludes(X, Y) :- part_relation(mutually_occludes, X, Y), node(X), node(Y).
 % non_occludes(X, Y): neither is in front of a part of the other.
-non_occludes(X, Y) :- roc(non_occludes, X, Y).
+non_occludes(X, Y) :- outline_relation(non_occludes, X, Y), present(X), present(Y).
+non_occludes(X, Y) :- part_relation(non_occludes, X, Y), node(X), node(Y).
 % opaque(H): H's surface is opaque (A5, A6).
 opaque(H) :- opaque_surface(H).
 % ev(H, V): V is the explanatory value of the present H, given which of its occluders are present (§5.4, §5.5).
