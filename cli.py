@@ -68,6 +68,7 @@ def demo(out: Path, seed: int, reading: Any, look_again: bool, as_json: bool) ->
 @KB
 @CAMERA
 @click.option("--poses", type=click.Path(), help="Where the camera stood for each of several INPUTs: `poses/1` or a TUM trajectory.")
+@click.option("--stereo", type=click.Path(), help="Calibration of a pair, `stereo/1`: two INPUTs, the left and the right image or Γ.")
 @FIRST_READING
 @RECONSIDER
 @SMOOTHING
@@ -83,6 +84,10 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) 
 
     Several, from a camera whose places are known (--poses, or T_world_camera in each Γ), are views of one world: they give a panorama.
     """
+    if options["stereo"] is not None:
+        from plogic.commands.perceive_stereo import stereo_command
+
+        sys.exit(stereo_command(inputs, kb_folder, out, options, say=_say, write=_out))
     if len(inputs) == 1 and options["poses"] is None:
         from plogic.commands.perceive import perceive_command
 

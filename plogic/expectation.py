@@ -17,7 +17,6 @@ from geometry.frames import inverse, transform_points
 from kb.lobes import in_lobe
 from plogic.crowding import shares
 from plogic.measures.explanatory import Support, tally
-from plogic.search.depths import at_depth
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -159,7 +158,7 @@ def matched(
     free = np.ones(len(data.ids), dtype=bool) if free is None else free
     expected = posed.candidate if hidden is None else posed.candidate & ~hidden
     off = np.linalg.norm(np.nan_to_num(posed.uv, nan=1e9)[:, None] - data.uv[None], axis=2)
-    near = (off <= tolerance) & at_depth(posed.at[:, 2], data)
+    near = off <= tolerance
     matches = np.full(len(posed.uv), -1, dtype=np.intp)
     _assign(matches, off, near & free & posed.right & expected[:, None], tolerance)
     left = free.copy()

@@ -53,8 +53,8 @@ def perceive_command(
         perceiver = Perceiver(kb, cache_folder("indices"), processors())
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
     document = perceiver(gamma, chosen, image, clock)
-    _write_all(document, text_of(document), out, options, image, clock, write)
-    say(_summary(document, clock))
+    write_all(document, text_of(document), out, options, image, clock, write)
+    say(summary(document, clock))
     for line in _doubts(document):
         say(line)
     return UNFINISHED if document.get("unfinished") else 0
@@ -119,7 +119,7 @@ def detectable(kb: KnowledgeBase) -> bool:
     return any(set(make().types) & set(kb.appearance_types) for make in detectors(kb.words).values())
 
 
-def _write_all(
+def write_all(
     document: dict[str, Any],
     text: str,
     out: str,
@@ -165,7 +165,7 @@ def _doubts(document: dict[str, Any]) -> list[str]:
     return [said(Doubt(**row)) for row in document["doubts"] if set(row["args"]) <= accepted]
 
 
-def _summary(document: dict[str, Any], clock: Stopwatch) -> str:
+def summary(document: dict[str, Any], clock: Stopwatch) -> str:
     """One line: what was found, and how long it took."""
     accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
     names = ", ".join(f"{h['id']} {h['type']} ({h['probability']:.3f})" for h in accepted) or "no known object"

@@ -44,12 +44,16 @@ def _called(goal: Any) -> Iterator[tuple[str, int]]:  # noqa: ANN401 - a term of
 
 
 def unknown_names(goal: Small, rules: Rules, names: Names | None) -> list[str]:
-    """One sentence for each constant of the goal that occurs nowhere at its place, though the program has others there."""
+    """One sentence for each constant of the goal that occurs nowhere at its place, though the program has others there.
+
+    A hypothesis is no unknown name, though no fact at this place speaks of it.
+    """
     notes = []
+    hypotheses = _at(rules, ("hypothesis", 2), 1)
     for atom in _atoms(goal):
         for i, argument in enumerate(atom[1:], 1):
             known = _at(rules, signature(atom), i)
-            if is_atom(argument) and isinstance(argument, tuple) and known and argument not in known:
+            if is_atom(argument) and isinstance(argument, tuple) and known and argument not in known | hypotheses:
                 notes.append(_note(atom, i, argument, sorted(text(k, names) for k in known), names))
     return notes
 

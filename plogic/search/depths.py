@@ -1,4 +1,7 @@
-"""Where appearances carry depth (a stereo pair is one notional viewpoint, §3.3): what lies at another depth is not matched, and depths fix poses."""
+"""Where appearances carry depth (a stereo pair is one notional viewpoint, §3.3), depths fix poses.
+
+They do not decide what is matched: some are wrong, where a feature was missed in one image and another that looks like it in the other.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.camera import Camera
+from geometry.frames import transform_points
 from geometry.refine_sights import Sight, refine_sights
 
 if TYPE_CHECKING:
@@ -16,17 +20,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-DEVIATIONS = 4.0
-"""Standard deviations of a depth beyond which a datum is not a feature's."""
+DEVIATIONS, SHARE = 4.0, 0.05
+"""A depth counts that is off a pose's by so many standard deviations at most, or by this share of it."""
 BASELINE = 1000.0
 """Depths between the camera and one far to the side, whose pixels then tell the depth and nothing else."""
-
-
-def at_depth(depth: Floats, data: Data) -> NDArray[np.bool_]:
-    """(F, A) which data are not at another depth than features (F,) m."""
-    if data.depth is None or data.depth_sigma is None:
-        return np.ones((len(depth), len(data.ids)), bool)
-    return ~(np.abs(depth[:, None] - data.depth[None]) > DEVIATIONS * data.depth_sigma[None])
 
 
 def with_depths(pose: Floats, seen: Sight, points: Floats, datum: NDArray[np.intp], data: Data, *, sigma: float, huber: float) -> Floats:
@@ -35,21 +32,22 @@ def with_depths(pose: Floats, seen: Sight, points: Floats, datum: NDArray[np.int
     As it was where none has a depth. ``sigma``: the noise of places, pixels, for which the weights of what is seen stand, in whatever unit.
     ``huber``: pixels beyond which a residual counts linearly.
     """
-    told = side_sight(points, datum, data, sigma)
+    told = side_sight(pose, points, datum, data, sigma)
     if told is None:
         return pose
     unit = float(np.median(seen.weights)) * sigma**2
     return refine_sights(pose, [seen, told._replace(weights=unit * told.weights)], huber=huber)
 
 
-def side_sight(points: Floats, datum: NDArray[np.intp], data: Data, sigma: float) -> Sight | None:
+def side_sight(pose: Floats, points: Floats, datum: NDArray[np.intp], data: Data, sigma: float) -> Sight | None:
     """The depths of ``datum`` (N,) as what a camera far to the side sees of ``points`` (N, 3), with noise of about ``sigma`` pixels.
 
-    Weights are 1/variance. None where no depth is told.
+    Weights are 1/variance. None where no depth is told that could be right at this ``pose`` (4, 4).
     """
     if data.depth is None or data.depth_sigma is None:
         return None
-    known = np.isfinite(data.depth[datum])
+    here = transform_points(pose, points)[:, 2]
+    known = np.abs(data.depth[datum] - here) <= np.maximum(DEVIATIONS * data.depth_sigma[datum], SHARE * here)
     if not known.any():
         return None
     depth, spread = data.depth[datum][known], data.depth_sigma[datum][known]

@@ -14,7 +14,6 @@ from geometry.frames import transform_points
 from plogic.evidence import evidence
 from plogic.expectation import Posed, assigned
 from plogic.search.angles import screen_angle
-from plogic.search.depths import at_depth
 from plogic.search.learnt.lobes import lobes_about, lobes_held
 from plogic.search.learnt.looks import likeness, right_pairs
 from plogic.search.learnt.sides import side_likeness, side_matches
@@ -115,10 +114,9 @@ def matched(
     feature, datum, held = near.feature, near.datum, near.held(lobes)
     off = np.linalg.norm(posed.uv[feature] - data.uv[datum], axis=1) * (tolerance / reach[feature])
     matches = np.full(len(posed.uv), -1, np.intp)
-    fits = at_depth(posed.at[:, 2], data)[feature, datum] if data.depth is not None else np.ones(len(feature), bool)
-    awaited = expected[feature] & held & fits
+    awaited = expected[feature] & held
     assigned(matches, feature[awaited], datum[awaited], off[awaited], tolerance)
-    left = ~np.isin(datum, matches[matches >= 0]) & ~expected[feature] & fits
+    left = ~np.isin(datum, matches[matches >= 0]) & ~expected[feature]
     assigned(matches, feature[left], datum[left], off[left], tolerance)
     residual = np.where(matches >= 0, np.linalg.norm(posed.uv - data.uv[np.maximum(matches, 0)], axis=1), np.nan) if len(data.ids) else posed.residual
     used = expected & (matches >= 0)
