@@ -161,7 +161,10 @@ def _known(posed: Posed, hidden: NDArray[np.bool_] | None, seen: Seen, kb: Knowl
 
 
 def _merged(told: Sequence[_Told], seen: Sequence[Seen], standing: Sequence[Standing]) -> Situation:
-    """One Situation of all views': hypotheses with the features of each, ids behind those of their views."""
+    """One Situation of all views': hypotheses with the features of each, ids behind those of their views.
+
+    Relations and space are those of the last view; of parts nothing is told.
+    """
     last = told[-1].situation
     exclusive = frozenset(chain.from_iterable(t.situation.exclusive for t in told))
     groups = instances({h.id: h.type for h in last.hypotheses}, exclusive)
@@ -175,6 +178,7 @@ def _merged(told: Sequence[_Told], seen: Sequence[Seen], standing: Sequence[Stan
         overlaps=frozenset(chain.from_iterable(t.situation.overlaps for t in told)),
         rivals=frozenset(chain.from_iterable(t.situation.rivals for t in told)),
         exclusive=exclusive,
+        part_relations=(),
     )
 
 

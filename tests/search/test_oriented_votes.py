@@ -96,7 +96,7 @@ def test_what_has_no_angle_or_no_known_type_never_votes():
     assert not len(votes_of(clouds(), unknown, data.camera).weight)
 
 
-@pytest.mark.parametrize("degrees", [0.0, 6.0, 12.0, 20.0])
+@pytest.mark.parametrize("degrees", [0.0, 6.0, 12.0, 16.0])
 def test_an_angle_that_is_off_weighs_less(degrees):
     """By a normal density of the noise and of what a cell's width turns; to the fineness with which an entry tells its angles."""
     ready, step, spread = clouds(), 2.0 * np.pi / FINE, np.hypot(SIGMA, BENT)
@@ -106,6 +106,13 @@ def test_an_angle_that_is_off_weighs_less(degrees):
     weight = votes.weight[true_ones(votes, 2, 40, 1.0, scale)].max()
     least, most = (WHOLE * np.exp(-0.5 * (off / spread) ** 2) for off in (np.radians(degrees) + step, max(0.0, np.radians(degrees) - step)))
     assert round(least) <= weight <= round(most)
+
+
+def test_an_angle_that_is_off_by_so_much_that_it_says_nothing_does_not_vote():
+    ready = clouds()
+    appearances, scale = exact(ready, 2, 40, 1.0, 2)
+    turned = [appearances[0], replace(appearances[1], angle=appearances[1].angle + np.radians(23.0))]
+    assert not true_ones(votes_of(ready, turned), 2, 40, 1.0, scale).any()
 
 
 def test_a_datum_at_another_angle_says_something_else():
