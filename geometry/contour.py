@@ -12,7 +12,10 @@ import shapely
 
 from geometry.arrays import Floats, Ints
 
+Shapes = Any  # a geometry of shapely's, or an array of them: shapely ships no types
+
 _SLIVER = 1e-9  # px^2; a face that is smaller is a crack between neighbours, by rounding
+_SLIT = 1e-6  # px; what is nearer to an edge may be on either side of it
 
 
 def contour(pixels: Floats, triangles: Ints) -> Ints:
@@ -48,12 +51,23 @@ def winding(points: Floats, starts: Floats, ends: Floats) -> Ints:
     return np.bincount(point[crossed], side[crossed], len(points)).astype(int)
 
 
-def union_by_contour(pixels: Floats, triangles: Ints) -> Any:  # noqa: ANN401 - shapely ships no types
+def union_by_contour(pixels: Floats, triangles: Ints) -> Shapes:
     """The area that `triangles` (T, 3) with corners `pixels` (V, 2) cover: a shapely Polygon or MultiPolygon; empty without triangles."""
     edges = contour(pixels, triangles)
     drawn = np.unique(np.sort(edges, axis=1), axis=0)
     lines = shapely.union_all(shapely.linestrings(pixels[drawn]))
     faces = shapely.get_parts(shapely.polygonize([lines]))
-    inside = shapely.get_coordinates(shapely.point_on_surface(faces))
+    inside = _inside(faces, lines)
     covered = winding(inside, pixels[edges[:, 0]], pixels[edges[:, 1]]) != 0
     return shapely.coverage_union_all(faces[covered | (shapely.area(faces) < _SLIVER)])
+
+
+def _inside(faces: Shapes, lines: Shapes) -> Floats:
+    """(N, 2) a point in each of N faces that lies on none of the `lines`: a slit, two edges that agree but for rounding, parts no face."""
+    points = shapely.point_on_surface(faces)
+    for i in np.flatnonzero(shapely.distance(points, lines) < _SLIT):
+        parts = shapely.get_parts(shapely.difference(faces[i], shapely.buffer(lines, _SLIT)))
+        sizes = shapely.area(parts)
+        if sizes.max(initial=0.0) > 0.0:  # else the face is a slit itself
+            points[i] = shapely.point_on_surface(parts[sizes.argmax()])
+    return shapely.get_coordinates(points)

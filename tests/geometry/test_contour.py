@@ -8,7 +8,7 @@ from geometry_bodies import CAMERA, random_rotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geometry.contour import contour, union_by_contour, winding
+from geometry.contour import _inside, contour, union_by_contour, winding
 from geometry.frames import from_rotation_translation, transform_points
 from geometry.outline import outline
 
@@ -84,3 +84,23 @@ def test_winding_counts_the_turns():
     square = np.array([[0.0, 0], [4, 0], [4, 4], [0, 4]])
     starts, ends = np.vstack([square, square, square[::-1] + 10]), np.vstack([np.roll(s, -1, axis=0) for s in (square, square, square[::-1] + 10)])
     assert winding(np.array([[2.0, 1], [11, 11.5], [6, 1], [-3, 2]]), starts, ends).tolist() == [2, -1, 0, 0]
+
+
+def test_a_slit_of_rounding_inside_parts_nothing():
+    """Two columns whose common edge is drawn twice, a last digit apart: the middle of the whole lies on it."""
+    right = np.nextafter(2.0, 3.0)
+    pixels = np.array([[0, 0], [4, 0], [4, 1], [2, 1], [0, 1], [0, 3], [2, 3], [4, 3], [4, 4], [0, 4], [2, 2], [right, 2]], dtype=float)
+    below, above = [[0, 1, 2], [0, 2, 3], [0, 3, 4]], [[5, 6, 9], [6, 8, 9], [6, 7, 8]]
+    columns = [[4, 3, 10], [4, 10, 5], [5, 10, 6], [3, 2, 11], [2, 7, 11], [7, 6, 11]]
+    area = union_by_contour(pixels, np.array(below + columns + above))
+    assert area.area == pytest.approx(16.0)
+    assert area.is_valid
+
+
+def test_whether_a_face_is_covered_is_asked_off_all_lines():
+    """As a slit lay across the middle of a clamp's image, which then was taken for uncovered (pair 943 of clamps, `plogic bench occlusion`)."""
+    faces, slit = np.array([shapely.box(0, 0, 4, 4), shapely.box(4, 0, 6, 4)]), shapely.LineString([(2, 1), (2, 3)])
+    assert shapely.distance(shapely.point_on_surface(faces[0]), slit) == 0.0
+    points = _inside(faces, slit)
+    assert shapely.contains_xy(faces, points[:, 0], points[:, 1]).all()
+    assert (shapely.distance(shapely.points(points), slit) > 1e-7).all()
