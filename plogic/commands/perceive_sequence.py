@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -109,7 +110,8 @@ def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, 
     pose = gamma.camera.world_from_camera if placed is None else placed.world_from_camera
     if pose is None:
         raise InputError(f"{frame}: where its camera stood is not known: give --poses FILE, or T_world_camera in the Γ's camera")
-    return panorama.look(View(f"v{number}", gamma, pose), image)
+    there = replace(gamma, camera=replace(gamma.camera, world_from_camera=pose))  # one camera file serves all frames
+    return panorama.look(View(f"v{number}", there, pose), image)
 
 
 def _moved(view: View, placed: Placed) -> View:

@@ -40,6 +40,7 @@ def test_a_sequence_gives_a_panorama_and_a_line_a_frame(frames, tmp_path):
     assert [v["frame"] for v in told["views"]] == names()
     assert {o["type"]: (o["last_seen"], o["age"], o["in_view"]) for o in told["objects"]} == {"t1": ("v4", 0, True), "t2": ("v4", 0, True)}
     assert told["worlds"][0]["present"] == ["p1", "p2"]
+    assert [v["interpretation"]["camera"]["T_world_camera"] for v in told["views"]] == [turned(angle).tolist() for angle in ANGLES]
     (ahead,) = told["ahead"]
     assert {row["id"] for row in ahead["predicted"]} == {"p1", "p2"}
     lines = done.stderr.splitlines()
