@@ -12,7 +12,7 @@ from plogic.deadline import Deadline
 from plogic.evidence import evidence
 from plogic.expectation import hidden_by
 from plogic.measures.explanatory import explanatory_value
-from plogic.rivals import SHARED_CLAIMS, claims, overlap, shared_claims
+from plogic.rivals import SHARED_CLAIMS, claims, hidden_among, overlap, shared_claims
 from plogic.search.indices import search_of, settle, significant
 from plogic.search.learnt.index import LearntIndex
 
@@ -84,11 +84,7 @@ class Beside:
 
     def _hidden(self, posed: Posed, skip: Belief | None = None) -> NDArray[np.bool_]:
         """(F,) what accepted opaque objects hide; those that A4 excludes beside it are rivals and hide nothing (D7)."""
-        mask = np.zeros(len(posed.uv), dtype=bool)
-        for belief in self.accepted:
-            if belief is not skip and belief.posed.object_type.opaque and not overlap(posed, belief.posed):
-                mask |= hidden_by(posed, belief.posed)
-        return mask
+        return hidden_among(posed, [belief.posed for belief in self.accepted if belief is not skip])
 
     def _refusal(self, belief: Belief) -> str | None:
         """Why a hypothesis is not accepted beside Δi, or None."""

@@ -13,10 +13,9 @@ from plogic.belief import Belief, Cycle, considered
 from plogic.beside import FEWEST, name_of
 from plogic.covering import covered_by
 from plogic.evidence import evidence
-from plogic.expectation import hidden_by
 from plogic.inference.clock import OutOfTimeError
 from plogic.measures.explanatory import explanatory_value
-from plogic.rivals import SHARED_CLAIMS, apart_on_screen, claims, overlap, shared_claims
+from plogic.rivals import SHARED_CLAIMS, apart_on_screen, claims, hidden_among, overlap, shared_claims
 from plogic.search.by_copies import searched
 from plogic.search.indices import generate, generate_together, settle, significant
 from plogic.search.learnt.index import LearntIndex
@@ -25,8 +24,6 @@ from plogic.support import bodies, supported
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from numpy.typing import NDArray
 
     from plogic.attention import Attention
     from plogic.expectation import Posed
@@ -196,24 +193,16 @@ class Perception(Anytime):
             return None
         beside = [b for b in self.accepted if not any(b is other for other in replaced)]
         free = np.ones(len(self.data.ids), dtype=bool)
-        for other in beside:
-            free[list(claims(other.posed))] = False
-        hidden = _hidden_by_all(belief.posed, beside)
+        others = [other.posed for other in beside]
+        for other in others:
+            free[list(claims(other))] = False
+        hidden = hidden_among(belief.posed, others)
         posed = settle(belief.index, belief.posed.camera_from_object, self.data, self.kb, free=free, hidden=hidden, rounds=1)
         if self._is_accepted(posed):
             return None
-        hidden = _hidden_by_all(posed, beside)
+        hidden = hidden_among(posed, others)
         ev, again = explanatory_value(posed.support(), self.dv), explanatory_value(posed.support(hidden), self.dv)
         found = evidence(posed, self.data, self.kb, hidden)
         enough = int((posed.candidate & posed.detected & ~hidden).sum()) >= FEWEST
         near = found.ratio > sum(b.worth for b in replaced) - significant(belief.index, self._search_for(belief.posed))
         return Belief(posed, belief.index, found.ratio, found.surplus, ev, again) if enough and again is not None and near else None
-
-
-def _hidden_by_all(posed: Posed, others: Sequence[Belief]) -> NDArray[np.bool_]:
-    """(F,) what opaque objects hide of a hypothesis that stands beside them."""
-    mask = np.zeros(len(posed.uv), dtype=bool)
-    for other in others:
-        if other.posed.object_type.opaque:
-            mask |= hidden_by(posed, other.posed)
-    return mask

@@ -15,6 +15,8 @@ from geometry.overlap import Solid, solid_overlap
 from plogic.expectation import hidden_by
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from kb.surface import Surface
@@ -52,6 +54,15 @@ def _shared(first: Surface, pose: bytes, second: Surface, other: bytes) -> float
     """The volume that two posed bodies share, m³; the cycle asks it of the same pair again and again."""
     poses = (np.frombuffer(some).reshape(4, 4) for some in (pose, other))
     return solid_overlap(solid_of(first), next(poses), solid_of(second), next(poses))
+
+
+def hidden_among(posed: Posed, others: Sequence[Posed]) -> NDArray[np.bool_]:
+    """(F,) what opaque others hide of a hypothesis; those that A4 excludes beside it hide nothing (D7)."""
+    hidden = np.zeros(len(posed.uv), bool)
+    for other in others:
+        if other is not posed and other.object_type.opaque and not overlap(posed, other):
+            hidden |= hidden_by(posed, other)
+    return hidden
 
 
 def apart_on_screen(one: Posed, other: Posed, f: float, margin: float) -> bool:

@@ -17,11 +17,11 @@ from plogic.beside import FEWEST
 from plogic.evidence import evidence, hit_rates
 from plogic.expectation import hidden_by
 from plogic.recall import Seed
-from plogic.rivals import claims
+from plogic.rivals import claims, hidden_among
 from plogic.search.data import data_of
 from plogic.stopwatch import Stopwatch
 from plogic.views.joint import joint
-from plogic.views.standing import Seen, Standing, hidden_among, seen_alone, standing_of
+from plogic.views.standing import Seen, Standing, seen_alone, standing_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

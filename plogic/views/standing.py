@@ -14,8 +14,7 @@ import numpy as np
 from geometry.frames import inverse, transform_points
 from geometry.refine_sights import Sight, refine_sights
 from plogic.evidence import sigmas
-from plogic.expectation import hidden_by
-from plogic.rivals import SHARED_CLAIMS, claims, overlap, shared_claims
+from plogic.rivals import SHARED_CLAIMS, claims, hidden_among, overlap, shared_claims
 from plogic.search.alike import same_place
 from plogic.search.indices import settle
 
@@ -91,15 +90,6 @@ def seen_beside(standing: Sequence[Standing], alone: Sequence[Posed], first: int
                 free[list(claims(posed[j]))] = False
         posed.append(lone if free.all() and not hidden.any() else _settled(some, seen, kb, free, hidden))
     return posed
-
-
-def hidden_among(posed: Posed, others: Sequence[Posed]) -> NDArray[np.bool_]:
-    """(F,) what opaque others hide of a hypothesis; those that A4 excludes beside it hide nothing (D7)."""
-    hidden = np.zeros(len(posed.uv), bool)
-    for other in others:
-        if other is not posed and other.object_type.opaque and not overlap(posed, other):
-            hidden |= hidden_by(posed, other)
-    return hidden
 
 
 def _settled(standing: Standing, seen: Seen, kb: KnowledgeBase, free: NDArray[np.bool_], hidden: NDArray[np.bool_]) -> Posed:

@@ -10,8 +10,9 @@ import numpy as np
 from geometry.frames import inverse
 from plogic.evidence import evidence
 from plogic.measures.explanatory import explanatory_value
+from plogic.rivals import hidden_among
 from plogic.search.data import data_of
-from plogic.views.standing import Seen, Standing, hidden_among, refined, seen_alone, seen_beside
+from plogic.views.standing import Seen, Standing, refined, seen_alone, seen_beside
 from plogic.views.view import View
 
 if TYPE_CHECKING:
