@@ -21,6 +21,7 @@ from plogic.relations import part_relations_of, relations_of
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
 from plogic.search.indices import generate
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, Reading, Reconsider, Situation
+from plogic.spatial import Space
 from plogic.trace import Trace
 from sensing.uncollected import uncollected
 
@@ -60,10 +61,13 @@ class Delta:
 
 
 @uncollected()
-def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], options: Options, fitted: Fitted = as_fitted) -> Delta:
+def delta_of(
+    cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], options: Options, fitted: Fitted = as_fitted, *, related: bool = True
+) -> Delta:
     """Name the hypotheses that were not rejected and collect the facts that decide their probabilities.
 
-    ``fitted(posed, data, kb, hidden)`` gives the hit rates (F,) and densities (F,) that the program is told.
+    ``fitted(posed, data, kb, hidden)`` gives the hit rates (F,) and densities (F,) that the program is told. ``related``: whether relations and
+    space, which decide no probability of a world, are worked out as well.
     """
     beliefs = {f"h{i}": belief for i, belief in enumerate((*cycle.accepted, *cycle.considered), 1)}
     names = list(beliefs)
@@ -72,7 +76,7 @@ def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float
     overlaps = frozenset(pair for pair in pairs if overlap(posed[pair[0]], posed[pair[1]]))
     shared = {pair: shared_claims(posed[pair[0]], posed[pair[1]])[1] for pair in pairs if pair not in overlaps}
     exclusive = overlaps | {pair for pair, share in shared.items() if share > SHARED_CLAIMS}
-    together = [pair for pair in pairs if pair not in exclusive]
+    together = [pair for pair in pairs if pair not in exclusive] if related else []
     rivals = exclusive | {pair for pair, share in shared.items() if share > 0.0}
     hiding = {(x, y): hidden_by(posed[x], posed[y]) for x in names for y in names if x != y}
     group = instances({name: p.object_type.name for name, p in posed.items()}, exclusive)
@@ -89,7 +93,7 @@ def delta_of(cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float
             overlaps=overlaps,
             rivals=rivals,
             exclusive=exclusive,
-            space=space_of_view(beliefs, overlaps, data.camera, kb),
+            space=space_of_view(beliefs, overlaps, data.camera, kb) if related else Space(),
             relations=relations_of(posed, together, data.camera),
             part_relations=part_relations_of(posed, together, data.camera),
             priors={t.name: kb.rates.prior.get(t.name, 0.5) for t in kb.types},

@@ -81,8 +81,9 @@ class Perceiver:
 
     def accepted(self, gamma: Gamma) -> list[tuple[Belief, float]]:
         """What is accepted of one Γ, with its probability: what the interpretation document says of it, where nobody reads the rest."""
-        delta, _, trace = self.delta(gamma, Options(), Stopwatch())
-        delta, ranking = ranked(delta, trace)
+        data, cycle = self.cycle(gamma, Options(), Stopwatch())
+        delta = delta_of(cycle, data, self.kb, self.dv, Options(), related=False)
+        delta, ranking = ranked(delta, cycle.trace.document())
         return [(belief, ranking.marginals[name]) for name, belief in delta.beliefs.items() if belief.status == "accepted"]
 
     def delta(self, gamma: Gamma, options: Options, clock: Stopwatch) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:

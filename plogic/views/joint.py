@@ -135,7 +135,8 @@ def _told(posed: Sequence[Posed], first: int, seen: Seen, perceiver: Perceiver, 
 
     accepted, rivals = ([_belief(one, status, seen, perceiver) for one in some] for some, status in _parted(posed, first))
     cycle = Cycle(tuple(accepted), tuple(rivals), (), (), Trace())
-    return _Told(delta_of(cycle, seen.data, kb, perceiver.dv, options, counted).situation, tuple(known))
+    situation = delta_of(cycle, seen.data, kb, perceiver.dv, options, counted, related=False).situation
+    return _Told(situation, tuple(known))
 
 
 def _parted(posed: Sequence[Posed], first: int) -> tuple[tuple[Sequence[Posed], str], ...]:
@@ -161,10 +162,7 @@ def _known(posed: Posed, hidden: NDArray[np.bool_] | None, seen: Seen, kb: Knowl
 
 
 def _merged(told: Sequence[_Told], seen: Sequence[Seen], standing: Sequence[Standing]) -> Situation:
-    """One Situation of all views': hypotheses with the features of each, ids behind those of their views.
-
-    Relations and space are those of the last view; of parts nothing is told.
-    """
+    """One Situation of all views': hypotheses with the features of each, ids behind those of their views. Relations are of views, and not told."""
     last = told[-1].situation
     exclusive = frozenset(chain.from_iterable(t.situation.exclusive for t in told))
     groups = instances({h.id: h.type for h in last.hypotheses}, exclusive)
@@ -178,7 +176,6 @@ def _merged(told: Sequence[_Told], seen: Sequence[Seen], standing: Sequence[Stan
         overlaps=frozenset(chain.from_iterable(t.situation.overlaps for t in told)),
         rivals=frozenset(chain.from_iterable(t.situation.rivals for t in told)),
         exclusive=exclusive,
-        part_relations=(),
     )
 
 
