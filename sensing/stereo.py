@@ -32,6 +32,8 @@ NEAREST = 0.02
 """Metres, least depth that is believed."""
 TURNED, LARGER = 0.5, 1.6
 """Radians by which the angles, and the factor by which the scales, of one feature's appearances in the two images differ at most."""
+MOST = 30_000_000
+"""Pairs of appearances that are compared at most, some 100 bytes each while that goes on: two images of 5,000."""
 ALIKE = 0.8
 """Of descriptors, the next best partner must be this much farther: Lowe's ratio."""
 
@@ -52,8 +54,10 @@ class Pair:
 def fused(left: Gamma, right: Gamma, pair: Pair, sigma: float = 1.0) -> Gamma:
     """Γ of the pair: the left one's appearances, with ``depth`` and ``depth_sigma`` (m) where one of the right image is theirs, and no other.
 
-    ``sigma``: noise of places, pixels, in both images.
+    ``sigma``: noise of places, pixels, in both images. Raises CameraError where there are more than ``MOST`` to compare, one with another.
     """
+    if len(left.appearances) * len(right.appearances) > MOST:
+        raise CameraError(f"{len(left.appearances)} and {len(right.appearances)} appearances are more than a pair may have: {MOST} to compare at most")
     near, depth = _partners(left, right, pair, sigma)
     found = _unique(left, right, near)
     rows = list(left.appearances)

@@ -82,6 +82,13 @@ def test_nothing_has_depth_of_other_types_behind_the_camera_or_alone():
     assert all(a.depth is None for a in fused(mine, swapped, Pair(other_side)).appearances)
 
 
+def test_more_than_can_be_compared_is_refused(monkeypatch):
+    monkeypatch.setattr("sensing.stereo.MOST", 8)
+    some = gamma(points_of(3), ["a", "b", "c"])
+    with pytest.raises(CameraError, match="3 and 3 appearances are more"):
+        fused(some, some, Pair(ASIDE))
+
+
 def test_a_pair_must_be_one():
     with pytest.raises(CameraError, match="T_right_left"):
         Pair(np.eye(4))
