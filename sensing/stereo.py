@@ -57,7 +57,8 @@ def fused(left: Gamma, right: Gamma, pair: Pair, sigma: float = 1.0) -> Gamma:
     ``sigma``: noise of places, pixels, in both images. Raises CameraError where there are more than ``MOST`` to compare, one with another.
     """
     if len(left.appearances) * len(right.appearances) > MOST:
-        raise CameraError(f"{len(left.appearances)} and {len(right.appearances)} appearances are more than a pair may have: {MOST} to compare at most")
+        numbers = f"{len(left.appearances)} and {len(right.appearances)} appearances"
+        raise CameraError(f"{numbers} are more than a pair may have: {MOST} to compare at most")
     near, depth = _partners(left, right, pair, sigma)
     found = _unique(left, right, near)
     rows = list(left.appearances)
