@@ -19,7 +19,6 @@ from plogic.rivals import SHARED_CLAIMS, apart_on_screen, claims, hidden_among, 
 from plogic.search.by_copies import searched
 from plogic.search.indices import generate, generate_together, settle, significant
 from plogic.search.learnt.index import LearntIndex
-from plogic.search.oriented.generate import DEEP
 from plogic.support import bodies, supported
 
 if TYPE_CHECKING:
@@ -75,7 +74,7 @@ class Perception(Anytime):
     def _round(self, attention: Sequence[Attention], pool: list[Posed]) -> bool:
         """Add to the pool what the free data give, then accept its best acceptable pose. True where something was accepted."""
         left = self.data.only(self.free())
-        together = {} if self.together is None else generate_together(self.together, left, self.kb, self._hidden)
+        together = self._together(left)
         alone = [self.indices[row.type] for row in attention if row.type not in together and not self._exhausted(row.type)]
         by_hand = any(not isinstance(index, LearntIndex) for index in alone)
         taken = bodies(self.accepted)
@@ -108,6 +107,16 @@ class Perception(Anytime):
                 return True
         return False
 
+    def _together(self, left: Data) -> dict[str, list[tuple[float, Posed]]]:
+        """By type, what is found of the types that are searched for together, if there are any."""
+        if self.together is None:
+            return {}
+        known = self.together.unasked
+        found = generate_together(self.together, left, self.kb, self._hidden)
+        if self.together.unasked > known:
+            self.trace.add("deepen", f"{self.together.unasked} types were left out, those that pairs vote for least: too many data look alike")
+        return found
+
     def _fewer(self, index: Index) -> dict[str, int]:
         """How far to search for a type: less far again, for what stood out most of it is claimed."""
         again = isinstance(index, LearntIndex) and index.object_type.name in self.searched
@@ -125,11 +134,11 @@ class Perception(Anytime):
         return bool(found)
 
     def _deepened(self) -> bool:
-        """Lay more votes of the types that are searched for together, where nothing at all was accepted. True where that is left to do."""
-        if self.together is None or self.accepted or self.together.laid >= DEEP:
+        """Ask single data for the types that are searched for together, once, where nothing at all was accepted. True where that is left to do."""
+        if self.together is None or self.accepted or self.together.deepened:
             return False
-        self.together.laid = DEEP
-        self.trace.add("deepen", f"nothing is acceptable: {DEEP} votes are laid onto the image")
+        self.together.deepen()
+        self.trace.add("deepen", "nothing is acceptable: every datum votes by itself")
         return True
 
     def _released(self) -> bool:

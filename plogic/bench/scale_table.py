@@ -14,7 +14,7 @@ import numpy as np
 from plogic.bench.claims import Claim
 from plogic.bench.scale_costs import looks_needed, need, types_under_limit
 from plogic.bench.scale_recall import interval, line, recall
-from plogic.search.oriented.generate import LAID
+from plogic.search.oriented.generate import USUAL
 from plogic.search.oriented.pair_votes import WHOLE
 
 if TYPE_CHECKING:
@@ -137,10 +137,10 @@ def _growth(v: Vocabulary) -> dict[str, Any]:
 
 def _recall(v: Vocabulary, size: int, rng: np.random.Generator) -> dict[str, Any]:
     some, limited = v.among(size), v.caps.get(size)
-    chances = [standing.chance(size, LAID) for standing in some]
+    chances = [standing.chance(size, USUAL.laid) for standing in some]
     low, high = interval(chances, rng)
-    grown = {f"laid {LAID * times}": round(recall(some, size, LAID * times), 3) for times in GROWN}
-    under = grown[f"laid {LAID}"] if limited is None else round(recall(limited, size, LAID), 3)
+    grown = {f"laid {USUAL.laid * times}": round(recall(some, size, USUAL.laid * times), 3) for times in GROWN}
+    under = grown[f"laid {USUAL.laid}"] if limited is None else round(recall(limited, size, USUAL.laid), 3)
     return {"looks": v.looks, "types": size} | grown | {"interval": f"{low:.3f} to {high:.3f}", "limited": under}
 
 
@@ -156,7 +156,7 @@ def _check(v: Vocabulary, less: int, few: Sequence[Standing], more: Sequence[Sta
     before = [[sum(s.before(types)) for s in some] for some in (few, more)]
     return {
         "looks": v.looks, "from": less, "types": types, "trials": len(more),
-        "predicted": round(recall(few, types, LAID), 3), "measured": round(recall(more, types, LAID), 3),
+        "predicted": round(recall(few, types, USUAL.laid), 3), "measured": round(recall(more, types, USUAL.laid), 3),
         "votes before it, predicted": round(float(np.mean(before[0])), 1), "measured, votes": round(float(np.mean(before[1])), 1),
     }  # fmt: skip
 

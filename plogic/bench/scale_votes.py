@@ -21,7 +21,7 @@ from plogic.bench.scale_recall import Standing
 from plogic.cycle import Perception
 from plogic.search.data import data_of
 from plogic.search.indices import search_of
-from plogic.search.oriented.generate import LAID, coarse_poses
+from plogic.search.oriented.generate import USUAL, coarse_poses
 from plogic.search.oriented.pair_index import MOST, PairIndex
 from plogic.search.oriented.pair_votes import counted, raw_votes
 from plogic.search.oriented.typed_data import typed_data
@@ -113,7 +113,7 @@ def seen(ready: Ready, trial: Trial) -> Seen:
     laying = max(0.0, proposing - counting)
     stages = Stages(first, voting + counting, laying, max(0.0, whole - voting - counting - laying))
     right = is_right(ready, votes, data, trial)
-    best = np.argsort(-votes.weight, kind="stable")[:LAID]
+    best = np.argsort(-votes.weight, kind="stable")[:USUAL.laid]
     found = [_found(belief, trial) for belief in cycle.accepted]
     place = [row.type for row in attention].index(trial.truth.type) / len(attention)
     return Seen(stages, bool(right[best].any()), any(found), len(found) - sum(found), place)

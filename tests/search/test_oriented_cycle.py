@@ -9,11 +9,11 @@ import pytest
 from oriented_scenes import EASY, HARD, a_trial, clouds
 
 from geometry.frames import is_rigid
-from plogic import cycle
 from plogic.bench.recognition_score import Found, errors_of
 from plogic.delta import Options
 from plogic.perceive import Perceiver
-from plogic.search.oriented import generate
+from plogic.search.oriented import generate, single_votes
+from plogic.search.oriented.pair_votes import REACH
 from plogic.stopwatch import Stopwatch
 from sensing.appearance import Gamma
 
@@ -120,10 +120,9 @@ def steps(gamma, perceiving=None):
     return [b.posed.object_type.name for b in delta.beliefs.values() if b.status == "accepted"], [step["event"] for step in trace]
 
 
-def test_where_nothing_is_accepted_more_votes_are_laid(monkeypatch):
-    """The heaviest vote alone is a wrong one in most of these trials: what is found then was found by those that were laid later."""
-    monkeypatch.setattr(generate, "LAID", 1)
-    monkeypatch.setattr(cycle, "DEEP", 400)
+def test_where_nothing_is_accepted_single_data_vote(monkeypatch):
+    """The heaviest vote of pairs alone is a wrong one in most of these trials: what is found then was found by what was asked later."""
+    monkeypatch.setattr(generate, "USUAL", generate.USUAL._replace(laid=1))
     ready, later = clouds(detector=HARD, appearances=600, looks=20), 0
     hard = Perceiver(ready.kb)
     for seed in (0, 1, 3, 7, 11):
@@ -133,6 +132,25 @@ def test_where_nothing_is_accepted_more_votes_are_laid(monkeypatch):
         assert events.count("deepen") <= 1
         later += "deepen" in events
     assert 0 < later < 5
+
+
+def test_what_is_seen_too_far_apart_for_pairs_is_found_by_single_data():
+    """Eight data of one object, no two within reach of each other, are no pair at all."""
+    right, tried = 0, 0
+    for seed in range(30):
+        _, case, data = a_trial(clouds(), seed)
+        own, kept = [i for i, name in enumerate(data.ids) if name in case.causes], []
+        for i in own:
+            if all(np.hypot(*(data.ideal[i] - data.ideal[j])) > REACH + 1.0 for j in kept):
+                kept.append(i)
+        if len(kept) < 8:
+            continue
+        rest = tuple(a for i, a in enumerate(case.gamma.appearances) if i in kept)
+        found, events = steps(Gamma(case.gamma.camera, rest))
+        assert "deepen" in events
+        right, tried = right + (found == [case.truth.type]), tried + 1
+    assert tried >= 5
+    assert right >= 0.8 * tried
 
 
 def test_of_clutter_alone_it_looks_deeper_once():
@@ -148,3 +166,11 @@ def test_what_is_accepted_at_once_needs_no_deeper_look():
     found, events = steps(case.gamma)
     assert found == [case.truth.type]
     assert "deepen" not in events
+
+
+def test_types_that_were_left_out_are_told_of(monkeypatch):
+    _, case, _ = a_trial(clouds(), 1)
+    clutter = Gamma(case.gamma.camera, tuple(a for a in case.gamma.appearances if a.id not in case.causes))
+    monkeypatch.setattr(single_votes, "MOST", 0)
+    _, _, trace = perceiver().delta(clutter, Options(reading="posterior"), Stopwatch())
+    assert [step["why"].split(",")[0] for step in trace if step["event"] == "deepen"][1:] == ["5 types were left out"]

@@ -14,6 +14,7 @@ from plogic.search.data import centre_of
 from plogic.search.extend import poses_about
 from plogic.search.oriented.pair_votes import BENT, counted, raw_votes
 from plogic.search.oriented.refinement import Held, Noise, refined
+from plogic.search.oriented.single_votes import FEWEST, HIT, single_votes
 from plogic.search.oriented.typed_data import typed_data
 from plogic.search.projection import viewpoints_of
 
@@ -30,20 +31,12 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
-LAID, DEEP = 2000, 20_000
-"""Votes whose whole cloud is laid onto Γ, those in the heaviest boxes; and so many where that led to nothing."""
-REFINED = 40
-"""Poses that are refined, the best and no two alike."""
 ALIKE = float(np.radians(15.0)), 0.08
 """Two poses of a type are alike that differ by less, radians, and share of the distance."""
-ROUNDS = ((0.10, 24), (0.05, 16), (0.025, 12), (0.0, 12))
-"""Of each round, how far off a sight may be, in diameters on the screen and never less than the noise allows; and how many poses go on."""
-HIT = 0.5
-"""How often a sight is found where a pose is right, about."""
+SHARES = 0.10, 0.05, 0.025, 0.0
+"""How far off a sight may be in each round, in diameters on the screen, and never less than the noise allows."""
 DEVIATIONS = 2.5
 """Standard deviations within which a datum is a sight's."""
-FEWEST = 4
-"""Sights that hold a pose."""
 STEPS = 8
 """Steps of a round of refinement."""
 ROBUST = 3.0
@@ -56,6 +49,20 @@ MORE_TILTS = np.radians([8.0, 20.0, 40.0])
 """By how much one is tilted before it is accepted, radians."""
 TILTS_KEPT = 2
 """Of what comes of these, so many are judged."""
+
+
+class Width(NamedTuple):
+    """How many go on: the heaviest votes, whose clouds are ``laid`` onto Γ; the best poses, no two alike, that are ``refined``; and in ``rounds``."""
+
+    laid: int
+    refined: int
+    rounds: tuple[int, int, int, int]
+
+
+USUAL, DEEP = Width(2000, 40, (24, 16, 12, 12)), Width(20_000, 400, (240, 160, 120, 12))
+"""With the votes of pairs; and with those of single data, where pairs led to nothing."""
+BLOCK = 2000
+"""Clouds that are laid onto Γ at a time."""
 
 
 class Proposal(NamedTuple):
@@ -80,12 +87,23 @@ class _Match(NamedTuple):
 class Search:
     """The search for all types in one Γ: its pairs vote once, and what is claimed later is no longer counted.
 
-    ``check`` is called between its stages, and may raise to end it; ``laid``: how many votes are laid onto Γ.
+    ``check`` is called between its stages, and may raise to end it; ``laid``: how many votes were laid onto Γ at a time, at most; ``unasked``: types
+    of which single data were not asked, for there were too many.
     """
 
     def __init__(self, index: PairIndex, data: Data, noise: Noise, check: Callable[[], None] = unhurried) -> None:
         self.index, self.data, self.noise, self.check = index, data, noise, check
-        self.laid = LAID
+        self.laid, self.unasked = USUAL.laid, 0
+        self._deep = False
+
+    @property
+    def deepened(self) -> bool:
+        """Whether single data were asked, or are next."""
+        return self.laid >= DEEP.laid
+
+    def deepen(self) -> None:
+        """Ask single data in place of pairs, the next time."""
+        self._deep, self.laid = True, DEEP.laid
 
     @cached_property
     def raw(self) -> Raw:
@@ -99,33 +117,53 @@ class Search:
         self.check()
         raw = self.raw.without(taken) if taken.any() else self.raw
         self.check()
-        return _proposals(self.index, left, self.noise, counted(raw), self.laid, self.check)
+        votes = counted(raw)
+        if not self._deep:
+            return _proposals(self.index, left, self.noise, votes, USUAL, self.check)
+        self._deep = False
+        types = _by_votes(votes, len(self.index.indices))
+        votes, asked = single_votes(self.index, left, self.noise, types, DEEP.laid, self.check)
+        self.unasked = len(types) - asked
+        return _proposals(self.index, left, self.noise, votes, DEEP, self.check)
 
     def tilted(self, name: str, pose: Floats, left: Data) -> list[Floats]:
         """The best poses (4, 4) that come of a type's pose at other tilts, refined on what is ``left`` of the data."""
         kind = next(i for i, index in enumerate(self.index.indices) if index.object_type.name == name)
         poses = np.concatenate([_tilted(self.index, np.array([kind]), pose[None], tilt) for tilt in MORE_TILTS])
         typed = typed_data(left, self.index.looks)
-        _, poses = _narrowed(self.index, np.full(len(poses), kind), poses, typed, left, self.noise, ROUNDS[1:], self.check)
+        _, poses = _narrowed(self.index, np.full(len(poses), kind), poses, typed, left, self.noise, _later(USUAL), self.check)
         return list(poses[:TILTS_KEPT])
 
 
-def _proposals(index: PairIndex, data: Data, noise: Noise, votes: Votes, laid: int, check: Callable[[], None]) -> list[Proposal]:
-    """The best poses of all types, refined, best first; ``votes`` for them, of which so many are ``laid`` onto Γ."""
+def _by_votes(votes: Votes, types: int) -> Indices:
+    """All types (T,), those first that pairs vote for most."""
+    most = np.zeros(types, np.intp)
+    np.maximum.at(most, votes.kind, votes.weight)
+    return np.argsort(-most, kind="stable")
+
+
+def _later(width: Width) -> tuple[tuple[float, int], ...]:
+    """All rounds but the first, of poses that were refined before."""
+    return tuple(zip(SHARES, width.rounds, strict=True))[1:]
+
+
+def _proposals(index: PairIndex, data: Data, noise: Noise, votes: Votes, width: Width, check: Callable[[], None]) -> list[Proposal]:
+    """The best poses of all types, refined, best first, that ``votes`` lead to."""
     check()
     typed = typed_data(data, index.looks)
-    votes = votes.take(np.argsort(-votes.weight, kind="stable")[:laid])
+    votes = votes.take(np.argsort(-votes.weight, kind="stable")[: width.laid])
     kind, poses = votes.kind, coarse_poses(index, votes, data)
     worth = np.zeros(len(kind))
-    for start in range(0, len(kind), LAID):
+    for start in range(0, len(kind), BLOCK):
         check()
-        some = slice(start, start + LAID)
-        worth[some] = _laid(index, kind[some], poses[some], typed, data, ROUNDS[0][0], noise).worth
-    best = _apart(index, kind, poses, worth, REFINED)
-    kind, poses = _narrowed(index, kind[best], poses[best], typed, data, noise, ROUNDS, check)
+        some = slice(start, start + BLOCK)
+        worth[some] = _laid(index, kind[some], poses[some], typed, data, SHARES[0], noise).worth
+    best = _apart(index, kind, poses, worth, width.refined)
+    rounds = tuple(zip(SHARES, width.rounds, strict=True))
+    kind, poses = _narrowed(index, kind[best], poses[best], typed, data, noise, rounds, check)
     tilted = np.concatenate([poses, _tilted(index, kind[:TILTED], poses[:TILTED])])
     kind = np.concatenate([kind, np.repeat(kind[:TILTED], TILTS)])
-    kind, poses = _narrowed(index, kind, tilted, typed, data, noise, ROUNDS[1:], check)
+    kind, poses = _narrowed(index, kind, tilted, typed, data, noise, _later(USUAL), check)
     worth = _laid(index, kind, poses, typed, data, 0.0, noise).worth
     best = _apart(index, kind, poses, worth, len(poses))
     return [Proposal(int(kind[i]), poses[i], float(worth[i])) for i in best]
@@ -189,7 +227,7 @@ def _laid(index: PairIndex, kind: Indices, poses: Floats, typed: TypedData, data
     angle = screen_angle(np.einsum("nij,nvj->nvi", poses[:, :3, :3], turns), at)
     middle = np.maximum(np.einsum("nj,nj->n", poses[:, 2, :3], centres) + poses[:, 2, 3], 1e-6)
     within = np.maximum(share * sights.diameter[kind] * data.camera.f / middle, DEVIATIONS * noise.pixels)
-    sigma, spread = within[:, None] / DEVIATIONS, float(np.hypot(noise.angle, BENT * share / ROUNDS[0][0]))
+    sigma, spread = within[:, None] / DEVIATIONS, float(np.hypot(noise.angle, BENT * share / SHARES[0]))
     datum, off, bent = typed.nearest(uv, looks, angle, within, DEVIATIONS * spread)
     datum[(looks < 0) | ~front] = -1
     inside = (looks >= 0) & front & (uv >= 0.0).all(axis=2) & (uv[..., 0] < data.camera.width) & (uv[..., 1] < data.camera.height)

@@ -74,7 +74,7 @@ def typed_data(data: Data, names: Sequence[str]) -> TypedData:
     number = {name: i for i, name in enumerate(names)}
     looks = np.array([number.get(name, -1) for name in data.types], np.intp)
     some = np.flatnonzero((looks >= 0) & np.isfinite(data.angle))
-    some = some[np.argsort(looks[some], kind="stable")]
+    some = some[np.lexsort((data.angle[some], *data.ideal[some].T, looks[some]))]  # ties must not follow the order of Γ
     count = np.bincount(looks[some], minlength=len(names) + 1)
     slot = np.arange(len(some)) - np.searchsorted(looks[some], looks[some])
     shape = len(names) + 1, max(1, int(count.max(initial=0)))
