@@ -45,7 +45,8 @@ function drawCauses() {
 
 const sentence = (s) => String(s).charAt(0).toUpperCase() + String(s).slice(1).replace(/\.?$/, '.');
 const cellSums = (h) => Object.values(h.support || {}).map(numbers).reduce((sum, row) => sum.map((n, i) => n + row[i]), [0, 0, 0, 0]);
-const EVENT = {rank: 'Ranked', try: 'Tried', accept: 'Accepted', reject: 'Rejected', release: 'Released', reconsider: 'Reconsidered', noise: 'Noise', stable: 'Stable'};
+const EVENT = {rank: 'Ranked', try: 'Tried', accept: 'Accepted', reject: 'Rejected', release: 'Released', reconsider: 'Reconsidered', noise: 'Noise', stable: 'Stable',
+  deepen: 'Looked deeper', move: 'Moved', support: 'Supported', deadline: 'Out of time', recall: 'Remembered', search: 'Searched', 'no search': 'No search'};
 function card(h, number) {
   const look = () => { show({present: [h.id], causes: null, title: `Only ${called(h.id)} is shown, as it was tried.`}); at('view').scrollIntoView({block: 'start'}); };
   const [a, c, , d] = cellSums(h), box = el('div', {class: 'why'}, el('p', {class: 'top'}, who(h.id), number), el('p', null, `Of ${plural(a + c, 'expected feature')} ${a} found, ${c} missed${d ? `; ${d} more found that it does not expect` : ''}.`),

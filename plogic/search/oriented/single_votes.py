@@ -39,7 +39,7 @@ FEWEST = 4
 HIT = 0.5
 """How often a sight is found where a pose is right, about."""
 MOST = 20_000_000
-"""Matches of a sight and a datum in all: what the types come to that are asked, the first ones."""
+"""Matches of a sight and a datum in all: types that would exceed it, in the order in which they are asked, are left out."""
 BLOCK = 500_000
 """Matches at a time."""
 KEPT = 10
@@ -66,21 +66,20 @@ class _Matches(NamedTuple):
 
 
 def single_votes(index: PairIndex, data: Data, noise: Noise, kinds: Indices, most: int, check: Callable[[], None]) -> tuple[Votes, int]:
-    """The best votes for types ``kinds`` (K,), at most so many, the best first; and how many of the types were asked, in their order.
+    """The best votes for types ``kinds`` (K,), at most so many, the best first; and how many of the types were asked.
 
-    ``check`` is called between types. A vote's weight is about ln of how much likelier its data are with the object than without, rounded.
+    ``check`` is called between blocks, and may raise to end it. A vote's weight is about ln of how much likelier its data are with the object than without, rounded.
     """
     typed = typed_data(data, index.looks)
     best: list[tuple[Floats, ...]] = []
     asked = matched = 0
     for kind in kinds:
-        check()
         count = _counts(index, int(kind), typed)
-        matched += int(count.sum())
-        if matched > MOST:
-            break
-        asked += 1
+        if matched + int(count.sum()) > MOST:
+            continue
+        asked, matched = asked + 1, matched + int(count.sum())
         for cells in _blocks(count.sum(axis=1)):
+            check()
             best += _of_cells(index, int(kind), cells, typed, data, noise)
         if sum(len(rows[-1]) for rows in best) > KEPT * most:
             best = [_best(best, most)]
