@@ -68,7 +68,8 @@ class _Matches(NamedTuple):
 def single_votes(index: PairIndex, data: Data, noise: Noise, kinds: Indices, most: int, check: Callable[[], None]) -> tuple[Votes, int]:
     """The best votes for types ``kinds`` (K,), at most so many, the best first; and how many of the types were asked.
 
-    ``check`` is called between blocks, and may raise to end it. A vote's weight is about ln of how much likelier its data are with the object than without, rounded.
+    ``check`` is called between blocks, and may raise to end it. A vote's weight is about ln of how much likelier its data are with the object
+    than without, rounded.
     """
     typed = typed_data(data, index.looks)
     best: list[tuple[Floats, ...]] = []
