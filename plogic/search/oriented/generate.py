@@ -41,8 +41,6 @@ STEPS = 8
 """Steps of a round of refinement."""
 ROBUST = 3.0
 """Standard deviations of a place beyond which a match weighs less."""
-
-
 TILTED, TILTS, TILT = 3, 8, np.radians(20.0)
 """Poses that are tried with other tilts, the best; in how many directions, and by how much, radians."""
 MORE_TILTS = np.radians([8.0, 20.0, 40.0])
@@ -131,7 +129,7 @@ class Search:
         kind = next(i for i, index in enumerate(self.index.indices) if index.object_type.name == name)
         poses = np.concatenate([_tilted(self.index, np.array([kind]), pose[None], tilt) for tilt in MORE_TILTS])
         typed = typed_data(left, self.index.looks)
-        _, poses = _narrowed(self.index, np.full(len(poses), kind), poses, typed, left, self.noise, _later(USUAL), self.check)
+        _, poses = _narrowed(self.index, np.full(len(poses), kind), poses, typed, left, self.noise, _rounds(USUAL)[1:], self.check)
         return list(poses[:TILTS_KEPT])
 
 
@@ -142,9 +140,9 @@ def _by_votes(votes: Votes, types: int) -> Indices:
     return np.argsort(-most, kind="stable")
 
 
-def _later(width: Width) -> tuple[tuple[float, int], ...]:
-    """All rounds but the first, of poses that were refined before."""
-    return tuple(zip(SHARES, width.rounds, strict=True))[1:]
+def _rounds(width: Width) -> tuple[tuple[float, int], ...]:
+    """Of each round how far off a sight may be, and how many poses go on; what was refined before needs the later ones only."""
+    return tuple(zip(SHARES, width.rounds, strict=True))
 
 
 def _proposals(index: PairIndex, data: Data, noise: Noise, votes: Votes, width: Width, check: Callable[[], None]) -> list[Proposal]:
@@ -159,11 +157,10 @@ def _proposals(index: PairIndex, data: Data, noise: Noise, votes: Votes, width: 
         some = slice(start, start + BLOCK)
         worth[some] = _laid(index, kind[some], poses[some], typed, data, SHARES[0], noise).worth
     best = _apart(index, kind, poses, worth, width.refined)
-    rounds = tuple(zip(SHARES, width.rounds, strict=True))
-    kind, poses = _narrowed(index, kind[best], poses[best], typed, data, noise, rounds, check)
+    kind, poses = _narrowed(index, kind[best], poses[best], typed, data, noise, _rounds(width), check)
     tilted = np.concatenate([poses, _tilted(index, kind[:TILTED], poses[:TILTED])])
     kind = np.concatenate([kind, np.repeat(kind[:TILTED], TILTS)])
-    kind, poses = _narrowed(index, kind, tilted, typed, data, noise, _later(USUAL), check)
+    kind, poses = _narrowed(index, kind, tilted, typed, data, noise, _rounds(USUAL)[1:], check)
     worth = _laid(index, kind, poses, typed, data, 0.0, noise).worth
     best = _apart(index, kind, poses, worth, len(poses))
     return [Proposal(int(kind[i]), poses[i], float(worth[i])) for i in best]
