@@ -131,9 +131,13 @@ def text_of(document: Mapping[str, Any]) -> str:
 def read_interpretation(path: Path | str) -> Document:
     """Read ``interpretation.json``; '-' is stdin. Raises InterpretationError, one line."""
     name = "<stdin>" if str(path) == "-" else str(path)
-    document = _parsed(path, name)
+    return interpretation_in(parsed(path, name), name)
+
+
+def interpretation_in(document: object, name: str, formats: str = "{}") -> Document:
+    """What was read as one; ``name`` tells its file, ``formats`` which formats it could have been. Raises InterpretationError, one line."""
     if not isinstance(document, dict) or document.get("format") != FORMAT:
-        raise InterpretationError(f"{name}: format: should be {FORMAT!r}")
+        raise InterpretationError(f"{name}: format: should be {formats.format(repr(FORMAT))}")
     try:
         check(situation_of(document))
     except (InterpretationError, SituationError) as error:
@@ -141,9 +145,16 @@ def read_interpretation(path: Path | str) -> Document:
     return document
 
 
-def _parsed(path: Path | str, name: str) -> object:
+def parsed(path: Path | str, name: str) -> object:
+    """The JSON of a file that ``name`` tells; '-' is stdin. Raises InterpretationError, one line."""
     try:
-        data = sys.stdin.buffer.read(LARGEST + 1) if str(path) == "-" else Path(path).read_bytes()
+        if str(path) == "-":
+            data = sys.stdin.buffer.read(LARGEST + 1)
+        else:
+            with Path(path).open("rb") as file:
+                data = file.read(LARGEST + 1)
+        if len(data) > LARGEST:
+            raise InterpretationError(f"{name}: is larger than the {LARGEST} bytes that are read")
         return json.loads(data.decode("utf-8"), parse_constant=_refuse)
     except OSError as error:
         raise InterpretationError(f"{name}: cannot be read: {error.strerror}") from None

@@ -39,6 +39,8 @@ LISTED_WORLDS = 100
 def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **options: Any) -> None:  # noqa: ANN401 - click's
     """Say where to look next: the camera moves that would tell most, with their expected gains in bits, and why.
 
+    INTERPRETATION is that of one image, or a sequence's panorama/1: what all its views leave open, from where the last one stood.
+
     Without --ring, --moves or --within the candidates are a ring of eleven places around the scene at the present height and distance.
     """
     if sum(options[name] is not None for name in ("ring", "moves", "within")) > 1:
@@ -50,10 +52,10 @@ def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **o
 def next_view_command(source: str, number: int, seed: int, options: dict[str, Any], *, as_json: bool) -> str:
     """The table, or the document ``next-view/1``. ``options``: about, ring, moves, within, reading."""
     from plogic.errors import InterpretationError
-    from plogic.interpretation import read_interpretation
+    from plogic.lookahead.of_sequence import read_looked
     from plogic.lookahead.told import table_of
 
-    document = read_interpretation(source)
+    document = read_looked(source)
     try:
         answer = looked(document, number, seed, options)
     except InterpretationError as error:
@@ -62,7 +64,7 @@ def next_view_command(source: str, number: int, seed: int, options: dict[str, An
 
 
 def looked(document: dict[str, Any], number: int, seed: int, options: dict[str, Any]) -> dict[str, Any]:
-    """The document of an interpretation's next views."""
+    """The document of an interpretation's next views, or of those of what stands for one (``plogic.lookahead.of_sequence``)."""
     from geometry.camera import camera_from_dict
     from plogic.interpretation import situation_of
     from plogic.lookahead.gain import entropy
@@ -71,23 +73,47 @@ def looked(document: dict[str, Any], number: int, seed: int, options: dict[str, 
     from plogic.lookahead.reading import prospect_of
     from plogic.lookahead.told import next_view_document
 
-    camera, situation = camera_from_dict(document["camera"]), situation_of(document)
-    worlds, unlisted = _worlds(document, situation, options["reading"])
-    situation = situation if options["reading"] is None else replace(situation, reading=options["reading"])
+    camera, reading, about = camera_from_dict(document["camera"]), options["reading"] or document["reading"], options["about"]
+    if "sequence" in document:
+        _of_presence(document, reading, about)
+        situation, (worlds, unlisted) = None, _listed(document)
+    else:
+        situation = situation_of(document)
+        worlds, unlisted = _worlds(document, situation, options["reading"])
+        situation = replace(situation, reading=reading)
     prospect = prospect_of(document, worlds)
-    about = options["about"]
-    answers = None if about is None else answers_in(situation, [members for _, members in worlds], about)
+    answers = None if about is None or situation is None else answers_in(situation, [members for _, members in worlds], about)
     candidates, made = _candidates(prospect, camera, options)
     looks = looked_ahead(prospect, camera, candidates, answers, seed)
     uncertain = float(entropy(prospect.probability if answers is None else prospect.probability @ answers))
-    stated = {"about": about, "reading": situation.reading, "entropy_bits": round(uncertain, 6), "worlds": len(worlds), "unlisted_mass": unlisted}
+    stated = {"about": about, "reading": reading, "entropy_bits": round(uncertain, 6), "worlds": len(worlds), "unlisted_mass": unlisted}
     return next_view_document(looks, stated | {"moves": made, "seed": seed}, camera.world_from_camera, number)
+
+
+def _of_presence(document: dict[str, Any], reading: str, about: str | None) -> None:
+    """Refuse what the worlds of a sequence do not say. Raises InterpretationError."""
+    from plogic.errors import InterpretationError
+
+    if about is not None:
+        raise InterpretationError("--about: the worlds of a sequence say who is present and no more; ask the interpretation of one of its views")
+    if reading != document["reading"]:
+        raise InterpretationError(f"--reading: the worlds of this sequence are of the {document['reading']} reading; perceive it again for the other")
+
+
+def _listed(document: dict[str, Any]) -> tuple[Worlds, list[float]]:
+    """The worlds that the document lists, and what is not listed. Raises InterpretationError."""
+    from plogic.errors import InterpretationError
+
+    try:
+        return [(float(w["probability"]), list(w["present"])) for w in document["worlds"]], list(document["unlisted_mass"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise InterpretationError(f"worlds, unlisted_mass: not complete: {error}") from error
 
 
 def _worlds(document: dict[str, Any], situation: Situation, reading: str | None) -> tuple[Worlds, list[float]]:
     """The worlds that the interpretation lists, or those of the other reading."""
     if reading is None or reading == situation.reading:
-        return [(float(w["probability"]), w["present"]) for w in document["worlds"]], list(document["unlisted_mass"])
+        return _listed(document)
     from plogic.worlds import ranked_worlds
 
     ranking = ranked_worlds(replace(situation, reading="posterior" if reading == "posterior" else "score"), LISTED_WORLDS)

@@ -40,7 +40,7 @@ def hiding(views: Sequence[View], bodies: Mapping[str, Sequence[Body]]) -> Hidde
         frame = camera_from_world[view]
         points = transform_points(frame, world)
         masks = [behind(points, body.rays, compose(frame, body.world_from_object)) for body in bodies.get(view, ())]
-        return np.any(np.array(masks).reshape(-1, len(world)), axis=0)
+        return np.any(np.array(masks, bool).reshape(len(masks), len(world)), axis=0)
 
     return hidden
 

@@ -58,20 +58,24 @@ def _object(known: Known, last: str) -> dict[str, Any]:
 
 
 def _worlds(panorama: Panorama) -> dict[str, Any]:
-    """The possible worlds of the last views together: Δh by name, an object's own or one of its rivals', and which are present."""
+    """The possible worlds of the last views together: Δh by name, an object's own or one of its rivals', which are rivals, and which are present."""
     if panorama.joint is None or panorama.ranking is None:
-        return {"hypotheses": [], "worlds": [], "unlisted_mass": [0.0, 0.0]}
+        return {"hypotheses": [], "rivals": [], "worlds": [], "unlisted_mass": [0.0, 0.0]}
     standing = {f"h{i}": some for i, some in enumerate(panorama.joint.standing, 1)}
     known = {id(k.standing): k.id for k in panorama.known}
     rivals = [h for h, some in standing.items() if id(some) not in known]
     name = {h: known.get(id(some)) or f"r{rivals.index(h) + 1}" for h, some in standing.items()}
     chance = panorama.ranking.marginals
     rows = [
-        {"id": name[h], "type": some.object_type.name, "T_world_object": some.world_from_object.tolist(), "probability": chance[h]}
+        {
+            "id": name[h], "type": some.object_type.name, "opaque": some.object_type.opaque,
+            "T_world_object": some.world_from_object.tolist(), "probability": chance[h],
+        }
         for h, some in standing.items()
-    ]
+    ]  # fmt: skip
+    pairs = sorted([name[a], name[b]] for a, b in panorama.joint.situation.rivals)
     worlds = [{"probability": w.probability, "present": [name[h] for h in w.present]} for w in panorama.ranking.worlds]
-    return {"hypotheses": rows, "worlds": worlds, "unlisted_mass": list(panorama.ranking.unlisted)}
+    return {"hypotheses": rows, "rivals": pairs, "worlds": worlds, "unlisted_mass": list(panorama.ranking.unlisted)}
 
 
 def ahead(panorama: Panorama, view: View) -> dict[str, Any]:
