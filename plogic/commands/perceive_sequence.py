@@ -7,6 +7,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
+from geometry.errors import PlogicError
 from plogic.commands.perceive import UNFINISHED, gamma_of, image_of, is_gamma, places
 from plogic.commands.sources import kb_of
 from plogic.errors import InputError
@@ -34,7 +35,10 @@ def sequence_command(
     say: Callable[[str], None],
     write: Callable[[str], None],
 ) -> int:
-    """Read, interpret frame after frame, write; returns the exit status. A line a frame on ``say``."""
+    """Read, interpret frame after frame, write; returns the exit status. A line a frame on ``say``.
+
+    Where a frame cannot be read, what was made of those before it is written first. Raises InputError, CameraError and the like.
+    """
     from plogic.delta import Options
     from plogic.forked import processors
     from plogic.interpretation import text_of
@@ -52,8 +56,16 @@ def sequence_command(
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
     panorama = Panorama(Perceiver(kb, cache_folder("indices"), processors()), chosen)
     looks: list[tuple[str, Look]] = []
+    failed: PlogicError | None = None
     for number, (frame, pose) in enumerate(zip(frames, poses, strict=True), 1):
-        look = _looked(panorama, frame, pose, number, kb, options)
+        try:
+            look = _looked(panorama, frame, pose, number, kb, options)
+        except PlogicError as error:
+            if not looks:
+                raise
+            failed = error
+            say(f"v{number} {frame}: cannot be used; what is written is of the {len(looks)} before it")
+            break
         looks.append((frame, look))
         say(_summary(frame, look, panorama))
     camera = looks[-1][1].view
@@ -63,6 +75,8 @@ def sequence_command(
         write(text)
     else:
         write_files({Path(out): text.encode()})
+    if failed is not None:
+        raise failed
     return UNFINISHED if any(look.interpretation.get("unfinished") for _, look in looks) else 0
 
 

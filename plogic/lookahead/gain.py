@@ -46,7 +46,7 @@ def entropy(p: Floats, axis: int = -1) -> Floats:
     """−Σ p log2 p along an axis, 0 log 0 being 0."""
     from scipy.special import xlogy
 
-    return np.asarray(-xlogy(p, p).sum(axis=axis) / np.log(2.0))
+    return np.asarray(-xlogy(p, p).sum(axis=axis) / np.log(2.0) + 0.0)  # −0 is 0
 
 
 def gain(probability: Floats, report: Floats, answers: Floats | None = None, seed: int = 0) -> Gain:

@@ -110,3 +110,12 @@ def test_a_broken_one_is_refused_in_a_line(tmp_path, spoil, says):
         asked(document, tmp_path)
     assert says in str(told.value)
     assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("options", [(), ("--within", "0.5"), ("--ring", "1")])
+def test_where_nothing_may_be_there_is_nothing_to_look_at(tmp_path, options):
+    document = deepcopy(sequence("south"))
+    document.update(hypotheses=[], rivals=[], worlds=[{"probability": 1.0, "present": []}], unlisted_mass=[0.0, 0.0])
+    (tmp_path / "p.json").write_text(json.dumps(document))
+    told = CliRunner().invoke(cli, ["next-view", str(tmp_path / "p.json"), *options]).output
+    assert told.startswith("uncertain of the worlds: 0.000 bits over 1 world; no candidates, for nothing may be there to look at\n")

@@ -103,3 +103,20 @@ def test_what_is_wrong_is_said_in_a_line(frames, arguments, words):
     assert words in done.stderr
     assert "Traceback" not in done.stderr
     assert sorted(frames.iterdir()) == before
+
+
+def test_a_frame_that_cannot_be_used_costs_nothing_of_those_before_it(frames, tmp_path):
+    (tmp_path / "f1.json").write_bytes((frames / "f1.json").read_bytes())
+    (tmp_path / "f2.json").write_bytes((frames / "f2.json").read_bytes())
+    (tmp_path / "f3.json").write_text('{"format": "gamma/1"')
+    (tmp_path / "f4.json").write_bytes((frames / "f4.json").read_bytes())
+    more = ("--kb", "towers", "--poses", frames / "poses.json", "--reading", "posterior")
+    done = plogic("perceive", *names(4), *more, "-o", "p.json", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "f3.json: cannot be used; what is written is of the 2 before it" in done.stderr
+    assert "Traceback" not in done.stderr
+    told = json.loads((tmp_path / "p.json").read_text())
+    assert told["views"] == document("perceive", *names(2), *more, cwd=tmp_path)["views"]
+    first = plogic("perceive", "f3.json", "f4.json", *more, "-o", "q.json", cwd=tmp_path)
+    assert first.returncode == 1
+    assert not (tmp_path / "q.json").exists()
