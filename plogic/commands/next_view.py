@@ -74,7 +74,7 @@ def looked(document: dict[str, Any], number: int, seed: int, options: dict[str, 
     from plogic.lookahead.told import next_view_document
 
     camera, reading, about = camera_from_dict(document["camera"]), options["reading"] or document["reading"], options["about"]
-    if "sequence" in document:
+    if "format" not in document:  # of a sequence
         _of_presence(document, reading, about)
         situation, (worlds, unlisted) = None, _listed(document)
     else:
@@ -105,7 +105,8 @@ def _listed(document: dict[str, Any]) -> tuple[Worlds, list[float]]:
     from plogic.errors import InterpretationError
 
     try:
-        return [(float(w["probability"]), list(w["present"])) for w in document["worlds"]], list(document["unlisted_mass"])
+        low, high = document["unlisted_mass"]
+        return [(float(w["probability"]), list(w["present"])) for w in document["worlds"]], [float(low), float(high)]
     except (KeyError, TypeError, ValueError) as error:
         raise InterpretationError(f"worlds, unlisted_mass: not complete: {error}") from error
 

@@ -41,8 +41,8 @@ def read_looked(path: Path | str) -> Document:
 def of_last_view(panorama: Mapping[str, Any]) -> Document:
     """``hypotheses`` with ``T_camera_object``, ``worlds``, ``unlisted_mass`` and rivals among ``facts``; ``USED`` of the views' interpretations.
 
-    It is no interpretation that ``plogic query`` could be asked of: nothing is said of features. Raises ValueError where there is no view, or a
-    pose is not rigid; KeyError, TypeError and the like where it is broken.
+    It has no ``format``, for it is nothing that ``plogic query`` could be asked of: nothing is said of features. Raises ValueError where there is
+    no view, or a pose is not rigid; KeyError, TypeError and the like where it is broken.
     """
     if not panorama["views"]:
         raise ValueError("views: there is none")
@@ -61,7 +61,6 @@ def of_last_view(panorama: Mapping[str, Any]) -> Document:
         "worlds": panorama["worlds"],
         "unlisted_mass": panorama["unlisted_mass"],
         "facts": [{"fact": "rival", "args": pair} for pair in panorama["rivals"]],
-        "sequence": True,
     }
 
 

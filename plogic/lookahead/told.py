@@ -62,8 +62,7 @@ def _open(document: dict[str, Any]) -> str:
     about = "the worlds" if document["about"] is None else document["about"]
     missing = "" if high <= 0.0 else f"; worlds of mass {low:.3g} to {high:.3g} are not listed and left out"
     worlds = f"{document['worlds']} world{'s' * (document['worlds'] != 1)}"
-    listed = f"{len(document['candidates'])} of {document['of']} candidates"
-    listed = listed if document["of"] else "no candidates, for nothing may be there to look at"
+    listed = f"{len(document['candidates'])} of {document['of']} candidates" if document["of"] else "no candidates"
     return f"uncertain of {about}: {document['entropy_bits']:.3f} bits over {worlds}{missing}; {listed}"
 
 

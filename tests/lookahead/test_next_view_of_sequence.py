@@ -96,6 +96,7 @@ def test_what_the_worlds_of_a_sequence_do_not_say_is_refused(tmp_path, options, 
         (lambda d: d["hypotheses"][0].update(T_world_object=np.diag([1.0, 2.0, 1.0, 1.0]).tolist()), "should be a rigid 4 x 4 transform"),
         (lambda d: d["worlds"][0]["present"].append("p99"), "p99 should be among the hypotheses"),
         (lambda d: d["worlds"][0].update(probability="much"), "worlds, unlisted_mass: not complete"),
+        (lambda d: d.update(unlisted_mass=[0.0]), "worlds, unlisted_mass: not complete"),
         (lambda d: d.update(worlds=7), "not a complete panorama/1"),
         (lambda d: d["views"][0]["interpretation"].update(types=[]), "not a complete panorama/1"),
         (lambda d: d["hypotheses"][0].update(type="never heard of"), "types, sensing or assets: not complete"),
@@ -118,4 +119,4 @@ def test_where_nothing_may_be_there_is_nothing_to_look_at(tmp_path, options):
     document.update(hypotheses=[], rivals=[], worlds=[{"probability": 1.0, "present": []}], unlisted_mass=[0.0, 0.0])
     (tmp_path / "p.json").write_text(json.dumps(document))
     told = CliRunner().invoke(cli, ["next-view", str(tmp_path / "p.json"), *options]).output
-    assert told.startswith("uncertain of the worlds: 0.000 bits over 1 world; no candidates, for nothing may be there to look at\n")
+    assert told.startswith("uncertain of the worlds: 0.000 bits over 1 world; no candidates\n")
