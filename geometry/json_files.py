@@ -3,26 +3,33 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from pathlib import Path
+import sys
+from pathlib import Path
+from typing import Any
 
 
 class JsonError(Exception):
     """What is wrong with a JSON file, after its name, and the line and column where they are known."""
 
 
-def json_of(path: Path, most: int, holds: str) -> Any:  # noqa: ANN401 - parsed JSON
-    """The document of a file, or of a pipe, of at most ``most`` bytes; ``holds`` says what should be in it where it is nested too deeply.
+def json_of(path: Path | str, most: int, holds: str, *, finite: bool = False) -> Any:  # noqa: ANN401 - parsed JSON
+    """The document of a file, of a pipe or, of '-', of stdin, of at most ``most`` bytes.
+
+    ``holds`` says what should be in it where it is nested too deeply; ``finite``: NaN and infinities are refused, as JSON has none.
 
     Raises:
         JsonError: The file cannot be read, or is no JSON.
     """
+    path = "<stdin>" if (piped := str(path) == "-") else path
+
+    def refuse(constant: str) -> float:
+        raise JsonError(f"{path}: is no JSON: {constant} is no number")
+
     try:
-        if path.stat().st_size > most:
+        data = sys.stdin.buffer.read(most + 1) if piped else _head(Path(path), most + 1)
+        if len(data) > most:
             raise JsonError(f"{path}: is larger than the {most} bytes that are read")
-        return json.loads(path.read_text(encoding="utf-8-sig"))
+        return json.loads(data.decode("utf-8-sig"), parse_constant=refuse if finite else None)
     except json.JSONDecodeError as error:
         raise JsonError(f"{path}:{error.lineno}:{error.colno}: is no JSON: {error.msg}") from None
     except UnicodeDecodeError as error:
@@ -33,3 +40,8 @@ def json_of(path: Path, most: int, holds: str) -> Any:  # noqa: ANN401 - parsed 
         raise JsonError(f"{path}: holds a whole number of more digits than can be read") from None
     except OSError as error:
         raise JsonError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def _head(path: Path, most: int) -> bytes:
+    with path.open("rb") as file:
+        return file.read(most)

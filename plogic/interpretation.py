@@ -7,10 +7,9 @@ everything that decides a probability (tested).
 from __future__ import annotations
 
 import json
-import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
+from geometry.json_files import JsonError, json_of
 from plogic.errors import InterpretationError, SituationError
 from plogic.sanity import check
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, PartFact, Reading, Reconsider, Situation
@@ -18,6 +17,7 @@ from plogic.spatial import overlap_document, space_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
 FORMAT = "interpretation/1"
 LARGEST = 256 * 2**20
@@ -131,7 +131,7 @@ def text_of(document: Mapping[str, Any]) -> str:
 def read_interpretation(path: Path | str) -> Document:
     """Read ``interpretation.json``; '-' is stdin. Raises InterpretationError, one line."""
     name = "<stdin>" if str(path) == "-" else str(path)
-    return interpretation_in(parsed(path, name), name)
+    return interpretation_in(parsed(path), name)
 
 
 def interpretation_in(document: object, name: str, formats: str = "{}") -> Document:
@@ -145,23 +145,9 @@ def interpretation_in(document: object, name: str, formats: str = "{}") -> Docum
     return document
 
 
-def parsed(path: Path | str, name: str) -> object:
-    """The JSON of a file that ``name`` tells; '-' is stdin. Raises InterpretationError, one line."""
+def parsed(path: Path | str) -> object:
+    """The JSON of a file; '-' is stdin. Raises InterpretationError, one line."""
     try:
-        if str(path) == "-":
-            data = sys.stdin.buffer.read(LARGEST + 1)
-        else:
-            with Path(path).open("rb") as file:
-                data = file.read(LARGEST + 1)
-        if len(data) > LARGEST:
-            raise InterpretationError(f"{name}: is larger than the {LARGEST} bytes that are read")
-        return json.loads(data.decode("utf-8"), parse_constant=_refuse)
-    except OSError as error:
-        raise InterpretationError(f"{name}: cannot be read: {error.strerror}") from None
-    except (ValueError, RecursionError) as error:
-        raise InterpretationError(f"{name}: not JSON: {error}") from None
-
-
-def _refuse(constant: str) -> float:
-    """NaN and infinities are no JSON."""
-    raise ValueError(f"{constant} is no number")
+        return json_of(path, LARGEST, "it should hold what a picture shows", finite=True)
+    except JsonError as error:
+        raise InterpretationError(str(error)) from None

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.pose_files import Placed
-    from kb.cloud import KnowledgeBase
     from plogic.views.panorama import Look, Panorama
     from plogic.views.view import View
 
@@ -55,19 +54,7 @@ def sequence_command(
     end = monotonic() + options["deadline"] if options.get("deadline") else None
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
     panorama = Panorama(Perceiver(kb, cache_folder("indices"), processors()), chosen)
-    looks: list[tuple[str, Look]] = []
-    failed: PlogicError | None = None
-    for number, (frame, pose) in enumerate(zip(frames, poses, strict=True), 1):
-        try:
-            look = _looked(panorama, frame, pose, number, kb, options)
-        except PlogicError as error:
-            if not looks:
-                raise
-            failed = error
-            say(f"v{number} {frame}: cannot be used; what is written is of the {len(looks)} before it")
-            break
-        looks.append((frame, look))
-        say(_summary(frame, look, panorama))
+    looks, failed = _looks(panorama, frames, poses, options, say)
     camera = looks[-1][1].view
     told = [ahead(panorama, _moved(camera, placed)) for placed in foreseen]
     text = text_of(panorama_document(panorama, looks, told))
@@ -78,6 +65,24 @@ def sequence_command(
     if failed is not None:
         raise failed
     return UNFINISHED if any(look.interpretation.get("unfinished") for _, look in looks) else 0
+
+
+def _looks(
+    panorama: Panorama, frames: Sequence[str], poses: Sequence[Placed | None], options: Mapping[str, Any], say: Callable[[str], None]
+) -> tuple[list[tuple[str, Look]], PlogicError | None]:
+    """Frame after frame, up to one that cannot be used, and what is wrong with that; raised where it is the first."""
+    looks: list[tuple[str, Look]] = []
+    for number, (frame, pose) in enumerate(zip(frames, poses, strict=True), 1):
+        try:
+            look = _looked(panorama, frame, pose, number, options)
+        except PlogicError as error:
+            if not looks:
+                raise
+            say(f"v{number} {frame}: cannot be used; what is written is of the {len(looks)} before it")
+            return looks, error
+        looks.append((frame, look))
+        say(_summary(frame, look, panorama))
+    return looks, None
 
 
 def _check(options: Mapping[str, Any]) -> None:
@@ -115,12 +120,12 @@ def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
     return max(fit, key=lambda pair: pair[0])[1] if fit else None
 
 
-def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, kb: KnowledgeBase, options: Mapping[str, Any]) -> Look:
+def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, options: Mapping[str, Any]) -> Look:
     from plogic.stopwatch import Stopwatch
     from plogic.views.view import View
 
     picture: NDArray[Any] | None = None if is_gamma(frame) else image_of(frame, options.get("camera"))
-    gamma, image = gamma_of(frame, picture, options.get("camera"), kb, Stopwatch())
+    gamma, image = gamma_of(frame, picture, options.get("camera"), panorama.perceiver.kb, Stopwatch())
     pose = gamma.camera.world_from_camera if placed is None else placed.world_from_camera
     if pose is None:
         raise InputError(f"{frame}: where its camera stood is not known: give --poses FILE, or T_world_camera in the Γ's camera")

@@ -5,9 +5,6 @@ The document may come from anywhere: its size is bounded, every key that is used
 
 from __future__ import annotations
 
-import json
-import sys
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, ValidationError
@@ -15,6 +12,7 @@ from pydantic import BaseModel, Field, ValidationError
 from geometry.camera import Camera, camera_from_dict
 from geometry.camera_checks import camera_mistakes
 from geometry.frames import is_rigid
+from geometry.json_files import JsonError, json_of
 from plogic.constancy.sightings import SeenFeature, Sighting
 from plogic.errors import InputError
 
@@ -72,7 +70,7 @@ def unknown_of(path: str, wanted: str) -> tuple[SeenFeature, ...]:
         InputError: The file's mistakes, a line each; or there is no such object.
     """
     name = "<stdin>" if path == "-" else path
-    panorama = _checked(_parsed(path, name), name)
+    panorama = _checked(_parsed(path), name)
     unknown = {one.id: one for one in panorama.unknown}
     if wanted not in unknown:
         raise InputError(f"{name}: {wanted!r:.80} is no unknown object; there are: {', '.join(list(unknown)[:20]) or 'none'}")
@@ -93,22 +91,11 @@ def _seen(
     return SeenFeature(feature.type, np.array(feature.at), sightings)
 
 
-def _parsed(path: str, name: str) -> object:
+def _parsed(path: str) -> object:
     try:
-        if path == "-":
-            data = sys.stdin.buffer.read(LARGEST + 1)
-        else:
-            with Path(path).open("rb") as file:
-                data = file.read(LARGEST + 1)
-        if len(data) > LARGEST:
-            raise InputError(f"{name}: is larger than the {LARGEST} bytes that a panorama may have")
-        return json.loads(data.decode("utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{name}: cannot be read: {error.strerror}") from None
-    except RecursionError:
-        raise InputError(f"{name}: is nested too deeply") from None
-    except ValueError as error:
-        raise InputError(f"{name}: is no JSON: {error}") from None
+        return json_of(path, LARGEST, "it should hold views and what was seen in them")
+    except JsonError as error:
+        raise InputError(str(error)) from None
 
 
 def _checked(data: object, name: str) -> _PanoramaModel:

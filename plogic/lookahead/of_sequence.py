@@ -28,7 +28,7 @@ USED = ("camera", "sensing", "types", "assets", "reading")
 def read_looked(path: Path | str) -> Document:
     """An ``interpretation/1``, or of a ``panorama/1`` what stands for one; '-' is stdin. Raises InterpretationError, one line."""
     name = "<stdin>" if str(path) == "-" else str(path)
-    document = parsed(path, name)
+    document = parsed(path)
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         return interpretation_in(document, name, f"{{}} or {FORMAT!r}")
     try:
