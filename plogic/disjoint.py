@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 
 from geometry.reach import reaches
 from geometry.refine import information
-from plogic.evidence import sigmas
 from plogic.freedom import LOOSE
+from plogic.known import sigmas
 from plogic.rivals import solid_of
 
 if TYPE_CHECKING:
