@@ -107,17 +107,13 @@ def _rms(poses: Floats, task: Task) -> Floats:
 
 
 def information(at: Floats, centre: Floats, weights: Floats, camera: Camera, across: Floats | None = None) -> Floats:
-    """J^T W J (..., 6, 6) of places `at` (..., N, 3) m, before the camera, in its frame, that turn by w rad about `centre` (..., 3) and move by v m.
+    """J^T W J (6, 6) of places `at` (N, 3) m, before the camera, in its frame, that turn by w rad about `centre` (3,) and move by v m.
 
-    `weights` (..., N) are 1/variance of their pixels, undistorted; `across` (..., N, 2) as in `refine_poses`.
+    `weights` (N,) are 1/variance of their pixels, undistorted; `across` (N, 2) as in `refine_poses`.
     """
-    batch = at.shape[:-2]
-    placed = at.reshape(int(np.prod(batch)), *at.shape[-2:])
-    turned = (at - centre[..., None, :]).reshape(placed.shape)
-    onto = None if across is None else onto_lines(across).reshape(*placed.shape[:2], 2, 2)
-    jacobian = counting(jacobian_of(turned, placed, 1.0 / placed[..., 2], camera.K[:2]), onto)
-    weighted = jacobian * np.repeat(weights.reshape(placed.shape[:2]), 2, axis=1)[..., None]
-    return np.asarray((np.swapaxes(weighted, 1, 2) @ jacobian).reshape(*batch, 6, 6))
+    onto = None if across is None else onto_lines(across)[None]
+    jacobian = counting(jacobian_of((at - centre)[None], at[None], 1.0 / at[None, :, 2], camera.K[:2]), onto)[0]
+    return np.asarray((jacobian * np.repeat(weights, 2)[:, None]).T @ jacobian)
 
 
 def _covariance(hessian: Floats) -> Floats:

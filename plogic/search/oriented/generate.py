@@ -59,13 +59,13 @@ class Width(NamedTuple):
     fours: int = 0
 
 
-USUAL = Width(2000, 300, (Round(0.1, 2, 100), Round(0.05, 3, 40), Round(0.02, 4, 16), Round(0.0, 16, 12)), 3)
+USUAL = Width(2000, 300, (Round(0.1, 2, 100), Round(0.05, 3, 40), Round(0.02, 4, 16), Round(0.0, 8, 12)), 3)
 """With the votes of pairs."""
 DEEP = Width(60_000, 8000, (Round(0.1, 2, 3000), Round(0.06, 3, 1500), Round(0.035, 4, 600), Round(0.02, 5, 300), Round(0.0, 8, 300)), 20, 300)
 """With those of single data, where pairs led to nothing."""
 FOURS, FEW = Round(0.05, 0, 600), Round(0.0, 5, 100)
 """How far off what makes a four may be, and how many go on; how these climb, and how many are judged."""
-TILTED = Round(0.05, 3, 0), Round(0.025, 3, 0), Round(0.0, 12, 0)
+TILTED = Round(0.05, 3, 0), Round(0.025, 3, 0), Round(0.0, 6, 0)
 """How what was tilted climbs again."""
 
 
