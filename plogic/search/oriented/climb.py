@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
-BLOCK, PAIRS = 2000, 4_000_000
-"""Poses at a time, and sights and data that are compared, about."""
+BLOCK, PAIRS, LEAST = 2000, 4_000_000, 16
+"""Poses at a time, and sights and data that are compared, about; a sight is as much as so many data at least."""
 AS_GOOD = 0.05
 """Evidence that is less by so little is as good: of these the last, where the climb ends, whatever way it came."""
 
@@ -28,7 +28,7 @@ def climbed(asked: Asked, kind: Indices, poses: Floats, share: float, steps: int
 
     Their sights may be off by a ``share`` of the diameter.
     """
-    each = asked.index.sights.looks.shape[2] * int(asked.typed.count.max(initial=1))
+    each = asked.index.sights.looks.shape[2] * max(LEAST, int(asked.typed.count.max(initial=0)))
     wide = max(1, min(BLOCK, PAIRS // max(1, each)))
     blocks = []
     for start in range(0, len(kind), wide):
