@@ -13,7 +13,7 @@ from plogic.search.angles import screen_angle
 from plogic.search.data import data_of
 from plogic.search.indices import settle
 from plogic.search.oriented.climb import AS_GOOD, climbed
-from plogic.search.oriented.drawn import DEVIATIONS, WITHIN, drawn
+from plogic.search.oriented.drawn import DEVIATIONS, MATCHED, WITHIN, drawn
 from plogic.search.oriented.fours import by_fours
 from plogic.search.oriented.generate import turned_about
 from plogic.search.oriented.pair_votes import BENT
@@ -53,7 +53,7 @@ def one_by_one(asked, which, pose, share):
     middle = transform_points(pose, index.cells.centre[None])[0]
     sigma = max(share * index.cells.diameter * camera.f / middle[2] / DEVIATIONS, asked.noise.pixels)
     spread = float(np.hypot(asked.noise.angle, BENT * share / 0.1))
-    sights = np.flatnonzero(expected(index, pose))
+    sights, within = np.flatnonzero(expected(index, pose)), WITHIN if share else MATCHED
     at = transform_points(pose, index.points[sights])
     uv, angle = camera.project(at), screen_angle(index.turns[sights] @ pose[:3, :3].T, at)
     table = np.zeros((len(sights), len(asked.data.ids)))
@@ -62,7 +62,7 @@ def one_by_one(asked, which, pose, share):
         look = asked.index.looks.index(name)
         for column, kind in enumerate(asked.data.types):
             off, bent = np.linalg.norm(asked.data.uv[column] - uv[row]), np.angle(np.exp(1j * (asked.data.angle[column] - angle[row])))
-            if kind == name and off <= WITHIN * sigma and abs(bent) <= WITHIN * spread:
+            if kind == name and off <= within * sigma and abs(bent) <= within * spread:
                 bell = np.exp(-0.5 * ((off / sigma) ** 2 + (bent / spread) ** 2)) / (2.0 * np.pi * sigma**2 * np.sqrt(2.0 * np.pi) * spread)
                 table[row, column] = asked.chances.hit[look] * bell / (asked.chances.clutter[look] / asked.area / (2.0 * np.pi))
     table[table < table.max(axis=0)] = 0.0  # a datum serves the likeliest

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 BLOCK, PAIRS, LEAST = 2000, 4_000_000, 16
 """Poses at a time, and sights and data that are compared, about; a sight is as much as so many data at least."""
-AS_GOOD = 0.05
-"""Evidence that is less by so little is as good: of these the last, where the climb ends, whatever way it came."""
+AS_GOOD = 1.0
+"""Evidence, logarithms, that is less by so little is as good: of these the last, where the climb ends, whatever way it came."""
 
 
 def climbed(asked: Asked, kind: Indices, poses: Floats, share: float, steps: int) -> tuple[Floats, Floats, Floats]:

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 WIDE, DEVIATIONS = 0.1, 2.5
 """A share of the diameter is so many standard deviations; at ``WIDE``, the widest, angles are off by a whole cell's ``BENT``."""
-WITHIN = 3.0
-"""Standard deviations, of places and of angles, within which a datum may be a sight's."""
+WITHIN, MATCHED = 4.0, 3.0
+"""Standard deviations, of places and of angles, within which a datum may be a sight's; and at the detector's own noise, as the cycle matches."""
 LEAST = 1e-3
 """Weight of a sight that draws a pose."""
 NEAREST = 1e-6
@@ -79,7 +79,7 @@ def drawn(asked: Asked, kind: Indices, poses: Floats, share: float) -> Drawn:
     sigma = np.maximum(share * across / DEVIATIONS, asked.noise.pixels)
     noise = Noise(asked.noise.pixels, float(np.hypot(asked.noise.angle, BENT * share / WIDE)))
     sights = _sights(asked, kind, poses)
-    pairs = _pairs(asked, sights, sigma, noise.angle)
+    pairs = _pairs(asked, sights, sigma, noise.angle, WITHIN if share > 0.0 else MATCHED)
     count = len(sights.pose)
     missed = 1.0 - asked.chances.hit[sights.looks]
     total = missed + np.bincount(pairs.sight, pairs.likely, count)
@@ -105,16 +105,16 @@ def _sights(asked: Asked, kind: Indices, poses: Floats) -> _Sights:
     return _Sights(seen.pose, seen.looks, points, turns, np.where(front[:, None], uv, -1e6), angle)
 
 
-def _pairs(asked: Asked, sights: _Sights, sigma: Floats, spread: float) -> _Pairs:
+def _pairs(asked: Asked, sights: _Sights, sigma: Floats, spread: float, within: float) -> _Pairs:
     """All that are near enough; a datum is of that one of a pose's sights that it is likeliest to be of."""
     places, angles = asked.typed.places, asked.typed.angles
     sight, datum = asked.typed.of(sights.looks)
     coarse, at = places.astype(np.float32), sights.uv.astype(np.float32)
     x, y = (coarse[datum, axis] - at[sight, axis] for axis in (0, 1))
-    near = np.flatnonzero(x * x + y * y <= ((WITHIN * sigma[sights.pose]) ** 2).astype(np.float32)[sight])
+    near = np.flatnonzero(x * x + y * y <= ((within * sigma[sights.pose]) ** 2).astype(np.float32)[sight])
     sight, datum = sight[near], datum[near]
     bent = wrapped(angles[datum] - sights.angle[sight])
-    right = np.flatnonzero(np.abs(bent) <= WITHIN * spread)
+    right = np.flatnonzero(np.abs(bent) <= within * spread)
     sight, datum, bent = sight[right], datum[right], bent[right]
     away, wide = places[datum] - sights.uv[sight], sigma[sights.pose[sight]]
     bell = np.exp(-0.5 * ((away * away).sum(axis=1) / wide**2 + (bent / spread) ** 2)) / (wide**2 * spread * np.sqrt(2.0 * np.pi))

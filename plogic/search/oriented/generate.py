@@ -46,6 +46,11 @@ class Round(NamedTuple):
     most: int
 
 
+def _home(most: int) -> tuple[Round, ...]:
+    """The last rounds, down to the noise of a sharp detector; that of a dull one is wider than them all."""
+    return tuple(Round(share, 3, most) for share in (0.008, 0.003, 0.0))
+
+
 class Width(NamedTuple):
     """How many go on: the heaviest votes, whose clouds are ``laid`` onto Γ, of these the ``best``, in rounds; of the last, so many are ``tilted``.
 
@@ -59,13 +64,13 @@ class Width(NamedTuple):
     fours: int = 0
 
 
-USUAL = Width(2000, 300, (Round(0.1, 2, 100), Round(0.05, 3, 40), Round(0.02, 4, 16), Round(0.0, 8, 12)), 3)
+USUAL = Width(2000, 300, (Round(0.1, 2, 100), Round(0.05, 3, 40), Round(0.02, 4, 16), *_home(12)), 3)
 """With the votes of pairs."""
-DEEP = Width(60_000, 8000, (Round(0.1, 2, 3000), Round(0.06, 3, 1500), Round(0.035, 4, 600), Round(0.02, 5, 300), Round(0.0, 8, 300)), 20, 300)
+DEEP = Width(60_000, 8000, (Round(0.1, 2, 3000), Round(0.06, 3, 1500), Round(0.035, 4, 600), Round(0.02, 5, 300), *_home(300)), 20, 300)
 """With those of single data, where pairs led to nothing."""
 FOURS, FEW = Round(0.05, 0, 600), Round(0.0, 5, 100)
 """How far off what makes a four may be, and how many go on; how these climb, and how many are judged."""
-TILTED = Round(0.05, 3, 0), Round(0.025, 3, 0), Round(0.0, 6, 0)
+TILTED = Round(0.05, 3, 0), Round(0.02, 3, 0), Round(0.006, 3, 0), Round(0.0, 3, 0)
 """How what was tilted climbs again."""
 
 
