@@ -1,4 +1,4 @@
-"""What places on the screen say of many poses at once; of one it is ``geometry.refine.information``."""
+"""What places on the screen say of a pose: J^T W J, of one pose or of a batch."""
 
 import numpy as np
 
@@ -7,10 +7,15 @@ from geometry.camera import Camera
 from geometry.reprojection import counting, jacobian_of, onto_lines
 
 
-def informations(at: Floats, centres: Floats, weights: Floats, camera: Camera, across: Floats) -> Floats:
-    """J^T W J (B, 6, 6) of places `at` (B, N, 3) m, before the camera, in its frame, that turn by w rad about `centres` (B, 3) and move by v m.
+def information(at: Floats, centre: Floats, weights: Floats, camera: Camera, across: Floats | None = None) -> Floats:
+    """J^T W J (..., 6, 6) of places `at` (..., N, 3) m, before the camera, in its frame, that turn by w rad about `centre` (..., 3) and move by v m.
 
-    `weights` (B, N) are 1/variance of their pixels, undistorted; `across` (B, N, 2) as in `refine_poses`.
+    `weights` (..., N) are 1/variance of their pixels, undistorted; `across` (..., N, 2) as in `geometry.refine.refine_poses`.
     """
-    jacobian = counting(jacobian_of(at - centres[:, None], at, 1.0 / at[..., 2], camera.K[:2]), onto_lines(across))
-    return np.asarray(np.swapaxes(jacobian * np.repeat(weights, 2, axis=1)[..., None], 1, 2) @ jacobian)
+    batch = at.shape[:-2]
+    placed = at.reshape(int(np.prod(batch)), *at.shape[-2:])
+    turned = (at - centre[..., None, :]).reshape(placed.shape)
+    onto = None if across is None else onto_lines(across).reshape(*placed.shape[:2], 2, 2)
+    jacobian = counting(jacobian_of(turned, placed, 1.0 / placed[..., 2], camera.K[:2]), onto)
+    weighted = jacobian * np.repeat(weights.reshape(placed.shape[:2]), 2, axis=1)[..., None]
+    return np.asarray((np.swapaxes(weighted, 1, 2) @ jacobian).reshape(*batch, 6, 6))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.refine import information
+from geometry.information import information
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

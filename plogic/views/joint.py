@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.refine import information
+from geometry.information import information
 from geometry.refine_sights import turned_step
 from plogic.belief import Belief, Cycle
 from plogic.bounds import LEAST

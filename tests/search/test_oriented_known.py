@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import log, pi
 
 import numpy as np
@@ -9,13 +10,13 @@ import pytest
 from oriented_scenes import EASY, HARD, a_trial, clouds
 from scipy.spatial.transform import Rotation
 
-from geometry.information import informations
-from geometry.refine import information
+from geometry.information import information
 from plogic.evidence import as_counted, clutter_density, evidence
 from plogic.fitted import as_fitted
 from plogic.freedom import DEPTHS, log_share, share_of
 from plogic.known import known, sigmas
 from plogic.search.angles import screen_angle
+from plogic.search.data import data_of
 from plogic.search.indices import SURE, search_of, settle, significant
 
 
@@ -93,6 +94,18 @@ def test_the_program_is_told_what_the_surplus_says(seed):
     assert np.array_equal(hit, as_counted(posed, data, kb)[0])
 
 
+def test_where_no_datum_has_an_angle_it_is_judged_as_without():
+    ready = clouds()
+    which, case, data = a_trial(ready, 3)
+    silent = data_of([replace(a, angle=None) for a in case.gamma.appearances], case.gamma.camera)
+    plain = replace(ready.kb, rates=replace(ready.kb.rates, sigma_angle=None))
+    pose = case.truth.camera_from_object
+    found = evidence(settle(ready.rows[which], pose, silent, ready.kb, rounds=0), silent, ready.kb)
+    assert found == evidence(settle(ready.rows[which], pose, silent, plain, rounds=0), silent, plain)
+    assert search_of(ready.shared, silent, ready.kb) is None
+    assert found.surplus != evidence(settle(ready.rows[which], pose, data, ready.kb, rounds=0), data, ready.kb).surplus
+
+
 def test_what_is_searched_for_together_must_be_as_sure_as_a_learnt_type():
     _, _, data = a_trial(clouds(), 1)
     assert significant(clouds().rows[0], search_of(clouds().shared, data, clouds().kb)) == SURE
@@ -106,6 +119,6 @@ def test_of_many_poses_at_once_the_share_is_that_of_each():
         one, camera = known(posed, matched(posed), data, kb), data.camera
         facts.append([rows[[0, 1, 2, 3, -4, -3, -2, -1]] for rows in (one.at, one.precision, one.across)] + [one.middle])
     at, precision, across, middle = (np.array(rows) for rows in zip(*facts, strict=True))
-    together = share_of(informations(at, middle, precision, camera, across), middle[:, 2], camera)
+    together = share_of(information(at, middle, precision, camera, across), middle[:, 2], camera)
     for row in range(3):
         assert together[row] == pytest.approx(log_share(at[row], precision[row], middle[row], camera, across[row]))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.information import informations
+from geometry.information import information
 from plogic.freedom import share_of
 from plogic.search.angles import screen_angle, wrapped
 from plogic.search.data import centre_of
@@ -152,4 +152,4 @@ def _freedom(asked: Asked, kind: Indices, poses: Floats, held: Held, noise: Nois
     middle = np.einsum("nij,nj->ni", poses[:, :3, :3], asked.index.centres[kind]) + poses[:, :3, 3]
     at[weight <= 0.0] = [0.0, 0.0, 1.0]
     middle[:, 2] = np.maximum(middle[:, 2], NEAREST)
-    return share_of(informations(at, middle, weight, asked.data.camera, across), middle[:, 2], asked.data.camera)
+    return share_of(information(at, middle, weight, asked.data.camera, across), middle[:, 2], asked.data.camera)

@@ -73,7 +73,8 @@ def matched_at(
     posed = matched(replace(posed, right=posed.right & right), data, allowed & right, kb.rates.match_tolerance, free, hidden)
     own = np.take_along_axis(off, np.maximum(posed.matches, 0)[:, None], axis=1)[:, 0] if len(data.ids) else np.full(len(turn), np.nan)
     bell = np.exp(-0.5 * (own / sigma) ** 2) * np.sqrt(2.0 * np.pi) / sigma
-    return replace(posed, likeness=np.where(posed.detected & np.isfinite(own), bell, 1.0), axes=axes)
+    count = np.isfinite(data.whole.angle).any()  # else nothing is searched for by angles either, and is to be as sure as without
+    return replace(posed, likeness=np.where(posed.detected & np.isfinite(own), bell, 1.0), axes=axes if count else None)
 
 
 def polished(index: TypeIndex, posed: Posed, data: Data, kb: KnowledgeBase, hidden: Flags | None) -> Floats | None:
