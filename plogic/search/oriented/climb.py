@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 BLOCK, PAIRS, LEAST = 2000, 4_000_000, 16
 """Poses at a time, and sights and data that are compared, about; a sight is as much as so many data at least."""
+SQUARES = 3
+"""Steps of least squares towards what draws a pose before it is asked again what does."""
 AS_GOOD = 1.0
 """Evidence, logarithms, that is less by so little is as good: of these the last, where the climb ends, whatever way it came."""
 
@@ -49,5 +51,5 @@ def _block(asked: Asked, kind: Indices, poses: Floats, share: float, steps: int)
         most = np.maximum(most, here.worth)
         best[better], worth[better], likely[better] = poses[better], here.worth[better], here.likely[better]
         if step < steps:
-            poses = refined(poses, here.held, here.noise, asked.data.camera, steps=1, sigma=here.sigma)
+            poses = refined(poses, here.held, here.noise, asked.data.camera, steps=SQUARES, sigma=here.sigma)
     return best, worth, likely

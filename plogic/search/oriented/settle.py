@@ -14,6 +14,7 @@ from plogic.inference.clock import unhurried
 from plogic.search.alike import distinct
 from plogic.search.angles import screen_angle, wrapped
 from plogic.search.depths import with_depths
+from plogic.search.oriented.climb import AS_GOOD
 from plogic.search.oriented.refinement import Held, Noise, met, refined
 from plogic.search.settling import FEWEST, settled
 
@@ -53,7 +54,7 @@ def settle(
     def worth(posed: Posed) -> float:
         return evidence(posed, data, kb, hidden).surplus
 
-    return settled(pose, match, better, rounds, worth)
+    return settled(pose, match, better, rounds, worth, AS_GOOD)
 
 
 def matched_at(
