@@ -48,7 +48,7 @@ class Round(NamedTuple):
 
 def _home(most: int) -> tuple[Round, ...]:
     """The last rounds, down to the noise of a sharp detector; that of a dull one is wider than them all."""
-    return tuple(Round(share, 3, most) for share in (0.008, 0.003, 0.0))
+    return tuple(Round(share, 4, most) for share in (0.01, 0.005, 0.0025, 0.0012, 0.0))
 
 
 class Width(NamedTuple):
