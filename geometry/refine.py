@@ -15,12 +15,9 @@ from geometry.reprojection import (
     Task,
     chosen_of,
     cost_of,
-    counting,
     damped_step,
-    jacobian_of,
     moved_by,
     normal_equations,
-    onto_lines,
     reprojected,
     task_of,
 )
@@ -104,16 +101,6 @@ def _rms(poses: Floats, task: Task) -> Floats:
     total = task.weights.sum(axis=-1)
     plain = cost_of(reprojected(poses, task), task._replace(huber=np.inf))
     return np.where(total > 0, np.sqrt(plain / np.where(total > 0, total, 1.0)), np.nan)
-
-
-def information(at: Floats, centre: Floats, weights: Floats, camera: Camera, across: Floats | None = None) -> Floats:
-    """J^T W J (6, 6) of places `at` (N, 3) m, before the camera, in its frame, that turn by w rad about `centre` (3,) and move by v m.
-
-    `weights` (N,) are 1/variance of their pixels, undistorted; `across` (N, 2) as in `refine_poses`.
-    """
-    onto = None if across is None else onto_lines(across)[None]
-    jacobian = counting(jacobian_of((at - centre)[None], at[None], 1.0 / at[None, :, 2], camera.K[:2]), onto)[0]
-    return np.asarray((jacobian * np.repeat(weights, 2)[:, None]).T @ jacobian)
 
 
 def _covariance(hessian: Floats) -> Floats:

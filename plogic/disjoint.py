@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from geometry.information import information
 from geometry.reach import reaches
-from geometry.refine import information
-from plogic.evidence import sigmas
 from plogic.freedom import LOOSE
+from plogic.known import sigmas
 from plogic.rivals import solid_of
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.freedom import log_share
+from plogic.known import known, sigmas
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,13 +29,6 @@ def clutter_density(kb: KnowledgeBase, data: Data, which: NDArray[np.intp] | Non
     area = float(data.camera.width * data.camera.height)
     types = data.types if which is None else [data.types[i] for i in which]
     return np.array([kb.rates.clutter.get(name, 1.0) / area for name in types])
-
-
-def sigmas(posed: Posed, kb: KnowledgeBase) -> NDArray[np.float64]:
-    """Location noise (F,) of each feature, pixels."""
-    if posed.sigma is not None:
-        return posed.sigma
-    return np.array([kb.rates.sigma_of(feature.type) for feature in posed.object_type.features])
 
 
 def match_density(posed: Posed, kb: KnowledgeBase) -> NDArray[np.float64]:
@@ -109,8 +103,8 @@ FIXED_BY = 3
 class Evidence:
     """``ratio``: the log-likelihood ratio of presence against clutter at this pose; ``surplus``: what is left of it besides what any pose has.
 
-    Of a type written by hand that is what is left without the ``FIXED_BY`` best matches; of a learnt one, whose matches say much more than
-    their places, the ratio at all poses together (``freedom``).
+    Of a type written by hand that is what is left without the ``FIXED_BY`` best matches; of a learnt one, and where angles count, for matches
+    say more than their places then, the ratio at all poses together (``freedom``).
     """
 
     ratio: float
@@ -128,9 +122,9 @@ def evidence(posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.boo
     clutter = clutter_density(kb, data, posed.matches[found])
     gain = shares[found] * np.log((hit[found] * match_density(posed, kb)[found] + (1.0 - hit[found]) * clutter) / clutter)
     ratio = float(gain.sum() + (shares * np.log(1.0 - hit))[expected & ~posed.detected].sum())
-    if posed.hit is None:
+    if posed.hit is None and posed.axes is None:
         return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))
-    ratio += CLEAR * float(np.sum([np.log(clarity(posed, hidden, kind)) for kind in kinds(posed)]))
-    precision = shares[found] / sigmas(posed, kb)[found] ** 2
-    across = None if posed.across is None else posed.across[found]
-    return Evidence(ratio, ratio + log_share(posed.at[found], precision, posed.middle, data.camera, across))
+    if posed.hit is not None:
+        ratio += CLEAR * float(np.sum([np.log(clarity(posed, hidden, kind)) for kind in kinds(posed)]))
+    at, precision, middle, across = known(posed, found, data, kb)
+    return Evidence(ratio, ratio + log_share(at, precision, middle, data.camera, across))

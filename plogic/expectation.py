@@ -35,7 +35,8 @@ class Posed:
     learnt type ``hit`` (F,) is the measured rate of the lobes that hold the viewpoint, ``turn`` (F,) the screen angle that they make expect,
     ``sigma`` (F,) the noise of places, pixels, ``likeness`` (F,) how much rarer what looks like the match is than clutter of its type, ``sided``
     (F,) which features are sides of edges, and ``across`` (F, 2) unit vectors on the screen across those edges, NaN of other features: what is
-    off along them is not ``residual``. Of any other type these are None.
+    off along them is not ``residual``. Of any other type these are None, but where angles of data count ``likeness`` tells how much likelier the
+    match's angle is than any, and ``axes`` (F, 3) are the x axes of the features' frames, camera frame, unit: what an angle is of.
     """
 
     object_type: ObjectType
@@ -54,6 +55,7 @@ class Posed:
     likeness: NDArray[np.float64] | None = None
     sided: NDArray[np.bool_] | None = None
     across: NDArray[np.float64] | None = None
+    axes: NDArray[np.float64] | None = None
 
     @cached_property
     def candidate(self) -> NDArray[np.bool_]:

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.bounds import LEAST
-from plogic.evidence import as_counted, clutter_density, sigmas
+from plogic.evidence import as_counted, clutter_density
 from plogic.freedom import log_share
+from plogic.known import known
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -45,6 +46,5 @@ def as_fitted(posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bo
 
 def _owed(posed: Posed, found: NDArray[np.bool_], data: Data, kb: KnowledgeBase) -> float:
     """The logarithm of the share of all poses that fit the matches as well as this one."""
-    precision = posed.counted[found] / sigmas(posed, kb)[found] ** 2
-    across = None if posed.across is None else posed.across[found]
-    return log_share(posed.at[found], precision, posed.middle, data.camera, across)
+    at, precision, middle, across = known(posed, found, data, kb)
+    return log_share(at, precision, middle, data.camera, across)

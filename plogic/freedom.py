@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.refine import information
+from geometry.information import information
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,13 +33,17 @@ def log_share(at: Floats, precision: Floats, centre: Floats, camera: Camera, acr
     ``at`` (N, 3) metres, camera frame; ``precision`` (N,) 1/pixel²; ``centre`` (3,) of the object, before the camera; ``across`` (N, 2) unit
     vectors across the edges that sides lie anywhere along, NaN of others.
     """
-    return share_of(information(at, centre, precision, camera, across), float(centre[2]), camera)
+    return float(share_of(information(at, centre, precision, camera, across), centre[2], camera))
 
 
-def share_of(information: Floats, depth: float, camera: Camera) -> float:
-    """The logarithm of that share, of what is known (6, 6) of a step (w rad, v m) in the camera's axes about a middle at ``depth`` metres."""
-    scale = np.array([1.0, 1.0, 1.0, *[depth] * 3])  # moves are counted in depths
+def share_of(information: Floats, depth: Floats | float, camera: Camera) -> Floats:
+    """The logarithm of that share, (...,): of what is known (..., 6, 6) of a step (w rad, v m) in the camera's axes.
+
+    The step is about a middle at ``depth`` (...,) metres.
+    """
+    far = np.asarray(depth, float)[..., None]
+    scale = np.concatenate([np.ones((*far.shape[:-1], 3)), np.repeat(far, 3, axis=-1)], axis=-1)  # moves are counted in depths
     loose = np.array([*[LOOSE[1]] * 3, camera.width / camera.f, camera.height / camera.f, LOOSE[0]])
-    known = information * np.outer(scale, scale) + np.diag(loose**-2.0)
-    volume = 3.0 * np.log(2.0 * np.pi) - 0.5 * float(np.linalg.slogdet(known)[1])
-    return float(volume - np.log(camera.width * camera.height / camera.f**2 * DEPTHS * 8.0 * np.pi**2))
+    sharp = information * scale[..., :, None] * scale[..., None, :] + np.diag(loose**-2.0)
+    volume = 3.0 * np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(sharp)[1]
+    return np.asarray(volume - np.log(camera.width * camera.height / camera.f**2 * DEPTHS * 8.0 * np.pi**2))

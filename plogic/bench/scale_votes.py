@@ -163,7 +163,7 @@ def entries(ready: Ready, trials: Sequence[Trial]) -> float:
 def with_more(ready: Ready, trial: Trial, before: Standing, passes: int, rng: np.random.Generator) -> Standing:
     """The standing among the votes of so many times more types: the looks of the image are exchanged each time anew."""
     data = data_of(trial.gamma.appearances, trial.gamma.camera, WIDTH)
-    looks, sigma = typed_data(data, ready.shared.looks).looks, _search(ready, data).noise.angle
+    looks, sigma = typed_data(data, ready.shared.looks).looks, _search(ready, data).asked.noise.angle
     for _ in range(passes):
         exchanged = np.where(looks < 0, looks, rng.permutation(len(ready.shared.looks))[looks])
         votes = counted(raw_votes(ready.shared, exchanged, data, sigma))
@@ -182,7 +182,7 @@ def falsely_accepted(ready: Ready, gamma: Gamma, rng: np.random.Generator) -> in
 
 
 def _votes(ready: Ready, index: PairIndex, data: Data) -> Votes:
-    return counted(raw_votes(index, typed_data(data, index.looks).looks, data, _search(ready, data).noise.angle))
+    return counted(raw_votes(index, typed_data(data, index.looks).looks, data, _search(ready, data).asked.noise.angle))
 
 
 def _search(ready: Ready, data: Data) -> Search:

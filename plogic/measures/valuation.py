@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 
 def compatible(feature_types: Sequence[frozenset[str]], appearance_types: Sequence[str]) -> NDArray[np.bool_]:
     """(F, A) mask: appearance a is of one of the types in which feature f can appear."""
-    return np.array([[name in types for name in appearance_types] for types in feature_types], dtype=bool).reshape(
-        len(feature_types), len(appearance_types)
-    )
+    number: dict[str, int] = {}
+    which = [number.setdefault(name, len(number)) for name in appearance_types]
+    mask = np.array([[name in types for name in number] for types in feature_types], dtype=bool).reshape(len(feature_types), len(number))
+    return np.asarray(mask[:, which])
 
 
 def is_legal(substitution: Mapping[int, int], allowed: NDArray[np.bool_]) -> bool:

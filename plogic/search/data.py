@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.camera import Camera
 from kb.words import POINT, SIDE, WIDTHS
 from plogic.search.grid import grid_of
 from plogic.search.learnt.side_looks import contrasts_of
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from geometry.camera import Camera
     from plogic.search.grid import Grid
     from sensing.appearance import Appearance
 
@@ -122,6 +122,12 @@ class Data:
 def centre_of(camera: Camera) -> NDArray[np.float64]:
     """Centre (2,) of the ideal image, pixels."""
     return np.array([(camera.width - 1) / 2.0, (camera.height - 1) / 2.0])
+
+
+def ideal_camera(camera: Camera) -> Camera:
+    """The camera of the ideal image: its pixels are ideal pixels."""
+    x, y = centre_of(camera)
+    return Camera(camera.width, camera.height, np.array([[camera.f, 0.0, x], [0.0, camera.f, y], [0.0, 0.0, 1.0]]))
 
 
 def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138) -> Data:

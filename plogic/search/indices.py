@@ -14,6 +14,7 @@ from plogic.search.learnt.generate import NOBODY
 from plogic.search.learnt.index import LearntIndex, learnt_index
 from plogic.search.learnt.lexicon import Lexicon, lexicon_of
 from plogic.search.learnt.settle import settle as settle_learnt
+from plogic.search.oriented.asked import Asked, chances_of
 from plogic.search.oriented.generate import Search
 from plogic.search.oriented.ready import ready
 from plogic.search.oriented.refinement import Noise
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
 Index: TypeAlias = TypeIndex | LearntIndex
 SURE = 5.0
-"""Logarithm of the odds by which a learnt type must explain its data better than clutter does, all its poses together: 150 to 1."""
+"""Logarithm of the odds by which a type must explain its data better than clutter does, all its poses together: 150 to 1."""
 
 
 def index_of(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> Index:
@@ -57,14 +58,12 @@ def indices_of(kb: KnowledgeBase, dv: Mapping[str, float], folder: Path | None =
 
 
 def significant(index: Index, search: Search | None = None) -> float:
-    """What a log-likelihood ratio must exceed, beyond what any pose has: the best of so many tries is good by luck.
+    """What a log-likelihood ratio must exceed, beyond what any pose has.
 
-    Of a type written by hand: the pairs of appearances; where it is searched for together with others: the votes that are laid onto Γ. Of a learnt
-    one that is counted already.
+    Of a type written by hand the best of so many tries is good by luck: as many as there are pairs of appearances. Of a learnt one, and of one that
+    is searched for together with others, by angles, all poses are counted already.
     """
-    if isinstance(index, LearntIndex):
-        return SURE
-    return log(MOST_PAIRS if search is None else search.laid)
+    return SURE if isinstance(index, LearntIndex) or search is not None else log(MOST_PAIRS)
 
 
 def generate(
@@ -87,7 +86,7 @@ def search_of(shared: PairIndex | None, data: Data, kb: KnowledgeBase, check: Ca
     """
     if shared is None or kb.rates.sigma_angle is None or not np.isfinite(data.angle).any():
         return None
-    return Search(shared, data, Noise(kb.rates.sigma, kb.rates.sigma_angle), check)
+    return Search(Asked(shared, data, Noise(kb.rates.sigma, kb.rates.sigma_angle), chances_of(shared, kb.rates), check))
 
 
 def generate_together(
@@ -102,7 +101,7 @@ def generate_together(
     for found in search.proposals(data):
         poses[shared.indices[found.kind].object_type.name].append(found.pose)
     names = {index.object_type.name: index for index in shared.indices}
-    return {name: verified(index, poses[name], data, kb, hidden_of, search.check) if poses[name] else [] for name, index in names.items()}
+    return {name: verified(index, poses[name], data, kb, hidden_of, search.asked.check) if poses[name] else [] for name, index in names.items()}
 
 
 def settle(

@@ -30,12 +30,15 @@ def settled(
     better: Callable[[Posed], Floats | None],
     rounds: int,
     worth: Callable[[Posed], float] | None = None,
+    as_good: float = 0.0,
 ) -> Posed:
     """Match, refine, and match again, until nothing changes or ``rounds``; ``better`` gives a better pose, or None. What is posed is matched already.
 
-    With ``worth``, the one of greatest worth on the way: a pose that fits its matches better may still explain less.
+    With ``worth``, the one of greatest worth on the way: a pose that fits its matches better may still explain less. Of those that are less by no
+    more than ``as_good`` it is the last, which depends least on where it began.
     """
     posed = best = pose if isinstance(pose, Posed) else match(pose)
+    most = -np.inf if worth is None else worth(posed)
     for _ in range(rounds):
         refined = better(posed)
         if refined is None:
@@ -43,7 +46,8 @@ def settled(
         new = match(refined)
         stable = np.array_equal(new.matches, posed.matches)
         posed = new
-        best = posed if worth is None or worth(posed) >= worth(best) else best
+        here = np.inf if worth is None else worth(posed)
+        best, most = posed if here >= most - as_good else best, max(here, most)
         if stable:
             break
     return best

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.refine import information
+from geometry.information import information
 from geometry.refine_sights import turned_step
 from plogic.belief import Belief, Cycle
 from plogic.bounds import LEAST
 from plogic.delta import delta_of, instances
-from plogic.evidence import as_counted, evidence, sigmas
+from plogic.evidence import as_counted, evidence
 from plogic.freedom import share_of
+from plogic.known import known
 from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
 from plogic.trace import Trace
@@ -154,9 +155,8 @@ def _known(posed: Posed, hidden: NDArray[np.bool_] | None, seen: Seen, kb: Knowl
     found = found if hidden is None else found & ~hidden
     if not found.any():
         return None
-    precision = posed.counted[found] / sigmas(posed, kb)[found] ** 2
-    across = None if posed.across is None else posed.across[found]
-    own = information(posed.at[found], posed.middle, precision, seen.data.camera, across)
+    at, precision, middle, across = known(posed, found, seen.data, kb)
+    own = information(at, middle, precision, seen.data.camera, across)
     turn = turned_step(seen.view.camera_from_world[:3, :3])
     return _Known(turn.T @ own @ turn, float(posed.middle[2]))
 
@@ -193,7 +193,7 @@ def _hypothesis(
         total = np.sum([k.information for k, _ in pairs], axis=0)
         nearest, (camera_from_world, camera) = min(pairs, key=lambda pair: pair[0].depth)
         turn = turned_step(camera_from_world[:3, :3])
-        owed = share_of(turn @ total @ turn.T, nearest.depth, camera)
+        owed = float(share_of(turn @ total @ turn.T, nearest.depth, camera))
     return replace(last, group=groups[last.id], parts=(), features=tuple(owing(last, features, clutter, owed)))
 
 

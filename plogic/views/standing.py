@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.frames import inverse, transform_points
 from geometry.refine_sights import Sight, refine_sights
-from plogic.evidence import sigmas
+from plogic.known import sigmas
 from plogic.rivals import SHARED_CLAIMS, claims, hidden_among, overlap, shared_claims
 from plogic.search.alike import same_place
 from plogic.search.indices import settle

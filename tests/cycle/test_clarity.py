@@ -29,9 +29,9 @@ from plogic.evidence import (
     evidence,
     hit_rates,
     match_density,
-    sigmas,
 )
 from plogic.freedom import log_share
+from plogic.known import sigmas
 from plogic.search.indices import settle
 from plogic.search.learnt.agreement import ANGLES, SIZES
 from plogic.search.learnt.lexicon import NTH

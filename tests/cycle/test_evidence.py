@@ -7,9 +7,10 @@ import pytest
 from synthetic import CAMERA, belief_at, camera_pose, cycle_of, data, one_before_the_other, posed_at, scene, side_by_side, towers
 
 from plogic.delta import Options, delta_of
-from plogic.evidence import FIXED_BY, clutter_density, density, evidence, hit_rates, sigmas
+from plogic.evidence import FIXED_BY, clutter_density, density, evidence, hit_rates
 from plogic.expectation import hidden_by
 from plogic.freedom import log_share
+from plogic.known import sigmas
 from plogic.perceive import Perceiver
 from plogic.search.data import data_of
 from plogic.worlds import ranked_worlds

@@ -6,9 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic import CAMERA, camera_pose, data, posed_at, scene, towers
 
-from plogic.evidence import as_counted, clutter_density, sigmas
+from plogic.evidence import as_counted, clutter_density
 from plogic.fitted import as_fitted
 from plogic.freedom import log_share
+from plogic.known import sigmas
 from plogic.search.data import data_of
 
 

@@ -16,6 +16,7 @@ from plogic.bench.recognition_score import Found, errors_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.search.data import data_of
 from plogic.search.indices import generate_together, indices_of, search_of
+from plogic.search.oriented.asked import Asked, chances_of
 from plogic.search.oriented.generate import Search
 from plogic.search.oriented.pair_index import pair_index
 from plogic.search.oriented.refinement import Noise
@@ -54,9 +55,14 @@ class Ready:
         """As the cycle takes it."""
         return Noise(self.kb.rates.sigma, self.kb.rates.sigma_angle)
 
+    def asked(self, data, index=None):
+        """As the cycle asks; ``index``: another than its own."""
+        index = index or self.shared
+        return Asked(index, data, self.noise, chances_of(index, self.kb.rates))
+
     def proposals(self, data):
         """The best poses of all types."""
-        return Search(self.shared, data, self.noise).proposals(data)
+        return Search(self.asked(data)).proposals(data)
 
     def together(self, data, hidden_of=None):
         """By type the hypotheses of all types, as the cycle asks for them; {} where they are not searched for together."""

@@ -199,6 +199,6 @@ def test_what_is_claimed_is_no_longer_counted():
         _, case, data = a_trial(clouds(), seed)
         others = [a for a in case.gamma.appearances if a.id not in case.causes]
         left = data.only(np.array([a in others for a in case.gamma.appearances]))
-        search = Search(clouds().shared, data, clouds().noise)
+        search = Search(clouds().asked(data))
         assert alike(search.proposals(data), answers(seed))
         assert alike(search.proposals(left), clouds().proposals(data_of(others, CAMERA)))

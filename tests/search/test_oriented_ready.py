@@ -39,7 +39,7 @@ def test_what_comes_from_the_files_is_what_was_made(tmp_path):
     some = clouds(**LITTLE)
     for seed in range(3):
         data = a_trial(some, seed)[2]
-        answers = [Search(index, data, some.noise).proposals(data) for index in (first, second)]
+        answers = [Search(some.asked(data, index)).proposals(data) for index in (first, second)]
         assert len(answers[0]) == len(answers[1])
         assert all(a.kind == b.kind and np.array_equal(a.pose, b.pose) for a, b in zip(*answers, strict=True))
 

@@ -12,7 +12,7 @@ from oriented_scenes import STRAIGHT, a_trial, clouds, datum, picture_of, seen_f
 from plogic.inference.clock import OutOfTimeError, unhurried
 from plogic.search.data import centre_of, data_of
 from plogic.search.oriented import single_votes as module
-from plogic.search.oriented.generate import DEEP, Search, coarse_poses
+from plogic.search.oriented.generate import Search, coarse_poses
 from plogic.search.oriented.single_votes import CELL, FEWEST, SCALE, TURNS, single_votes
 from plogic.search.oriented.typed_data import typed_data
 from plogic.search.view_cells import DISTANCE
@@ -122,12 +122,11 @@ def test_it_ends_when_told():
 
 def test_a_search_asks_single_data_once():
     _, _, data = a_trial(clouds(), 9)
-    search = Search(clouds().shared, data, clouds().noise)
+    search = Search(clouds().asked(data))
     usual = search.proposals(data)
     assert not search.deepened
     search.deepen()
     assert search.deepened
-    assert search.laid == DEEP.laid
     deep, after = search.proposals(data), search.proposals(data)
     assert [p.worth for p in after] == [p.worth for p in usual]
     assert deep[0].kind == usual[0].kind

@@ -1,4 +1,7 @@
-"""Δh of all types at once: pairs vote, the fullest boxes are laid onto Γ as whole clouds, the best that are apart are refined on what agrees."""
+"""Δh of all types at once: pairs vote, the fullest boxes are laid onto Γ as whole clouds, the best that are apart climb to what they explain best.
+
+* ``Search``: that in one Γ, again and again, on what is not claimed yet
+"""
 
 from __future__ import annotations
 
@@ -7,130 +10,136 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from plogic.inference.clock import unhurried
 from plogic.search.alike import apart
-from plogic.search.angles import screen_angle
-from plogic.search.data import centre_of
 from plogic.search.extend import poses_about
-from plogic.search.oriented.pair_votes import BENT, counted, raw_votes
-from plogic.search.oriented.refinement import Held, Noise, refined
-from plogic.search.oriented.single_votes import FEWEST, HIT, single_votes
-from plogic.search.oriented.typed_data import typed_data
-from plogic.search.projection import viewpoints_of
+from plogic.search.oriented.climb import climbed
+from plogic.search.oriented.fours import by_fours
+from plogic.search.oriented.pair_votes import counted, raw_votes
+from plogic.search.oriented.single_votes import FEWEST, single_votes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from plogic.search.data import Data
+    from plogic.search.oriented.asked import Asked
     from plogic.search.oriented.pair_index import PairIndex
     from plogic.search.oriented.pair_votes import Raw, Votes
-    from plogic.search.oriented.typed_data import TypedData
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
 ALIKE = float(np.radians(15.0)), 0.08
 """Two poses of a type are alike that differ by less, radians, and share of the distance."""
-SHARES = 0.10, 0.05, 0.025, 0.0
-"""How far off a sight may be in each round, in diameters on the screen, and never less than the noise allows."""
-DEVIATIONS = 2.5
-"""Standard deviations within which a datum is a sight's."""
-STEPS = 8
-"""Steps of a round of refinement."""
-ROBUST = 3.0
-"""Standard deviations of a place beyond which a match weighs less."""
-TILTED, TILTS, TILT = 3, 8, np.radians(20.0)
-"""Poses that are tried with other tilts, the best; in how many directions, and by how much, radians."""
+TILTS, TILT = 8, np.radians(20.0)
+"""In how many directions a pose is tilted, and by how much, radians."""
 MORE_TILTS = np.radians([8.0, 20.0, 40.0])
 """By how much one is tilted before it is accepted, radians."""
 TILTS_KEPT = 2
 """Of what comes of these, so many are judged."""
 
 
+class Round(NamedTuple):
+    """How far off a sight may be, as a share of the diameter; how many steps a pose climbs; and how many poses, no two alike, go on.
+
+    ``squares``: of least squares a step; one leads on while all is coarse, more of them home.
+    """
+
+    share: float
+    steps: int
+    most: int
+    squares: int = 1
+
+
+def _home(most: int) -> tuple[Round, ...]:
+    """The last rounds, down to the noise of the detector, and until a pose moves no more."""
+    return Round(0.008, 3, most), Round(0.003, 3, most), Round(0.0, 10, most, 3)
+
+
 class Width(NamedTuple):
-    """How many go on: the heaviest votes, whose clouds are ``laid`` onto Γ; the best poses, no two alike, that are ``refined``; and in ``rounds``."""
+    """How many go on: the heaviest votes, whose clouds are ``laid`` onto Γ, of these the ``best``, in rounds; of the last, so many are ``tilted``.
+
+    ``fours``: how many of the last, and of what comes of all sets of four that draw them.
+    """
 
     laid: int
-    refined: int
-    rounds: tuple[int, int, int, int]
+    best: int
+    rounds: tuple[Round, ...]
+    tilted: int
+    fours: int = 0
 
 
-USUAL, DEEP = Width(2000, 40, (24, 16, 12, 12)), Width(20_000, 400, (240, 160, 120, 12))
-"""With the votes of pairs; and with those of single data, where pairs led to nothing."""
-BLOCK = 2000
-"""Clouds that are laid onto Γ at a time."""
+USUAL = Width(2000, 300, (Round(0.1, 2, 100), Round(0.05, 3, 40), Round(0.02, 4, 16), *_home(12)), 3)
+"""With the votes of pairs."""
+DEEP = Width(60_000, 8000, (Round(0.1, 2, 3000), Round(0.06, 3, 1500), Round(0.035, 4, 600), Round(0.02, 5, 300), *_home(300)), 20, 300)
+"""With those of single data, where pairs led to nothing."""
+FOURS, FEW = Round(0.05, 0, 600), Round(0.0, 10, 100, 3)
+"""How far off what makes a four may be, and how many go on; how these climb, and how many are judged."""
+TILTED = Round(0.05, 3, 0), Round(0.02, 3, 0), Round(0.006, 3, 0), Round(0.0, 10, 0, 3)
+"""How what was tilted climbs again."""
 
 
 class Proposal(NamedTuple):
-    """``kind`` number of the type in the index; ``pose`` (4, 4) camera_from_object; ``worth`` about ln of how much likelier Γ is with it."""
+    """``kind`` number of the type in the index; ``pose`` (4, 4) camera_from_object; ``worth`` its evidence, at all poses about it together."""
 
     kind: int
     pose: Floats
     worth: float
 
 
-class _Match(NamedTuple):
-    points: Floats  # (N, V, 3) m, object frame
-    turns: Floats  # (N, V, 3) x axes of the features, object frame
-    datum: Indices  # (N, V), −1 for none
-    worth: Floats  # (N,)
+class _Posed(NamedTuple):
+    """N poses of types ``kind`` (N,), of ``worth`` (N,); ``likely`` (N,) how many of their sights are matched, about."""
 
-    def take(self, which: list[int]) -> _Match:
-        """Those of some poses."""
-        return _Match(self.points[which], self.turns[which], self.datum[which], self.worth[which])
+    kind: Indices
+    poses: Floats
+    worth: Floats
+    likely: Floats
+
+    def take(self, which: Indices | list[int]) -> _Posed:
+        """Those at ``which``."""
+        return _Posed(self.kind[which], self.poses[which], self.worth[which], self.likely[which])
 
 
 class Search:
     """The search for all types in one Γ: its pairs vote once, and what is claimed later is no longer counted.
 
-    ``check`` is called between its stages, and may raise to end it; ``laid``: how many votes were laid onto Γ at a time, at most; ``unasked``: types
-    of which single data were not asked, for there were too many.
+    ``unasked``: types of which single data were not asked, for there were too many.
     """
 
-    def __init__(self, index: PairIndex, data: Data, noise: Noise, check: Callable[[], None] = unhurried) -> None:
-        self.index, self.data, self.noise, self.check = index, data, noise, check
-        self.laid, self.unasked = USUAL.laid, 0
+    def __init__(self, asked: Asked) -> None:
+        self.asked, self.index = asked, asked.index
+        self.deepened, self.unasked = False, 0
         self._deep = False
-
-    @property
-    def deepened(self) -> bool:
-        """Whether single data were asked, or are next."""
-        return self.laid >= DEEP.laid
 
     def deepen(self) -> None:
         """Ask single data in place of pairs, the next time."""
-        self._deep, self.laid = True, DEEP.laid
+        self._deep = self.deepened = True
 
     @cached_property
     def raw(self) -> Raw:
         """The votes of all pairs of Γ."""
-        return raw_votes(self.index, typed_data(self.data, self.index.looks).looks, self.data, self.noise.angle)
+        return raw_votes(self.index, self.asked.typed.looks, self.asked.data, self.asked.noise.angle)
 
     def proposals(self, left: Data) -> list[Proposal]:
-        """The best poses of all types, refined, best first, in what is ``left`` of the data."""
-        taken = np.ones(len(self.data.ids), bool)
+        """The best poses of all types, best first, in what is ``left`` of the data."""
+        taken = np.ones(len(self.asked.data.ids), bool)
         taken[left.rows] = False
-        self.check()
+        self.asked.check()
         raw = self.raw.without(taken) if taken.any() else self.raw
-        self.check()
-        votes = counted(raw)
-        if not self._deep:
-            return _proposals(self.index, left, self.noise, votes, USUAL, self.check)
-        self._deep = False
-        types = _by_votes(votes, len(self.index.indices))
-        votes, asked = single_votes(self.index, left, self.noise, types, DEEP.laid, self.check)
-        self.unasked = len(types) - asked
-        return _proposals(self.index, left, self.noise, votes, DEEP, self.check)
+        self.asked.check()
+        votes, asked, width = counted(raw), self.asked.of(left), USUAL
+        if self._deep:
+            self._deep, width = False, DEEP
+            types = _by_votes(votes, len(self.index.indices))
+            votes, answered = single_votes(self.index, left, asked.noise, types, width.laid, asked.check)
+            self.unasked = len(types) - answered
+        return _proposals(asked, votes, width)
 
     def tilted(self, name: str, pose: Floats, left: Data) -> list[Floats]:
-        """The best poses (4, 4) that come of a type's pose at other tilts, refined on what is ``left`` of the data."""
+        """The best poses (4, 4) that come of a type's pose at other tilts, in what is ``left`` of the data."""
         kind = next(i for i, index in enumerate(self.index.indices) if index.object_type.name == name)
-        poses = np.concatenate([_tilted(self.index, np.array([kind]), pose[None], tilt) for tilt in MORE_TILTS])
-        typed = typed_data(left, self.index.looks)
-        _, poses = _narrowed(self.index, np.full(len(poses), kind), poses, typed, left, self.noise, _rounds(USUAL)[1:], self.check)
-        return list(poses[:TILTS_KEPT])
+        one = np.array([kind])
+        found = _tilted(self.asked.of(left), one, pose[None], MORE_TILTS)
+        return list(found.take(_apart(self.index, found, TILTS_KEPT)).poses)
 
 
 def _by_votes(votes: Votes, types: int) -> Indices:
@@ -140,58 +149,51 @@ def _by_votes(votes: Votes, types: int) -> Indices:
     return np.argsort(-most, kind="stable")
 
 
-def _rounds(width: Width) -> tuple[tuple[float, int], ...]:
-    """Of each round how far off a sight may be, and how many poses go on; what was refined before needs the later ones only."""
-    return tuple(zip(SHARES, width.rounds, strict=True))
-
-
-def _proposals(index: PairIndex, data: Data, noise: Noise, votes: Votes, width: Width, check: Callable[[], None]) -> list[Proposal]:
-    """The best poses of all types, refined, best first, that ``votes`` lead to."""
-    check()
-    typed = typed_data(data, index.looks)
+def _proposals(asked: Asked, votes: Votes, width: Width) -> list[Proposal]:
+    """The best poses of all types, best first, that ``votes`` lead to."""
+    asked.check()
     votes = votes.take(np.argsort(-votes.weight, kind="stable")[: width.laid])
-    kind, poses = votes.kind, coarse_poses(index, votes, data)
-    worth = np.zeros(len(kind))
-    for start in range(0, len(kind), BLOCK):
-        check()
-        some = slice(start, start + BLOCK)
-        worth[some] = _laid(index, kind[some], poses[some], typed, data, SHARES[0], noise).worth
-    best = _apart(index, kind, poses, worth, width.refined)
-    kind, poses = _narrowed(index, kind[best], poses[best], typed, data, noise, _rounds(width), check)
-    tilted = np.concatenate([poses, _tilted(index, kind[:TILTED], poses[:TILTED])])
-    kind = np.concatenate([kind, np.repeat(kind[:TILTED], TILTS)])
-    kind, poses = _narrowed(index, kind, tilted, typed, data, noise, _rounds(USUAL)[1:], check)
-    worth = _laid(index, kind, poses, typed, data, 0.0, noise).worth
-    best = _apart(index, kind, poses, worth, len(poses))
-    return [Proposal(int(kind[i]), poses[i], float(worth[i])) for i in best]
+    found = _climbed(asked, votes.kind, coarse_poses(asked.index, votes, asked.data), Round(width.rounds[0].share, 0, 0))
+    found = found.take(np.argsort(-found.worth, kind="stable")[: width.best])
+    for each in width.rounds:
+        found = _climbed(asked, found.kind, found.poses, each)
+        found = found.take(_apart(asked.index, found, each.most))
+    best = found.take(np.arange(len(found.kind))[: width.tilted])
+    tilted = _tilted(asked, best.kind, best.poses, [TILT])
+    found = _Posed(*(np.concatenate(rows) for rows in zip(found, tilted, strict=True)))
+    found = found.take(_apart(asked.index, found, len(found.kind)))
+    if width.fours:
+        found = _with_fours(asked, found, width.fours)
+    rows = zip(found.kind, found.poses, found.worth, found.likely, strict=True)
+    return [Proposal(int(kind), pose, float(worth)) for kind, pose, worth, likely in rows if likely > FEWEST - 1]
 
 
-def _narrowed(
-    index: PairIndex,
-    kind: Indices,
-    poses: Floats,
-    typed: TypedData,
-    data: Data,
-    noise: Noise,
-    rounds: tuple[tuple[float, int], ...],
-    check: Callable[[], None],
-) -> tuple[Indices, Floats]:
-    """Matched and refined in rounds of shrinking tolerance, the best that are apart going on."""
-    for share, most in rounds:
-        check()
-        match = _laid(index, kind, poses, typed, data, share, noise)
-        best = _apart(index, kind, poses, match.worth, most)
-        kind, poses, match = kind[best], poses[best], match.take(best)
-        if not len(poses):
-            break
-        found = match.datum >= 0
-        held = Held(match.points, match.turns, data.uv[match.datum], data.angle[match.datum], found.astype(float))
-        poses = refined(poses, held, noise, data.camera, steps=STEPS, robust=ROBUST)
-    return kind, poses
+def _climbed(asked: Asked, kind: Indices, poses: Floats, each: Round) -> _Posed:
+    return _Posed(kind, *climbed(asked, kind, poses, each.share, each.steps, each.squares))
 
 
-def _tilted(index: PairIndex, kind: Indices, poses: Floats, tilt: float = TILT) -> Floats:
-    """(N · TILTS, 4, 4) each pose, turned about its middle: what is nearly flat, or far away, fits several tilts."""
+def _tilted(asked: Asked, kind: Indices, poses: Floats, tilts: Floats | list[float]) -> _Posed:
+    """Of each pose (N, 4, 4) what comes of it at other tilts, radians: what is nearly flat, or far away, fits several."""
+    poses = np.concatenate([turned_about(asked.index, kind, poses, tilt) for tilt in tilts])
+    kind = np.tile(np.repeat(kind, TILTS), len(tilts))
+    found = _Posed(kind, poses, np.zeros(len(kind)), np.zeros(len(kind)))
+    for each in TILTED:
+        found = _climbed(asked, found.kind, found.poses, each)
+    return found
+
+
+def _with_fours(asked: Asked, found: _Posed, most: int) -> _Posed:
+    """The best of some poses and of what comes of all sets of four that may draw the first of them."""
+    of = found.take(np.arange(len(found.kind))[:most])
+    fours = _climbed(asked, *by_fours(asked, of.kind, of.poses, FOURS.share), Round(0.0, FOURS.steps, 0))
+    fours = fours.take(np.argsort(-fours.worth, kind="stable")[: FOURS.most])
+    both = zip(found, _climbed(asked, fours.kind, fours.poses, FEW), strict=True)
+    found = _Posed(*(np.concatenate(rows) for rows in both))
+    return found.take(_apart(asked.index, found, FEW.most))
+
+
+def turned_about(index: PairIndex, kind: Indices, poses: Floats, tilt: float) -> Floats:
+    """(N · TILTS, 4, 4) each pose, tilted about its middle in so many directions."""
     from scipy.spatial.transform import Rotation
 
     around = 2.0 * np.pi * np.arange(TILTS) / TILTS
@@ -210,33 +212,9 @@ def coarse_poses(index: PairIndex, votes: Votes, data: Data) -> Floats:
     return poses_about(votes.centre, votes.roll, votes.scale, own, index.centres[votes.kind], data)
 
 
-def _laid(index: PairIndex, kind: Indices, poses: Floats, typed: TypedData, data: Data, share: float, noise: Noise) -> _Match:
-    """What agrees with poses (N, 4, 4) of types ``kind`` (N,), of the sights that the nearest cell shows."""
-    sights, centres = index.sights, index.centres[kind]
-    towards = viewpoints_of(poses) - centres
-    cell = (towards @ index.cells[0].directions.T).argmax(axis=1)
-    feature, looks = sights.feature[kind, cell].astype(np.intp), sights.looks[kind, cell].astype(np.intp)
-    points, turns = index.points[kind[:, None], feature], index.turns[kind[:, None], feature]
-    at = np.einsum("nij,nvj->nvi", poses[:, :3, :3], points) + poses[:, None, :3, 3]
-    front = at[..., 2] > 1e-6
-    depth = np.where(front, at[..., 2], 1.0)
-    uv = at[..., :2] / depth[..., None] * data.camera.f + centre_of(data.camera)
-    angle = screen_angle(np.einsum("nij,nvj->nvi", poses[:, :3, :3], turns), at)
-    middle = np.maximum(np.einsum("nj,nj->n", poses[:, 2, :3], centres) + poses[:, 2, 3], 1e-6)
-    within = np.maximum(share * sights.diameter[kind] * data.camera.f / middle, DEVIATIONS * noise.pixels)
-    sigma, spread = within[:, None] / DEVIATIONS, float(np.hypot(noise.angle, BENT * share / SHARES[0]))
-    datum, off, bent = typed.nearest(uv, looks, angle, within, DEVIATIONS * spread)
-    datum[(looks < 0) | ~front] = -1
-    inside = (looks >= 0) & front & (uv >= 0.0).all(axis=2) & (uv[..., 0] < data.camera.width) & (uv[..., 1] < data.camera.height)
-    bell = np.exp(-0.5 * ((off / sigma) ** 2 + (bent / spread) ** 2)) / (2.0 * np.pi * sigma**2 * np.sqrt(2.0 * np.pi) * spread)
-    clutter = np.maximum(typed.count[looks], 1) / (data.camera.width * data.camera.height * 2.0 * np.pi)
-    gain = np.where(datum >= 0, np.log1p(HIT * (bell / clutter - 1.0)), np.where(inside, np.log1p(-HIT), 0.0))
-    worth = np.where((datum >= 0).sum(axis=1) >= FEWEST, gain.sum(axis=1), -np.inf)
-    return _Match(points, turns, datum, worth)
-
-
-def _apart(index: PairIndex, kind: Indices, poses: Floats, worth: Floats, most: int) -> list[int]:
+def _apart(index: PairIndex, found: _Posed, most: int) -> list[int]:
     """The best, of finite worth, no two of a type alike."""
-    some = np.flatnonzero(np.isfinite(worth))
-    middles = np.einsum("nij,nj->ni", poses[some, :3, :3], index.centres[kind[some]]) + poses[some, :3, 3]
-    return some[apart(poses[some], middles, worth[some], most, ALIKE, kind[some])].tolist()
+    some = np.flatnonzero(np.isfinite(found.worth))
+    kind, poses = found.kind[some], found.poses[some]
+    middles = np.einsum("nij,nj->ni", poses[:, :3, :3], index.centres[kind]) + poses[:, :3, 3]
+    return some[apart(poses, middles, found.worth[some], most, ALIKE, kind)].tolist()

@@ -51,6 +51,19 @@ _FAR = 127.0
 """The middle of an object is told in 127ths of its diameter."""
 
 
+class Lobes(NamedTuple):
+    """Of T types, padded: (T, L) ``feature``, number of what it ``looks`` like, ``cos_half``; ``axis`` (T, L, 3) unit, object frame.
+
+    ``own`` (T,): how many lobes each has.
+    """
+
+    own: Indices
+    feature: Indices
+    looks: Indices
+    axis: Floats
+    cos_half: Floats
+
+
 @dataclass(frozen=True, eq=False)
 class PairIndex:
     """``looks``: names of the appearance types, by number; E pairs: ``key`` (E,) increasing, ``entry`` (E,) what each says, as numbers in 64 bits.
@@ -85,6 +98,20 @@ class PairIndex:
     def turns(self) -> Floats:
         """(T, F, 3) x axes of the features' frames, object frame, padded with zeros: what a datum's angle is on the screen."""
         return _padded([index.turns for index in self.indices])
+
+    @cached_property
+    def lobes(self) -> Lobes:
+        """The lobes of the types."""
+        number = {name: i for i, name in enumerate(self.looks)}
+        tables = [index.object_type.lobes for index in self.indices]
+        count = np.array([len(table.feature) for table in tables], np.intp)
+        most = int(count.max(initial=0))
+        feature, looks = np.zeros((len(tables), most), np.intp), np.zeros((len(tables), most), np.intp)
+        axis, cos_half = np.zeros((len(tables), most, 3)), np.zeros((len(tables), most))
+        for row, (table, own) in enumerate(zip(tables, count, strict=True)):
+            feature[row, :own], looks[row, :own] = table.feature, [number[name] for name in table.types]
+            axis[row, :own], cos_half[row, :own] = table.axis, table.cos_half
+        return Lobes(count, feature, looks, axis, cos_half)
 
     def found(
         self, looks: tuple[Indices, Indices], angles: tuple[Floats, Floats], tolerance: float, most: int = MOST

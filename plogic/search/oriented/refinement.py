@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from geometry.angled import WEIGHT, across, ends, reach
 from geometry.refine import refine_poses
 
 if TYPE_CHECKING:
@@ -14,10 +15,6 @@ if TYPE_CHECKING:
     from geometry.camera import Camera
 
     Floats = NDArray[np.float64]
-
-ARM = 2.0
-"""An angle is the way to a point along the x axis of the feature's frame, which must lie on the datum's line: so far away, on the screen, that the
-noise of the angle moves it by so many times the noise of a place."""
 
 
 class Noise(NamedTuple):
@@ -41,26 +38,30 @@ class Held(NamedTuple):
     weight: Floats
 
 
-def refined(poses: Floats, held: Held, noise: Noise, camera: Camera, *, steps: int, robust: float) -> Floats:
-    """(N, 4, 4) from poses (N, 4, 4); a residual beyond ``robust`` times the noise of places weighs less."""
-    points, uv, weight, across = met(poses, held, noise, camera)
-    return np.asarray(refine_poses(poses, points, uv, weight, camera, steps, huber=robust * noise.pixels, across=across)[0])
+def refined(
+    poses: Floats, held: Held, noise: Noise, camera: Camera, *, steps: int, robust: float | None = None, sigma: Floats | None = None
+) -> Floats:
+    """(N, 4, 4) from poses (N, 4, 4); a residual beyond ``robust`` times the noise of places weighs less.
+
+    ``sigma`` (N,): the noise of places of each pose, pixels, in place of that of all.
+    """
+    points, uv, weight, lines = met(poses, held, noise, camera, sigma)
+    huber = None if robust is None else robust * noise.pixels
+    return np.asarray(refine_poses(poses, points, uv, weight, camera, steps, huber=huber, across=lines)[0])
 
 
-def met(poses: Floats, held: Held, noise: Noise, camera: Camera) -> tuple[Floats, Floats, Floats, Floats]:
-    """What poses (N, 4, 4) are to meet, of places and then of angles, as ``refine_poses`` takes it.
+def met(poses: Floats, held: Held, noise: Noise, camera: Camera, sigma: Floats | None = None) -> tuple[Floats, Floats, Floats, Floats]:
+    """What poses (N, 4, 4) are to meet, of places and then of angles, as ``refine_poses`` takes it; ``sigma`` as in ``refined``.
 
     Points (N, 2 V, 3) m, pixels (N, 2 V, 2), weights (N, 2 V) 1/pixel², and unit vectors across lines (N, 2 V, 2).
     """
+    pixels = np.full((len(poses), 1), noise.pixels) if sigma is None else sigma[:, None]
     sided = np.isfinite(held.angle) & (held.weight > 0.0)
-    line = np.where(sided, held.angle, 0.0)
-    at = np.einsum("nij,nvj->nvi", poses[:, :3, :3], held.points) + poses[:, None, :3, 3]
-    length = ARM * noise.pixels / noise.angle
-    ends = held.points + (length * np.maximum(at[..., 2], 0.0) / camera.f)[..., None] * held.turns
-    across = np.stack([-np.sin(line), np.cos(line)], axis=2)
+    lines = across(np.where(sided, held.angle, 0.0))
+    depth = np.einsum("nj,nvj->nv", poses[:, 2, :3], held.points) + poses[:, None, 2, 3]
     return (
-        np.concatenate([held.points, ends], axis=1),
+        np.concatenate([held.points, ends(held.points, held.turns, depth, reach(pixels, noise.angle) / camera.f)], axis=1),
         np.concatenate([held.uv, held.uv], axis=1),
-        np.concatenate([held.weight, held.weight * sided / (1.0 + ARM**2)], axis=1) / noise.pixels**2,
-        np.concatenate([np.full(across.shape, np.nan), across], axis=1),
+        np.concatenate([held.weight, held.weight * sided * WEIGHT], axis=1) / pixels**2,
+        np.concatenate([np.full(lines.shape, np.nan), lines], axis=1),
     )

@@ -14,6 +14,7 @@ from plogic.inference.clock import unhurried
 from plogic.search.alike import distinct
 from plogic.search.angles import screen_angle, wrapped
 from plogic.search.depths import with_depths
+from plogic.search.oriented.climb import AS_GOOD
 from plogic.search.oriented.refinement import Held, Noise, met, refined
 from plogic.search.settling import FEWEST, settled
 
@@ -50,7 +51,10 @@ def settle(
     def better(posed: Posed) -> Floats | None:
         return polished(index, posed, data, kb, hidden)
 
-    return settled(pose, match, better, rounds)
+    def worth(posed: Posed) -> float:
+        return evidence(posed, data, kb, hidden).surplus
+
+    return settled(pose, match, better, rounds, worth, AS_GOOD)
 
 
 def matched_at(
@@ -63,13 +67,15 @@ def matched_at(
     assert kb.rates.sigma_angle is not None  # noqa: S101 - the caller looks
     sigma = kb.rates.sigma_angle
     posed = pose_of(index.object_type, pose, data, kb)
-    turn = screen_angle(index.turns @ pose[:3, :3].T, posed.at)
+    axes = index.turns @ pose[:3, :3].T
+    turn = screen_angle(axes, posed.at)
     off = wrapped(data.angle[None] - turn[:, None])
     right = ~(np.abs(off) > DEVIATIONS * sigma)
     posed = matched(replace(posed, right=posed.right & right), data, allowed & right, kb.rates.match_tolerance, free, hidden)
     own = np.take_along_axis(off, np.maximum(posed.matches, 0)[:, None], axis=1)[:, 0] if len(data.ids) else np.full(len(turn), np.nan)
     bell = np.exp(-0.5 * (own / sigma) ** 2) * np.sqrt(2.0 * np.pi) / sigma
-    return replace(posed, likeness=np.where(posed.detected & np.isfinite(own), bell, 1.0))
+    count = np.isfinite(data.whole.angle).any()  # else nothing is searched for by angles either, and is to be as sure as without
+    return replace(posed, likeness=np.where(posed.detected & np.isfinite(own), bell, 1.0), axes=axes if count else None)
 
 
 def polished(index: TypeIndex, posed: Posed, data: Data, kb: KnowledgeBase, hidden: Flags | None) -> Floats | None:
@@ -103,14 +109,12 @@ def verified(
 
     ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``check`` is called before each, and may raise to end it.
     """
-    allowed, found = index.allowed(data), []
+    found = []
     for pose in poses:
         check()
-        posed = matched_at(index, pose, data, kb, allowed)
+        posed = settle(index, pose, data, kb, rounds=0)
         hidden = np.zeros(len(index.points), bool) if hidden_of is None else hidden_of(posed)
-        posed = matched_at(index, pose, data, kb, allowed, None, hidden) if hidden.any() else posed
-        better = polished(index, posed, data, kb, hidden)
-        posed = posed if better is None else matched_at(index, better, data, kb, allowed, None, hidden)
+        posed = settle(index, pose if hidden.any() else posed, data, kb, None, hidden, rounds=1)
         if (posed.candidate & posed.detected & ~hidden).sum() >= FEWEST:
             found.append((evidence(posed, data, kb, hidden).ratio, posed))
     return distinct(sorted(found, key=lambda pair: -pair[0]), index.object_type)

@@ -130,10 +130,8 @@ def _matches(index: PairIndex, kind: int, cells: slice, typed: TypedData) -> _Ma
     looks = sights.looks[kind, cells]
     cell, sight = np.nonzero(looks >= 0)
     looks = looks[cell, sight]
-    count = typed.count[looks]
-    row = np.repeat(np.arange(len(cell)), count)
-    slot = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-    place, angle = typed.places[looks[row], slot].astype(np.float32), typed.angles[looks[row], slot]
+    row, datum = typed.of(looks)
+    place, angle, count = typed.places[datum].astype(np.float32), typed.angles[datum], typed.count[looks]
     cell = cell + cells.start
     told = np.mod(angle - sights.angle[kind, cell, sight][row], 2.0 * np.pi).astype(np.float32)
     at = (sights.xy[kind, cell, sight] / sights.diameter[kind]).astype(np.float32)[row]

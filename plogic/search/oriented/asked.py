@@ -1,0 +1,73 @@
+"""What a search over all types asks of: their index, Γ, and what the KB says of the detector.
+
+* ``Asked``: these together; ``Chances``: how often each appearance type is found, and how often it is there of itself
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from plogic.inference.clock import unhurried
+from plogic.search.data import ideal_camera
+from plogic.search.oriented.typed_data import typed_data
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from geometry.camera import Camera
+    from kb.cloud import Rates
+    from plogic.search.data import Data
+    from plogic.search.oriented.pair_index import PairIndex
+    from plogic.search.oriented.refinement import Noise
+    from plogic.search.oriented.typed_data import TypedData
+
+    Floats = NDArray[np.float64]
+
+
+class Chances(NamedTuple):
+    """Of L appearance types, by number: ``hit`` (L,) rate of an expected sight, ``clutter`` (L,) appearances of an image that are no object's."""
+
+    hit: Floats
+    clutter: Floats
+
+
+def chances_of(index: PairIndex, rates: Rates) -> Chances:
+    """As the evidence takes them (``plogic.evidence``)."""
+    hit = [rates.hit.get(name, 0.8) for name in index.looks]
+    return Chances(np.array(hit), np.array([rates.clutter.get(name, 1.0) for name in index.looks]))
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """``check`` is called between stages, and may raise to end the search."""
+
+    index: PairIndex
+    data: Data
+    noise: Noise
+    chances: Chances
+    check: Callable[[], None] = unhurried
+
+    @cached_property
+    def typed(self) -> TypedData:
+        """Γ by what its data look like."""
+        return typed_data(self.data, self.index.looks)
+
+    def of(self, left: Data) -> Asked:
+        """The same, of what is ``left`` of the data."""
+        return replace(self, data=left)
+
+    @cached_property
+    def camera(self) -> Camera:
+        """That of the ideal image, in which all is compared."""
+        return ideal_camera(self.data.camera)
+
+    @property
+    def area(self) -> float:
+        """Of the image, square pixels."""
+        return float(self.camera.width * self.camera.height)
