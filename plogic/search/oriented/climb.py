@@ -24,6 +24,8 @@ AS_GOOD = 3.0
 
 A sight that is expected and missed costs up to so much, and at the edge of its lobe a pose that is moved by next to nothing expects it or does not.
 """
+STILL = 1e-8
+"""Metres, and entries of the rotation, by which a pose moves that has arrived."""
 
 
 def climbed(asked: Asked, kind: Indices, poses: Floats, share: float, steps: int, squares: int = 1) -> tuple[Floats, Floats, Floats]:
@@ -45,12 +47,18 @@ def climbed(asked: Asked, kind: Indices, poses: Floats, share: float, steps: int
 
 def _block(asked: Asked, kind: Indices, poses: Floats, share: float, steps: int, squares: int) -> tuple[Floats, Floats, Floats]:
     best, worth, likely = poses.copy(), np.full(len(poses), -np.inf), np.zeros(len(poses))
-    most = worth.copy()
+    most, going = worth.copy(), np.arange(len(poses))
     for step in range(steps + 1):
-        here = drawn(asked, kind, poses, share)
-        better = here.worth > most - AS_GOOD
-        most = np.maximum(most, here.worth)
-        best[better], worth[better], likely[better] = poses[better], here.worth[better], here.likely[better]
-        if step < steps:
-            poses = refined(poses, here.held, here.noise, asked.camera, steps=squares, sigma=here.sigma)
+        here = drawn(asked, kind[going], poses, share)
+        better = here.worth > most[going] - AS_GOOD
+        most[going] = np.maximum(most[going], here.worth)
+        at = going[better]
+        best[at], worth[at], likely[at] = poses[better], here.worth[better], here.likely[better]
+        if step == steps:
+            break
+        moved = refined(poses, here.held, here.noise, asked.camera, steps=squares, sigma=here.sigma)
+        further = np.abs(moved - poses).max(axis=(1, 2)) > STILL
+        poses, going = moved[further], going[further]
+        if not len(going):
+            break
     return best, worth, likely
