@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oriented_scenes import EASY, HARD, STRAIGHT, a_trial, clouds, picture_of, seen_from
+from oriented_scenes import EASY, HARD, STRAIGHT, a_trial, clouds, kb_of, picture_of, seen_from
 
 from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
@@ -13,6 +13,7 @@ from plogic.evidence import evidence
 from plogic.search.angles import screen_angle
 from plogic.search.data import data_of
 from plogic.search.indices import settle
+from plogic.search.oriented.asked import chances_of
 from plogic.search.oriented.climb import AS_GOOD, climbed
 from plogic.search.oriented.drawn import DEVIATIONS, MATCHED, WITHIN, drawn
 from plogic.search.oriented.fours import by_fours
@@ -58,6 +59,7 @@ def one_by_one(asked, which, pose, share):
     at = transform_points(pose, index.points[sights])
     uv, angle = camera.project(at), screen_angle(index.turns[sights] @ pose[:3, :3].T, at)
     table = np.zeros((len(sights), len(asked.data.ids)))
+    hit = [asked.chances.hit[asked.index.feature_types[0].index(index.object_type.features[f].type)] for f in sights]
     for row, f in enumerate(sights):
         name = index.object_type.lobes.types[f]
         look = asked.index.looks.index(name)
@@ -65,10 +67,10 @@ def one_by_one(asked, which, pose, share):
             off, bent = np.linalg.norm(asked.data.uv[column] - uv[row]), np.angle(np.exp(1j * (asked.data.angle[column] - angle[row])))
             if kind == name and off <= within * sigma and abs(bent) <= within * spread:
                 bell = np.exp(-0.5 * ((off / sigma) ** 2 + (bent / spread) ** 2)) / (2.0 * np.pi * sigma**2 * np.sqrt(2.0 * np.pi) * spread)
-                table[row, column] = asked.chances.hit[look] * bell / (asked.chances.clutter[look] / asked.area / (2.0 * np.pi))
+                table[row, column] = hit[row] * bell / (asked.chances.clutter[look] / asked.area / (2.0 * np.pi))
     table[table < table.max(axis=0)] = 0.0  # a datum serves the likeliest
     inside = ((uv >= 0.0) & (uv < [camera.width, camera.height])).all(axis=1)
-    missed = 1.0 - np.array([asked.chances.hit[asked.index.looks.index(index.object_type.lobes.types[f])] for f in sights])
+    missed = 1.0 - np.array(hit)
     total = missed + table.sum(axis=1)
     return float(np.log(total)[inside | (total > missed)].sum()), float((table.sum(axis=1) / total).sum())
 
@@ -97,6 +99,18 @@ def test_at_the_noise_of_the_detector_it_is_the_evidence_of_the_cycle(detector):
         close.append(abs(drawn(asked, np.array([which]), found.camera_from_object[None], 0.0).worth[0] - exact))
     assert np.median(close) < 0.05, close
     assert max(close) < 3.0, close
+
+
+def test_what_is_found_how_often_is_told_by_the_type_of_the_feature_not_by_what_it_looks_like():
+    """As the evidence takes it (``plogic.evidence.hit_rates``)."""
+    kind = clouds().kb.types[0]
+    features = tuple(replace(f, type=("often", "rarely", "at_times")[i % 3]) for i, f in enumerate(kind.features))
+    ready = kb_of(replace(kind, features=features, all_features=features))
+    rates = replace(ready.kb.rates, hit={"often": 0.9, "rarely": 0.2})
+    names, number = ready.shared.feature_types
+    told = chances_of(ready.shared, rates).hit[number[0]]
+    assert names == ("at_times", "often", "rarely")
+    assert told.tolist() == [(0.9, 0.2, 0.8)[i % 3] for i in range(len(features))]
 
 
 def test_poses_do_not_depend_on_each_other():

@@ -1,6 +1,6 @@
 """What a search over all types asks of: their index, Γ, and what the KB says of the detector.
 
-* ``Asked``: these together; ``Chances``: how often each appearance type is found, and how often it is there of itself
+* ``Asked``: these together; ``Chances``: how often what is expected is found, and how often an appearance is there of itself
 """
 
 from __future__ import annotations
@@ -31,7 +31,10 @@ if TYPE_CHECKING:
 
 
 class Chances(NamedTuple):
-    """Of L appearance types, by number: ``hit`` (L,) rate of an expected sight, ``clutter`` (L,) appearances of an image that are no object's."""
+    """``hit`` (K,) rate of an expected feature, by number of its type in the index; ``clutter`` (L,) appearances of an image that are no object's.
+
+    The latter by number of the appearance type.
+    """
 
     hit: Floats
     clutter: Floats
@@ -39,7 +42,7 @@ class Chances(NamedTuple):
 
 def chances_of(index: PairIndex, rates: Rates) -> Chances:
     """As the evidence takes them (``plogic.evidence``)."""
-    hit = [rates.hit.get(name, 0.8) for name in index.looks]
+    hit = [rates.hit.get(name, 0.8) for name in index.feature_types[0]]
     return Chances(np.array(hit), np.array([rates.clutter.get(name, 1.0) for name in index.looks]))
 
 

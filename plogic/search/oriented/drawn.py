@@ -56,6 +56,7 @@ class _Sights(NamedTuple):
 
     pose: Indices  # (S,)
     looks: Indices  # (S,)
+    hit: Floats  # (S,) how often it is found
     points: Floats  # (S, 3) m, object frame
     turns: Floats  # (S, 3) x axes, object frame
     uv: Floats  # (S, 2) ideal pixels, far outside where the sight is not before the camera
@@ -81,7 +82,7 @@ def drawn(asked: Asked, kind: Indices, poses: Floats, share: float) -> Drawn:
     sights = _sights(asked, kind, poses)
     pairs = _pairs(asked, sights, sigma, noise.angle, WITHIN if share > 0.0 else MATCHED)
     count = len(sights.pose)
-    missed = 1.0 - asked.chances.hit[sights.looks]
+    missed = 1.0 - sights.hit
     total = missed + np.bincount(pairs.sight, pairs.likely, count)
     inside = ((sights.uv >= 0.0) & (sights.uv < [camera.width, camera.height])).all(axis=1)
     explained = np.bincount(sights.pose, np.where(inside | (total > missed), np.log(total), 0.0), len(poses))
@@ -102,7 +103,8 @@ def _sights(asked: Asked, kind: Indices, poses: Floats) -> _Sights:
     front = at[:, 2] > NEAREST
     uv = at[:, :2] / np.where(front, at[:, 2], 1.0)[:, None] * camera.f + centre_of(camera)
     angle = screen_angle(np.einsum("sij,sj->si", rotation, turns), at)
-    return _Sights(seen.pose, seen.looks, points, turns, np.where(front[:, None], uv, -1e6), angle)
+    hit = asked.chances.hit[index.feature_types[1][own]]
+    return _Sights(seen.pose, seen.looks, hit, points, turns, np.where(front[:, None], uv, -1e6), angle)
 
 
 def _pairs(asked: Asked, sights: _Sights, sigma: Floats, spread: float, within: float) -> _Pairs:
@@ -118,8 +120,7 @@ def _pairs(asked: Asked, sights: _Sights, sigma: Floats, spread: float, within: 
     sight, datum, bent = sight[right], datum[right], bent[right]
     away, wide = places[datum] - sights.uv[sight], sigma[sights.pose[sight]]
     bell = np.exp(-0.5 * ((away * away).sum(axis=1) / wide**2 + (bent / spread) ** 2)) / (wide**2 * spread * np.sqrt(2.0 * np.pi))
-    looks = sights.looks[sight]
-    likely = asked.chances.hit[looks] * bell * asked.area / asked.chances.clutter[looks]
+    likely = sights.hit[sight] * bell * asked.area / asked.chances.clutter[sights.looks[sight]]
     order = np.lexsort((-likely, datum, sights.pose[sight]))
     pose, of = sights.pose[sight[order]], datum[order]
     best = order[np.concatenate([np.ones(min(1, len(order)), bool), (pose[1:] != pose[:-1]) | (of[1:] != of[:-1])])]

@@ -100,6 +100,17 @@ class PairIndex:
         return _padded([index.turns for index in self.indices])
 
     @cached_property
+    def feature_types(self) -> tuple[tuple[str, ...], Indices]:
+        """Names of the types that features are of, and by number that of each feature (T, F), padded with zeros."""
+        types = [[feature.type for feature in index.object_type.features] for index in self.indices]
+        names = tuple(sorted({name for row in types for name in row}))
+        number = {name: i for i, name in enumerate(names)}
+        table = np.zeros((len(types), max((len(row) for row in types), default=0)), np.intp)
+        for row, own in zip(table, types, strict=True):
+            row[: len(own)] = [number[name] for name in own]
+        return names, table
+
+    @cached_property
     def lobes(self) -> Lobes:
         """The lobes of the types."""
         number = {name: i for i, name in enumerate(self.looks)}
