@@ -75,6 +75,12 @@ class Data:
         return np.asarray(count[which], np.intp)
 
     @cached_property
+    def by_look(self) -> tuple[tuple[str, ...], NDArray[np.intp]]:
+        """The names of the types that are there, and (A,) which of them each is of."""
+        names, which = np.unique(np.array(self.types, str), return_inverse=True)
+        return tuple(names.tolist()), np.asarray(which, np.intp)
+
+    @cached_property
     def sizes(self) -> NDArray[np.float64]:
         """(A,) the logarithm of ``scale``."""
         return np.log(self.scale)

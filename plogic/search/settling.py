@@ -38,7 +38,7 @@ def settled(
     more than ``as_good`` it is the last, which depends least on where it began.
     """
     posed = best = pose if isinstance(pose, Posed) else match(pose)
-    most = -np.inf if worth is None else worth(posed)
+    most = -np.inf if worth is None or not rounds else worth(posed)
     for _ in range(rounds):
         refined = better(posed)
         if refined is None:

@@ -79,8 +79,19 @@ class TypeIndex:
 
     def allowed(self, data: Data) -> NDArray[np.bool_]:
         """(F, A) the data of a type that the feature has in any of its lobes."""
+        names, which = data.by_look
+        return self._looking(names)[:, which]
+
+    def _looking(self, names: tuple[str, ...]) -> NDArray[np.bool_]:
+        """(F, N) which features look like what is so named."""
+        nobody = np.zeros(len(self.points), bool)
+        return np.array([self._features_by_look.get(name, nobody) for name in names], bool).reshape(len(names), len(nobody)).T
+
+    @cached_property
+    def _features_by_look(self) -> dict[str, NDArray[np.bool_]]:
         types = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.features]
-        return compatible(types, data.types)
+        names = sorted(frozenset().union(*types))
+        return dict(zip(names, compatible(types, names).T, strict=True))
 
 
 def type_index(object_type: ObjectType, dv: Mapping[str, float], cells: ViewCells | None = None) -> TypeIndex:

@@ -13,7 +13,7 @@ from plogic.search.settling import settled
 LISTS = st.lists(st.integers(0, 4), min_size=1, max_size=8)
 
 
-def run(matches, worths, rounds, end=99, *, worth=True):
+def run(matches, worths, rounds, end=99, *, worth=True, as_good=0.0):
     """Pose number i is matched as ``matches[i]`` and worth ``worths[i]``; from ``end`` on no pose is better. The pose, and those looked at."""
     looked = []
 
@@ -24,7 +24,7 @@ def run(matches, worths, rounds, end=99, *, worth=True):
     def better(posed):
         return None if posed.number >= min(end, len(matches) - 1) else posed.number + 1
 
-    return settled(0, match, better, rounds, (lambda posed: worths[posed.number]) if worth else None).number, looked
+    return settled(0, match, better, rounds, (lambda posed: worths[posed.number]) if worth else None, as_good).number, looked
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
@@ -42,3 +42,17 @@ def test_a_pose_that_fits_better_and_explains_less_is_not_kept():
     assert run([1, 2, 3], [5.0, 9.0, 4.0], 2)[0] == 1
     assert run([1, 2, 3], [5.0, 4.0, 3.0], 2)[0] == 0
     assert run([1, 2, 3], [5.0, 5.0, 5.0], 2)[0] == 2
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(st.lists(st.integers(0, 6), min_size=1, max_size=8), st.integers(0, 4), st.integers(0, 9))
+def test_of_those_that_are_about_as_good_as_any_before_it_is_the_last(worths, as_good, rounds):
+    last = min(rounds, len(worths) - 1)
+    kept = max(i for i in range(last + 1) if worths[i] >= max(worths[: i + 1]) - as_good)
+    assert run(list(range(len(worths))), worths, rounds, as_good=as_good)[0] == kept
+
+
+def test_where_nothing_is_refined_nothing_is_weighed():
+    weighed = []
+    assert settled(np.eye(4), lambda _: "as it is", lambda _: None, 0, weighed.append) == "as it is"
+    assert not weighed
