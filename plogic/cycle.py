@@ -72,8 +72,10 @@ class Perception(Anytime):
         return Cycle(tuple(self.accepted), rivals, tuple(self.rejected), tuple(attention), self.trace)
 
     def _round(self, attention: Sequence[Attention], pool: list[Posed]) -> bool:
-        """Add to the pool what the free data give, then accept its best acceptable pose. True where something was accepted."""
+        """Accept the best acceptable pose of the pool; where it has none, add to it what the free data give first. True where one was accepted."""
         left = self.data.only(self.free())
+        if self._accepts([b for b in self._judged(pool) if self._search_for(b.posed) and self._refusal(b) is None], pool, left):
+            return True
         together = self._together(left)
         alone = [self.indices[row.type] for row in attention if row.type not in together and not self._exhausted(row.type)]
         by_hand = any(not isinstance(index, LearntIndex) for index in alone)
@@ -95,7 +97,11 @@ class Perception(Anytime):
                     self.searched[row.type] = sum(name_of(b) == row.type for b in self.accepted)
         judged = sorted(self._judged(pool), key=lambda b: -b.worth)
         pool[:] = [b.posed for b in judged[: max(POOL, POOL_OF_TYPE * len(self.indices))]]
-        for belief in judged[:POLISHED]:
+        return self._accepts(judged, pool, left)
+
+    def _accepts(self, judged: Sequence[Belief], pool: list[Posed], left: Data) -> bool:
+        """Accept the best of some that is acceptable, refined beside Δi; the pool loses it. True where there is one."""
+        for belief in sorted(judged, key=lambda b: -b.worth)[:POLISHED]:
             self.deadline.check()
             if isinstance(belief.index, LearntIndex) and belief.surplus < significant(belief.index) - POLISH:
                 continue

@@ -68,12 +68,30 @@ def test_of_clutter_alone_nothing_is_accepted():
         assert accepted(perceiver(), clutter) == []
 
 
-def test_two_objects_of_different_types_are_both_accepted():
-    """Each round searches what the others left."""
+def two_objects():
+    """Of different types, in one image."""
     first, second = a_trial(clouds(), 0)[1], a_trial(clouds(), 7)[1]
     more = [replace(a, id=f"{a.id}s") for a in second.gamma.appearances if a.id in second.causes]
-    found = accepted(perceiver(), Gamma(first.gamma.camera, (*first.gamma.appearances, *more)))
-    assert {first.truth.type, second.truth.type} <= {belief.posed.object_type.name for belief in found}
+    return {first.truth.type, second.truth.type}, Gamma(first.gamma.camera, (*first.gamma.appearances, *more))
+
+
+def test_two_objects_of_different_types_are_both_accepted():
+    names, gamma = two_objects()
+    assert names <= {belief.posed.object_type.name for belief in accepted(perceiver(), gamma)}
+
+
+def test_what_one_search_found_is_accepted_before_there_is_another(monkeypatch):
+    """Both objects are proposed at once: the next search is in what both leave."""
+    asked, ours = [], generate.Search.proposals
+
+    def counting(self, left):
+        asked.append(len(left.ids))
+        return ours(self, left)
+
+    monkeypatch.setattr(generate.Search, "proposals", counting)
+    found = accepted(perceiver(), two_objects()[1])
+    assert len(found) == 2
+    assert asked == [len(two_objects()[1].appearances), asked[0] - sum(int(b.posed.detected.sum()) for b in found)]
 
 
 def test_without_sigma_angle_the_same_kb_goes_the_old_way():
