@@ -71,8 +71,8 @@ class Data:
         """(A,) how many of all of Γ are of each one's type."""
         if self.part_of is not None:
             return self.whole.namesakes[self.rows]
-        _, which, count = np.unique(np.array(self.types, str), return_inverse=True, return_counts=True)
-        return np.asarray(count[which], np.intp)
+        _, which = self.by_look
+        return np.bincount(which)[which]
 
     @cached_property
     def by_look(self) -> tuple[tuple[str, ...], NDArray[np.intp]]:
