@@ -45,22 +45,24 @@ def cli() -> None:
 
 @cli.command()
 @click.option(
-    "-o", "--out", type=click.Path(path_type=Path), default=Path("out/demo"), show_default=True, help="Folder to write."
+    "-o", "--out", type=click.Path(path_type=Path), show_default="out/demo, or out/look-again", help="Folder to write."
 )
 @click.option("--seed", type=SEED, default=0, show_default=True)
-@click.option("--reading", type=READINGS, default="score", show_default=True)
+@click.option("--reading", type=READINGS, show_default="score, or posterior with --look-again")
 @click.option("--look-again", is_flag=True, help="Two worlds near even, and the second view that settles it (posterior reading).")
 @AS_JSON
-def demo(out: Path, seed: int, reading: Any, look_again: bool, as_json: bool) -> None:
+def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: bool) -> None:
     """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
     if look_again:
         from plogic.demo_look_again import run_look_again
 
-        _out(run_look_again(out, seed, say=_say, as_json=as_json))
+        if reading == "score":
+            raise click.UsageError("--look-again: is in the posterior reading; leave --reading out")
+        _out(run_look_again(out or Path("out/look-again"), seed, say=_say, as_json=as_json))
     else:
         from plogic.demo import run_demo
 
-        _out(run_demo(out, seed, reading, say=_say, as_json=as_json))
+        _out(run_demo(out or Path("out/demo"), seed, reading or "score", say=_say, as_json=as_json))
 
 
 @cli.command()
@@ -184,7 +186,9 @@ def report(interpretation: str, out: str) -> None:
 
 @cli.command()
 @KB
-@click.option("--objects", "number", type=click.IntRange(0, 50), default=2, show_default=True)
+@click.option(
+    "--objects", "number", type=click.IntRange(0, 50), default=2, show_default=True, help="How many stand on the table, where there is room."
+)
 @click.option(
     "--decoys", type=click.IntRange(0, 50), default=0, show_default=True, help="Untyped boxes and wedges beside them."
 )
@@ -213,7 +217,7 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **o
     show_default=True,
     help="Seconds of a stock run (`worlds`) or of a peer (`recognition`, `clutter`, `many`).",
 )
-@click.option("--quick", is_flag=True, help="Small sizes of `worlds`, the box alone, few scenes or trials of the others.")
+@click.option("--quick", is_flag=True, help="Small sizes of `worlds`, the box alone, few scenes or trials of the others; not of `towers`.")
 @click.option("--picture", type=click.Path(path_type=Path), help="JPEG of `box`: a frame at two focal lengths; SVG of `calibration`.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @AS_JSON
@@ -221,6 +225,10 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
     """Run one of the project's own benchmarks; it ends with its claims."""
     from importlib import import_module
 
+    if quick and name == "towers":
+        raise click.UsageError("--quick: `towers` takes --scenes")
+    if picture is not None and name not in {"box", "calibration"}:
+        raise click.UsageError(f"--picture: `{name}` draws none; `box` and `calibration` do")
     drawn = {"quick": quick, "picture": picture}
     sized = {"quick": quick}
     others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn}

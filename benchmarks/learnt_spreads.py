@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 FIRST_SEED = 5000
+"""Of scenes for development: no benchmark's are among them."""
 SHOWN = 0.85
 """Visible fraction from which a right pose is looked at: what another object hides would be missed for no fault of the constants."""
 WRONG = 3

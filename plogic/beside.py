@@ -95,7 +95,8 @@ class Beside:
         posed = belief.posed
         found = posed.candidate & posed.detected & ~self._hidden(posed)
         if found.sum() < FEWEST:
-            return f"only {int(found.sum())} expected features were detected; {FEWEST} are demanded"
+            number = int(found.sum())
+            return f"{f'only {number}' if number else 'none'} of its expected features detected; {FEWEST} are demanded"
         if self._search_for(posed) is None and not found[belief.index.anchors].any():  # where there is one, pairs of any features start it
             return "none of its most distinctive features was detected"
         if belief.ev_reconsidered is None or belief.ev_reconsidered <= 0.0:

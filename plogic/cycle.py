@@ -196,7 +196,7 @@ class Perception(Anytime):
         """Keep as a rival what would be acceptable alone; reject the rest, which releases its data."""
         alone = self._alone(belief)
         if alone is not None:
-            self.rivals.append(replace(alone, status="rival", why=reason))
+            self.rivals.append(replace(alone, status="rival", why=f"would be accepted in the place of what it conflicts with; beside that, {reason}"))
         else:
             self.rejected.append(replace(belief, status="rejected", why=reason))
             self.trace.add("reject", reason, of_type=name_of(belief), ev=belief.ev_reconsidered)

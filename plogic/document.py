@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.camera import camera_to_dict
+from plogic.acceptance import p_ev
 from plogic.assets import image_asset, mesh_assets
 from plogic.carried_lobes import sensing_document, types_document
+from plogic.dependence import Scene
 from plogic.exclusions import apart_of
 from plogic.expectation import hidden_by
 from plogic.factors.asking import together
@@ -118,11 +120,22 @@ def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, f
         {
             **hypothesis_document(facts[name], _cases(belief, _beside(name, delta))),
             **_verdict(belief, gamma, dv),
+            "ev_reconsidered": _reconsidered(name, delta),
             **({"apart": apart[name]} if name in apart else {}),
             "probability": ranking.marginals[name],
         }
         for name, belief in delta.beliefs.items()
     ]
+
+
+def _reconsidered(name: str, delta: Delta) -> float | None:
+    """Ev beside Δi in the situation's mode (§5.5), None where it is 0/0; the cycle itself judges by ``to_B``."""
+    if delta.situation.reconsider == "to_B":
+        return delta.beliefs[name].ev_reconsidered
+    scene = Scene(delta.situation)
+    present = {key: np.array([key == name or other.status == "accepted"]) for key, other in delta.beliefs.items()}
+    share = float(p_ev(scene, scene.by_id[name], present)[0])
+    return None if np.isnan(share) else 2.0 * share - 1.0
 
 
 def _beside(name: str, delta: Delta) -> list[Belief]:

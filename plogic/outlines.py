@@ -1,4 +1,4 @@
-"""The evidence area's outline of a posed hypothesis as plain rings of pixels (§4.3)."""
+"""The outline of a posed hypothesis as plain rings of pixels: the evidence area (§4.3) is this, widened by the match tolerance."""
 
 from __future__ import annotations
 

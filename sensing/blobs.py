@@ -20,12 +20,11 @@ MIN_FILL = 0.35
 
 @dataclass(frozen=True)
 class Blob:
-    """A region darker than ``level``: its (N, 2) outline pixels (u, v), its area in pixels, how many thresholds it lived through."""
+    """A region darker than ``level``: its (N, 2) outline pixels (u, v), and its area in pixels."""
 
     outline: NDArray[np.int32]
     area: int
     level: float
-    life: int
 
 
 def dark_blobs(grey: NDArray[np.uint8]) -> list[Blob]:
@@ -83,4 +82,4 @@ def _blob(grey: NDArray[np.uint8], rows: NDArray[np.float64]) -> Blob | None:
     box = np.ascontiguousarray(grey[y : y + int(height), x : x + int(width)] < level).view(np.uint8)
     outlines = cv2.findContours(box, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[-2]
     outline = max(outlines, key=len).reshape(-1, 2) + np.array([x, y], np.int32)
-    return Blob(outline.astype(np.int32), int(area), float(level), len(rows)) if len(outline) >= 4 else None
+    return Blob(outline.astype(np.int32), int(area), float(level)) if len(outline) >= 4 else None

@@ -46,7 +46,7 @@ FIGURES = [
     (f"smoothed by {SMOOTHED:g}", "how-it-works.md"),
     (f"at most {WORDS[LARGEST_BLOCK]} hypotheses", "how-it-works.md"),
     (f"({round(math.degrees(SAME_ROTATION))}°, {SAME_PLACE * 100:g} % of the distance)", "how-it-works.md"),
-    ("at most half of the appearances" if SHARED_CLAIMS == 0.5 else "", "how-it-works.md"),
+    ("at most half of what the one with fewer claims does" if SHARED_CLAIMS == 0.5 else "", "how-it-works.md"),
     (f"smoothed by {SMOOTHED:g}", "../README.md"),
     (f"At most {WORDS[MOST_OCCLUDERS]} occluders", "../README.md"),
     (f"more than {WORDS[LARGEST_BLOCK]} hypotheses", "../README.md"),

@@ -17,14 +17,12 @@ from geometry.plain_files import fault_of, is_there
 from kb.errors import IntakeError
 from kb.quantities import LENGTHS
 from kb.schema import SymmetryModel
-from kb.symmetries import CONTINUOUS, motions
+from kb.symmetries import motions
 from kb.write import flow
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-STEP = 360 / CONTINUOUS
-"""Degrees between the turns that stand for a continuous symmetry."""
 RIGID = 1e-2
 """How far a listed rotation may be from one."""
 MAX_BYTES = 16_000_000

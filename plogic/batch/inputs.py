@@ -16,8 +16,10 @@ if TYPE_CHECKING:
 
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".pgm", ".ppm")
 """Endings of what is a picture in a folder; a file that is named is one whatever its ending, unless it is JSON."""
-NO_GAMMA = ("camera.json", "truth.json", "interpretation.json", "timings.json")
+NO_GAMMA = ("camera.json", "truth.json", "interpretation.json", "timings.json", "poses.json", "panorama.json", "next-view.json", "worlds.json")
 """How the names of JSON files end that stand beside pictures and are no Γ."""
+DRAWN = ("picture.png", "posterior-picture.png", "views.png")
+"""What ``plogic demo`` draws beside the ``interpretation.json`` that it writes."""
 DATASET = ("scene_camera.json", "[0-9]*/scene_camera.json", "*/[0-9]*/scene_camera.json")
 """What tells a BOP dataset: its scene's, its split's or its own folder holds one of these."""
 
@@ -62,7 +64,8 @@ def _of_folder(folder: Path) -> list[Frame]:
     found: list[Path] = []
     for place, folders, files in os.walk(folder):
         folders[:] = [name for name in folders if not name.startswith(".")]
-        found += [Path(place, name) for name in files if not name.startswith(".") and _is_frame(name.lower())]
+        drawn = DRAWN if "interpretation.json" in files else ()
+        found += [Path(place, name) for name in files if not name.startswith(".") and name not in drawn and _is_frame(name.lower())]
     return [_of_file(path) for path in sorted(found)]
 
 

@@ -1,7 +1,7 @@
 """``plogic bench box``: a real cookie box, learnt from one photo, found in twenty frames of a hand-held video, against hand-marked corners.
 
 The data is that of ``../shared/data`` (its README says whose), the clicked points and the marked corners of ``tests/scenes/box``; where
-either is absent the benchmark says so and ends. ``--quick`` leaves the ten YCB types out of the knowledge base.
+either is absent the benchmark says so and fails. ``--quick`` leaves the ten YCB types out of the knowledge base.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 
 from geometry.frames import transform_points
 from plogic.bench.claims import Claim, report
+from plogic.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -58,11 +59,11 @@ def run(
 ) -> tuple[str, bool]:
     """Learn, look at every frame, judge; draw the frame of the greatest drop into ``picture``.
 
-    Raises InputError where the types cannot be learnt, SensingError where the picture cannot be written.
+    Raises InputError where the data is not there or the types cannot be learnt, SensingError where the picture cannot be written.
     """
     absent = [str(place) for place in (DATA / "photo.jpg", MARKS / "frame_corners.json") if not place.is_file()]
     if absent:
-        return f"bench box: skipped, as {absent[0]} is not there", True
+        raise InputError(f"bench box: needs {' and '.join(absent)}, not there")
     with tempfile.TemporaryDirectory(prefix="plogic-box-") as folder:
         kb = learnt(Path(folder) / "kb", seed, quick=quick, say=say)
         answers = answered(kb, say)

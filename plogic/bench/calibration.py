@@ -1,7 +1,7 @@
 """``plogic bench calibration``: whether probabilities mean what they say, of the posterior reading and of P(ev), side by side.
 
 Rates are learnt on some scenes as ``plogic kb learn-rates`` learns them, and what perception then says is compared with the truth on others.
-``--quick``: fewer scenes, with too few hypotheses for the claims on their number. ``--picture FILE``: the reliability diagram, an SVG.
+``--quick``: fewer scenes, which promise fewer hypotheses. ``--picture FILE``: the reliability diagram, an SVG.
 """
 
 from __future__ import annotations
@@ -45,10 +45,11 @@ def run(*, seed: int, quick: bool, picture: Path | None, as_json: bool, say: Cal
     """Run the benchmark; a line of progress every few scenes on ``say``. Raises SensingError where the picture cannot be written."""
     from sensing.whole_files import write_whole
 
-    found = forecasts(random_world(seed), seed, plan or (QUICK if quick else Plan()), say)
+    whole, plan = Plan(), plan or (QUICK if quick else Plan())
+    found = forecasts(random_world(seed), seed, plan, say)
     if picture is not None:
         write_whole(picture, drawn(found).encode())
-    text, met = report("calibration", rows(found, seed), claims(found), as_json=as_json)
+    text, met = report("calibration", rows(found, seed), claims(found, plan.judged / whole.judged), as_json=as_json)
     return (text if as_json else f"{CAPTION}\n\n{text}"), met
 
 

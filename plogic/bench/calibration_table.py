@@ -64,12 +64,12 @@ def _open(p: Floats) -> int:
     return int(((p >= OPEN[0]) & (p <= OPEN[1])).sum())
 
 
-def claims(found: Sequence[Forecast]) -> list[Claim]:
-    """The issue's bars, of the posterior reading."""
+def claims(found: Sequence[Forecast], share: float = 1.0) -> list[Claim]:
+    """What is promised of the posterior reading; where a ``share`` of the scenes was judged, so much of the numbers."""
     p, y, _ = said(found, GATE, POSTERIOR)
     return [
-        Claim("hypotheses that passed the geometric gate", ">=", FEWEST, len(p)),
-        Claim("of them with a posterior from 0.05 to 0.95", ">=", FEWEST_OPEN, _open(p)),
+        Claim("hypotheses that passed the geometric gate", ">=", FEWEST * share, len(p)),
+        Claim("of them with a posterior from 0.05 to 0.95", ">=", FEWEST_OPEN * share, _open(p)),
         Claim("ECE of the posterior", "<=", ECE, expected_calibration_error(p, y)),
         Claim("Brier skill of the posterior over the base rate", ">=", 0.0, brier_skill(p, y)),
     ]

@@ -82,7 +82,6 @@ def of_learnt(number: int) -> bool:
     return number % LEARNT_EVERY == 0
 
 
-
 def run(
     *, seed: int, limit: float, quick: bool, as_json: bool, say: Callable[[str], None],
     learn: Callable[[Callable[[str], None], int], KnowledgeBase | None] | None = None, plan: Plan | None = None,

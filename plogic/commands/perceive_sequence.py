@@ -51,6 +51,8 @@ def sequence_command(
     check_places(places(out, options))
     kb = kb_of(kb_folder)
     poses, foreseen = placed_frames(frames, options.get("poses"))
+    if options.get("poses") is None and not all(is_gamma(frame) for frame in frames):
+        say("all images are taken to be from the one place that --camera tells; where the camera moved, give --poses")
     end = monotonic() + options["deadline"] if options.get("deadline") else None
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
     panorama = Panorama(Perceiver(kb, cache_folder("indices"), processors()), chosen)

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.search.pairs import ARM_TOLERANCE, MOST_PAIRS, Pairs, turn
+from plogic.search.angles import wrapped
+from plogic.search.pairs import ARM_TOLERANCE, MOST_PAIRS, Pairs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,7 +62,7 @@ def data_links(data: Data) -> DataLinks:
     length, angle = np.hypot(step[..., 0], step[..., 1]), np.arctan2(step[..., 1], step[..., 0])
     pairs = set()
     for k in range(data.arms.shape[1]):
-        off = np.abs(turn(angle - data.arms[:, k : k + 1]))
+        off = np.abs(wrapped(angle - data.arms[:, k : k + 1]))
         reach = np.where((off < POINTING) & (length > 1.0), length, np.inf)
         near = np.argsort(reach, axis=1, kind="stable")[:, :ALONG_ONE_ARM]
         rows, columns = np.nonzero(np.isfinite(np.take_along_axis(reach, near, axis=1)))
@@ -97,7 +98,7 @@ def linked_pairs(
     if len(row) > MOST_PAIRS:
         best = np.sort(np.argsort(-score, kind="stable")[:MOST_PAIRS])
         row, column = row[best], column[best]
-    roll = turn(found.angle[column] - angle[row])
+    roll = wrapped(found.angle[column] - angle[row])
     return Pairs(cell[row], f[row], found.first[column], g[row], found.second[column], roll, scale[row, column].astype(float))
 
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.search.pairs import MOST_PAIRS, Pairs, turn
+from plogic.search.angles import wrapped
+from plogic.search.pairs import MOST_PAIRS, Pairs
 from plogic.search.votes import distance_maps, votes
 
 if TYPE_CHECKING:
@@ -74,4 +75,4 @@ def _of_cell(
         flat = flat[np.linspace(0, len(flat) - 1, MOST_OF_CELL).astype(np.intp)]
     p, a, b = np.unravel_index(flat, good.shape)
     angle = np.arctan2(image[a, b, 1], image[a, b, 0]) - np.arctan2(model[p, 1], model[p, 0])
-    return Pairs(np.full(len(p), c), first[p], a, second[p], b, turn(angle), scale[p, a, b])
+    return Pairs(np.full(len(p), c), first[p], a, second[p], b, wrapped(angle), scale[p, a, b])

@@ -34,8 +34,3 @@ class Pairs:
     def take(self, index: NDArray[np.intp]) -> Pairs:
         """The pairs at ``index``."""
         return Pairs(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
-
-
-def turn(angle: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Bring angles into [−π, π]."""
-    return np.asarray(angle - (2.0 * np.pi) * np.rint(angle / (2.0 * np.pi)))

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from plogic.search.data import Data
 
 CELLS_TRIED = 24
-"""View cells whose rank is taken for the tie-break of attention."""
+"""View cells whose rank is taken for the tie-break of attention, about: every so many-th of them."""
 ANCHORS = 16
 """Features that seeds and pairs are made of: the most distinctive ones."""
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kb.cloud import ObjectType
 
 CELLS = 162
-"""Directions on the sphere: neighbours are about 16° apart, so that a true viewpoint is within about 9° of a cell (11° at worst)."""
+"""Directions on the sphere: neighbours are about 15° apart, so that a true viewpoint is mostly within 9° of a cell (12.1° at worst)."""
 DISTANCE = 3.0
 """Nominal distance of a cell's viewpoint, in diameters of the type."""
 

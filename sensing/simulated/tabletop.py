@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from sensing.simulated.body import Body, TexturedMesh
     from sensing.simulated.camera import Rendering
 
-DEVELOPMENT_SEEDS = 5000
-"""Seeds from here on are for development."""
 FOCAL = (500.0, 620.0)
 DISTANCE = (0.5, 1.2)
 ELEVATION = (15.0, 60.0)

@@ -31,6 +31,14 @@ def test_a_folder_is_all_that_lies_below_it():
     assert named(".") == [("a.json", "gamma"), ("a[1].json", "gamma"), ("b/1.jpg", "image"), ("b/2.PNG", "image"), ("z/deep/g.json", "gamma")]
 
 
+def test_what_plogic_wrote_or_drew_there_is_no_frame(folder):
+    for name in ("own/interpretation.json", "own/image.png", "own/picture.png", "own/views.png", "own/poses.json", "mine/picture.png"):
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).touch()
+    assert named("own", "mine") == [("own/image.png", "image"), ("mine/picture.png", "image")]
+    assert named("own/picture.png") == [("own/picture.png", "image")], "what is named is tried"
+
+
 def test_patterns_lists_and_files_give_each_frame_once_in_their_order():
     assert named("z", "*/*.jpg", "./b/1.jpg", "-", listed=["a.json\n", "\n", "z\r\n", "a[1].json"]) == [
         ("z/deep/g.json", "gamma"),

@@ -74,6 +74,8 @@ def test_claims_are_about_views_saved_beyond_chance():
     assert by_name["ambiguous scenes"].met
     assert not by_name["views saved over same, low end"].met
     assert by_name["views saved over worse, low end"].met
+    of_few = {claim.claim: claim.met for claim in claims(found, "worse", 0, 60)}
+    assert of_few == {"ambiguous scenes": True, "views saved over ours": False, "views saved over same": False}
     low, high = interval(np.array([1.0, 2.0, 3.0] * 20), 0)
     assert low < 2.0 < high
 

@@ -1,6 +1,7 @@
 """``interpretation.json`` holds everything that decides a probability: written and read back, it is the same situation."""
 
 import json
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ from plogic.delta import Options, delta_of
 from plogic.document import document_of, relation_probabilities
 from plogic.errors import InterpretationError
 from plogic.interpretation import read_interpretation, situation_of, text_of
+from plogic.measures.explanatory import Cells, case_of, explanatory_value, reconsidered
 from plogic.worlds import ranked_worlds
 
 
@@ -71,6 +73,29 @@ def test_cases_are_those_of_the_accepted_world(parts):
         for f in h["features"]:
             letter = {(True, True): "A", (True, False): "C", (False, False): "B", (False, True): "D"}[f["expected"], f["detected"]]
             assert f["case"] == (letter if f["in_image"] else None)
+
+
+@pytest.mark.parametrize("mode", ["to_B", "drop", "reassign"])
+def test_the_ev_beside_the_others_is_that_of_the_mode(parts, mode):
+    """§5.5 by its own tables of cells: what an accepted one hides is dropped, or moves to B, with data that an accepted one claims."""
+    _, _, document = written(parts, Options(reconsider=mode))
+    believed = [h for h in document["hypotheses"] if h["status"] == "accepted"]
+    dv, hidden = document["measures"]["dv"], 0
+    for h in believed:
+        taken = {f["match"] for other in believed if other is not h for f in other["features"] if f["expected"]}
+        alone, explained, displaced = {}, {}, {}
+        for f in (f for f in h["features"] if f["in_image"]):
+            awaited, found = f["in_lobe"] and not f["self_hidden"], f["match"] is not None
+            behind = any(other["id"] in f["hidden_by"] for other in believed)
+            case = case_of(expected=awaited and not (behind and mode == "reassign"), detected=found)
+            alone.setdefault(f["type"], []).append(case)
+            explained.setdefault(f["type"], []).append(case == "C" and behind)
+            displaced.setdefault(f["type"], []).append(case == "D" and f["match"] in taken)
+        cells = {kind: Cells(**Counter(cases)) for kind, cases in alone.items()}
+        gone, moved = ({kind: sum(flags) for kind, flags in some.items()} for some in (explained, displaced))
+        hidden += sum(gone.values())
+        assert h["ev_reconsidered"] == pytest.approx(explanatory_value(reconsidered(cells, gone, mode, moved), dv), abs=1e-9)
+    assert hidden or mode == "reassign"
 
 
 def test_relations_have_the_mass_of_the_worlds_that_hold_both(parts):

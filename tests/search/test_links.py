@@ -5,10 +5,11 @@ import pytest
 from synthetic import CAMERA, camera_pose, perceiver, scene
 
 from geometry.frames import pose_error
+from plogic.search.angles import wrapped
 from plogic.search.data import data_of
 from plogic.search.extend import coarse_poses
 from plogic.search.links import data_links, feature_links, linked_pairs
-from plogic.search.pairs import MOST_PAIRS, turn
+from plogic.search.pairs import MOST_PAIRS
 from sensing.appearance import Appearance
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
@@ -100,5 +101,5 @@ def test_a_coarse_pose_lays_its_two_features_on_their_two_data():
 
 def test_turn_brings_angles_into_one_round():
     angles = np.linspace(-20, 20, 101)
-    assert (np.abs(turn(angles)) <= np.pi + 1e-12).all()
-    assert np.allclose(np.exp(1j * turn(angles)), np.exp(1j * angles))
+    assert (np.abs(wrapped(angles)) <= np.pi + 1e-12).all()
+    assert np.allclose(np.exp(1j * wrapped(angles)), np.exp(1j * angles))

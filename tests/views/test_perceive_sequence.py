@@ -66,6 +66,16 @@ def test_gammas_that_know_their_places_need_no_poses(frames, tmp_path):
     assert own["objects"] == told["objects"]
 
 
+def test_images_without_poses_are_taken_to_be_from_one_place_and_that_is_said(tmp_path):
+    good("simulate", "--kb", "towers", "-o", "scene", "--robot", "ring:1", cwd=tmp_path)
+    frame, camera = "scene/frame-000/image.png", "scene/frame-000/camera.json"
+    done = plogic("perceive", frame, frame, "--kb", "towers", "--camera", camera, "-o", "p.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.splitlines()[0] == "all images are taken to be from the one place that --camera tells; where the camera moved, give --poses"
+    poses = "scene/poses.json"
+    assert "one place" not in plogic("perceive", frame, frame, "--kb", "towers", "--camera", camera, "--poses", poses, cwd=tmp_path).stderr
+
+
 def test_poses_of_other_names_go_by_their_order(frames, tmp_path):
     lines = []
     for n, angle in enumerate(ANGLES[:2]):

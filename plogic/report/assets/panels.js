@@ -43,13 +43,13 @@ function drawCauses() {
     el('ul', {class: 'key'}, rows.map(([w, n]) => el('li', null, w, tag(null, String(n)))), el('li', null, tag(null, swatch('var(--line)'), 'noise'), tag(null, String(left)))));
 }
 
-const sentence = (s) => String(s).charAt(0).toUpperCase() + String(s).slice(1).replace(/\.?$/, '.');
+const sentence = (s) => (/^[a-z]+\d/.test(s) ? String(s) : String(s).charAt(0).toUpperCase() + String(s).slice(1)).replace(/\.?$/, '.');
 const cellSums = (h) => Object.values(h.support || {}).map(numbers).reduce((sum, row) => sum.map((n, i) => n + row[i]), [0, 0, 0, 0]);
-const EVENT = {rank: 'Ranked', try: 'Tried', accept: 'Accepted', reject: 'Rejected', release: 'Released', reconsider: 'Reconsidered', noise: 'Noise', stable: 'Stable',
+const EVENT = {rank: 'Ranked', accept: 'Accepted', reject: 'Rejected', release: 'Released', reconsider: 'Reconsidered', smooth: 'Smoothed', stable: 'Stable',
   deepen: 'Looked deeper', move: 'Moved', support: 'Supported', deadline: 'Out of time', recall: 'Remembered', search: 'Searched', 'no search': 'No search'};
 function card(h, number) {
   const look = () => { show({present: [h.id], causes: null, title: `Only ${called(h.id)} is shown, as it was tried.`}); at('view').scrollIntoView({block: 'start'}); };
-  const [a, c, , d] = cellSums(h), box = el('div', {class: 'why'}, el('p', {class: 'top'}, who(h.id), number), el('p', null, `Of ${plural(a + c, 'expected feature')} ${a} found, ${c} missed${d ? `; ${d} more found that it does not expect` : ''}.`),
+  const [a, c, , d] = cellSums(h), box = el('div', {class: 'why'}, el('p', {class: 'top'}, who(h.id), number), el('p', null, `By itself: of ${plural(a + c, 'expected feature')} ${a} found, ${c} missed${d ? `; ${d} more found that it does not expect` : ''}.`),
     h.why ? el('p', null, sentence(h.why)) : null, list(h.apart).map((t) => el('p', null, t)), h.status === 'accepted' ? null : button('Show it alone', look, {'data-alone': h.id}));
   if (h.status !== 'accepted') for (const [event, id] of [['pointerenter', h.id], ['pointerleave', null], ['focusin', h.id], ['focusout', null]]) box.addEventListener(event, () => hint(id));
   return box;
@@ -58,7 +58,7 @@ function drawHypotheses() {
   const number = (h) => tag('p', chance(h.probability));
   const yes = hypotheses.filter((h) => h.status === 'accepted'), no = hypotheses.filter((h) => h.status !== 'accepted');
   put('believed', yes.length ? yes.map((h) => card(h, number(h))) : none('None was accepted.'));
-  put('rejected', no.length ? fold(no.map((h) => card(h, tag('p id', h.status === 'rival' ? `rival, ${chance(h.probability)}` : 'rejected'))), 4, 'that are not believed', boxed) : none('Nothing was tried in vain.'));
+  put('rejected', no.length ? fold(no.map((h) => card(h, tag('p id', h.status === 'rival' ? `rival, ${chance(h.probability)}` : 'rejected'))), 4, 'that were not accepted', boxed) : none('Nothing was tried in vain.'));
   const once = (r, i, all) => r.probability >= 0.0005 && !(/^(non|mutually)_/.test(r.relation) && all.slice(0, i).some((q) => q.relation === r.relation && q.args[0] === r.args[1] && q.args[1] === r.args[0]));
   const related = list(doc.relations).filter(once);
   put('relations', related.length ? fold(related.map((r) => el('div', {class: 'why'}, el('p', {class: 'top'},

@@ -35,7 +35,7 @@ BENT = np.radians(8.0)
 WHOLE = 16
 """Weight of a vote both angles of which fit."""
 LIGHT = 1
-"""Weight of a vote that is not counted: nearly half of all weigh no more, and of the right ones one in twelve."""
+"""Weight of a vote that is not counted: nearly half of all weigh no more, of the right ones one in twelve (counted once, by hand)."""
 SMALLEST, LARGEST = 20.0, 2.0
 """Pixels across, and the image's heights across, of an object at least and at most."""
 _ROW = np.uint64(21)
