@@ -23,6 +23,8 @@ STEEP = np.pi / 4
 """Radians from the level up to which a facet carries what stands on it (friction 1); what leans on a steeper one does not stand on it."""
 GRID = 300
 """Plumb lines, about, on an even grid over what two footprints share, besides those at its corners."""
+FINE = 1000.0
+"""Footprints are drawn in millimetres: what is as fine as nothing when shapes are drawn, is so for pixels."""
 _INWARD = 1e-3  # of the way to the middle: how far the line at a corner is drawn inside
 _THIN = 1e-9  # m²: footprints that share less only touch
 
@@ -71,7 +73,7 @@ def body_of(surface: PosedSurface, up: Floats) -> Body:
     axes = level_axes(up)
     placed = transform_points(surface.camera_from_object, surface.vertices) @ axes.T
     middle = transform_points(surface.camera_from_object, centre_of_mass(surface.vertices, surface.triangles)[None])[0]
-    footprint = drawn_together(placed[:, :2], surface.triangles)
+    footprint = shapely.transform(drawn_together(FINE * placed[:, :2], surface.triangles), lambda at: at / FINE)
     return Body(surface, axes, footprint, float(placed[:, 2].min()), float(placed[:, 2].max()), (axes @ middle)[:2])
 
 

@@ -65,8 +65,10 @@ def union_by_contour(pixels: Floats, triangles: Ints) -> Shapes:
 def _inside(faces: Shapes, lines: Shapes) -> Floats:
     """(N, 2) a point in each of N faces that lies on none of the `lines`: a slit, two edges that agree but for rounding, parts no face."""
     points = shapely.point_on_surface(faces)
-    for i in np.flatnonzero(shapely.distance(points, lines) < _SLIT):
-        parts = shapely.get_parts(shapely.difference(faces[i], shapely.buffer(lines, _SLIT)))
+    near = np.flatnonzero(shapely.distance(points, lines) < _SLIT)
+    slit = shapely.buffer(lines, _SLIT) if len(near) else None
+    for i in near:
+        parts = shapely.get_parts(shapely.difference(faces[i], slit))
         sizes = shapely.area(parts)
         if sizes.max(initial=0.0) > 0.0:  # else the face is a slit itself
             points[i] = shapely.point_on_surface(parts[sizes.argmax()])

@@ -86,7 +86,7 @@ def search_of(shared: PairIndex | None, data: Data, kb: KnowledgeBase, check: Ca
     """
     if shared is None or kb.rates.sigma_angle is None or not np.isfinite(data.angle).any():
         return None
-    return Search(Asked(shared, data, Noise(kb.rates.sigma, kb.rates.sigma_angle), chances_of(shared, kb.rates), check))
+    return Search(Asked(shared, data, Noise(kb.rates.sigma, kb.rates.sigma_angle), chances_of(shared, kb.rates), check=check))
 
 
 def generate_together(

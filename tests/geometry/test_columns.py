@@ -4,6 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+import shapely
 import trimesh
 from geometry_bodies import at, box, bracket, posed, prism, random_rotations, wedge
 from hypothesis import given, settings
@@ -128,3 +129,13 @@ def test_contact_ends_where_the_tolerance_does(tolerance):
         height = off * tolerance * (0.9 if expected else 1.1)
         contact = stands(placed(box(0.2, 0.2, 0.2), at(0, 0, height)), floor, tolerance)
         assert (contact is not None) == expected
+
+
+def test_the_footprint_of_many_facets_is_their_hulls_in_any_unit():
+    """What is fine for pixels is fine for millimetres, not for metres."""
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.04)
+    pose = at(R=random_rotations(np.random.default_rng(3), 1)[0])
+    for unit in (1.0, 1000.0):
+        body = unit * np.asarray(ball.vertices), np.asarray(ball.faces)
+        hull = shapely.MultiPoint((body[0] @ pose[:3, :3].T)[:, :2]).convex_hull.area
+        assert placed(body, pose).footprint.area == pytest.approx(hull, rel=1e-9)

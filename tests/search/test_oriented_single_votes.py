@@ -48,7 +48,7 @@ def test_an_exact_picture_votes_for_what_it_shows(kind, cell, roll):
 @given(st.integers(0, 20), st.integers(0, 4), st.sampled_from([50.0, 120.0, 300.0]), st.sampled_from([0.0, 0.5]))
 def test_boxes_are_those_that_counting_one_by_one_finds(seed, kind, size, offset):
     _, _, data = a_trial(clouds(), seed)
-    matches = module._matches(clouds().shared, kind, slice(30, 60), typed_data(data, clouds().shared.looks))
+    matches = module._matches(clouds().shared, kind, slice(30, 60), typed_data(data, clouds().shared.looks), np.zeros(2))
     wide, one = np.float32(CELL * size), np.float32(CELL)
     x, y = matches.x / wide - matches.right / one, matches.y / wide - matches.down / one
     boxes = defaultdict(list)
@@ -62,7 +62,7 @@ def test_boxes_are_those_that_counting_one_by_one_finds(seed, kind, size, offset
 
 def test_each_datum_votes_at_the_two_nearest_turns():
     _, _, data = a_trial(clouds(), 2)
-    matches = module._matches(clouds().shared, 1, slice(0, 162), typed_data(data, clouds().shared.looks))
+    matches = module._matches(clouds().shared, 1, slice(0, 162), typed_data(data, clouds().shared.looks), np.zeros(2))
     half = len(matches.cell) // 2
     step = 2.0 * np.pi / TURNS
     assert half > 1000

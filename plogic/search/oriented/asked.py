@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.inference.clock import unhurried
-from plogic.search.data import ideal_camera
+from plogic.search.data import centre_of, ideal_camera
 from plogic.search.oriented.typed_data import typed_data
+from plogic.search.oriented.upright import places_turned, turn_of, turned
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,12 +49,13 @@ def chances_of(index: PairIndex, rates: Rates) -> Chances:
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """``check`` is called between stages, and may raise to end the search."""
+    """``turn``: by how much all is turned, radians clockwise; ``check`` is called between stages, and may raise to end the search."""
 
     index: PairIndex
     data: Data
     noise: Noise
     chances: Chances
+    turn: float = 0.0
     check: Callable[[], None] = unhurried
 
     @cached_property
@@ -69,6 +71,16 @@ class Asked:
     def camera(self) -> Camera:
         """That of the ideal image, in which all is compared."""
         return ideal_camera(self.data.camera)
+
+    def upright(self) -> Asked:
+        """The same, turned to where its data say."""
+        turn = turn_of(self.data, (self.typed.looks >= 0) & np.isfinite(self.data.angle))
+        return replace(self, data=turned(self.data, -turn), turn=self.turn - turn)
+
+    def inside(self, uv: Floats) -> NDArray[np.bool_]:
+        """(N,) whether ideal pixels (N, 2), turned as the data are, are in the image."""
+        back = places_turned(uv, centre_of(self.camera), -self.turn) if self.turn else uv
+        return np.asarray(((back >= 0.0) & (back < [self.camera.width, self.camera.height])).all(axis=1))
 
     @property
     def area(self) -> float:

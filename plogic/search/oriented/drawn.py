@@ -84,8 +84,7 @@ def drawn(asked: Asked, kind: Indices, poses: Floats, share: float) -> Drawn:
     count = len(sights.pose)
     missed = 1.0 - sights.hit
     total = missed + np.bincount(pairs.sight, pairs.likely, count)
-    inside = ((sights.uv >= 0.0) & (sights.uv < [camera.width, camera.height])).all(axis=1)
-    explained = np.bincount(sights.pose, np.where(inside | (total > missed), np.log(total), 0.0), len(poses))
+    explained = np.bincount(sights.pose, np.where(asked.inside(sights.uv) | (total > missed), np.log(total), 0.0), len(poses))
     part = pairs.likely / total[pairs.sight]
     weight = np.bincount(pairs.sight, part, count).astype(float)
     held = _held(sights, pairs, part, weight, len(poses))

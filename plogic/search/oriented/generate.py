@@ -16,6 +16,7 @@ from plogic.search.oriented.climb import climbed
 from plogic.search.oriented.fours import by_fours
 from plogic.search.oriented.pair_votes import counted, raw_votes
 from plogic.search.oriented.single_votes import FEWEST, single_votes
+from plogic.search.oriented.upright import poses_turned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -100,13 +101,13 @@ class _Posed(NamedTuple):
 
 
 class Search:
-    """The search for all types in one Γ: its pairs vote once, and what is claimed later is no longer counted.
+    """The search for all types in one Γ: its pairs vote once, and what is claimed later is no longer counted. It works on Γ turned upright.
 
     ``unasked``: types of which single data were not asked, for there were too many.
     """
 
     def __init__(self, asked: Asked) -> None:
-        self.asked, self.index = asked, asked.index
+        self.asked, self.index = asked.upright(), asked.index
         self.deepened, self.unasked = False, 0
         self._deep = False
 
@@ -123,6 +124,7 @@ class Search:
         """The best poses of all types, best first, in what is ``left`` of the data."""
         taken = np.ones(len(self.asked.data.ids), bool)
         taken[left.rows] = False
+        left = self.asked.data.only(~taken)
         self.asked.check()
         raw = self.raw.without(taken) if taken.any() else self.raw
         self.asked.check()
@@ -132,14 +134,16 @@ class Search:
             types = _by_votes(votes, len(self.index.indices))
             votes, answered = single_votes(self.index, left, asked.noise, types, width.laid, asked.check)
             self.unasked = len(types) - answered
-        return _proposals(asked, votes, width)
+        found = _proposals(asked, votes, width)
+        return [one._replace(pose=poses_turned(one.pose, -asked.turn)) for one in found]
 
     def tilted(self, name: str, pose: Floats, left: Data) -> list[Floats]:
         """The best poses (4, 4) that come of a type's pose at other tilts, in what is ``left`` of the data."""
         kind = next(i for i, index in enumerate(self.index.indices) if index.object_type.name == name)
         one = np.array([kind])
-        found = _tilted(self.asked.of(left), one, pose[None], MORE_TILTS)
-        return list(found.take(_apart(self.index, found, TILTS_KEPT)).poses)
+        free = np.isin(np.arange(len(self.asked.data.ids)), left.rows)
+        found = _tilted(self.asked.of(self.asked.data.only(free)), one, poses_turned(pose, self.asked.turn)[None], MORE_TILTS)
+        return list(poses_turned(found.take(_apart(self.index, found, TILTS_KEPT)).poses, -self.asked.turn))
 
 
 def _by_votes(votes: Votes, types: int) -> Indices:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.search.angles import wrapped
+from plogic.search.data import centre_of
 from plogic.search.oriented.pair_index import FINE, said
 from plogic.search.view_cells import CELLS
 
@@ -37,7 +38,7 @@ WHOLE = 16
 LIGHT = 1
 """Weight of a vote that is not counted: nearly half of all weigh no more, of the right ones one in twelve (counted once, by hand)."""
 SMALLEST, LARGEST = 20.0, 2.0
-"""Pixels across, and the image's heights across, of an object at least and at most."""
+"""Pixels across, and the image's shorter sides across, of an object at least and at most."""
 _ROW = np.uint64(21)
 """Bits of the number of a vote."""
 _OCTAVES, _SIDE = 20, 512
@@ -103,14 +104,14 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
     query, weight, says = query[heavy], weight[heavy], said(entry[heavy])
     diameter = index.sights.diameter[says.kind]
     size = length[query] / says.length
-    right = np.flatnonzero((size >= SMALLEST) & (size <= LARGEST * data.camera.height))
+    right = np.flatnonzero((size >= SMALLEST) & (size <= LARGEST * min(data.camera.width, data.camera.height)))
     size, query, says, weight = size[right], query[right], says.take(right), weight[right]
     roll = wrapped(line[query] - says.line)
     cos, sin = size * np.cos(roll), size * np.sin(roll)
     x, y = says.place.T
     centre = data.ideal[one[query]] - np.column_stack([cos * x - sin * y, sin * x + cos * y])
     votes = Votes(says.kind, says.cell, centre, roll, size / diameter[right], weight)
-    boxes = np.array([_boxes(votes, size, offset) for offset in (0.0, 0.5)])
+    boxes = np.array([_boxes(votes, votes.centre - centre_of(data.camera), size, offset) for offset in (0.0, 0.5)])
     return Raw(votes, query, np.column_stack([one[query], other[query]]), boxes)
 
 
@@ -144,11 +145,14 @@ def _changes(values: Indices | NDArray[np.uint64]) -> NDArray[np.bool_]:
     return np.concatenate([np.ones(min(1, len(values)), bool), values[1:] != values[:-1]])
 
 
-def _boxes(votes: Votes, size: Floats, offset: float) -> NDArray[np.uint64]:
-    """(N,) a number for the box that each vote lies in: of one type, place, roll and size. It leaves room for ``_ROW`` bits."""
+def _boxes(votes: Votes, places: Floats, size: Floats, offset: float) -> NDArray[np.uint64]:
+    """(N,) a number for the box that each vote lies in: of one type, place, roll and size. It leaves room for ``_ROW`` bits.
+
+    ``places`` (N, 2) pixels from the image's middle, which stays where it is when the camera is turned.
+    """
     octave = np.floor(np.log(size) / SCALE + offset)
     wide = CELL * np.exp(octave * SCALE)
-    column, row = (np.floor(votes.centre[:, axis] / wide + offset).astype(np.int64) % _SIDE for axis in (0, 1))
+    column, row = (np.floor(places[:, axis] / wide + offset).astype(np.int64) % _SIDE for axis in (0, 1))
     turns = round(2.0 * np.pi / ROLL)
     turn = np.floor(np.mod(votes.roll, 2.0 * np.pi) / ROLL + offset).astype(np.int64) % turns
     key = (((votes.kind * _OCTAVES + octave.astype(np.int64) % _OCTAVES) * turns + turn) * _SIDE + column) * _SIDE + row

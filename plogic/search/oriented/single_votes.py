@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from plogic.search.data import centre_of
 from plogic.search.oriented.pair_votes import BENT, LARGEST, Votes
 from plogic.search.oriented.typed_data import typed_data
 
@@ -51,7 +52,7 @@ _BITS, _SPREAD = 18, np.uint32(2654435761)
 class _Matches(NamedTuple):
     """N matches of a sight and a datum, each at the two nearest of ``TURNS`` rolls.
 
-    ``cell``, ``turn`` (N,); ``bent`` (N,) rad from the roll that the angle tells to the turn's; ``x``, ``y`` (N,) the datum's ideal pixels;
+    ``cell``, ``turn`` (N,); ``bent`` (N,) rad from the roll that the angle tells to the turn's; ``x``, ``y`` (N,) pixels from the image's middle;
     ``right``, ``down`` (N,) diameters from the object's middle to the sight, turned; ``others`` (N,) data that look the same.
     """
 
@@ -108,10 +109,11 @@ def _blocks(count: Indices) -> Iterator[slice]:
 def _of_cells(index: PairIndex, kind: int, cells: slice, typed: TypedData, data: Data, noise: Noise) -> list[tuple[Floats, ...]]:
     """Boxes of some cells of one type, each as rows: kind, cell, x, y, roll, scale, score."""
     found: list[tuple[Floats, ...]] = []
-    matches = _matches(index, kind, cells, typed)
+    centre = centre_of(data.camera)  # boxes go from there, for it stays where it is when the camera is turned
+    matches = _matches(index, kind, cells, typed, centre)
     if not len(matches.cell):
         return found
-    sizes = np.exp(np.arange(np.log(SMALLEST) + SCALE / 2.0, np.log(LARGEST * data.camera.height), SCALE))
+    sizes = np.exp(np.arange(np.log(SMALLEST) + SCALE / 2.0, np.log(LARGEST * min(data.camera.width, data.camera.height)), SCALE))
     area = float(data.camera.width * data.camera.height)
     for offset in (0.0, 0.5):
         for size in sizes:
@@ -119,19 +121,19 @@ def _of_cells(index: PairIndex, kind: int, cells: slice, typed: TypedData, data:
             if not len(rows):
                 continue
             x, y, roll, score = _scored(matches, rows, first, float(size), area, noise)
-            where, diameter = matches.cell[rows[first]], index.sights.diameter[kind]
-            found.append((np.full(len(first), float(kind)), where.astype(float), x, y, roll, np.full(len(first), size / diameter), score))
+            where, scale = matches.cell[rows[first]].astype(float), np.full(len(first), size / index.sights.diameter[kind])
+            found.append((np.full(len(first), float(kind)), where, x + centre[0], y + centre[1], roll, scale, score))
     return found
 
 
-def _matches(index: PairIndex, kind: int, cells: slice, typed: TypedData) -> _Matches:
-    """All matches of some cells of one type."""
+def _matches(index: PairIndex, kind: int, cells: slice, typed: TypedData, centre: Floats) -> _Matches:
+    """All matches of some cells of one type; ``centre`` (2,) of the image."""
     sights = index.sights
     looks = sights.looks[kind, cells]
     cell, sight = np.nonzero(looks >= 0)
     looks = looks[cell, sight]
     row, datum = typed.of(looks)
-    place, angle, count = typed.places[datum].astype(np.float32), typed.angles[datum], typed.count[looks]
+    place, angle, count = (typed.places[datum] - centre).astype(np.float32), typed.angles[datum], typed.count[looks]
     cell = cell + cells.start
     told = np.mod(angle - sights.angle[kind, cell, sight][row], 2.0 * np.pi).astype(np.float32)
     at = (sights.xy[kind, cell, sight] / sights.diameter[kind]).astype(np.float32)[row]
@@ -176,7 +178,7 @@ def _keys(matches: _Matches, size: float, offset: float) -> Keys:
 
 
 def _scored(matches: _Matches, rows: Indices, first: Indices, size: float, area: float, noise: Noise) -> tuple[Floats, Floats, Floats, Floats]:
-    """Of each box (B,) its middle, ideal pixels, its roll, and its score; ``area`` of the image, square pixels.
+    """Of each box (B,) its middle, pixels from that of the image, its roll, and its score; ``area`` of the image, square pixels.
 
     A box is a place that a vote is as likely to be at as at any, so that smaller ones are more; they weigh as much together at each size.
     """
