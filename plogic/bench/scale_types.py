@@ -107,7 +107,7 @@ def disk_bytes(count: int, seed: int) -> float:
 
     kb = random_types(count, FEATURES, LOOKS, np.random.default_rng([seed, LOOKS]), EASY)
     with tempfile.TemporaryDirectory(prefix="plogic-scale-") as folder:
-        ready(kb.types, distinctiveness(instance_counts(kb.types)), kb.digest, Path(folder))
+        ready(kb.types, distinctiveness(instance_counts(kb.types)), Path(folder))
         return sum(file.stat().st_size for file in Path(folder).rglob("*") if file.is_file()) / count
 
 

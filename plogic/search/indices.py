@@ -52,7 +52,7 @@ def indices_of(kb: KnowledgeBase, dv: Mapping[str, float], folder: Path | None =
     clouds = {t.name: t.learnt for t in kb.types if t.learnt is not None and t.features}
     lexicon = lexicon_of(clouds, kb.words.centroids) if clouds and kb.words is not None else None
     by_hand = [t for t in kb.types if t.learnt is None and t.features]
-    shared = ready(by_hand, dv, kb.digest, folder) if by_hand and kb.rates.sigma_angle is not None else None
+    shared = ready(by_hand, dv, folder) if by_hand and kb.rates.sigma_angle is not None else None
     known = {index.object_type.name: index for index in shared.indices} if shared is not None else {}
     return {t.name: known[t.name] if t.name in known else index_of(t, dv, lexicon) for t in kb.types if t.features}, shared
 

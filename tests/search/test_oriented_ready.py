@@ -1,26 +1,39 @@
 """The index over many types, kept between runs: the same answers from the files as without them, found by content alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from oriented_scenes import HARD, a_trial, clouds
+from oriented_scenes import a_trial, clouds
 
 from plogic.delta import Options
 from plogic.perceive import Perceiver
-from plogic.search.oriented import ready as under_test
 from plogic.search.oriented.generate import Search
 from plogic.search.oriented.ready import MANY, ready
 from plogic.stopwatch import Stopwatch
 
 LITTLE = {"count": MANY, "features": 12, "looks": 12}
+MORE = LITTLE | {"count": MANY + 2}
+PAIRS, SIGHTS = ("key", "entry", "turned"), ("feature", "looks", "xy", "angle", "diameter")
 
 
 def kept(folder):
     return sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
 
 
-def made(folder, digest="some"):
-    some = clouds(**LITTLE)
-    return ready(some.kb.types, dict.fromkeys({f.type for kind in some.kb.types for f in kind.features}, 1.0), digest, folder)
+def made(folder, types=None):
+    some = clouds(**LITTLE).kb.types if types is None else types
+    return ready(some, dict.fromkeys({f.type for kind in some for f in kind.features}, 1.0), folder)
+
+
+def the_same(first, second):
+    """Whether two indices say the same of the same types, to the byte."""
+    arrays = [(getattr(first, name), getattr(second, name)) for name in PAIRS]
+    arrays += [(getattr(first.sights, name), getattr(second.sights, name)) for name in SIGHTS]
+    for one, other in zip(first.indices, second.indices, strict=True):
+        arrays += [(getattr(one.cells, name), getattr(other.cells, name)) for name in ("directions", "cell_from_object", "xy", "visible", "centre")]
+    names = [[index.object_type.name for index in side.indices] for side in (first, second)]
+    return names[0] == names[1] and first.looks == second.looks and all(np.array_equal(a, b) and a.dtype == b.dtype for a, b in arrays)
 
 
 def test_what_comes_from_the_files_is_what_was_made(tmp_path):
@@ -29,13 +42,7 @@ def test_what_comes_from_the_files_is_what_was_made(tmp_path):
     assert isinstance(second.key, np.memmap)
     assert not isinstance(first.key, np.memmap)
     assert not second.key.flags.writeable
-    for name in ("key", "entry", "turned"):
-        assert np.array_equal(getattr(first, name), getattr(second, name))
-    for name in ("feature", "looks", "xy", "angle", "diameter"):
-        assert np.array_equal(getattr(first.sights, name), getattr(second.sights, name))
-    for one, other in zip(first.indices, second.indices, strict=True):
-        for name in ("directions", "cell_from_object", "xy", "visible", "centre", "diameter"):
-            assert np.array_equal(getattr(one.cells, name), getattr(other.cells, name))
+    assert the_same(first, second)
     some = clouds(**LITTLE)
     for seed in range(3):
         data = a_trial(some, seed)[2]
@@ -44,46 +51,71 @@ def test_what_comes_from_the_files_is_what_was_made(tmp_path):
         assert all(a.kind == b.kind and np.array_equal(a.pose, b.pose) for a, b in zip(*answers, strict=True))
 
 
-def test_other_types_or_other_code_are_made_anew(tmp_path, monkeypatch):
-    made(tmp_path, "some")
-    made(tmp_path, "some")
-    assert len(kept(tmp_path)) == 1
-    made(tmp_path, "others")
-    assert len(kept(tmp_path)) == 2
-    monkeypatch.setattr(under_test, "_source", lambda: "other code")
-    made(tmp_path, "some")
-    assert len(kept(tmp_path)) == 3
+@pytest.mark.parametrize("chosen", [slice(None, None, -1), slice(2, None), slice(0, -2), slice(1, -1)], ids=["reversed", "two", "others", "ends"])
+def test_types_in_another_order_or_fewer_of_them_have_an_index_of_their_own(tmp_path, chosen):
+    types = clouds(**MORE).kb.types
+    made(tmp_path, types)
+    right = made(None, types[chosen])
+    for _ in range(2):
+        assert the_same(made(tmp_path, types[chosen]), right)
+        assert len(kept(tmp_path)) == 2
+    assert isinstance(made(tmp_path, types[chosen]).key, np.memmap)
+    assert the_same(made(tmp_path, types), made(None, types))
 
 
-@pytest.mark.parametrize("harm", ["cut", "emptied", "gone", "no array"])
-def test_what_cannot_be_read_is_made_anew(tmp_path, harm):
+def rewritten(change):
+    """A harm: an array put in the place of one, a valid file."""
+    return lambda file: np.save(file, change(np.load(file)))
+
+
+def flipped(file):
+    content = bytearray(file.read_bytes())
+    content[-1] ^= 1
+    file.write_bytes(content)
+
+
+HARMS = {
+    "half of it": rewritten(lambda a: a[: len(a) // 2]), "zeros": rewritten(np.zeros_like), "narrower": rewritten(lambda a: a[..., :1]),
+    "other type": rewritten(lambda a: a.astype(complex)), "no number": rewritten(lambda a: np.full(a.shape, np.nan)), "one bit": flipped,
+    "cut": lambda file: file.write_bytes(file.read_bytes()[:90]), "gone": lambda file: file.unlink(),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["key", "entry", "sights_looks", "sights_diameter", "cells_xy"])
+@pytest.mark.parametrize("harm", HARMS.values(), ids=HARMS)
+def test_what_is_harmed_is_made_anew(tmp_path, name, harm):
     first = made(tmp_path)
-    file = next(tmp_path.iterdir()) / "key.npy"
-    if harm == "gone":
-        file.unlink()
-    else:
-        file.write_bytes({"cut": file.read_bytes()[:90], "emptied": b"", "no array": b"nothing of the kind"}[harm])
-    assert np.array_equal(made(tmp_path).key, first.key)
-    assert isinstance(made(tmp_path).key, np.memmap)
+    harm(next(tmp_path.iterdir()) / f"{name}.npy")
+    again = made(tmp_path)
+    assert the_same(again, first)
+    assert not isinstance(again.key, np.memmap)
+    third = made(tmp_path)
+    assert isinstance(third.key, np.memmap)
+    assert the_same(third, first)
     assert len(kept(tmp_path)) == 1
 
 
-def test_few_types_unknown_ones_and_places_that_cannot_be_written_are_not_kept(tmp_path):
-    few = clouds(count=3, features=8, looks=8)
-    ready(few.kb.types, dict.fromkeys({f.type for kind in few.kb.types for f in kind.features}, 1.0), "few", tmp_path)
-    made(tmp_path, "")
+def test_few_types_and_places_that_cannot_be_written_are_not_kept(tmp_path):
+    few = clouds(count=3, features=8, looks=8).kb.types
+    made(tmp_path, few)
     assert kept(tmp_path) == []
     (tmp_path / "file").write_text("no folder")
     assert len(made(tmp_path / "file").key) == len(made(None).key)
     assert (tmp_path / "file").read_text() == "no folder"
 
 
-def test_a_perceiver_answers_alike_with_and_without(tmp_path):
-    some = clouds(**LITTLE, detector=HARD)
-    _, case, _ = a_trial(some, 4, HARD)
-    answers = []
-    for cache in (None, tmp_path, tmp_path):
-        delta, _, _ = Perceiver(some.kb, cache).delta(case.gamma, Options(reading="posterior"), Stopwatch())
-        answers.append({name: belief.posed.camera_from_object.tobytes() for name, belief in delta.beliefs.items()})
+def answer_of(kb, cache, gamma):
+    delta, _, _ = Perceiver(kb, cache).delta(gamma, Options(reading="posterior"), Stopwatch())
+    return {belief.posed.object_type.name: belief.posed.camera_from_object.tobytes() for belief in delta.beliefs.values()}
+
+
+def test_a_perceiver_answers_alike_with_and_without_whatever_was_kept_before(tmp_path):
+    some = clouds(**MORE | {"features": 40}, appearances=60)
+    _, case, _ = a_trial(some, 4, appearances=60)
+    whole, turned, fewer = (replace(some.kb, types=some.kb.types[chosen]) for chosen in (slice(None), slice(None, None, -1), slice(2, None)))
+    answers = [answer_of(kb, cache, case.gamma) for kb, cache in [(whole, None), (whole, tmp_path), (whole, tmp_path)]]
+    assert case.truth.type in answers[0]
     assert answers[0] == answers[1] == answers[2]
-    assert len(kept(tmp_path)) == 1
+    for kb in (turned, fewer):
+        assert answer_of(kb, tmp_path, case.gamma) == answer_of(kb, None, case.gamma)
+    assert len(kept(tmp_path)) == 3

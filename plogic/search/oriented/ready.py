@@ -1,18 +1,17 @@
 """All types that were written by hand, made ready for the search of all at once; kept on disk between runs, and mapped from there.
 
-* ``ready(types, dv, digest, folder)``: the indices of the types, and the index over them
+* ``ready(types, dv, folder)``: the indices of the types, and the index over them
 """
 
 from __future__ import annotations
 
-import hashlib
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plogic.remembered import ROOT, arrays_of, source_digest, sources
+from plogic.remembered import arrays_of
 from plogic.search.oriented.pair_index import PairIndex, looks_of, pair_index
+from plogic.search.oriented.ready_key import key_of
 from plogic.search.oriented.sights import Sights
 from plogic.search.type_index import type_index
 from plogic.search.view_cells import remade
@@ -27,33 +26,21 @@ if TYPE_CHECKING:
 
     Arrays = Mapping[str, NDArray[Any]]
 
-DECIDES = "plogic/search/oriented/pair_index.py"
-"""What makes an index, with all that it imports."""
 MANY = 20
-"""Fewer types are made ready faster than our own source is read to tell whether it is what made the kept ones."""
+"""Fewer types are made ready within a second, about, and not kept."""
 _CELLS, _SIGHTS, _PAIRS = ("xy", "visible", "arms"), ("feature", "looks", "xy", "angle", "diameter"), ("key", "entry", "turned")
 _NAMES = [*(f"cells_{name}" for name in _CELLS), *(f"sights_{name}" for name in _SIGHTS), *_PAIRS]
 
 
-def ready(types: Sequence[ObjectType], dv: Mapping[str, float], digest: str, folder: Path | None = None) -> PairIndex:
-    """The index over some types; ``digest`` tells all that they are, '' if nobody knows; ``folder``: where indices are kept."""
-    if folder is None or not digest or len(types) < MANY:
+def ready(types: Sequence[ObjectType], dv: Mapping[str, float], folder: Path | None = None) -> PairIndex:
+    """The index over some types; ``folder``: where indices are kept."""
+    if folder is None or len(types) < MANY:
         return pair_index([type_index(kind, dv) for kind in types])
-    arrays = arrays_of(folder / key_of(digest), _NAMES, lambda: _arrays(pair_index([type_index(kind, dv) for kind in types])))
+    arrays = arrays_of(folder / key_of(types), _NAMES, lambda: _arrays(pair_index([type_index(kind, dv) for kind in types])))
     ends = np.cumsum([0, *(len(kind.features) for kind in types)])
     indices = [type_index(kind, dv, remade(kind, *_of_type(arrays, low, high))) for kind, low, high in zip(types, ends[:-1], ends[1:], strict=True)]
     sights = Sights(*(arrays[f"sights_{name}"] for name in _SIGHTS))
     return PairIndex(tuple(indices), looks_of(types), sights, *(arrays[name] for name in _PAIRS))
-
-
-def key_of(digest: str) -> str:
-    """SHA-256 over what the types are, the source that makes an index, and numpy's version."""
-    return hashlib.sha256(f"{digest} {np.__version__} {_source()}".encode()).hexdigest()
-
-
-@cache
-def _source() -> str:
-    return source_digest(ROOT, sources(ROOT, DECIDES)).hex()
 
 
 def _arrays(index: PairIndex) -> Arrays:
