@@ -44,7 +44,7 @@ def learnt_of(
     how = (kb.f_ref, options["detector"], options["seed"], painted is not None)
     place = folder / f"{key_of(read_mesh(kind.mesh_file, kind.mesh_scale), how)}.npz"
     try:
-        remembered = read_cloud(place.read_bytes())
+        remembered = _kept(place.read_bytes())
     except (OSError, CloudError):
         content = cloud_bytes(looked(kind, kb, options, say, painted))
         try:
@@ -55,6 +55,17 @@ def learnt_of(
         return read_cloud(content)  # in the file's precision, as it will come the next time: equal hit rates stay equal
     say(f"{kind.name}: was learnt before ({place})")
     return remembered
+
+
+def _kept(content: bytes) -> LearntCloud:
+    """The cloud of a file; raises CloudError where it is not what was written: an archive's own checksums are of its arrays, not of their names."""
+    from kb.errors import CloudError
+    from kb.learnt import cloud_bytes, read_cloud
+
+    cloud = read_cloud(content)
+    if cloud_bytes(cloud) != content:
+        raise CloudError("is not what was written")
+    return cloud
 
 
 def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:

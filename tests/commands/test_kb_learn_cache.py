@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from random_cloud import random_cloud
 
+from kb.errors import CloudError
+from kb.learnt import cloud_bytes, read_cloud
 from plogic.commands import kb_learn_cache
 from plogic.commands.kb_learn_cache import DECIDES, key_of
 from plogic.remembered import ROOT, cache_folder, source_digest, sources
@@ -106,3 +110,18 @@ def test_a_user_without_a_home_has_no_cache(monkeypatch, tmp_path):
 def test_every_source_that_decides_is_shipped(name):
     """The wheel holds these packages (pyproject.toml), so that an installed plogic finds what it hashes."""
     assert name.split("/")[0] in {"geometry", "kb", "sensing", "plogic"}
+
+
+def test_a_kept_cloud_in_which_any_bit_is_wrong_is_learnt_anew():
+    """Also one that makes it the valid file of another cloud, as in the name of an array that need not be there."""
+    cloud = replace(random_cloud(1, 6, 8), compound=np.array([1, 1, 0, 0, 0, 0]))
+    content = cloud_bytes(cloud)
+    assert cloud_bytes(kb_learn_cache._kept(content)) == content
+    valid = 0
+    for place in range(len(content)):
+        harmed = content[:place] + bytes([content[place] ^ 1 << place % 8]) + content[place + 1 :]
+        with contextlib.suppress(CloudError):
+            valid += cloud_bytes(read_cloud(harmed)) != content
+        with pytest.raises(CloudError):
+            kb_learn_cache._kept(harmed)
+    assert valid > 0
