@@ -56,8 +56,10 @@ def document_of(
     trace: list[dict[str, object]],
     ranking: Ranking,
     image: NDArray[np.uint8] | None,
+    *,
+    seconds: float | None = None,
 ) -> dict[str, Any]:
-    """Everything that ``worlds``, ``query``, ``explain``, ``report`` and ``program`` need."""
+    """Everything that ``worlds``, ``query``, ``explain``, ``report`` and ``program`` need; with ``seconds``, what is known of relations by then."""
     situation = delta.situation
     counts = instance_counts(kb.types)
     dv = distinctiveness(counts)
@@ -76,7 +78,7 @@ def document_of(
         "hypotheses": _hypotheses(delta, gamma, ranking, dv) + _rejected(rejected, gamma, dv),
         **_worlds(ranking, situation, short=kb.words is not None),
         "unlisted_mass": list(ranking.unlisted),
-        "relations": relation_probabilities(situation),
+        "relations": relation_probabilities(situation, seconds),
         "doubts": [doubt.document() for doubt in doubts(situation)],
         "facts": facts_of(situation),
         "space": space_document(situation.space),
@@ -103,13 +105,16 @@ def _told(table: Mapping[str, float], names: Mapping[str, float]) -> dict[str, f
     return {name: value for name, value in table.items() if name in names}
 
 
-def relation_probabilities(situation: Situation) -> list[dict[str, Any]]:
-    """P(relation) of each pair: that both are present, most probable first."""
-    chances = together(situation, [(fact.x, fact.y) for fact in situation.relations])
+def relation_probabilities(situation: Situation, seconds: float | None = None) -> list[dict[str, Any]]:
+    """P(relation) of each pair: that both are present, most probable first; with ``seconds``, the middle of its ``interval`` by then."""
+    chances = together(situation, [(fact.x, fact.y) for fact in situation.relations], seconds)
     rows = [
-        {"relation": fact.relation, "args": [fact.x, fact.y], "probability": chance, **({"roc": fact.roc} if fact.roc else {})}
-        for fact, chance in zip(situation.relations, chances, strict=True)
-    ]
+        {
+            "relation": fact.relation, "args": [fact.x, fact.y], "probability": low if low == high else (low + high) / 2.0,
+            **({"roc": fact.roc} if fact.roc else {}), **({} if seconds is None else {"interval": [low, high]}),
+        }
+        for fact, (low, high) in zip(situation.relations, chances, strict=True)
+    ]  # fmt: skip
     return sorted(rows, key=lambda row: (-row["probability"], row["relation"], row["args"]))
 
 

@@ -14,6 +14,7 @@ from plogic.errors import InterpretationError, SituationError
 from plogic.sanity import check
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, PartFact, Reading, Reconsider, Situation
 from plogic.spatial import overlap_document, space_of
+from plogic.unfinished import stopped_in
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -73,6 +74,7 @@ def _situation(document: Mapping[str, Any]) -> Situation:
         dv=dict(document["measures"]["dv"]),
         rank=dict(document["measures"]["rank"]),
         rules=document["rules"],
+        stopped=stopped_in(document),
     )
 
 

@@ -16,6 +16,7 @@ from plogic.search.by_copies import make_ready
 from plogic.search.data import data_of
 from plogic.search.indices import indices_of
 from plogic.stopwatch import Stopwatch
+from plogic.unfinished import SEARCH, WORLDS, marked
 from plogic.worlds import Ranking, ranked_worlds
 from sensing.uncollected import uncollected
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from plogic.belief import Belief, Cycle
     from plogic.recall import Seed
     from plogic.search.data import Data
+    from plogic.situation import Stopped
     from sensing.appearance import Gamma
 
 SMOOTHED = 0.001
@@ -73,11 +75,13 @@ class Perceiver:
         delta, rejected, trace = self._facts(data, cycle, options, clock)
         with clock.stage("worlds"):
             delta, ranking = ranked(delta, trace, None if options.end is None else max(options.end - monotonic(), AFTER))
-            if not ranking.exact and options.end is not None and not any(step["event"] == "deadline" for step in trace):
+            late = not ranking.exact and options.end is not None
+            stopped: Stopped = SEARCH if any(step["event"] == "deadline" for step in trace) else WORLDS if late else ""
+            if stopped == WORLDS:
                 trace.append(_step(len(trace) + 1, "deadline", "the deadline was reached: probabilities are known within intervals"))
         with clock.stage("document"):
-            document = document_of(self.kb, gamma, delta, rejected, trace, ranking, image)
-        return marked(document, ranking) if any(step["event"] == "deadline" for step in trace) else document
+            document = document_of(self.kb, gamma, delta, rejected, trace, ranking, image, seconds=AFTER if late else None)
+        return marked(document, ranking, stopped) if stopped else document
 
     def accepted(self, gamma: Gamma) -> list[tuple[Belief, float]]:
         """What is accepted of one Γ, with its probability: what the interpretation document says of it, where nobody reads the rest."""
@@ -126,14 +130,6 @@ def ranked(delta: Delta, trace: list[dict[str, object]], seconds: float | None =
         trace.append(_step(len(trace) + 1, "smooth", f"{error}: the score program is smoothed by {SMOOTHED}"))
         softer = replace(delta, situation=replace(delta.situation, smoothing=SMOOTHED))
         return softer, ranked_worlds(softer.situation, LISTED_WORLDS, seconds=seconds)
-
-
-def marked(document: dict[str, Any], ranking: Ranking) -> dict[str, Any]:
-    """The document, unfinished: with each probability an ``interval`` that contains the exact one of the Δh that was found."""
-    known = ranking.intervals
-    hypotheses = [h | {"interval": list(known[h["id"]])} if h["id"] in known else h for h in document["hypotheses"]]
-    worlds = [row | {"interval": list(world.interval)} for row, world in zip(document["worlds"], ranking.worlds, strict=True)]
-    return document | {"hypotheses": hypotheses, "worlds": worlds, "unfinished": True}
 
 
 def _step(number: int, event: str, why: str) -> dict[str, object]:

@@ -11,6 +11,7 @@ from plogic.errors import LimitError, ProgramError, SituationError
 from plogic.names import names_of
 from plogic.program.text import program_text
 from plogic.situation import Situation
+from plogic.unfinished import opened, stopped_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,8 +34,8 @@ def answers(
 
     ``goal`` may be a conjunction or a negation, with labels quoted: ``cause(A, h1, 'roof/apex'), \+ noise(a3)``.
     Without a goal a program's own query/1 are answered; of a situation, present/1. A ground goal has one answer,
-    maybe with probability 0; a goal with variables has one per substitution of positive probability, and none is an answer too. Raises
-    ProgramError, InconsistentError, LimitError.
+    maybe with probability 0; a goal with variables has one per substitution of positive probability, and none is an answer too. An interval is
+    [0, 1] where the search was stopped (``plogic.unfinished``). Raises ProgramError, InconsistentError, LimitError.
     """
     if goal is None and isinstance(subject, Situation):
         goal = "present(H)"
@@ -61,12 +62,12 @@ def answers_until(
         except LimitError:
             return unknown(goal, names_of(subject)), False
         if on_graph is not None:
-            return on_graph[0], all(answer.interval[0] == answer.interval[1] for answer in on_graph[0])
+            return opened(subject.stopped, on_graph[0]), all(answer.interval[0] == answer.interval[1] for answer in on_graph[0])
         seconds = max(end - time.monotonic(), 0.0)
     text, names = subject_text(subject)
     texts = [text, *([] if rules is None else [rules])]
     found, exact = run_until(texts, [] if goal is None else [goal], given, seconds=seconds, names=names, limits=limits)
-    return found[0], exact
+    return opened(stopped_of(subject), found[0]), exact
 
 
 def answers_to_all(
@@ -78,6 +79,11 @@ def answers_to_all(
     limits: Limits | None = None,
 ) -> list[list[Answer]]:
     """As ``answers``, for many goals in one run. Of a situation, from its factor graph wherever that can say it."""
+    found = _to_all(subject, goals, given, rules, limits)
+    return [opened(stopped_of(subject), some) for some in found] if stopped_of(subject) else found
+
+
+def _to_all(subject: Subject, goals: Sequence[str], given: Sequence[str], rules: Text | None, limits: Limits | None) -> list[list[Answer]]:
     if isinstance(subject, Situation) and goals:
         found = _on_graph(subject, goals, given, rules, limits)
         if found is not None:

@@ -20,11 +20,12 @@ from plogic.errors import InconsistentError, InputError, ProgramError
 from plogic.talk import results
 from plogic.talk.minds import mind_of
 from plogic.talk.tokens import is_ground, one_line, tokens
+from plogic.unfinished import REASONS, opened, proved, stopped_of
 
 if TYPE_CHECKING:
     from plogic.engine import Answer, Limits
     from plogic.query import Subject
-    from plogic.situation import Reading
+    from plogic.situation import Reading, Stopped
     from plogic.talk.outline import Predicate
 
 _R = TypeVar("_R", bound=results.Result)
@@ -41,7 +42,7 @@ class Session:
     """What is believed of one subject, and what was observed of it."""
 
     def __init__(self, subject: Subject, *, limits: Limits | None = None) -> None:
-        self._mind = mind_of(subject, limits)
+        self._mind, self._stopped = mind_of(subject, limits), stopped_of(subject)
         self._observed: tuple[str, ...] = ()
         self._lines: tuple[str, ...] = ()
         self._known: dict[tuple[str | None, tuple[str, ...]], tuple[Answer, ...]] = {}
@@ -82,7 +83,7 @@ class Session:
 
         Raises ProgramError, InconsistentError, LimitError, as every verb that takes a goal.
         """
-        return self._done("ask", goal, results.Answers(goal, self._answers(goal, ())))
+        return self._done("ask", goal, results.Answers(goal, self._answers(goal, ()), self._stopped))
 
     def observe(self, literal: str) -> results.Observed:
         """Add evidence. Raises InconsistentError where it is impossible given what was observed; nothing is changed then."""
@@ -90,8 +91,8 @@ class Session:
         before = self._observed
         same = self._place(literal)
         if same is not None:
-            return results.Observed(before[same], 1.0, before)
-        result = results.Observed(literal, self._probability(literal), before)
+            return results.Observed(before[same], 1.0, before, self._stopped)
+        result = results.Observed(literal, self._probability(literal), before, self._stopped)
         self._observed = (*before, literal)
         return self._done("observe", literal, result)
 
@@ -108,12 +109,12 @@ class Session:
     def predict(self, goal: str | None = None) -> results.Predictions:
         """P(goal | everything observed) beside the P(goal) of ``ask``, most probable now first."""
         now, before = self._answers(goal, self._evidence), self._answers(goal, ())
-        return self._done("predict", goal, results.Predictions(goal, _beside(now, before), self._evidence))
+        return self._done("predict", goal, results.Predictions(goal, _beside(now, before, self._stopped), self._evidence, self._stopped))
 
     def worlds(self, n: int = 10) -> results.Worlds:
         """The ``n`` most probable worlds given what was observed, and the mass that is not listed."""
         rows, unlisted = self._mind.worlds(n, self._evidence)
-        return self._done("worlds", str(n), results.Worlds(rows, unlisted, self._evidence, self._mind.scene))
+        return self._done("worlds", str(n), results.Worlds(rows, proved(self._stopped, unlisted), self._evidence, self._mind.scene, self._stopped))
 
     def why(self, goal: str, most: int | None = None) -> results.Explained:
         """The ``most`` probable explanations of the goal given what was observed, as trees down to the data.
@@ -151,7 +152,8 @@ class Session:
 
     def greeting(self) -> str:
         """One sentence: what the session is about. Raises ProgramError where that cannot be read."""
-        return self._mind.greeting()
+        reason = REASONS.get(self._stopped)
+        return self._mind.greeting() + (f"; {reason}" if reason else "")
 
     def save(self, path: str | Path) -> results.Saved:
         """Write the lines of the session, so that ``plogic shell SUBJECT < FILE`` does them again.
@@ -189,7 +191,7 @@ class Session:
         """What was found before is not looked for again: P(goal) beside each prediction, above all."""
         key = (goal, given)
         if key not in self._known:
-            self._known[key] = tuple(self._mind.answers(goal, given))
+            self._known[key] = tuple(opened(self._stopped, self._mind.answers(goal, given)))
         while len(self._known) > REMEMBERED:
             del self._known[next(iter(self._known))]
         return self._known[key]
@@ -222,7 +224,7 @@ class Session:
 
     def _explained(self, verb: str, goal: str, most: int | None, *, against: bool) -> results.Explained:
         account = self._mind.account(goal, self._evidence, EXPLANATIONS if most is None else most)
-        result = results.Explained(account, against, self._evidence, brief=most is None)
+        result = results.Explained(account, against, self._evidence, brief=most is None, stopped=self._stopped)
         return self._done(verb, goal if most is None else f"{most} {goal}", result)
 
     def _done(self, verb: str, argument: str | None, result: _R) -> _R:
@@ -230,14 +232,15 @@ class Session:
         return result
 
 
-def _beside(now: tuple[Answer, ...], before: tuple[Answer, ...]) -> tuple[results.Prediction, ...]:
+def _beside(now: tuple[Answer, ...], before: tuple[Answer, ...], stopped: Stopped) -> tuple[results.Prediction, ...]:
     """Each answer of either, with a probability of 0 where it is none."""
     from plogic.engine import Answer
 
+    none = proved(stopped, (0.0, 0.0))
     current = {answer.goal: answer for answer in now}
     earlier = {answer.goal: answer for answer in before}
     goals = [*current, *(goal for goal in earlier if goal not in current)]
     return tuple(
-        results.Prediction(goal, earlier.get(goal) or Answer(goal, 0.0, (0.0, 0.0)), current.get(goal) or Answer(goal, 0.0, (0.0, 0.0)))
+        results.Prediction(goal, earlier.get(goal) or Answer(goal, 0.0, none), current.get(goal) or Answer(goal, 0.0, none))
         for goal in goals
     )

@@ -20,6 +20,8 @@ from plogic.spatial import Space
 
 Reading = Literal["score", "posterior"]
 Reconsider = Literal["to_B", "drop", "reassign"]
+Stopped = Literal["", "search", "worlds"]
+"""What a deadline came in, '' where it came in nothing (``plogic.unfinished``)."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,7 @@ class Situation:
     replaces p by ε + (1 − 2ε) p in the *score* program's choices (trap c), never in the measures; 0 by default. ``dv`` per feature type
     and ``rank`` per object type are side tables for queries. ``relations`` are of whole hypotheses that can be present together,
     ``part_relations`` of a part of one and a part of another, or the whole of it. ``space`` says where bodies are, and decides no probability of a
-    world. ``rules`` is the author's ``rules.pl``.
+    world. ``rules`` is the author's ``rules.pl``. ``stopped`` says whether more time would have found more; it decides no probability of what was.
     """
 
     reading: Reading
@@ -131,3 +133,4 @@ class Situation:
     rank: dict[str, float] = field(default_factory=dict)
     smoothing: float = 0.0
     rules: str = ""
+    stopped: Stopped = ""

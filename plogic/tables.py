@@ -11,6 +11,8 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from plogic.unfinished import unlisted_beyond
+
 CELLS = ("expected_detected", "expected_missed", "hidden_missed", "hidden_detected")
 """The four cases in the paper's column order: A, C, B, D."""
 NONE = "–"
@@ -31,28 +33,24 @@ def signed(value: float | None) -> str:
 
 
 def worlds(document: dict[str, Any], limit: int = 10) -> Table:
-    """Return the ranked possible worlds, most probable first, with the mass of those that are not in the table."""
+    """Return the ranked possible worlds, most probable first, with the mass of those that are not in the table; intervals where they are told."""
     names = {h["id"]: f"{h.get('label') or h['type']} {h['id']}" for h in document.get("hypotheses", [])}
-    table = _table(
-        "possible worlds",
-        ("rank", "right"),
-        ("probability", "right"),
-        ("present", "left"),
-        ("explained", "right"),
-        ("noise", "right"),
-    )
     listed = document.get("worlds", [])
+    bounded = any("interval" in world for world in listed[:limit])
+    between = [("interval", "right")] * bounded
+    columns = [("rank", "right"), ("probability", "right"), *between, ("present", "left"), ("explained", "right"), ("noise", "right")]
+    table = _table("possible worlds", *columns)
     data = [a["id"] for a in document.get("appearances", [])] if document.get("causes_else") == "noise" else []
     for i, world in enumerate(listed[:limit], 1):
         causes = list(world.get("causes", {}).values())
         causes += ["noise"] * sum(a not in world.get("causes", {}) for a in data)
         noise = causes.count("noise")
         who = ", ".join(names.get(h, h) for h in world["present"]) or "nothing known"
-        table.add_row(str(i), chance(world["probability"]), Text(who), str(len(causes) - noise), str(noise))
-    more = sum(w["probability"] for w in listed[limit:])
-    low, high = (bound + more for bound in document.get("unlisted_mass") or (0.0, 0.0))
+        within = [interval(*world["interval"])] if bounded else []
+        table.add_row(str(i), chance(world["probability"]), *within, Text(who), str(len(causes) - noise), str(noise))
+    low, high = unlisted_beyond(document, limit)
     if high > 0:
-        table.add_row("", interval(low, high), Text("not listed", style="dim"), "", "")
+        table.add_row("", *[""] * bounded, interval(low, high), Text("not listed", style="dim"), "", "")
     return table
 
 
@@ -62,11 +60,13 @@ def interval(low: float, high: float) -> str:
 
 
 def answers(document: dict[str, Any]) -> Table:
-    """Return the answers, in the order given; an answer known only within bounds prints both."""
-    table = _table("answers", ("probability", "right"), ("goal", "left"))
+    """Return the answers, in the order given; one known only within bounds prints both, and those of what is unfinished their probability too."""
+    apart = bool(document.get("unfinished"))
+    table = _table("answers", ("probability", "right"), *[("interval", "right")] * apart, ("goal", "left"))
     for answer in document.get("answers", []):
         low, high = answer.get("interval") or (answer["probability"],) * 2
-        table.add_row(chance(answer["probability"]) if low == high else interval(low, high), Text(str(answer["goal"])))
+        shown = chance(answer["probability"]) if low == high or apart else interval(low, high)
+        table.add_row(shown, *[interval(low, high)] * apart, Text(str(answer["goal"])))
     return table
 
 

@@ -27,15 +27,18 @@ def explain_command(
     from plogic.engine import TOO_DEEP, Limits
     from plogic.errors import LimitError
     from plogic.explain import explain, present
+    from plogic.unfinished import marks, stopped_of, with_notice
 
     subject = subject_of(source, options["reading"])
+    stopped = stopped_of(subject)
     if number is None and not as_json:
         summary = present(subject, goal, given=list(given))
         if summary is not None and summary.summary:
-            return account_text(summary, brief=True)
+            return with_notice(account_text(summary, brief=True), stopped)
     limits = Limits(trust=bool(options.get("trust", False)))
     try:
         account = explain(subject, goal, given=list(given), most=MOST if number is None else number, limits=limits)
-        return json.dumps({"format": "explanation/1", **asdict(account)}) if as_json else account_text(account)
+        told = {"format": "explanation/1", **asdict(account), **marks(stopped)}
+        return json.dumps(told) if as_json else with_notice(account_text(account), stopped)
     except RecursionError:
         raise LimitError(TOO_DEEP) from None

@@ -72,6 +72,7 @@ def looked(document: dict[str, Any], number: int, seed: int, options: dict[str, 
     from plogic.lookahead.look import looked_ahead
     from plogic.lookahead.reading import prospect_of
     from plogic.lookahead.told import next_view_document
+    from plogic.unfinished import marks, stopped_in
 
     camera, reading, about = camera_from_dict(document["camera"]), options["reading"] or document["reading"], options["about"]
     if "format" not in document:  # of a sequence
@@ -87,6 +88,7 @@ def looked(document: dict[str, Any], number: int, seed: int, options: dict[str, 
     looks = looked_ahead(prospect, camera, candidates, answers, seed)
     uncertain = float(entropy(prospect.probability if answers is None else prospect.probability @ answers))
     stated = {"about": about, "reading": reading, "entropy_bits": round(uncertain, 6), "worlds": len(worlds), "unlisted_mass": unlisted}
+    stated |= marks(stopped_in(document))
     return next_view_document(looks, stated | {"moves": made, "seed": seed}, camera.world_from_camera, number)
 
 

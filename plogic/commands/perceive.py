@@ -166,8 +166,18 @@ def _doubts(document: dict[str, Any]) -> list[str]:
 
 
 def summary(document: dict[str, Any], clock: Stopwatch) -> str:
-    """One line: what was found, and how long it took."""
+    """One line: what was found, whether that is all, and how long it took."""
+    from plogic.unfinished import REASONS, stopped_in
+
+    stopped = stopped_in(document)
     accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
-    names = ", ".join(f"{h['id']} {h['type']} ({h['probability']:.3f})" for h in accepted) or "no known object"
+    names = ", ".join(f"{h['id']} {h['type']} ({_chance(h)})" for h in accepted) or "no known object"
+    names = f"{names}; {REASONS[stopped]}" if stopped else names
     stages = ", ".join(f"{name} {seconds * 1000:.0f} ms" for name, seconds in clock.seconds.items())
     return f"{len(document['appearances'])} appearances; {names}; {stages}"
+
+
+def _chance(h: dict[str, Any]) -> str:
+    """A probability to three places; of what is unfinished, with its interval."""
+    low, high = h.get("interval") or (None, None)
+    return f"{h['probability']:.3f}" + ("" if low is None else f" in {low:.3f}..{high:.3f}")

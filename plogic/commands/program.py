@@ -17,10 +17,12 @@ if TYPE_CHECKING:
 def program_command(interpretation: str, reading: Reading | None, *, as_json: bool = False) -> str:
     """The ProbLog text with its queries."""
     from plogic.program.text import program_text, query_lines
+    from plogic.unfinished import marks
 
     situation = situation_from(interpretation, reading)
     text = program_text(situation) + "\n" + query_lines(situation)
-    return json.dumps({"format": "program/1", "reading": situation.reading, "program": text}) if as_json else text
+    told = {"format": "program/1", "reading": situation.reading, "program": text, **marks(situation.stopped)}
+    return json.dumps(told) if as_json else text
 
 
 def report_command(interpretation: str, out: str, *, say: Callable[[str], None], write: Callable[[str], None]) -> None:

@@ -23,6 +23,7 @@ def query_command(source: str, goal: str | None, given: Sequence[str], options: 
     from plogic.commands.printing import text_of_table
     from plogic.engine import Limits
     from plogic.query import answers, answers_until
+    from plogic.unfinished import marks, stopped_of, with_notice
 
     subject, deadline = subject_of(source, options["reading"]), options["deadline"]
     asked: dict[str, Any] = {"given": list(given), "rules": rules_from(options["rules"]), "limits": Limits(trust=bool(options["trust"]))}
@@ -31,10 +32,10 @@ def query_command(source: str, goal: str | None, given: Sequence[str], options: 
     else:
         found, exact = answers_until(subject, goal, seconds=deadline, **asked)
     rows = [{"goal": a.goal, "probability": a.probability, "interval": list(a.interval)} for a in found]
-    document: dict[str, Any] = {"format": "answers/1", "answers": rows}
+    document: dict[str, Any] = {"format": "answers/1", "answers": rows, **marks(stopped_of(subject))}
     if not exact:
         document["deadline"] = "reached"
-    text = json.dumps(document) if as_json else text_of_table(tables.answers(document))
+    text = json.dumps(document) if as_json else with_notice(text_of_table(tables.answers(document)), stopped_of(subject))
     return text if exact or as_json else f"{text.rstrip()}\n{_said(rows)}", 0 if exact else LATE
 
 

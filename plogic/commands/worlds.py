@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from plogic.commands.query import LATE
@@ -14,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plogic.programs.worlds import ProgramRanking
-    from plogic.situation import Situation
-    from plogic.worlds import Ranking
+    from plogic.situation import Situation, Stopped
+    from plogic.worlds import Ranking, World
 
 MOST_CHOICES = 6
 """Choices of a world that its line in the table shows; ``--json`` has them all."""
@@ -50,16 +51,18 @@ def _of_program(source: str, number: int, given: Sequence[str], options: dict[st
     return _told(ranking, {"format": "worlds/1", "worlds": rows}, as_json=as_json)
 
 
-def _told(ranking: ProgramRanking, answer: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
+def _told(ranking: ProgramRanking, answer: dict[str, Any], stopped: Stopped = "", *, as_json: bool) -> tuple[str, int]:
+    from plogic.unfinished import with_notice
+
     answer = {**answer, "unlisted_mass": list(ranking.unlisted), "log_evidence": ranking.log_evidence}
     status = 0 if ranking.complete else LATE
     if as_json:
         return json.dumps(answer if ranking.complete else {**answer, "deadline": "reached"}), status
-    text_out = _table_of_program(ranking)
+    text_out = with_notice(_table_of_program(ranking, [world.get("interval") for world in answer["worlds"]]), stopped)
     return text_out if ranking.complete else f"{text_out.rstrip()}\nThe deadline was reached: more worlds could be listed with more time.", status
 
 
-def _table_of_program(ranking: ProgramRanking) -> str:
+def _table_of_program(ranking: ProgramRanking, within: Sequence[tuple[float, float] | None]) -> str:
     from rich import box
     from rich.table import Table
     from rich.text import Text as Cell
@@ -70,13 +73,17 @@ def _table_of_program(ranking: ProgramRanking) -> str:
     table = Table(title="possible worlds", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("rank", justify="right")
     table.add_column("probability", justify="right")
+    bounded = any(within)
+    if bounded:
+        table.add_column("interval", justify="right")
     table.add_column("true")
     table.add_column("most probable choices")
-    for i, world in enumerate(ranking.worlds, 1):
+    for i, (world, bounds) in enumerate(zip(ranking.worlds, within, strict=True), 1):
+        between = [tables.interval(*bounds)] if bounds else []
         shown = ", ".join(world.choices[:MOST_CHOICES]) + (", ..." if len(world.choices) > MOST_CHOICES else "")
-        table.add_row(str(i), tables.chance(world.probability), Cell(", ".join(world.holds) or "nothing that is asked"), Cell(shown))
+        table.add_row(str(i), tables.chance(world.probability), *between, Cell(", ".join(world.holds) or "nothing that is asked"), Cell(shown))
     if ranking.unlisted[1] > 0:
-        table.add_row("", tables.interval(*ranking.unlisted), Cell("not listed", style="dim"), "")
+        table.add_row("", *[""] * bounded, tables.interval(*ranking.unlisted), Cell("not listed", style="dim"), "")
     return text_of_table(table)
 
 
@@ -87,12 +94,19 @@ def _of_scene_text(
     from plogic.programs.worlds import program_worlds
     from plogic.query import subject_text
     from plogic.talk.tokens import quoted
+    from plogic.unfinished import marks, proved
 
     text, names = subject_text(situation)
     ranking = program_worlds(text, number, given=given, goals=("present(H)",), seconds=seconds, names=names)
     ids = {f"present({quoted(h.id)})": h.id for h in situation.hypotheses}
-    rows = [{"probability": w.probability, "present": [ids[goal] for goal in w.holds], "choices": list(w.choices)} for w in ranking.worlds]
-    return _told(ranking, {"format": "worlds/1", "reading": document["reading"], "worlds": rows}, as_json=as_json)
+    stopped = situation.stopped
+    within = [{"interval": list(proved(stopped, (w.probability, w.probability)))} if stopped else {} for w in ranking.worlds]
+    rows = [
+        {"probability": w.probability, "present": [ids[goal] for goal in w.holds], "choices": list(w.choices), **bounds}
+        for w, bounds in zip(ranking.worlds, within, strict=True)
+    ]
+    answer = {"format": "worlds/1", "reading": document["reading"], "worlds": rows, **marks(stopped)}
+    return _told(replace(ranking, unlisted=proved(stopped, ranking.unlisted)), answer, stopped, as_json=as_json)
 
 
 def _of_scene(
@@ -102,28 +116,33 @@ def _of_scene(
     from plogic.commands.printing import text_of_table
     from plogic.exclusions import exclusion_lines, exclusions
     from plogic.predictions import doubts, said
+    from plogic.unfinished import marks, proved, with_notice
 
-    ranking = _scene_ranking(situation, number, given, seconds)
-    rows = [_row(world, ranking) for world in ranking.worlds]
-    answer = {"format": "worlds/1", "reading": document["reading"], "worlds": rows, "unlisted_mass": list(ranking.unlisted)}
-    answer["exclusions"] = exclusions(document)
+    ranking, stopped = _scene_ranking(situation, number, given, seconds), situation.stopped
+    rows = [_row(world, ranking, stopped) for world in ranking.worlds]
+    unlisted = list(proved(stopped, ranking.unlisted))
+    answer = {"format": "worlds/1", "reading": document["reading"], "worlds": rows, "unlisted_mass": unlisted}
+    answer |= {"exclusions": exclusions(document)} | marks(stopped)
     exact = ranking.exact
     if as_json:
         return json.dumps(answer if exact else {**answer, "deadline": "reached"}), 0 if exact else LATE
-    text = text_of_table(tables.worlds({**document, "worlds": rows, "unlisted_mass": list(ranking.unlisted)}, number))
+    text = text_of_table(tables.worlds({**document, "worlds": rows, "unlisted_mass": unlisted}, number))
     text = "".join([text, *(f"{line}\n" for line in exclusion_lines(document))])
     found = [said(doubt) for doubt in doubts(situation)]
     text = "\n".join([text.rstrip(), "", *found, ""]) if found else text
+    text = with_notice(text, stopped)
     middles = ranking.log_evidence_interval[0] != ranking.log_evidence_interval[1]
-    more = "probabilities are the middles of intervals, which --json states" if middles else "more worlds could be listed with more time"
+    more = "probabilities are the middles of their intervals" if middles else "more worlds could be listed with more time"
     late = f"The deadline was reached: {more}."
     return (text, 0) if exact else (f"{text.rstrip()}\n{late}", LATE)
 
 
-def _row(world: Any, ranking: Ranking) -> dict[str, Any]:  # noqa: ANN401 - plogic.worlds.World
+def _row(world: World, ranking: Ranking, stopped: Stopped) -> dict[str, Any]:
+    from plogic.unfinished import proved
+
     row = {"probability": world.probability, "present": list(world.present), "causes": world.causes}
     exact = ranking.log_evidence_interval[0] == ranking.log_evidence_interval[1]
-    return row if exact else {**row, "interval": list(world.interval)}
+    return row if exact and not stopped else {**row, "interval": list(proved(stopped, world.interval))}
 
 
 def _scene_ranking(situation: Situation, number: int, given: Sequence[str], seconds: float | None) -> Ranking:

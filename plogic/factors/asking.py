@@ -6,6 +6,7 @@ Vocabulary: a *piece* is a connected component of the graph; ``Asked`` has solve
 from __future__ import annotations
 
 import math
+import time
 from typing import TYPE_CHECKING
 
 from plogic.errors import InconsistentError
@@ -81,13 +82,14 @@ class Asked:
         return FactorGraph(tuple(self.graph.cards[v] for v in sorted(variables)), factors), number
 
 
-def together(situation: Situation, pairs: Sequence[tuple[str, str]]) -> list[float]:
-    """P(both are present) of each pair of hypotheses, exact; raises InconsistentError where no world is possible."""
+def together(situation: Situation, pairs: Sequence[tuple[str, str]], seconds: float | None = None) -> list[Interval]:
+    """P(both are present) of each pair of hypotheses, exact, or what is known by a deadline; raises InconsistentError where no world is possible."""
     if not pairs:
         return []
     scene = scene_graph(situation)
-    asked = Asked(scene.graph, beliefs)
-    return [asked.probability(And(tuple(Literal(v, frozenset({s})) for v, s in (scene.place[h] for h in pair))))[0] for pair in pairs]
+    end = None if seconds is None else time.monotonic() + seconds
+    asked = Asked(scene.graph, lambda graph: beliefs(graph, seconds=None if end is None else max(end - time.monotonic(), 0.0)))
+    return [asked.probability(And(tuple(Literal(v, frozenset({s})) for v, s in (scene.place[h] for h in pair)))) for pair in pairs]
 
 
 def _ratio(part: Interval, whole: Interval) -> Interval:

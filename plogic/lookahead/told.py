@@ -40,6 +40,7 @@ def table_of(document: dict[str, Any]) -> str:
     from rich.text import Text
 
     from plogic.commands.printing import text_of_table
+    from plogic.unfinished import notice, stopped_in
 
     table = Table(title="next view", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("rank", justify="right")
@@ -49,7 +50,8 @@ def table_of(document: dict[str, Any]) -> str:
     for i, row in enumerate(document["candidates"], 1):
         bits = f"{row['gain_bits']:.3f}" + (f" ± {row['standard_error']:.3f}" if row["standard_error"] >= SHOWN else "")
         table.add_row(str(i), Text(row["name"]), Text(bits), Text("\n".join(r["text"] for r in row["why"]) or _nothing(row)))
-    return f"{_open(document)}\n{text_of_table(table)}"
+    unfinished = notice(stopped_in(document), anew=False)
+    return "\n".join([_open(document), *[unfinished] * bool(unfinished), text_of_table(table)])
 
 
 def _nothing(row: dict[str, Any]) -> str:

@@ -16,6 +16,7 @@ from plogic.program.contexts import ev_facts
 from plogic.program.layout import Writer, title
 from plogic.program.rules import fallbacks, rules, vocabulary_rules
 from plogic.sanity import check
+from plogic.unfinished import notice
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -50,6 +51,8 @@ def _lines(w: Writer) -> Iterator[str]:
     is_score = situation.reading == "score"
     mode = f", reconsideration: {situation.reconsider}" if is_score else ""
     yield f"% The possible worlds of one image. Reading: {situation.reading}{mode}. A world is an assignment of present/1."
+    if situation.stopped:
+        yield f"% {notice(situation.stopped)}."
     yield from facts.label_comments(w)
     yield from ("", title(1, "Σo: the feature-cloud trees of the hypotheses and their part-whole hierarchy"))
     yield from facts.trees(w)

@@ -15,10 +15,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from plogic.talk.blocks import Column, Lines, Note, Table, html_of, text_of
+from plogic.unfinished import notice, proved
 
 if TYPE_CHECKING:
     from plogic.engine import Answer
     from plogic.explain import Account
+    from plogic.situation import Stopped
     from plogic.talk.blocks import Block
 
 PROBABILITY = Column("probability", right=True)
@@ -48,11 +50,12 @@ class Answers(Result):
 
     goal: str | None
     answers: tuple[Answer, ...]
+    stopped: Stopped = ""
 
     def blocks(self) -> tuple[Block, ...]:
         """The table of ``plogic query``."""
-        rows = tuple((_chance(a), a.goal) for a in self.answers)
-        return (Table("answers", (PROBABILITY, Column("goal")), rows),)
+        rows = tuple((*_chances(a, self.stopped), a.goal) for a in self.answers)
+        return (Table("answers", (PROBABILITY, *_between(self.stopped), Column("goal")), rows), *_unfinished(self.stopped))
 
 
 @dataclass(frozen=True)
@@ -71,12 +74,13 @@ class Predictions(Result):
     goal: str | None
     rows: tuple[Prediction, ...]
     observed: tuple[str, ...]
+    stopped: Stopped = ""
 
     def blocks(self) -> tuple[Block, ...]:
         """The table of the answers, two columns of probabilities."""
-        columns = (PROBABILITY, Column("before", right=True), Column("goal"))
-        rows = tuple((_chance(row.now), _chance(row.before), row.goal) for row in self.rows)
-        return (Table(f"answers {_given(self.observed)}", columns, rows),)
+        columns = (PROBABILITY, *_between(self.stopped), Column("before", right=True), Column("goal"))
+        rows = tuple((*_chances(row.now, self.stopped), _chances(row.before, self.stopped)[0], row.goal) for row in self.rows)
+        return (Table(f"answers {_given(self.observed)}", columns, rows), *_unfinished(self.stopped))
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,7 @@ class Observed(Result):
     literal: str
     probability: float
     observed: tuple[str, ...]
+    stopped: Stopped = ""
 
     @property
     def surprise(self) -> float:
@@ -99,7 +104,7 @@ class Observed(Result):
         if self.literal in self.observed:
             return (Note(f"{self.literal} is observed already"),)
         beside = "it was certain, so that nothing changes" if self.probability == 1 else f"{self.surprise:.3g} bits of surprise"
-        return (Note(f"observed {self.literal}: its probability was {chance(self.probability)} ({beside})"),)
+        return (Note(f"observed {self.literal}: its probability was {chance(self.probability)} ({beside})"), *_unfinished(self.stopped))
 
 
 @dataclass(frozen=True)
@@ -138,18 +143,20 @@ class Worlds(Result):
     unlisted: tuple[float, float]
     observed: tuple[str, ...]
     scene: bool
+    stopped: Stopped = ""
 
     def blocks(self) -> tuple[Block, ...]:
         """The table of ``plogic worlds``."""
         from plogic.tables import interval
 
         more = (Column("explained", right=True), Column("noise", right=True)) if self.scene else (Column("most probable choices"),)
-        columns = (Column("rank", right=True), PROBABILITY, Column("present" if self.scene else "holds"), *more)
-        rows = [_world(i, row, scene=self.scene) for i, row in enumerate(self.worlds, 1)]
+        between = _between(self.stopped)
+        columns = (Column("rank", right=True), PROBABILITY, *between, Column("present" if self.scene else "holds"), *more)
+        rows = [_world(i, row, self.stopped, scene=self.scene) for i, row in enumerate(self.worlds, 1)]
         if self.unlisted[1] > 0:
-            rows.append(("", interval(*self.unlisted), "not listed", *("" for _ in more)))
+            rows.append(("", *("" for _ in between), interval(*self.unlisted), "not listed", *("" for _ in more)))
         title = "possible worlds" + (f" {_given(self.observed)}" if self.observed else "")
-        return (Table(title, columns, tuple(rows)),)
+        return (Table(title, columns, tuple(rows)), *_unfinished(self.stopped))
 
 
 @dataclass(frozen=True)
@@ -163,6 +170,7 @@ class Explained(Result):
     against: bool
     observed: tuple[str, ...]
     brief: bool = False
+    stopped: Stopped = ""
 
     def blocks(self) -> tuple[Block, ...]:
         """The probability, then a tree for every explanation, or the condition that fails."""
@@ -179,7 +187,7 @@ class Explained(Result):
             sections.append([f"(its explanations, choice by choice: `{'whynot' if self.against else 'why'} 5 {self.account.goal}`)"])
         if not sections:
             sections = [["there is no explanation: it holds in every world" if self.against else "there is no explanation"]]
-        return (*first, *(block for section in sections if section for block in _section(section)))
+        return (*first, *(block for section in sections if section for block in _section(section)), *_unfinished(self.stopped))
 
 
 @dataclass(frozen=True)
@@ -244,20 +252,31 @@ def _against(account: Account) -> Account:
     return replace(account, why=(), covered=type(account.covered)())
 
 
-def _chance(answer: Answer) -> str:
-    from plogic.tables import interval
+def _chances(answer: Answer, stopped: Stopped) -> tuple[str, ...]:
+    """Its probability, or within what bounds it is known; of what is unfinished both."""
+    from plogic.tables import chance, interval
 
-    return interval(*answer.interval)
+    return (chance(answer.probability), interval(*answer.interval)) if stopped else (interval(*answer.interval),)
+
+
+def _between(stopped: Stopped) -> tuple[Column, ...]:
+    return (Column("interval", right=True),) if stopped else ()
+
+
+def _unfinished(stopped: Stopped) -> tuple[Block, ...]:
+    """One line below what is told of an unfinished interpretation."""
+    return (Note(notice(stopped)),) if stopped else ()
 
 
 def _given(observed: tuple[str, ...]) -> str:
     return f"given {'; '.join(observed)}" if observed else "with nothing observed"
 
 
-def _world(rank: int, row: WorldRow, *, scene: bool) -> tuple[str, ...]:
+def _world(rank: int, row: WorldRow, stopped: Stopped, *, scene: bool) -> tuple[str, ...]:
     from plogic.tables import NONE, interval
 
-    shown = (str(rank), interval(*row.probability), ", ".join(row.holds) or ("nothing known" if scene else NONE))
+    within = (interval(*proved(stopped, row.probability)),) if stopped else ()
+    shown = (str(rank), interval(*row.probability), *within, ", ".join(row.holds) or ("nothing known" if scene else NONE))
     if not scene:
         return (*shown, ", ".join(row.choices) or NONE)
     if row.causes is None:

@@ -43,6 +43,11 @@ def test_a_violation_would_be_seen(chromium, towers, tmp_path):
     assert chromium.run("return window.ran === undefined")
 
 
+def test_what_is_unfinished_says_so_at_its_head(chromium, towers, tmp_path):
+    said = [shown_as(chromium, tmp_path, page(towers | more)).run("return document.body.innerText") for more in ({}, {"unfinished": True})]
+    assert ["Unfinished: more time may change all of this." in text for text in said] == [False, True]
+
+
 def test_every_feature_in_a_world_has_the_mark_of_its_case(shown, towers):
     wanted = [sum(f["case"] == c for h in towers["hypotheses"][:2] for f in h["features"]) for c in "ABCD"]
     assert cases(shown) == wanted

@@ -102,10 +102,10 @@ function drawTrace() {
 
 function drawHead() {
   const best = worlds[0], explained = appearances.filter((a) => claimant(a.id, best)).length;
-  const names = best.present.map(label), text = names.length ? and(names) : 'Nothing known is in view';
+  const text = and(best.present.map(label)) || 'Nothing known is in view';
   const mode = doc.reading === 'posterior' ? 'Posterior reading' : `Score reading, mode ${doc.reconsider || 'to_B'}`;
   head(`what one picture shows, by the knowledge base \u201c${doc.kb.name || ''}\u201d`, /^[a-z]{2,} /.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text,
-    `The most probable of ${plural(worlds.length, 'world')} has probability ${chance(best.probability)} and explains ${explained} of ${plural(appearances.length, 'appearance')}. ${mode}.`);
+    `The most probable of ${plural(worlds.length, 'world')} has probability ${chance(best.probability)} and explains ${explained} of ${plural(appearances.length, 'appearance')}. ${mode}.${doc.unfinished ? ' Unfinished: more time may change all of this.' : ''}`);
   foot(`${doc.format || 'an interpretation'} and the knowledge base ${doc.kb.name || ''}`, doc.kb.digest);
 }
 
