@@ -3,7 +3,7 @@
 ``{"format": "frame/1", "input": "a.json", "frame": null, "status": "done", "sha256": "...", "kb": {"name", "digest"}, "options": {...}, ...}``,
 ``status`` is ``done``, ``unfinished`` (the deadline was reached) or ``error``. Then comes ``error`` with what ``plogic perceive`` would say, or
 ``interpretation`` with what it would write, or the short of it: ``appearances``, how many there are; ``hypotheses``, those that are accepted or
-in a listed world; ``worlds`` and ``unlisted_mass``.
+in a listed world; ``worlds`` and ``unlisted_mass``; of what is unfinished, ``stopped`` and the intervals.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from plogic.batch.frames import digest_of
+from plogic.unfinished import stopped_in, unlisted_beyond
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from plogic.batch.frames import Frame, Settings
 
@@ -23,6 +24,8 @@ FORMAT = "frame/1"
 DONE, UNFINISHED, ERROR = "done", "unfinished", "error"
 TOLD = ("id", "type", "status", "T_camera_object", "ev", "ev_reconsidered", "probability")
 """What is told of a hypothesis in short."""
+WITHIN = "interval"
+"""... and of each probability that an unfinished interpretation bounds."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +54,16 @@ class Lines:
 
 def short(document: Mapping[str, Any], number: int) -> dict[str, Any]:
     """An interpretation's ``number`` most probable worlds, and the hypotheses that are accepted or in one of them, with their poses."""
-    listed, rest = document["worlds"][:number], document["worlds"][number:]
+    listed, stopped = document["worlds"][:number], stopped_in(document)
     present = {name for world in listed for name in world["present"]}
-    mass = sum(world["probability"] for world in rest)
     return {
         "appearances": len(document["appearances"]),
-        "hypotheses": [{key: h[key] for key in TOLD} for h in document["hypotheses"] if h["status"] == "accepted" or h["id"] in present],
-        "worlds": [{"probability": world["probability"], "present": world["present"]} for world in listed],
-        "unlisted_mass": [bound + mass for bound in document["unlisted_mass"]],
+        "hypotheses": [_some(h, TOLD) for h in document["hypotheses"] if h["status"] == "accepted" or h["id"] in present],
+        "worlds": [_some(world, ("probability", "present")) for world in listed],
+        "unlisted_mass": unlisted_beyond(document, number),
+        **({"stopped": stopped} if stopped else {}),
     }
+
+
+def _some(row: Mapping[str, Any], keys: Sequence[str]) -> dict[str, Any]:
+    return {key: row[key] for key in keys} | ({WITHIN: row[WITHIN]} if WITHIN in row else {})

@@ -88,6 +88,9 @@ def test_the_deadline_leaves_a_frame_unfinished_and_that_is_the_status():
     run = plogic("batch", "first_gamma.json", "--kb", "first_kb", "--jobs", 1, "--deadline", 1e-6, cwd=examples)
     assert (run.returncode, json.loads(run.stdout)["status"]) == (3, "unfinished")
     assert run.stderr == "1 frame, 1 unfinished\n"
+    row = json.loads(run.stdout)
+    assert row["worlds"] == [{"probability": 1.0, "present": [], "interval": [0.0, 1.0]}]
+    assert (row["stopped"], row["unlisted_mass"]) == ("search", [0.0, 1.0])
 
 
 def test_a_bop_dataset(tmp_path):

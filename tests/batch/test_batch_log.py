@@ -92,6 +92,22 @@ def test_what_the_deadline_cut_short_is_told():
     assert status == json.loads(line)["status"] == "unfinished"
 
 
+def test_in_short_the_intervals_of_what_is_unfinished_stay_and_no_others_come():
+    kept = {"type": "t1", "T_camera_object": [], "ev": 0.5, "ev_reconsidered": 0.5, "probability": 0.5, "more": 1}
+    rows = [{"id": "h1", "status": "accepted", **kept}]
+    worlds = [{"probability": p, "present": ["h1"], "causes": {}} for p in (0.5, 0.25)]
+    done = {"appearances": [], "worlds": worlds, "unlisted_mass": [0.25, 0.25], "hypotheses": rows}
+    late = done | {"unfinished": True, "stopped": "worlds", "unlisted_mass": [0.0, 0.9]}
+    late["hypotheses"] = [rows[0] | {"interval": [0.4, 0.6]}]
+    late["worlds"] = [world | {"interval": [world["probability"] - 0.1, world["probability"] + 0.1]} for world in worlds]
+    assert "interval" not in json.dumps(short(done, 1))
+    assert "stopped" not in short(done, 1)
+    told = short(late, 1)
+    assert (told["stopped"], told["hypotheses"][0]["interval"], told["worlds"][0]["interval"]) == ("worlds", [0.4, 0.6], [0.4, 0.6])
+    assert told["unlisted_mass"] == [pytest.approx(0.15), 1.0]
+    assert short(done, 1)["unlisted_mass"] == [0.5, 0.5]
+
+
 def test_a_name_that_is_no_text_comes_back():
     assert json.loads(LINES[2])["input"] == FRAMES[2].input
     assert "ünfit".encode() in LINES[0]
