@@ -7,11 +7,13 @@
 from __future__ import annotations
 
 from collections import Counter
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.beside import name_of
 from plogic.cycle import Perception
+from plogic.inference.clock import OutOfTimeError
 from plogic.search.indices import settle
 
 if TYPE_CHECKING:
@@ -47,7 +49,8 @@ class Recall(Perception):
         refused = [belief for belief in map(self._recalled, seeds) if belief is not None]
         if not self.accepted:
             return self._with(refused, self.run(attention))
-        self._keep()
+        with suppress(OutOfTimeError):  # what is remembered is accepted only when it is stable here
+            self._keep()
         why = unexplained([self.data.types[i] for i in self.free().nonzero()[0]], self.kb, usual)
         if why is not None:
             self.trace.add("search", why)

@@ -11,6 +11,7 @@ from geometry.errors import PlogicError
 from plogic.commands.perceive import UNFINISHED, gamma_of, image_of, is_gamma, places
 from plogic.commands.sources import kb_of
 from plogic.errors import InputError
+from plogic.unfinished import REASONS, stopped_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -146,6 +147,8 @@ def _summary(frame: str, look: Look, panorama: Panorama) -> str:
     """One line: what was recalled, what was found, what is known now."""
     events = [step["event"] for step in look.interpretation["trace"]]
     told = [f"{events.count('recall')} recalled"] * ("recall" in events) + ["no search"] * ("no search" in events)
+    stopped = stopped_in(look.interpretation)
+    told += [REASONS[stopped]] if stopped else []
     told += [f"gone: {', '.join(look.gone)}"] * bool(look.gone)
     known = ", ".join(
         f"{k.id} {k.standing.object_type.name} ({k.probability:.3f}{f', {k.age} views ago' if k.age else ''})" for k in panorama.known

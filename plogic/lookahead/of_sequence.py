@@ -12,6 +12,7 @@ import numpy as np
 from geometry.frames import inverse, is_rigid
 from plogic.errors import InterpretationError
 from plogic.interpretation import interpretation_in, parsed
+from plogic.unfinished import marks, stopped_in
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -61,6 +62,7 @@ def of_last_view(panorama: Mapping[str, Any]) -> Document:
         "worlds": panorama["worlds"],
         "unlisted_mass": panorama["unlisted_mass"],
         "facts": [{"fact": "rival", "args": pair} for pair in panorama["rivals"]],
+        **marks(stopped_in(panorama)),
     }
 
 

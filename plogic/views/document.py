@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from plogic.constancy.of_panorama import constancy_of
 from plogic.constancy.result import constancy_document
+from plogic.unfinished import OPEN, SEARCH, marks, stopped_in
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -18,16 +19,19 @@ FORMAT = "panorama/1"
 
 def panorama_document(panorama: Panorama, looks: Sequence[tuple[str, Look]], foreseen: Sequence[Mapping[str, Any]] = ()) -> dict[str, Any]:
     """The document of a sequence: ``looks`` with their frames' names, and what is ``foreseen`` where nothing was seen yet."""
-    kb = panorama.perceiver.kb
+    kb, joined = panorama.perceiver.kb, _worlds(panorama)
     last = looks[-1][1].view.id if looks else ""
+    objects = [_object(known, last) for known in panorama.known]
+    if any(stopped_in(look.interpretation) == SEARCH for _, look in looks):
+        joined, objects = _open(joined), _each_open(objects)
     return {
         "format": FORMAT,
         "kb": {"name": kb.name, "digest": kb.digest},
         "reading": panorama.options.reading,
         "views": [_view(frame, look) for frame, look in looks],
-        "objects": [_object(known, last) for known in panorama.known],
+        "objects": objects,
         **constancy_document(constancy_of(panorama, [look for _, look in looks])),
-        **_worlds(panorama),
+        **joined,
         "ahead": list(foreseen),
     }
 
@@ -76,6 +80,16 @@ def _worlds(panorama: Panorama) -> dict[str, Any]:
     pairs = sorted([name[a], name[b]] for a, b in panorama.joint.situation.rivals)
     worlds = [{"probability": w.probability, "present": [name[h] for h in w.present]} for w in panorama.ranking.worlds]
     return {"hypotheses": rows, "rivals": pairs, "worlds": worlds, "unlisted_mass": list(panorama.ranking.unlisted)}
+
+
+def _open(joined: dict[str, Any]) -> dict[str, Any]:
+    """The same where the search of some view was stopped: what was not found there may stand in the place of anything."""
+    rows = {key: _each_open(joined[key]) for key in ("hypotheses", "worlds")}
+    return joined | rows | {"unlisted_mass": list(OPEN)} | marks(SEARCH)
+
+
+def _each_open(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [row | {"interval": list(OPEN)} for row in rows]
 
 
 def ahead(panorama: Panorama, view: View) -> dict[str, Any]:
