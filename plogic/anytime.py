@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from plogic.search.oriented.pair_index import PairIndex
 
 
+HEAVIER = 1e-6
+"""By how much a glance must be heavier than what is kept: two that only rounding tells apart are the same, whether there is a deadline or not."""
+
+
 class Stable(NamedTuple):
     """``of``: what was accepted; ``accepted``: what is left of it when it is stable; ``rejected``, ``steps``: what else came of that."""
 
@@ -84,7 +88,7 @@ class Anytime(Beside):
         belief = self._judge(posed, self.free(), rounds=2)
         if self._refusal(belief) is None:
             stable = self._stable(belief)
-            self.best = stable if stable.weight > self.best.weight else self.best
+            self.best = stable if stable.weight > self.best.weight + HEAVIER else self.best
 
     def _conclude(self) -> None:
         """Δi is the heaviest stable one that there was; what was accepted else is rejected."""

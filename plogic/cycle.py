@@ -118,7 +118,7 @@ class Perception(Anytime):
         if self.together is None:
             return {}
         known = self.together.unasked
-        found = generate_together(self.together, left, self.kb, self._hidden)
+        found = generate_together(self.together, left, self.kb, self._hidden, self._glance)
         if self.together.unasked > known:
             self.trace.add("deepen", f"{self.together.unasked} types were left out, those that pairs vote for least: too many data look alike")
         return found

@@ -90,18 +90,28 @@ def search_of(shared: PairIndex | None, data: Data, kb: KnowledgeBase, check: Ca
 
 
 def generate_together(
-    search: Search, data: Data, kb: KnowledgeBase, hidden_of: Callable[[Posed], NDArray[np.bool_]] | None = None
+    search: Search,
+    data: Data,
+    kb: KnowledgeBase,
+    hidden_of: Callable[[Posed], NDArray[np.bool_]] | None = None,
+    seen: Callable[[list[tuple[float, Posed]]], None] | None = None,
 ) -> dict[str, list[tuple[float, Posed]]]:
     """By type, the poses that some data of Γ suggest of all types at once, as ``generate`` gives them of one.
 
-    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide.
+    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``seen`` is told each type's as soon as they are there, that of
+    the best proposal first.
     """
-    shared = search.index
-    poses: dict[str, list[NDArray[np.float64]]] = {index.object_type.name: [] for index in shared.indices}
-    for found in search.proposals(data):
-        poses[shared.indices[found.kind].object_type.name].append(found.pose)
-    names = {index.object_type.name: index for index in shared.indices}
-    return {name: verified(index, poses[name], data, kb, hidden_of, search.asked.check) if poses[name] else [] for name, index in names.items()}
+    indices = search.index.indices
+    poses: dict[int, list[NDArray[np.float64]]] = {}
+    for proposal in search.proposals(data):
+        poses.setdefault(proposal.kind, []).append(proposal.pose)
+    result: dict[str, list[tuple[float, Posed]]] = {index.object_type.name: [] for index in indices}
+    for kind, some in poses.items():
+        found = verified(indices[kind], some, data, kb, hidden_of, search.asked.check)
+        result[indices[kind].object_type.name] = found
+        if seen is not None:
+            seen(found)
+    return result
 
 
 def settle(
