@@ -20,6 +20,7 @@ from geometry.camera import Camera, camera_from_dict
 from geometry.camera_formats import colmap_cameras, from_bop_intrinsics, from_bop_scene, from_calibration
 from geometry.camera_yaml import read_yaml
 from geometry.errors import CameraError
+from geometry.plain_files import fault_of
 
 MAX_BYTES = 64 * 2**20  # a BOP scene of 10^5 images stays below
 
@@ -88,7 +89,7 @@ def _bop_size(path: Path) -> tuple[int, int] | None:
     """The size that a BOP dataset's `camera.json` states: scenes lie two folders below it."""
     for folder in list(path.resolve().parents)[:3]:
         beside = folder / "camera.json"
-        if beside.is_file():
+        if fault_of(beside) is None:
             content = _json(_text(beside))
             if isinstance(content, Mapping) and {"width", "height"} <= set(content):
                 return content["width"], content["height"]

@@ -49,13 +49,17 @@ def _frames(name: str) -> list[Frame]:
     elif fault == IS_FOLDER:
         found = _of_dataset(path) if any(any(path.glob(pattern)) for pattern in DATASET) else _of_folder(path)
     else:
-        return [_of_file(path) if fault is None else Frame(str(path), None, "lost", f"{name}: {fault}")]
+        return [_of_file(path)]
     if not found:
         raise InputError(f"{name}: leads to no picture and no Γ")
     return found
 
 
 def _of_file(path: Path) -> Frame:
+    """A picture or Γ; lost where it is no plain file that may be read."""
+    fault = fault_of(path)
+    if fault is not None:
+        return Frame(str(path), None, "lost", f"{path}: {fault}")
     return Frame(str(path), None, "gamma" if path.suffix.lower() == ".json" else "image")
 
 

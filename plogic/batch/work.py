@@ -8,6 +8,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from geometry.errors import PlogicError
+from geometry.plain_files import fault_of
 from plogic.batch.frames import camera_of, scene_and_image
 from plogic.batch.lines import Lines
 from plogic.bop.dataset import Scene
@@ -65,4 +66,8 @@ class Worker:
             shot = self._scene(frame.at, scene).frame(image)
             return detected(shot.image, shot.camera, kb, clock), shot.image
         camera = camera_of(frame, self.settings.camera) if frame.kind == "image" else None
+        for path in (frame.input, *([camera] if camera is not None else [])):
+            fault = fault_of(Path(path))  # a pipe would never end
+            if fault is not None:
+                raise InputError(f"{path}: {fault}")
         return gamma_of(frame.input, image_of(frame.input, camera) if frame.kind == "image" else None, camera, kb, clock)

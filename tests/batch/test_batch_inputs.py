@@ -60,6 +60,23 @@ def test_what_is_not_there_or_never_ends_is_lost_and_said(folder):
     assert all(digest_of(frame, None) for frame in lost)
 
 
+def test_pipes_and_devices_in_a_folder_are_lost_and_said(folder):
+    place = folder / "odd"
+    place.mkdir()
+    os.mkfifo(place / "a.json")
+    os.mkfifo(place / "b.png")
+    (place / "c.png").symlink_to("/dev/zero")
+    (place / "d.png").symlink_to("d.png")
+    lost = frames_of(["odd"], ())
+    assert {frame.kind for frame in lost} == {"lost"}
+    assert [frame.at for frame in lost] == [
+        "odd/a.json: is no plain file, but a pipe or a device",
+        "odd/b.png: is no plain file, but a pipe or a device",
+        "odd/c.png: is no plain file, but a pipe or a device",
+        "odd/d.png: is a link that leads back to itself",
+    ]
+
+
 @pytest.mark.parametrize("inputs", [["nothing*"], ["b/.hidden/none*"], ["empty"], ["-"]])
 def test_what_leads_nowhere_is_an_error(folder, inputs):
     (folder / "empty").mkdir()
