@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import glob
 import os
+from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from plogic.batch.frames import Frame
 from plogic.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".pgm", ".ppm")
 """Endings of what is a picture in a folder; a file that is named is one whatever its ending, unless it is JSON."""
@@ -59,18 +60,38 @@ def _of_file(path: Path) -> Frame:
     """A picture or Γ; lost where it is no plain file that may be read."""
     fault = fault_of(path)
     if fault is not None:
-        return Frame(str(path), None, "lost", f"{path}: {fault}")
+        return _lost(str(path), fault)
     return Frame(str(path), None, "gamma" if path.suffix.lower() == ".json" else "image")
 
 
 def _of_folder(folder: Path) -> list[Frame]:
-    """All pictures and Γ files below it; hidden files and folders aside."""
-    found: list[Path] = []
-    for place, folders, files in os.walk(folder):
-        folders[:] = [name for name in folders if not name.startswith(".")]
-        drawn = DRAWN if "interpretation.json" in files else ()
-        found += [Path(place, name) for name in files if not name.startswith(".") and name not in drawn and _is_frame(name.lower())]
-    return [_of_file(path) for path in sorted(found)]
+    """All pictures and Γ files below it, and lost ones for folders that cannot be read; hidden files and folders aside.
+
+    Links to folders are followed once what is no link has been looked through; each folder is looked through once, whatever its names.
+    """
+    found: list[Frame] = []
+    unread: list[OSError] = []
+    tops, seen = deque([folder]), set[str]()
+    while tops:
+        for place, folders, files in os.walk(tops.popleft(), onerror=unread.append):
+            if (real := os.path.realpath(place)) in seen:
+                folders.clear()
+                continue
+            seen.add(real)
+            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            tops += [path for name in folders if (path := Path(place, name)).is_symlink()]
+            found += [_of_file(Path(place, name)) for name in _frames_among(files)]
+    found += [_lost(error.filename, f"cannot be read: {error.strerror}") for error in unread]
+    return sorted(found, key=lambda frame: Path(frame.input))
+
+
+def _frames_among(files: Sequence[str]) -> list[str]:
+    drawn = DRAWN if "interpretation.json" in files else ()
+    return [name for name in files if not name.startswith(".") and name not in drawn and _is_frame(name.lower())]
+
+
+def _lost(name: str, reason: str) -> Frame:
+    return Frame(name, None, "lost", f"{name}: {reason}")
 
 
 def _is_frame(name: str) -> bool:
@@ -78,7 +99,7 @@ def _is_frame(name: str) -> bool:
 
 
 def _of_dataset(folder: Path) -> list[Frame]:
-    """Its frames, and one that is lost for all scenes that cannot be read."""
+    """Its frames, and one that is lost for all scenes that cannot be read, or have the number of another."""
     from plogic.bop.folders import open_dataset
 
     dataset = open_dataset(folder)

@@ -124,25 +124,29 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """``targets``: per (scene, image) the wanted instances by object; None: every image, every object. ``models``: their folder."""
+    """``targets``: per (scene, image) the wanted instances by object; None: every image, every object. ``models``: their folder.
+
+    ``wrong``: a line for each folder that would be a scene and is left out.
+    """
 
     folder: Path
     scenes: tuple[Scene, ...]
     targets: Mapping[tuple[int, int], Mapping[int, int]] | None = None
     models: Path | None = None
+    wrong: tuple[str, ...] = ()
 
     def scene(self, scene_id: int) -> Scene:
         """The scene of a number; raises KeyError."""
         return {scene.scene_id: scene for scene in self.scenes}[scene_id]
 
     def listed(self) -> tuple[list[tuple[int, int]], list[str]]:
-        """(scene, image) of every frame that is wanted, in order, and a line for each scene that cannot be read."""
+        """(scene, image) of every frame that is wanted, in order, and a line for each scene that cannot be read or is left out."""
         if self.targets is not None:
             here = {scene.scene_id for scene in self.scenes}
             absent = sorted({s for s, _ in self.targets if s not in here})
             lines = [f"{self.folder}: has no scene {s:06d}, which the targets name" for s in absent]
-            return sorted(key for key in self.targets if key[0] in here), lines
-        names, lines = [], []
+            return sorted(key for key in self.targets if key[0] in here), [*lines, *self.wrong]
+        names, lines = [], list(self.wrong)
         for scene in self.scenes:
             try:
                 names += [(scene.scene_id, im_id) for im_id in sorted(scene.cameras)]

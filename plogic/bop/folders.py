@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os.path
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,7 +22,8 @@ def open_dataset(folder: str | Path) -> Dataset:
     """The dataset of a scene's folder, a split's (``test``) or a whole dataset's.
 
     Of a whole one the split is ``test``, or the only ``test_*``. Targets are read for splits of tests alone. A scene whose folder is no
-    number is scene 0. No picture and no annotation is read yet.
+    number is scene 0. Beside scenes a numbered folder with pictures, or one that cannot be looked into, is one too, that cannot be read; of
+    two with one number the first by name is taken, and the other is ``wrong``. No picture and no annotation is read yet.
 
     Raises:
         InputError: It is none of these, or its targets have a mistake.
@@ -38,24 +39,47 @@ def open_dataset(folder: str | Path) -> Dataset:
 
 
 def _dataset(folder: Path, scenes: Sequence[Path], split: Path, roots: Sequence[Path]) -> Dataset:
-    read = tuple(Scene(scene, number_of(scene.name) or 0) for scene in scenes)
+    read: dict[int, Scene] = {}
+    wrong: list[str] = []
+    for path in scenes:
+        scene = Scene(path, number_of(path.name) or 0)
+        first = read.setdefault(scene.scene_id, scene)
+        if first is not scene:
+            wrong.append(f"{path}: is scene {scene.scene_id}, as {first.folder.name}/ beside it is, which is taken")
     listed = next((root / TARGETS for root in roots if is_there(root / TARGETS)), None)
     targets = read_targets(listed) if listed is not None and split.name.startswith("test") else None
     if targets is not None and len(read) == 1 and folder == scenes[0]:
-        targets = {key: wanted for key, wanted in targets.items() if key[0] == read[0].scene_id}
-    return Dataset(folder, read, targets, _models(roots))
+        targets = {key: wanted for key, wanted in targets.items() if key[0] in read}
+    return Dataset(folder, tuple(read.values()), targets, _models(roots), tuple(wrong))
 
 
 def _is_scene(path: Path) -> bool:
-    return (path / "scene_camera.json").is_file()
+    return is_there(path / "scene_camera.json")
 
 
 def _scenes(path: Path) -> list[Path]:
-    return sorted((p for p in path.iterdir() if number_of(p.name) is not None and _is_scene(p)), key=lambda p: int(p.name))
+    """The scenes of a split, by number and name; none where no folder is one for sure."""
+    numbered = [p for p in _inside(path) if number_of(p.name) is not None]
+    if not any(_is_scene(p) for p in numbered):
+        return []
+    return sorted((p for p in numbered if _is_scene(p) or _should_be(p)), key=lambda p: (int(p.name), p.name))
+
+
+def _should_be(path: Path) -> bool:
+    """Whether a numbered folder beside scenes holds what one does, or hides what it holds."""
+    return path.is_dir() and (is_there(path / "rgb") or is_there(path / "gray") or not os.access(path, os.R_OK | os.X_OK))
+
+
+def _inside(path: Path) -> list[Path]:
+    """What a folder holds, by name. Raises InputError."""
+    try:
+        return sorted(path.iterdir())
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
 
 
 def _split(path: Path, named: str | Path) -> Path:
-    splits = [p for p in sorted(path.iterdir()) if p.is_dir() and _scenes(p)]
+    splits = [p for p in _inside(path) if p.is_dir() and os.access(p, os.R_OK) and _scenes(p)]
     tests = [p for p in splits if p.name == "test"] or [p for p in splits if p.name.startswith("test_")]
     if len(tests) == 1:
         return tests[0]

@@ -77,6 +77,34 @@ def test_pipes_and_devices_in_a_folder_are_lost_and_said(folder):
     ]
 
 
+def test_a_folder_that_cannot_be_read_is_lost_and_said(folder, monkeypatch):
+    scandir = os.scandir
+
+    def closed(path):
+        if str(path).endswith("deep"):
+            raise PermissionError(13, "Permission denied", str(path))
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", closed)  # root may read all
+    (folder / "z/a.json").touch()
+    frames = frames_of(["z"], ())
+    assert [(frame.kind, frame.at) for frame in frames] == [("gamma", ""), ("lost", "z/deep: cannot be read: Permission denied")]
+
+
+def test_links_to_folders_are_followed_and_no_folder_is_looked_through_twice(folder):
+    (folder / "b/again").symlink_to(folder)
+    (folder / "b/again2").symlink_to(folder / "b")
+    (folder / "a_link").symlink_to(folder / "z")
+    assert named("b") == [
+        ("b/1.jpg", "image"),
+        ("b/2.PNG", "image"),
+        ("b/again/a.json", "gamma"),
+        ("b/again/a[1].json", "gamma"),
+        ("b/again/z/deep/g.json", "gamma"),
+    ]
+    assert [name for name, _ in named(".")] == ["a.json", "a[1].json", "b/1.jpg", "b/2.PNG", "z/deep/g.json"]
+
+
 @pytest.mark.parametrize("inputs", [["nothing*"], ["b/.hidden/none*"], ["empty"], ["-"]])
 def test_what_leads_nowhere_is_an_error(folder, inputs):
     (folder / "empty").mkdir()
@@ -97,6 +125,20 @@ def test_a_scene_that_cannot_be_read_is_one_lost_frame(folder):
     frames = frames_of(["bop"], ())
     assert [frame.kind for frame in frames] == ["bop", "lost"]
     assert "000002/scene_camera.json" in frames[1].at
+
+
+def test_scenes_without_cameras_and_of_a_number_that_is_taken_are_lost(folder):
+    dataset(folder / "bop", {1: []})
+    scene(folder / "bop/test/1", {5: []})
+    (folder / "bop/test/000002/gray").mkdir(parents=True)
+    (folder / "bop/test/000003").mkdir()
+    first, lost = frames_of(["bop"], ())
+    assert (first.frame, first.kind, first.at) == ("000001/000001", "bop", str(folder.resolve() / "bop/test/000001"))
+    assert lost.kind == "lost"
+    assert lost.at.splitlines() == [
+        f"{folder.resolve()}/bop/test/1: is scene 1, as 000001/ beside it is, which is taken",
+        f"{folder.resolve()}/bop/test/000002/scene_camera.json: is missing",
+    ]
 
 
 def test_the_digest_is_of_all_that_is_read(folder):
