@@ -84,7 +84,7 @@ class Cluster:
         except InputError as error:
             if not isinstance(error.__cause__, self._dask.KilledWorker):
                 raise
-            return Answer(job.number, *self._lines.wrong(job.frame, "the Dask worker that perceives it dies, again and again"))
+            return Answer(job.number, *self._lines.given_up(job.frame, "the Dask worker that perceives it dies, again and again"))
         if told["kb"] != self._lines.kb:
             raise InputError(f"{self._settings.kb}: is not the same on all Dask workers, or has changed since this run began")
         return Answer(job.number, told["status"], told["line"])

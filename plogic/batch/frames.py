@@ -15,9 +15,14 @@ from typing import TYPE_CHECKING, Any, Literal
 from geometry.plain_files import fault_of, is_there
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from plogic.situation import Reading, Reconsider
 
 Kind = Literal["gamma", "image", "bop", "lost"]
+
+PIECE = 1 << 20
+"""Bytes of a file that are hashed at a time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,12 +77,16 @@ def scene_and_image(frame: Frame) -> tuple[int, int]:
     return int(scene), int(image)
 
 
-def digest_of(frame: Frame, camera: str | None) -> str | None:
-    """SHA-256 (hexadecimal) of all that a frame's line is made of, its camera too; None where some of it cannot be read."""
+def digest_of(frame: Frame, camera: str | None, *, nested: bool = False) -> str | None:
+    """SHA-256 (hexadecimal) of all that a frame's line is made of, its camera too; None where some of it cannot be read.
+
+    ``nested``: each file counts by its own SHA-256, as in files of lines that an earlier plogic wrote.
+    """
     total = hashlib.sha256()
     try:
         for part in _parts(frame, camera):
-            total.update(part.encode() if isinstance(part, str) else _file_digest(part))
+            for piece in [part.encode()] if isinstance(part, str) else [_file_digest(part)] if nested else _pieces(part):
+                total.update(piece)
     except (OSError, ValueError):
         return None
     return total.hexdigest()
@@ -102,8 +111,17 @@ def _parts(frame: Frame, camera: str | None) -> list[Path | str]:
     return [Path(frame.input), *([Path(with_camera)] if with_camera is not None else [])]
 
 
-def _file_digest(path: Path) -> bytes:
+def _pieces(path: Path) -> Iterator[bytes]:
+    """The bytes of a plain file. Raises OSError and ValueError."""
     if fault_of(path) is not None:  # a pipe would never end
         raise ValueError(path)
     with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").digest()
+        while piece := file.read(PIECE):
+            yield piece
+
+
+def _file_digest(path: Path) -> bytes:
+    digest = hashlib.sha256()
+    for piece in _pieces(path):
+        digest.update(piece)
+    return digest.digest()

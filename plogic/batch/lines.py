@@ -4,6 +4,10 @@
 ``status`` is ``done``, ``unfinished`` (the deadline was reached) or ``error``. Then comes ``error`` with what ``plogic perceive`` would say, or
 ``interpretation`` with what it would write, or the short of it: ``appearances``, how many there are; ``hypotheses``, those that are accepted or
 in a listed world; ``worlds`` and ``unlisted_mass``; of what is unfinished, ``stopped`` and the intervals.
+
+``sha256`` is that of the bytes that were read, as ``cat PICTURE CAMERA | sha256sum`` prints it: of a Γ the file, of a picture the file and then
+its camera's, of a BOP frame the picture and then its entry of ``scene_camera.json`` as JSON with sorted keys, of a lost frame its error. It is
+``null`` where some of that could not be read, or changed meanwhile; where a worker was given up on it is of the files as they were then.
 """
 
 from __future__ import annotations
@@ -35,19 +39,23 @@ class Lines:
     settings: Settings
     kb: Mapping[str, str]
 
-    def perceived(self, frame: Frame, document: Mapping[str, Any]) -> tuple[str, bytes]:
-        """Status and line of a frame with its interpretation."""
+    def perceived(self, frame: Frame, document: Mapping[str, Any], sha256: str | None) -> tuple[str, bytes]:
+        """Status and line of a frame with its interpretation; ``sha256`` is of what was read."""
         status = UNFINISHED if document.get("unfinished") else DONE
         body = {"interpretation": document} if self.settings.full else short(document, self.settings.worlds)
-        return status, self._line(frame, status, body)
+        return status, self._line(frame, status, body, sha256)
 
-    def wrong(self, frame: Frame, message: str) -> tuple[str, bytes]:
+    def wrong(self, frame: Frame, message: str, sha256: str | None) -> tuple[str, bytes]:
         """Status and line of a bad frame."""
-        return ERROR, self._line(frame, ERROR, {"error": message})
+        return ERROR, self._line(frame, ERROR, {"error": message}, sha256)
 
-    def _line(self, frame: Frame, status: str, body: Mapping[str, Any]) -> bytes:
+    def given_up(self, frame: Frame, message: str) -> tuple[str, bytes]:
+        """As ``wrong``, of a frame whose worker is gone and cannot say what it read: as it is now."""
+        return self.wrong(frame, message, digest_of(frame, self.settings.camera))
+
+    def _line(self, frame: Frame, status: str, body: Mapping[str, Any], sha256: str | None) -> bytes:
         head = {"format": FORMAT, "input": frame.input, "frame": frame.frame, "status": status}
-        origin = {"sha256": digest_of(frame, self.settings.camera), "kb": dict(self.kb), "options": self.settings.document()}
+        origin = {"sha256": sha256, "kb": dict(self.kb), "options": self.settings.document()}
         text = json.dumps({**head, **origin, **body}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
         return text.encode("utf-8", "backslashreplace") + b"\n"  # of a file's name that is no text: \udc80, as JSON writes it
 

@@ -183,5 +183,8 @@ def check_same(frames: Sequence[Frame], written: Sequence[Written], settings: Se
         if line.options != options:
             told = {key: line.options.get(key, "none") for key in {**line.options, **options} if line.options.get(key) != options.get(key)}
             raise InputError(f"{line.place}: was made by other options: {', '.join(f'{key} {value}' for key, value in told.items())}")
-        if digest_of(known[line.input, line.frame], settings.camera) != line.sha256:
+        frame = known[line.input, line.frame]
+        if digest_of(frame, settings.camera) != line.sha256:
+            if line.sha256 is not None and digest_of(frame, settings.camera, nested=True) == line.sha256:
+                raise InputError(f"{line.place}: was written by an earlier plogic, whose sha256 is of each file's own sha256: start a new file")
             raise InputError(f"{line.place}: {line.input} or its camera has changed since it was written")

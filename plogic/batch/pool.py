@@ -143,4 +143,4 @@ class Pool:
 
     def _given_up(self, job: Job, message: str) -> Answer:
         assert self._lines is not None  # noqa: S101 - some worker was ready
-        return Answer(job.number, *self._lines.wrong(job.frame, message))
+        return Answer(job.number, *self._lines.given_up(job.frame, message))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.errors import PlogicError
 from geometry.plain_files import fault_of
-from plogic.batch.frames import camera_of, scene_and_image
+from plogic.batch.frames import camera_of, digest_of, scene_and_image
 from plogic.batch.lines import Lines
 from plogic.bop.dataset import Scene
 from plogic.commands.perceive import detected, gamma_of, image_of
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 SCENES = 4
 """BOP scenes whose cameras are kept."""
 
+CHANGED = "changed while it was read"
+"""What is wrong with a frame whose bytes before and after are not the same."""
+
 
 class Worker:
     """A knowledge base made ready, and what makes a line of a frame with it. Raises PlogicError where the KB cannot be read."""
@@ -41,19 +44,25 @@ class Worker:
 
     def __call__(self, frame: Frame) -> tuple[str, bytes]:
         """Status and line of one frame; raises nothing."""
+        sha256 = self._digest(frame)
         try:
-            return self.lines.perceived(frame, self._document(frame))
+            return self.lines.perceived(frame, self._document(frame, sha256), sha256)
         except PlogicError as error:
-            return self.lines.wrong(frame, str(error))
+            what = str(error)
         except MemoryError:
-            return self.lines.wrong(frame, "out of memory")
+            what = "out of memory"
         except Exception as error:  # noqa: BLE001 - no frame may stop the others
-            what = " ".join(f"{type(error).__name__}: {error}".split())
-            return self.lines.wrong(frame, f"internal error: {what}")
+            what = f"internal error: {' '.join(f'{type(error).__name__}: {error}'.split())}"
+        return self.lines.wrong(frame, what, sha256) if self._digest(frame) == sha256 else self.lines.wrong(frame, CHANGED, None)
 
-    def _document(self, frame: Frame) -> dict[str, Any]:
+    def _digest(self, frame: Frame) -> str | None:
+        return digest_of(frame, self.settings.camera)
+
+    def _document(self, frame: Frame, sha256: str | None) -> dict[str, Any]:
         clock, chosen = Stopwatch(), self.settings
         gamma, image = self._data(frame, clock)
+        if self._digest(frame) != sha256:
+            raise InputError(CHANGED)
         end = monotonic() + chosen.deadline if chosen.deadline is not None else None
         return self.perceiver(gamma, Options(chosen.reading, chosen.reconsider, chosen.smoothing, end), image, clock)
 

@@ -43,7 +43,7 @@ def test_other_bytes_are_told_apart():
     lines = Lines(Settings("towers", full=True), {"name": "towers", "digest": "d"})
     documents = [{"format": "interpretation/1", "ä": i / 3} for i in range(3)]
     texts = [text_of(document).encode() for document in documents]
-    written = [lines.perceived(Frame("a.png", None, "lost"), document)[1] for document in documents]
+    written = [lines.perceived(Frame("a.png", None, "lost"), document, None)[1] for document in documents]
     assert json.loads(written[1])["interpretation"] == documents[1]
     assert differing(texts, written) == 0
     assert differing(texts, written[:2]) == 1

@@ -18,7 +18,7 @@ from plogic.errors import InputError
 SETTINGS = Settings("towers", worlds=2)
 KB = {"name": "towers", "digest": "d"}
 FRAMES = [Frame(name, None, "lost", f"{name}: is ünfit") for name in ("a.png", "b.png", "c\udc80.json", "d.json")]
-LINES = [Lines(SETTINGS, KB).wrong(frame, frame.at)[1] for frame in FRAMES]
+LINES = [Lines(SETTINGS, KB).given_up(frame, frame.at)[1] for frame in FRAMES]
 WHOLE = b"".join(LINES)
 
 
@@ -35,7 +35,7 @@ def test_a_file_cut_anywhere_ends_up_whole(cut):
             assert len(left) == len(FRAMES) - WHOLE[:cut].count(b"\n")
             log.cut()
             for frame in left:
-                log.write(Lines(SETTINGS, KB).wrong(frame, frame.at)[1])
+                log.write(Lines(SETTINGS, KB).given_up(frame, frame.at)[1])
         assert path.read_bytes() == WHOLE
 
 
@@ -87,8 +87,8 @@ def test_two_runs_cannot_write_one_file(tmp_path):
 
 def test_what_the_deadline_cut_short_is_told():
     document = {"appearances": [], "worlds": [], "unlisted_mass": [0.0, 1.0], "hypotheses": []}
-    assert Lines(SETTINGS, KB).perceived(FRAMES[0], document)[0] == "done"
-    status, line = Lines(SETTINGS, KB).perceived(FRAMES[0], document | {"unfinished": True})
+    assert Lines(SETTINGS, KB).perceived(FRAMES[0], document, None)[0] == "done"
+    status, line = Lines(SETTINGS, KB).perceived(FRAMES[0], document | {"unfinished": True}, "d")
     assert status == json.loads(line)["status"] == "unfinished"
 
 
