@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 STARTS = 3
 """Workers that may die in a row before any was ready."""
 
+PATIENCE = 1.0
+"""Seconds after which those who may be late are looked at again, and by which a turn may be late itself."""
+
 
 class Answer(NamedTuple):
     """The line of a frame, by its place among those of the run."""
@@ -62,8 +65,12 @@ class Pool:
             InputError: No worker can read the KB, or it has changed.
         """
         self.kb()
+        turn = monotonic()
         while self._fill(take):
-            yield from self._heard(self._patience())
+            patience = self._patience()
+            yield from self._heard(patience)
+            self._excuse(monotonic() - turn - (patience or 0.0))
+            turn = monotonic()
             yield from self._late()
 
     def close(self) -> None:
@@ -88,9 +95,15 @@ class Pool:
         return any(worker.job is not None for worker in self._workers)
 
     def _patience(self) -> float | None:
-        """Seconds until the next worker is late; None for ever."""
+        """Seconds until the next worker may be late, a few at most; None for ever."""
         begun = [worker.since for worker in self._workers if worker.job is not None and worker.kb is not None]
-        return None if self._timeout is None or not begun else max(0.0, min(begun) + self._timeout - monotonic())
+        return None if self._timeout is None or not begun else min(max(0.0, min(begun) + self._timeout - monotonic()), PATIENCE)
+
+    def _excuse(self, seconds: float) -> None:
+        """A turn that came so much later than was asked for, as where we were stopped or nobody read our lines, is no worker's fault."""
+        if self._timeout is not None and seconds > PATIENCE:
+            for worker in self._workers:
+                worker.since = min(worker.since + seconds, monotonic())
 
     def _heard(self, seconds: float | None) -> Iterator[Answer]:
         """What workers say that speak within so many seconds."""
@@ -116,10 +129,13 @@ class Pool:
         worker.kb, worker.since, self._failed = said["kb"], monotonic(), 0
 
     def _late(self) -> Iterator[Answer]:
-        """End the workers that take longer over a frame than they may."""
+        """End the workers that take longer over a frame than they may, and have said nothing that is still to be read."""
+        if self._timeout is None:
+            return
         for worker in list(self._workers):
             job = worker.job
-            if self._timeout is not None and job is not None and worker.kb is not None and monotonic() - worker.since >= self._timeout:
+            late = job is not None and worker.kb is not None and monotonic() - worker.since >= self._timeout
+            if late and job is not None and not select.select([worker], [], [], 0)[0]:
                 self._gone(worker)
                 yield self._given_up(job, f"took longer than {self._timeout:g} s")
 
