@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from typing import TYPE_CHECKING, Any
@@ -53,6 +54,9 @@ def batch(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) -> 
         raise click.UsageError("--jobs and --dask exclude each other")
     if out == "-" and options["resume"]:
         raise click.UsageError("--resume needs a file: -o OUT")
+    for option in ("timeout", "deadline"):
+        if options[option] == math.inf:
+            raise click.UsageError(f"--{option} must be finite: leave it out to wait without end")
     sys.exit(batch_command(inputs, kb_folder, out, options, listed=sys.stdin))
 
 

@@ -115,6 +115,8 @@ def test_a_bop_dataset(tmp_path):
         (["--jobs", 1, "--dask", "tcp://h:1"], "exclude each other"),
         (["--resume"], "--resume needs a file"),
         (["--timeout", "nan"], "no number"),
+        (["--timeout", "inf"], "--timeout must be finite"),
+        (["--deadline", "inf"], "--deadline must be finite"),
         (["-n", "-1"], "not in the range"),
     ],
 )
