@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -17,10 +18,13 @@ from geometry.plain_files import fault_of, is_there
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from plogic.bop.dataset import Scene
     from plogic.situation import Reading, Reconsider
 
 Kind = Literal["gamma", "image", "bop", "lost"]
 
+SCENES = 4
+"""BOP scenes whose cameras are kept."""
 PIECE = 1 << 20
 """Bytes of a file that are hashed at a time."""
 
@@ -77,6 +81,22 @@ def scene_and_image(frame: Frame) -> tuple[int, int]:
     return int(scene), int(image)
 
 
+def scene_at(folder: str, number: int) -> Scene:
+    """The scene of a folder, whose cameras are parsed once for as long as their file does not change."""
+    try:
+        found = (Path(folder) / "scene_camera.json").stat()
+    except OSError:
+        return _scene(folder, number, ())
+    return _scene(folder, number, (found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns))
+
+
+@lru_cache(SCENES)
+def _scene(folder: str, number: int, _version: tuple[int, ...]) -> Scene:
+    from plogic.bop.dataset import Scene
+
+    return Scene(Path(folder), number)
+
+
 def digest_of(frame: Frame, camera: str | None, *, nested: bool = False) -> str | None:
     """SHA-256 (hexadecimal) of all that a frame's line is made of, its camera too; None where some of it cannot be read.
 
@@ -99,11 +119,9 @@ def _parts(frame: Frame, camera: str | None) -> list[Path | str]:
     if frame.kind == "lost":
         return [frame.at]
     if frame.kind == "bop":
-        from plogic.bop.dataset import Scene
-
         scene, image = scene_and_image(frame)
         try:
-            read = Scene(Path(frame.at), scene)
+            read = scene_at(frame.at, scene)
             return [read.picture(image), json.dumps(read.cameras[image], sort_keys=True)]
         except (PlogicError, KeyError) as error:
             raise ValueError(frame.frame) from error

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from geometry.errors import PlogicError
 from geometry.plain_files import fault_of
-from plogic.batch.frames import camera_of, digest_of, scene_and_image
+from plogic.batch.frames import camera_of, digest_of, scene_and_image, scene_at
 from plogic.batch.lines import Lines
-from plogic.bop.dataset import Scene
 from plogic.commands.perceive import detected, gamma_of, image_of
 from plogic.commands.sources import kb_of
 from plogic.delta import Options
@@ -26,9 +24,6 @@ if TYPE_CHECKING:
     from plogic.batch.frames import Frame, Settings
     from sensing.appearance import Gamma
 
-SCENES = 4
-"""BOP scenes whose cameras are kept."""
-
 CHANGED = "changed while it was read"
 """What is wrong with a frame whose bytes before and after are not the same."""
 
@@ -40,7 +35,6 @@ class Worker:
         self.settings = settings
         self.perceiver = Perceiver(kb_of(settings.kb), cache_folder("indices"))
         self.lines = Lines(settings, {"name": self.perceiver.kb.name, "digest": self.perceiver.kb.digest})
-        self._scene = lru_cache(SCENES)(lambda folder, number: Scene(Path(folder), number))
 
     def __call__(self, frame: Frame) -> tuple[str, bytes]:
         """Status and line of one frame; raises nothing."""
@@ -72,7 +66,7 @@ class Worker:
             raise InputError(frame.at)
         if frame.kind == "bop":
             scene, image = scene_and_image(frame)
-            shot = self._scene(frame.at, scene).frame(image)
+            shot = scene_at(frame.at, scene).frame(image)
             return detected(shot.image, shot.camera, kb, clock), shot.image
         camera = camera_of(frame, self.settings.camera) if frame.kind == "image" else None
         for path in (frame.input, *([camera] if camera is not None else [])):

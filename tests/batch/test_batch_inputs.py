@@ -9,6 +9,7 @@ from bop_folders import dataset, put, scene
 
 from plogic.batch.frames import Frame, camera_of, digest_of
 from plogic.batch.inputs import frames_of
+from plogic.bop.json_files import numbered
 from plogic.errors import InputError
 
 
@@ -163,3 +164,16 @@ def test_the_digest_of_a_bop_frame_is_of_its_own_camera(folder):
     put(place / "scene_camera.json", cameras.replace('"depth_scale": 1.0', '"depth_scale": 2.0', 1))
     assert digest_of(first, None) != before[0]
     assert digest_of(second, None) == before[1]
+
+
+def test_a_scenes_cameras_are_parsed_once_until_they_change(folder, monkeypatch):
+    parsed = []
+    monkeypatch.setattr("plogic.bop.dataset.numbered", lambda path: parsed.append(path) or numbered(path))
+    place = scene(folder / "s/000001", {i: [] for i in range(9)})
+    frames = frames_of([str(place)], ())
+    parsed.clear()
+    assert len({digest_of(frame, None) for frame in frames}) == 1, "all are of one picture and one camera"
+    assert len(parsed) == 1
+    put(place / "scene_camera.json", (place / "scene_camera.json").read_text() + " ")
+    assert digest_of(frames[0], None)
+    assert len(parsed) == 2
