@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from plogic.batch.frames import digest_of
-from plogic.batch.lines import FORMAT
+from plogic.batch.lines import DONE, ERROR, FORMAT, UNFINISHED
 from plogic.errors import InputError
 from sensing.errors import SensingError
 from sensing.whole_files import check_places
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from io import RawIOBase
     from typing import BinaryIO
 
@@ -25,7 +25,18 @@ if TYPE_CHECKING:
 
 HEAD = f'{{"format":"{FORMAT}",'.encode()
 """How every line begins."""
-KEYS = ("input", "frame", "status", "sha256", "kb", "options")
+MOST = 10
+"""Mistakes of a file that are told; no more are looked for."""
+TAKE_OUT = "take these lines out and go on with --order done, or start a new file"
+KEYS: dict[str, Callable[[Any], bool]] = {
+    "input": lambda value: isinstance(value, str),
+    "frame": lambda value: value is None or isinstance(value, str),
+    "status": lambda value: isinstance(value, str) and value in {DONE, UNFINISHED, ERROR},
+    "sha256": lambda value: value is None or isinstance(value, str),
+    "kb": lambda value: isinstance(value, dict),
+    "options": lambda value: isinstance(value, dict),
+}
+"""What a line tells of its frame, and whether a value may be it."""
 
 
 class Written(NamedTuple):
@@ -38,6 +49,30 @@ class Written(NamedTuple):
     sha256: str | None
     kb: Mapping[str, str]
     options: Mapping[str, Any]
+
+    @property
+    def name(self) -> str:
+        """As people are told."""
+        return self.input if self.frame is None else f"{self.input} {self.frame}"
+
+
+class Mistakes:
+    """What is wrong with a file's lines, told at once, and what is to be done about it."""
+
+    def __init__(self, remedy: str) -> None:
+        self._lines, self._remedy = list[str](), remedy
+
+    def add(self, line: str) -> None:
+        """One more; raises InputError where there are so many that no more are to be looked for."""
+        self._lines.append(line)
+        if len(self._lines) == MOST:
+            self._lines.append("there may be more")
+            self.check()
+
+    def check(self) -> None:
+        """Raise InputError where there is any."""
+        if self._lines:
+            raise InputError("\n".join([*self._lines, f"--resume cannot go on: {self._remedy}"]))
 
 
 class Log(Protocol):
@@ -121,15 +156,18 @@ def _read(path: Path, out: str) -> tuple[list[Written], int]:
     """What the lines tell, and their bytes; what follows the last end of a line is a torn one."""
     written: list[Written] = []
     end = 0
+    wrong = Mistakes(TAKE_OUT)
     with path.open("rb") as lines:
         for number, line in enumerate(lines, 1):
             if not line.endswith(b"\n"):
                 if line[: len(HEAD)] != HEAD[: len(line)]:
-                    raise _not_ours(out, number)
+                    wrong.add(f"{out}:{number}: is no {FORMAT}, so that it cannot be gone on with")
                 break
-            told = _told(line, out, number)
-            written.append(told._replace(kb=written[-1].kb, options=written[-1].options) if written and _alike(told, written[-1]) else told)
+            told = _told(line, f"{out}:{number}", wrong)
+            if told is not None:
+                written.append(told._replace(kb=written[-1].kb, options=written[-1].options) if written and _alike(told, written[-1]) else told)
             end += len(line)
+    wrong.check()
     return written, end
 
 
@@ -138,18 +176,19 @@ def _alike(a: Written, b: Written) -> bool:
     return a.kb == b.kb and a.options == b.options
 
 
-def _told(line: bytes, out: str, number: int) -> Written:
+def _told(line: bytes, place: str, wrong: Mistakes) -> Written | None:
     try:
         document = json.loads(line)
-        if document["format"] == FORMAT and isinstance(document["options"], dict):
-            return Written(f"{out}:{number}", *(document[key] for key in KEYS))
+        if document["format"] == FORMAT:
+            keys = [key for key, right in KEYS.items() if not right(document[key])]
+            if not keys:
+                return Written(place, *(document[key] for key in KEYS))
+            wrong.add(f"{place}: is no {FORMAT}: {', '.join(keys)}: {'is' if len(keys) == 1 else 'are'} of another kind")
+            return None
     except (ValueError, TypeError, KeyError, RecursionError):
         pass
-    raise _not_ours(out, number)
-
-
-def _not_ours(out: str, number: int) -> InputError:
-    return InputError(f"{out}:{number}: is no {FORMAT}, so that it cannot be gone on with")
+    wrong.add(f"{place}: is no {FORMAT}, so that it cannot be gone on with")
+    return None
 
 
 def left_over(frames: Sequence[Frame], written: Sequence[Written], *, in_order: bool) -> list[Frame]:
@@ -160,31 +199,42 @@ def left_over(frames: Sequence[Frame], written: Sequence[Written], *, in_order: 
     """
     place = {(frame.input, frame.frame): i for i, frame in enumerate(frames)}
     seen: set[int] = set()
-    for number, line in enumerate(written):
+    wrong = Mistakes(f"name the inputs as they were named; else {TAKE_OUT}")
+    for line in written:
         i = place.get((line.input, line.frame))
-        name = line.input if line.frame is None else f"{line.input} {line.frame}"
         if i is None:
-            raise InputError(f"{line.place}: is of {name}, which is not among the inputs now")
-        if i in seen:
-            raise InputError(f"{line.place}: is of {name}, as an earlier one is")
-        if in_order and i != number:
-            raise InputError(f"{line.place}: is of {name}, which is number {i + 1} of the inputs: to go on out of their order, give --order done")
-        seen.add(i)
+            wrong.add(f"{line.place}: is of {line.name}, which is not among the inputs now")
+        elif i in seen:
+            wrong.add(f"{line.place}: is of {line.name}, as an earlier one is")
+        else:
+            seen.add(i)
+    wrong.check()
+    for number, line in enumerate(written if in_order else ()):
+        i = place[line.input, line.frame]
+        if i != number:
+            raise InputError(f"{line.place}: is of {line.name}, which is number {i + 1} of the inputs: to go on out of order, give --order done")
     return [frame for i, frame in enumerate(frames) if i not in seen]
 
 
 def check_same(frames: Sequence[Frame], written: Sequence[Written], settings: Settings, kb: Mapping[str, str]) -> None:
-    """Raise InputError where a line was made with another KB, by other options, or of other content than the frame has now."""
-    known = {(frame.input, frame.frame): frame for frame in frames}
+    """Raise InputError where lines were made with another KB, by other options, or of other content than their frames have now."""
+    wrong = Mistakes("give the knowledge base and the options of then; else start a new file")
     options = settings.document()
     for line in written:
         if line.kb != kb:
-            raise InputError(f"{line.place}: was made with another knowledge base: {settings.kb} has changed since, or is another")
-        if line.options != options:
+            wrong.add(f"{line.place}: was made with another knowledge base: {settings.kb} has changed since, or is another")
+        elif line.options != options:
             told = {key: line.options.get(key, "none") for key in {**line.options, **options} if line.options.get(key) != options.get(key)}
-            raise InputError(f"{line.place}: was made by other options: {', '.join(f'{key} {value}' for key, value in told.items())}")
+            wrong.add(f"{line.place}: was made by other options: {', '.join(f'{key} {value}' for key, value in told.items())}")
+    wrong.check()
+    wrong = Mistakes(TAKE_OUT)
+    known = {(frame.input, frame.frame): frame for frame in frames}
+    for line in written:
         frame = known[line.input, line.frame]
-        if digest_of(frame, settings.camera) != line.sha256:
-            if line.sha256 is not None and digest_of(frame, settings.camera, nested=True) == line.sha256:
-                raise InputError(f"{line.place}: was written by an earlier plogic, whose sha256 is of each file's own sha256: start a new file")
-            raise InputError(f"{line.place}: {line.input} or its camera has changed since it was written")
+        if digest_of(frame, settings.camera) == line.sha256:
+            continue
+        if line.sha256 is not None and digest_of(frame, settings.camera, nested=True) == line.sha256:
+            wrong.add(f"{line.place}: was written by an earlier plogic, whose sha256 is of each file's own sha256")
+        else:
+            wrong.add(f"{line.place}: {line.name} or its camera has changed since it was written")
+    wrong.check()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from plogic.batch.frames import Frame, Settings
 from plogic.batch.lines import Lines, short
-from plogic.batch.log import check_same, left_over, log_at
+from plogic.batch.log import MOST, check_same, left_over, log_at
 from plogic.errors import InputError
 
 SETTINGS = Settings("towers", worlds=2)
@@ -77,6 +77,32 @@ def test_a_file_of_something_else_is_left_alone(tmp_path, content):
     with pytest.raises(InputError, match=r"out.jsonl:1: is no frame/1"), log_at(str(path)):
         pass
     assert path.read_bytes() == content
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("input", []), ("input", None), ("frame", [1]), ("frame", 1), ("status", []), ("status", "odd"), ("sha256", 1), ("kb", "d"), ("options", [])],
+)
+def test_a_value_of_another_kind_is_refused(key, value):
+    row = json.dumps({**json.loads(LINES[1]), key: value}).encode() + b"\n"
+    with pytest.raises(InputError, match=rf"out.jsonl:2: is no frame/1: {key}: is of another kind\n--resume cannot go on: take these lines out"):
+        written([LINES[0], row])
+
+
+def test_mistakes_are_told_together_up_to_some_number():
+    with pytest.raises(InputError) as told:
+        written([LINES[0], b"{}\n", LINES[1], b"[]\n"])
+    assert [line.split(":")[1] for line in str(told.value).splitlines()[:-1]] == ["2", "4"]
+    with pytest.raises(InputError) as told:
+        written([b"{}\n"] * 1000)
+    assert len(str(told.value).splitlines()) == MOST + 2
+    with pytest.raises(InputError) as told:
+        left_over(FRAMES[2:], written(LINES[:2]), in_order=True)
+    assert [line.split(":")[1] for line in str(told.value).splitlines()[:-1]] == ["1", "2"]
+    others = [Frame(frame.input, None, "lost", "otherwise") for frame in FRAMES]
+    with pytest.raises(InputError) as told:
+        check_same(others, written(LINES), SETTINGS, KB)
+    assert len(str(told.value).splitlines()) == len(LINES) + 1
 
 
 def test_two_runs_cannot_write_one_file(tmp_path):
