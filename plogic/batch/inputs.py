@@ -28,8 +28,8 @@ DATASET = ("scene_camera.json", "[0-9]*/scene_camera.json", "*/[0-9]*/scene_came
 def frames_of(inputs: Iterable[str], listed: Iterable[str]) -> list[Frame]:
     """Every frame once, in the order of the inputs, and inside a folder in that of names; ``-`` stands for the lines of ``listed``.
 
-    Raises:
-        InputError: An input leads to no frame at all, or a BOP dataset cannot be told from its folder.
+    An input that leads to no frame, or a folder that is no BOP dataset though it looks like one, is a lost frame. Raises InputError where there
+    is no input at all.
     """
     named = (name for given in inputs for name in (_lines(listed) if given == "-" else [given]))
     found = {(frame.input, frame.frame): frame for name in named for frame in _frames(name)}
@@ -51,9 +51,7 @@ def _frames(name: str) -> list[Frame]:
         found = _of_dataset(path) if any(any(path.glob(pattern)) for pattern in DATASET) else _of_folder(path)
     else:
         return [_of_file(path)]
-    if not found:
-        raise InputError(f"{name}: leads to no picture and no Γ")
-    return found
+    return found or [_lost(name, "leads to no picture and no Γ")]
 
 
 def _of_file(path: Path) -> Frame:
@@ -102,7 +100,10 @@ def _of_dataset(folder: Path) -> list[Frame]:
     """Its frames, and one that is lost for all scenes that cannot be read, or have the number of another."""
     from plogic.bop.folders import open_dataset
 
-    dataset = open_dataset(folder)
+    try:
+        dataset = open_dataset(folder)
+    except InputError as error:
+        return [Frame(str(folder), None, "lost", str(error))]
     keys, wrong = dataset.listed()
     places = {scene.scene_id: str(scene.folder) for scene in dataset.scenes}
     frames = [Frame(str(folder), f"{scene:06d}/{image:06d}", "bop", places[scene]) for scene, image in keys]

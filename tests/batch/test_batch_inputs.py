@@ -106,11 +106,25 @@ def test_links_to_folders_are_followed_and_no_folder_is_looked_through_twice(fol
     assert [name for name, _ in named(".")] == ["a.json", "a[1].json", "b/1.jpg", "b/2.PNG", "z/deep/g.json"]
 
 
-@pytest.mark.parametrize("inputs", [["nothing*"], ["b/.hidden/none*"], ["empty"], ["-"]])
-def test_what_leads_nowhere_is_an_error(folder, inputs):
+@pytest.mark.parametrize("name", ["nothing*", "gone[1].json", "b/.hidden/none*", "empty"])
+def test_what_leads_nowhere_is_lost_and_stops_no_other(folder, name):
     (folder / "empty").mkdir()
-    with pytest.raises(InputError, match=r"leads to no picture|no input"):
-        frames_of(inputs, ())
+    lost, good = frames_of([name, "a.json"], ())
+    assert (lost.input, lost.kind, lost.at) == (name, "lost", f"{name}: leads to no picture and no Γ")
+    assert (good.input, good.kind) == ("a.json", "gamma")
+
+
+def test_a_dataset_that_cannot_be_told_is_lost_and_stops_no_other(folder):
+    for split in ("test_one", "test_two"):
+        scene(folder / "bop" / split / "000001", {1: []})
+    lost, good = frames_of(["bop", "a.json"], ())
+    assert (lost.kind, lost.at) == ("lost", "bop: give one of its splits: test_one, test_two")
+    assert good.kind == "gamma"
+
+
+def test_no_input_at_all_is_an_error():
+    with pytest.raises(InputError, match="there is no input"):
+        frames_of(["-"], ["\n"])
 
 
 def test_a_dataset_its_split_and_its_scene(folder):
