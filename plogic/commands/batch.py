@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -74,6 +75,7 @@ def batch_command(inputs: Sequence[str], kb_folder: str, out: str, options: dict
     check_out(out, resume=options["resume"])
     chosen = {key: options[key] for key in ("camera", "reading", "reconsider", "smoothing", "deadline", "worlds", "full")}
     settings = Settings(kb_folder, **chosen)
+    _check_camera(settings.camera)
     frames = frames_of(inputs, listed)
     with ending_well():
         engine = _engine(settings, options)
@@ -84,6 +86,20 @@ def batch_command(inputs: Sequence[str], kb_folder: str, out: str, options: dict
                 return _run(frames, engine, log, settings, kb, out, in_order=options["order"] == "input")
         finally:
             engine.close()
+
+
+def _check_camera(camera: str | None) -> None:
+    """Raise PlogicError where --camera is no camera: every picture would say so."""
+    if camera is None:
+        return
+    from geometry.camera_files import read_camera
+    from geometry.plain_files import fault_of
+    from plogic.errors import InputError
+
+    fault = fault_of(Path(camera))
+    if fault is not None:
+        raise InputError(f"{camera}: {fault}")
+    read_camera(camera)
 
 
 def _engine(settings: Settings, options: dict[str, Any]) -> Engine:

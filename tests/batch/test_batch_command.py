@@ -129,6 +129,9 @@ def test_bad_usage(frames, args, says):
 def test_what_is_wrong_before_any_work_writes_nothing(frames, tmp_path):
     (tmp_path / "full.jsonl").write_text("mine\n")
     for args, says in (
+        (["frames", "--kb", "towers", "--camera", tmp_path / "full.jsonl", "-o", tmp_path / "new.jsonl"], "full.jsonl"),
+        (["frames", "--kb", "towers", "--camera", tmp_path / "none.json", "-o", tmp_path / "new.jsonl"], "none.json: is missing"),
+        (["frames", "--kb", "towers", "--camera", "/dev/zero", "-o", tmp_path / "new.jsonl"], "is no plain file, but a pipe or a device"),
         (["frames", "--kb", "nothing", "-o", tmp_path / "new.jsonl"], "no knowledge base 'nothing'"),
         (["-", "--kb", "towers", "-o", tmp_path / "new.jsonl"], "there is no input"),
         (["frames", "--kb", "towers", "-o", tmp_path / "full.jsonl"], "is there already: --resume goes on with it"),
