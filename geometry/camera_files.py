@@ -12,6 +12,7 @@
 """
 
 import json
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -124,6 +125,6 @@ def _json(text: str) -> object:
 def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
     content = dict(pairs)
     if len(content) < len(pairs):
-        names = [name for name, _ in pairs]
-        raise CameraError(f"{next(name for name in names if names.count(name) > 1)}: is given twice")
+        times = Counter(name for name, _ in pairs)
+        raise CameraError(f"{next(name for name in times if times[name] > 1)}: is given twice")
     return content

@@ -94,9 +94,22 @@ def path_to(raw: object, indices: Sequence[int]) -> Path:
     """Keys from the document's root to the node that ``indices`` into ``Branch.parts`` lead to."""
     path: Path = ()
     for index in indices:
-        step, _, raw = list(held(raw))[index]
+        step, raw = _held_at(raw, index)
         path += step
     return path
+
+
+def _held_at(raw: object, index: int) -> tuple[Path, object]:
+    """Of ``held`` the entry of this number, without the others."""
+    rest = index
+    for key in LISTS:
+        items = raw.get(key) if isinstance(raw, dict) else None
+        if not isinstance(items, list):
+            continue
+        if rest < len(items):
+            return (key, rest), items[rest]
+        rest -= len(items)
+    raise IndexError(index)
 
 
 def nodes(raw: object, path: Path = (), kind: Kind = "object") -> Iterator[tuple[Path, Kind, Any]]:

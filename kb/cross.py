@@ -56,17 +56,17 @@ def _types(document: Document, kind: str) -> Iterator[str]:
 
 
 def _unknown_appearances(document: Document, vocabulary: list[Any], known: set[str]) -> Iterator[Mistake]:
+    listed = ", ".join(map(str, vocabulary[:12])) or "none"
     for path, kind, entry in nodes(document.data):
         name = entry.get("type") if kind == "appearance" and isinstance(entry, dict) else None
         if isinstance(name, str) and name not in known:
-            listed = ", ".join(map(str, vocabulary[:12])) or "none"
             yield document.mistake((*path, "type"), f"unknown appearance type {name!r}; appearance_types in kb.yaml: {listed}")
 
 
 def _unknown(kb: Document, path: tuple[str, ...], given: Mapping[str, object], known: set[Any], what: str) -> Iterator[Mistake]:
+    listed = ", ".join(sorted(map(str, known))[:12]) or "none"
     for name in given:
         if name not in known:
-            listed = ", ".join(sorted(map(str, known))[:12]) or "none"
             yield kb.mistake((*path, name), f"unknown {what} type {name!r}; known: {listed}", key=True)
 
 

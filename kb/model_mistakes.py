@@ -44,8 +44,9 @@ def checked(model: type[Model], document: Document) -> tuple[Model | None, list[
 
 def without(mistakes: Sequence[Mistake], places: Sequence[Path]) -> list[Mistake]:
     """The mistakes that are not at or below one of the places: of those another mistake has said what is wrong."""
-    prefixes = [".".join(str(step) for step in place) for place in places if place]
-    return [m for m in mistakes if not any(m.path == p or m.path.startswith(f"{p}.") for p in prefixes)]
+    prefixes = {".".join(str(step) for step in place) for place in places if place}
+    lengths = {len(prefix) for prefix in prefixes}
+    return [m for m in mistakes if not any(m.path[n : n + 1] in ("", ".") and m.path[:n] in prefixes for n in lengths)]
 
 
 def _mistake(document: Document, detail: ErrorDetails) -> Mistake:

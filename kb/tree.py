@@ -86,8 +86,8 @@ def _own_mistakes(branch: Branch) -> Iterator[str]:
 
 
 def _repeated(branch: Branch) -> list[int]:
-    names = [part.name for part in branch.parts]
-    return [i for i, part in enumerate(branch.parts) if part.kind != "appearance" and part.name in names[:i]]
+    first: dict[str, int] = {}
+    return [i for i, part in enumerate(branch.parts) if first.setdefault(part.name, i) != i and part.kind != "appearance"]
 
 
 def build_tree(root: Branch) -> nx.DiGraph:

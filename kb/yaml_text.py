@@ -10,6 +10,7 @@ import re
 import warnings
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from ruamel.yaml import YAML
@@ -52,7 +53,7 @@ class Document:
         """Line and column, from 1, of the value at ``path`` (of its key, if asked), or of the nearest thing around it."""
         node, mark = self.root, self.root.start_mark if self.root is not None else None
         for depth, step in enumerate(path):
-            found = _child(node, step)
+            found = self._child(node, step)
             if found is None:
                 break
             name, node = found
@@ -64,18 +65,25 @@ class Document:
         line, column = self.place(path, key=key)
         return Mistake(self.file, line, column, dotted(path), message)
 
+    def _child(self, node: Node | None, step: str | int) -> tuple[Node, Node] | None:
+        if isinstance(node, MappingNode):
+            if id(node) not in self._children:
+                named = [(name, value) for name, value in reversed(node.value) if isinstance(name, ScalarNode)]  # of namesakes the first
+                self._children[id(node)] = {name.value: (name, value) for name, value in named}
+            return self._children[id(node)].get(step)
+        if isinstance(node, SequenceNode) and isinstance(step, int) and step < len(node.value):
+            return node.value[step], node.value[step]
+        return None
+
+    @cached_property
+    def _children(self) -> dict[int, dict[str | int, tuple[Node, Node]]]:
+        """Of the mappings that were asked, by the id of their node, the key and the value of each name: a long one is not walked for each mistake."""
+        return {}
+
 
 def dotted(path: Sequence[str | int]) -> str:
     """``("parts", 1, "type")`` as ``parts.1.type``."""
     return ".".join(str(step) for step in path)
-
-
-def _child(node: Node | None, step: str | int) -> tuple[Node, Node] | None:
-    if isinstance(node, MappingNode):
-        return next(((name, value) for name, value in node.value if name.value == step), None)
-    if isinstance(node, SequenceNode) and isinstance(step, int) and step < len(node.value):
-        return node.value[step], node.value[step]
-    return None
 
 
 def load(file: str, content: bytes) -> Document:

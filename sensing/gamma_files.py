@@ -10,6 +10,7 @@ import base64
 import binascii
 import json
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -146,9 +147,10 @@ def _parsed(text: str, name: str) -> object:
     doubled: list[str] = []
 
     def pairs(items: list[tuple[str, Any]]) -> dict[str, Any]:
-        keys = [key for key, _ in items]
-        doubled.extend(sorted({key for key in keys if keys.count(key) > 1}))
-        return dict(items)
+        found = dict(items)
+        if len(found) < len(items):
+            doubled.extend(sorted(key for key, times in Counter(key for key, _ in items).items() if times > 1))
+        return found
 
     try:
         data = json.loads(text, object_pairs_hook=pairs)

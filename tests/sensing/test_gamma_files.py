@@ -192,6 +192,13 @@ def test_text_that_is_no_json_is_one_clear_line(text):
     assert str(caught.value).startswith("g.json")
 
 
+def test_the_keys_that_are_given_twice_are_named_once_each():
+    text = '{"a": 1, "c": [{"y": 1, "x": 2, "y": 3, "x": 4, "y": 5}], "b": 2, "a": 3}'
+    with pytest.raises(GammaError) as caught:
+        gamma_from_text(text)
+    assert [line.split("'")[1] for line in caught.value.mistakes] == ["x", "y", "a"]
+
+
 def test_a_file_that_is_not_there_or_not_text(tmp_path):
     with pytest.raises(GammaError, match="cannot be read"):
         read_gamma(tmp_path / "none.json")
