@@ -83,7 +83,7 @@ class Perception(Anytime):
         covered = covered_by([b.posed for b in self.accepted], self.data) if by_hand else None
 
         def search(index: Index) -> list[tuple[float, Posed]]:
-            return generate(index, left, self.kb, covered, taken, **self._fewer(index))
+            return generate(index, left, self.kb, covered, taken, self.deadline.check, **self._fewer(index))
 
         with closing(searched(search, alone, left, self.processes)) as searches:
             for row in attention:

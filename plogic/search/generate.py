@@ -10,6 +10,7 @@ import numpy as np
 from geometry.refine import refine_poses
 from plogic.evidence import evidence
 from plogic.expectation import matched, pose_of
+from plogic.inference.clock import unhurried
 from plogic.search.alike import distinct, same_place
 from plogic.search.extend import Posed as Candidates
 from plogic.search.extend import coarse_poses, extend
@@ -22,6 +23,8 @@ from plogic.search.triples import image_triples, triple_poses
 from plogic.search.votes import DistanceMaps, distance_maps, votes
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase
@@ -48,57 +51,65 @@ def generate(
     *,
     refined: int = REFINED,
     verified: int = VERIFIED,
+    check: Callable[[], None] = unhurried,
 ) -> list[tuple[float, Posed]]:
     """The best distinct poses of one type as (log-likelihood ratio against clutter, hypothesis), best first.
 
     ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``refined``, ``verified``: how many poses go that far.
+    ``check`` is called between stages, and between blocks of what grows with Γ, and may raise to end the search.
     """
+    check()
     allowed = index.allowed(data)
     if len(data.ids) < 4 or len(index.points) < 4 or not allowed.any():
         return []
-    maps = distance_maps(allowed, data, covered)
-    poses = np.concatenate([_from_pairs(index, allowed, maps, data), _from_triples(index, allowed, maps, data)])
+    maps = distance_maps(allowed, data, covered, check)
+    poses = np.concatenate([_from_pairs(index, allowed, maps, data, check), _from_triples(index, allowed, maps, data, check)])
+    check()
     if not len(poses):
         return []
     worth = pose_votes(poses, index.cells, index.points, index.weights, maps, data)
+    check()
     kept = poses[best_apart(worth, poses, index.cells, data, refined)]
     found = extend(kept, index.cells, index.points, index.weights, maps, data, kb.rates.match_tolerance)
-    return _verified(found, index, allowed, maps, data, kb, verified)
+    check()
+    return _verified(found, index, allowed, maps, data, kb, verified, check)
 
 
 def _from_pairs(
-    index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data
+    index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, check: Callable[[], None]
 ) -> NDArray[np.float64]:
     """(N, 4, 4) the poses of those pairs that the anchors vote for most."""
-    coarse = _pairs(index, allowed, data)
+    coarse = _pairs(index, allowed, data, check)
+    check()
     worth = votes(coarse, index.cells, maps, index.weights, data, index.anchors)
     best = np.sort(np.argsort(-worth, kind="stable")[:VOTED])
     return coarse_poses(coarse.take(best), index.cells, data)
 
 
 def _from_triples(
-    index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data
+    index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, check: Callable[[], None]
 ) -> NDArray[np.float64]:
     """(N, 4, 4) the poses of those triples that the anchors and some of the other features vote for most."""
     members = np.flatnonzero(allowed[index.triples.features.ravel()].any(axis=0))
     if len(members) < 3:
         return np.zeros((0, 4, 4))
-    poses = triple_poses(index.triples, image_triples(data, members), index.points, _scales(index, data), data.camera.f)
+    poses = triple_poses(index.triples, image_triples(data, members, check), index.points, _scales(index, data), data.camera.f)
+    check()
     others = np.setdiff1d(np.arange(len(index.points)), index.anchors)[::4]
     worth = pose_votes(poses, index.cells, index.points, index.weights, maps, data, np.concatenate([index.anchors, others]))
     return poses[np.sort(np.argsort(-worth, kind="stable")[:VOTED])]
 
 
-def _pairs(index: TypeIndex, allowed: NDArray[np.bool_], data: Data) -> Pairs:
+def _pairs(index: TypeIndex, allowed: NDArray[np.bool_], data: Data, check: Callable[[], None]) -> Pairs:
     """Pairs by the junctions' arms where the detector gave arms, by places alone where it gave none."""
     scales = _scales(index, data)
     anchored = np.asarray(allowed[index.anchors].any(axis=0))
     some, columns = data.only(anchored), np.flatnonzero(anchored)
     edged = index.cells.arms.shape[2] > 0 and bool(np.isfinite(some.arms).any())
     if edged and len(index.links):
-        found = linked_pairs(index.cells, index.links, allowed[:, columns], some, scales)
+        found = linked_pairs(index.cells, index.links, allowed[:, columns], some, scales, check)
     else:
-        found = open_pairs(index.cells, index.anchors, allowed[:, columns], some, scales)
+        found = open_pairs(index.cells, index.anchors, allowed[:, columns], some, scales, check)
     return replace(found, datum=columns[found.datum], other_datum=columns[found.other_datum])
 
 
@@ -108,7 +119,14 @@ def _scales(index: TypeIndex, data: Data) -> tuple[float, float]:
 
 
 def _verified(
-    found: Candidates, index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, kb: KnowledgeBase, most: int
+    found: Candidates,
+    index: TypeIndex,
+    allowed: NDArray[np.bool_],
+    maps: DistanceMaps,
+    data: Data,
+    kb: KnowledgeBase,
+    most: int,
+    check: Callable[[], None],
 ) -> list[tuple[float, Posed]]:
     """Cast rays for the best refined poses, match, polish once, and keep one of each heap of near-duplicates."""
     order = np.argsort(~np.isfinite(found.rms), kind="stable")  # they come best first
@@ -119,8 +137,14 @@ def _verified(
         pose = found.camera_from_object[i]
         if _plausible(pose, index) and not any(same_place(index.object_type, pose, old) for old in poses):
             poses.append(pose)
-    first = [_matched_at(index, pose, allowed, maps, data, kb) for pose in poses]
-    scored = [(evidence(p, data, kb, hidden).ratio, p) for p, hidden in _polished(index, first, allowed, maps, data, kb)]
+    first = []
+    for pose in poses:
+        check()
+        first.append(_matched_at(index, pose, allowed, maps, data, kb))
+    scored = []
+    for posed, hidden in _polished(index, first, allowed, maps, data, kb, check):
+        check()
+        scored.append((evidence(posed, data, kb, hidden).ratio, posed))
     return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
 
 
@@ -140,6 +164,7 @@ def _polished(
     maps: DistanceMaps,
     data: Data,
     kb: KnowledgeBase,
+    check: Callable[[], None],
 ) -> list[tuple[Posed, NDArray[np.bool_]]]:
     """All refined in one batch and matched again; those with fewer than four expected features detected are dropped."""
     used = np.array([p.candidate & p.detected & ~hidden for p, hidden in found]).reshape(len(found), len(index.points))
@@ -151,7 +176,11 @@ def _polished(
     points = np.broadcast_to(index.points, (len(some), *index.points.shape))
     weights = used[some] * _precision(index, kb)
     better = refine_poses(poses, points, uv, weights, data.camera, huber=ROBUST)[0]
-    return [_matched_at(index, pose, allowed, maps, data, kb) for pose in better]
+    again = []
+    for pose in better:
+        check()
+        again.append(_matched_at(index, pose, allowed, maps, data, kb))
+    return again
 
 
 def _plausible(pose: NDArray[np.float64], index: TypeIndex) -> bool:

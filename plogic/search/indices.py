@@ -67,16 +67,22 @@ def significant(index: Index, search: Search | None = None) -> float:
 
 
 def generate(
-    index: Index, data: Data, kb: KnowledgeBase, covered: NDArray[np.bool_] | None = None, taken: NDArray[np.float64] = NOBODY, **most: int
+    index: Index,
+    data: Data,
+    kb: KnowledgeBase,
+    covered: NDArray[np.bool_] | None = None,
+    taken: NDArray[np.float64] = NOBODY,
+    check: Callable[[], None] = unhurried,
+    **most: int,
 ) -> list[tuple[float, Posed]]:
     """The poses that Γ suggests, matched, best first, with their log-likelihood ratios; ``most``: ``refined``, ``verified``.
 
     ``covered`` (H, W): where accepted objects stand, which a type written by hand is told; ``taken`` (N, 4): their middles and inner radii, m,
-    which a learnt one is told.
+    which a learnt one is told. ``check`` is called between the stages of the search for one written by hand, and may raise to end it.
     """
     if isinstance(index, LearntIndex):
         return learnt.generate(index, data, kb, taken, **most)
-    return by_hand.generate(index, data, kb, covered, **most)
+    return by_hand.generate(index, data, kb, covered, **most, check=check)
 
 
 def search_of(shared: PairIndex | None, data: Data, kb: KnowledgeBase, check: Callable[[], None] = unhurried) -> Search | None:

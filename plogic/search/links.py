@@ -12,10 +12,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.inference.clock import unhurried
 from plogic.search.angles import wrapped
+from plogic.search.blocks import blocks
 from plogic.search.pairs import ARM_TOLERANCE, MOST_PAIRS, Pairs
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from plogic.search.data import Data
@@ -56,20 +60,32 @@ def feature_links(points: NDArray[np.float64], arms: list[NDArray[np.float64]]) 
     return np.array(sorted(found), dtype=np.intp).reshape(-1, 2)
 
 
-def data_links(data: Data) -> DataLinks:
-    """Every arm to the nearest junctions that it points at."""
-    step = data.ideal[None] - data.ideal[:, None]
+def data_links(data: Data, check: Callable[[], None] = unhurried) -> DataLinks:
+    """Every arm to the nearest junctions that it points at; ``check`` is called between blocks of junctions, and may raise to end it."""
+    armed = np.flatnonzero(np.isfinite(data.arms).any(axis=1))
+    found = [_links_from(armed[some], data, check) for some in blocks(len(armed), len(data.ids))]
+    if not found:
+        found = [_links_from(armed, data, check)]
+    return DataLinks(*(np.concatenate([getattr(links, name) for links in found]) for name in DataLinks.__dataclass_fields__))
+
+
+def _links_from(junctions: NDArray[np.intp], data: Data, check: Callable[[], None]) -> DataLinks:
+    """The links of some junctions (J,), by the first, then by the second."""
+    check()
+    step = data.ideal[None] - data.ideal[junctions][:, None]
     length, angle = np.hypot(step[..., 0], step[..., 1]), np.arctan2(step[..., 1], step[..., 0])
+    apart = (length > 1.0) & (length < np.inf)
     pairs = set()
     for k in range(data.arms.shape[1]):
-        off = np.abs(wrapped(angle - data.arms[:, k : k + 1]))
-        reach = np.where((off < POINTING) & (length > 1.0), length, np.inf)
-        near = np.argsort(reach, axis=1, kind="stable")[:, :ALONG_ONE_ARM]
-        rows, columns = np.nonzero(np.isfinite(np.take_along_axis(reach, near, axis=1)))
-        pairs |= set(zip(rows.tolist(), near[rows, columns].tolist(), strict=True))
+        off = np.abs(wrapped(angle - data.arms[junctions, k : k + 1]))
+        rows, columns = np.nonzero((off < POINTING) & apart)
+        order = np.lexsort((length[rows, columns], rows))
+        nth = np.arange(len(rows)) - np.searchsorted(rows, rows)
+        near = order[nth < ALONG_ONE_ARM]
+        pairs |= set(zip(rows[near].tolist(), columns[near].tolist(), strict=True))
     index = np.array(sorted(pairs), dtype=np.intp).reshape(-1, 2)
-    first, second = index[:, 0], index[:, 1]
-    return DataLinks(first, second, angle[first, second], length[first, second])
+    row, second = index[:, 0], index[:, 1]
+    return DataLinks(junctions[row], second, angle[row, second], length[row, second])
 
 
 def linked_pairs(
@@ -78,28 +94,46 @@ def linked_pairs(
     allowed: NDArray[np.bool_],
     data: Data,
     scales: tuple[float, float],
+    check: Callable[[], None] = unhurried,
 ) -> Pairs:
     """Every link of the cloud on every link of Γ, in every cell that shows both features; those whose arms fit best, at most ``MOST_PAIRS``.
 
-    ``links`` (N, 2) as from ``feature_links``; ``allowed`` (F, A) the compatible types; ``scales`` the range of pixels a metre.
+    ``links`` (N, 2) as from ``feature_links``; ``allowed`` (F, A) the compatible types; ``scales`` the range of pixels a metre; ``check`` is called
+    between blocks, and may raise to end it.
     """
-    found = data_links(data)
+    found = data_links(data, check)
     cell, link = np.nonzero(cells.visible[:, links[:, 0]] & cells.visible[:, links[:, 1]])
     f, g = links[link, 0], links[link, 1]
     step = cells.xy[cell, g] - cells.xy[cell, f]
     length, angle = np.hypot(step[:, 0], step[:, 1]), np.arctan2(step[:, 1], step[:, 0])
-    scale = (found.length[None] / np.maximum(length, 1e-9)[:, None]).astype(np.float32)
-    row, column = np.nonzero((scale > scales[0]) & (scale < scales[1]) & allowed[f][:, found.first] & allowed[g][:, found.second])
-    score = np.zeros(len(row), dtype=np.int8)
-    for feature, datum in ((f, found.first), (g, found.second)):
-        masks, bins = _words(cells.arms[cell, feature] - angle[:, None]), _bins(data.arms[datum] - found.angle[:, None])
-        hits, enough = _agreement(masks, bins, row, column)
-        row, column, score = row[enough], column[enough], (score + hits)[enough]
-    if len(row) > MOST_PAIRS:
-        best = np.sort(np.argsort(-score, kind="stable")[:MOST_PAIRS])
-        row, column = row[best], column[best]
-    roll = wrapped(found.angle[column] - angle[row])
-    return Pairs(cell[row], f[row], found.first[column], g[row], found.second[column], roll, scale[row, column].astype(float))
+    ends = [
+        (feature, datum, _words(cells.arms[cell, feature] - angle[:, None]), _bins(data.arms[datum] - found.angle[:, None]))
+        for feature, datum in ((f, found.first), (g, found.second))
+    ]
+    row, column, score = np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0, np.int8)
+    for some in blocks(len(cell), len(found.first)):
+        check()
+        scale = _scales(found.length, length[some])
+        legal = (scale > scales[0]) & (scale < scales[1])
+        for feature, datum, _, _ in ends:
+            legal &= allowed[feature[some]][:, datum]
+        more, beside = np.nonzero(legal)
+        more, fits = more + some.start, np.zeros(len(more), np.int8)
+        for _, _, masks, bins in ends:
+            hits, enough = _agreement(masks, bins, more, beside)
+            more, beside, fits = more[enough], beside[enough], (fits + hits)[enough]
+        row, column, score = (np.concatenate(both) for both in ((row, more), (column, beside), (score, fits)))
+        if len(row) > MOST_PAIRS:
+            best = np.sort(np.argsort(-score, kind="stable")[:MOST_PAIRS])
+            row, column, score = row[best], column[best], score[best]
+    roll, scale = wrapped(found.angle[column] - angle[row]), _scales(found.length[column], length[row], each=True)
+    return Pairs(cell[row], f[row], found.first[column], g[row], found.second[column], roll, scale.astype(float))
+
+
+def _scales(image: NDArray[np.float64], cloud: NDArray[np.float64], *, each: bool = False) -> NDArray[np.float32]:
+    """Pixels a metre of lengths in the image (D,) by those of the cloud (M,): of all (M, D), or of ``each`` two (D,)."""
+    cloud = np.maximum(cloud, 1e-9)
+    return np.asarray((image / cloud if each else image[None] / cloud[:, None]).astype(np.float32))
 
 
 def _agreement(

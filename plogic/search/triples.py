@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.inference.clock import unhurried
+from plogic.search.blocks import blocks
 from plogic.search.data import centre_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -98,30 +100,51 @@ class ImageTriples:
     sides: NDArray[np.float64]
 
 
-def image_triples(data: Data, members: NDArray[np.intp]) -> ImageTriples:
-    """Triples of neighbouring ``members`` (indices into Γ), the likeliest corners of a regular pattern first."""
-    rows, score = _neighbouring(data.ideal[members])
+def image_triples(data: Data, members: NDArray[np.intp], check: Callable[[], None] = unhurried) -> ImageTriples:
+    """Triples of neighbouring ``members`` (indices into Γ), the likeliest corners of a regular pattern first.
+
+    ``check`` is called between blocks of them, and may raise to end it.
+    """
+    rows, score = _neighbouring(data.ideal[members], check)
     order = np.lexsort((*rows.T[::-1], score[:, 1], score[:, 0]))[:MOST_IMAGE_TRIPLES]
     chosen = members[rows[order]].reshape(-1, 3)
     return ImageTriples(chosen, *_tangents(data, chosen))
 
 
-def _neighbouring(places: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+def _neighbouring(places: NDArray[np.float64], check: Callable[[], None]) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Triples (N, 3) of places (M, 2) and their scores (N, 2): 0 where a fourth completes a parallelogram, else 1; then the area's scale."""
-    step = places[None] - places[:, None]
-    length = np.hypot(step[..., 0], step[..., 1])
-    near = np.argsort(length, axis=1, kind="stable")[:, 1 : NEIGHBOURS + 1]
+    near = _nearest(places, check)
     one, other = np.array(list(combinations(range(near.shape[1]), 2)), dtype=np.intp).reshape(-1, 2).T
     first, j, k = (np.repeat(np.arange(len(places)), len(one)), near[:, one].ravel(), near[:, other].ravel())
-    u, v, size = step[first, j], step[first, k], length[first, j] * length[first, k]
-    cross = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    kept = (np.abs(cross) >= 0.12 * size) & (np.minimum(length[first, j], length[first, k]) > 1.0)
-    first, j, k, u, v, cross, size = first[kept], j[kept], k[kept], u[kept], v[kept], cross[kept], size[kept]
-    fourth = np.linalg.norm(step[first] - (u + v)[:, None], axis=2).min(axis=1, initial=np.inf)
-    away = fourth > 0.08 * (length[first, j] + length[first, k])
+    u, v = places[j] - places[first], places[k] - places[first]
+    to_j, to_k = np.hypot(u[:, 0], u[:, 1]), np.hypot(v[:, 0], v[:, 1])
+    cross, size = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], to_j * to_k
+    kept = (np.abs(cross) >= 0.12 * size) & (np.minimum(to_j, to_k) > 1.0)
+    first, j, k, u, v, cross, size, reach = first[kept], j[kept], k[kept], u[kept], v[kept], cross[kept], size[kept], (to_j + to_k)[kept]
+    away = _fourth(places, first, u + v, check) > 0.08 * reach
     turned = cross > 0  # y down: counter-clockwise for the eye is the other way round
     rows = np.stack([first, np.where(turned, k, j), np.where(turned, j, k)], axis=1)
     return rows, np.stack([away.astype(float), size], axis=1)
+
+
+def _nearest(places: NDArray[np.float64], check: Callable[[], None]) -> NDArray[np.intp]:
+    """(M, up to ``NEIGHBOURS``) the nearest others of each of the places (M, 2)."""
+    near = np.zeros((len(places), max(0, min(NEIGHBOURS, len(places) - 1))), np.intp)
+    for some in blocks(len(places), len(places)):
+        check()
+        step = places[None] - places[some][:, None]
+        near[some] = np.argsort(np.hypot(step[..., 0], step[..., 1]), axis=1, kind="stable")[:, 1 : NEIGHBOURS + 1]
+    return near
+
+
+def _fourth(places: NDArray[np.float64], first: NDArray[np.intp], corner: NDArray[np.float64], check: Callable[[], None]) -> NDArray[np.float64]:
+    """(N,) how near a place comes to that which is ``corner`` (N, 2) away from the ``first`` (N,)."""
+    gap = np.full(len(first), np.inf)
+    for some in blocks(len(first), len(places)):
+        check()
+        step = places[None] - places[first[some]][:, None]
+        gap[some] = np.linalg.norm(step - corner[some][:, None], axis=2).min(axis=1, initial=np.inf)
+    return gap
 
 
 def _tangents(data: Data, rows: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -11,7 +11,11 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
+from plogic.inference.clock import unhurried
+
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from plogic.search.data import Data
@@ -70,11 +74,19 @@ def _pixel(places: NDArray[Any], shape: tuple[int, ...]) -> tuple[NDArray[np.int
     return np.where(inside, row * width + column, 0).astype(np.intp), inside
 
 
-def distance_maps(allowed: NDArray[np.bool_], data: Data, covered: NDArray[np.bool_] | None = None) -> DistanceMaps:
-    """One map for each distinct row of ``allowed`` (F, A). A row without a datum gives a map of infinities."""
+def distance_maps(
+    allowed: NDArray[np.bool_], data: Data, covered: NDArray[np.bool_] | None = None, check: Callable[[], None] = unhurried
+) -> DistanceMaps:
+    """One map for each distinct row of ``allowed`` (F, A). A row without a datum gives a map of infinities.
+
+    ``check`` is called before each, and may raise to end it.
+    """
     rows, of_feature = np.unique(allowed, axis=0, return_inverse=True)
     shape = (data.camera.height, data.camera.width)
-    made = [_one_map(np.flatnonzero(row), data.ideal, shape) for row in rows]
+    made = []
+    for row in rows:
+        check()
+        made.append(_one_map(np.flatnonzero(row), data.ideal, shape))
     nothing = np.zeros(shape, dtype=bool) if covered is None else covered
     return DistanceMaps(np.stack([m[0] for m in made]), np.stack([m[1] for m in made]), of_feature.reshape(-1), nothing)
 

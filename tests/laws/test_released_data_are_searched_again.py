@@ -21,9 +21,9 @@ def test_the_data_of_one_that_had_to_go_are_searched_again(monkeypatch, seed):
     stronger, weaker = sorted(both, key=lambda belief: -belief.worth)
     searched, generate, moved_apart = [], cycle.generate, anytime.moved_apart
 
-    def looked_at(index, left, kb, covered, taken):
+    def looked_at(index, left, kb, covered, taken, check):
         searched.append(set(left.ids))
-        return generate(index, left, kb, covered, taken)
+        return generate(index, left, kb, covered, taken, check)
 
     def never_apart(posed, camera, kb):
         return moved_apart(posed, camera, kb)[0], [(0, 1)] if len(posed) > 1 else []

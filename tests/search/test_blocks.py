@@ -1,0 +1,138 @@
+"""Tables of all data by all data, in blocks of rows: the same answers whatever the blocks, and time is asked for between them."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from synthetic import CAMERA, perceiver
+
+from plogic.inference.clock import OutOfTimeError
+from plogic.search import blocks, links, open_pairs
+from plogic.search.angles import wrapped
+from plogic.search.data import data_of
+from plogic.search.indices import generate
+from plogic.search.links import ALONG_ONE_ARM, POINTING, data_links, linked_pairs
+from plogic.search.triples import NEIGHBOURS, image_triples
+from sensing.appearance import Appearance
+
+SCALES = (10.0, 2000.0)
+
+
+def clutter(number, seed, arms=4, step=1.0):
+    """``step``: places are whole multiples of it, so that distances are equal often."""
+    rng = np.random.default_rng(seed)
+    kinds = perceiver().kb.appearance_types
+    rows = []
+    for i in range(number):
+        place = np.rint(rng.uniform(0, [639, 479]) / step) * step
+        angles = tuple(np.sort(rng.uniform(0, 2 * np.pi, rng.integers(0, arms + 1))).tolist())
+        rows.append(Appearance(f"a{i}", kinds[rng.integers(len(kinds))], (float(place[0]), float(place[1])), "drawn", arms=angles))
+    return data_of(rows, CAMERA)
+
+
+def same(one, other):
+    for name in one.__dataclass_fields__:
+        a, b = getattr(one, name), getattr(other, name)
+        assert (a.dtype, a.shape, a.tobytes()) == (b.dtype, b.shape, b.tobytes()), name
+
+
+def links_one_by_one(data):
+    found = set()
+    for i, arms in enumerate(data.arms):
+        step = data.ideal - data.ideal[i]
+        length, angle = np.hypot(*step.T), np.arctan2(step[:, 1], step[:, 0])
+        for arm in arms[np.isfinite(arms)]:
+            on = np.flatnonzero((np.abs(wrapped(angle - arm)) < POINTING) & (length > 1.0))
+            found |= {(i, int(j)) for j in sorted(on, key=lambda j: length[j])[:ALONG_ONE_ARM]}
+    return sorted(found)
+
+
+@pytest.mark.parametrize("entries", [1, 700, 2**20])
+@pytest.mark.parametrize("seed", range(4))
+def test_links_are_those_that_each_arm_has_alone(seed, entries, monkeypatch):
+    data = clutter(90, seed, step=(1e-9, 20.0)[seed % 2])
+    monkeypatch.setattr(blocks, "ENTRIES", entries)
+    found = data_links(data)
+    assert list(zip(found.first.tolist(), found.second.tolist(), strict=True)) == links_one_by_one(data)
+    step = data.ideal[found.second] - data.ideal[found.first]
+    assert np.array_equal(found.length, np.hypot(*step.T))
+    np.testing.assert_allclose(found.angle, np.arctan2(step[:, 1], step[:, 0]), rtol=1e-14)
+
+
+@pytest.mark.parametrize(("number", "most"), [(0, 60_000), (1, 60_000), (2, 60_000), (60, 60_000), (60, 50)])
+def test_pairs_by_links_are_the_same_in_any_blocks(number, most, monkeypatch):
+    index, data = perceiver().indices["t2"], clutter(number, 9)
+    monkeypatch.setattr(links, "MOST_PAIRS", most)
+    whole = linked_pairs(index.cells, index.links, index.allowed(data), data, SCALES)
+    assert len(whole.cell) == most or number < 3 or most > 1000
+    monkeypatch.setattr(blocks, "ENTRIES", 3000)
+    same(linked_pairs(index.cells, index.links, index.allowed(data), data, SCALES), whole)
+
+
+@pytest.mark.parametrize(("number", "step"), [(0, 1e-9), (1, 1e-9), (2, 1e-9), (80, 1e-9), (80, 20.0)])
+def test_triples_are_the_same_in_any_blocks(number, step, monkeypatch):
+    data = clutter(number, 5, step=step)
+    whole = image_triples(data, np.arange(number))
+    monkeypatch.setattr(blocks, "ENTRIES", 100)
+    same(image_triples(data, np.arange(number)), whole)
+    for first, *others in whole.data.tolist():
+        nearest = np.sort(np.hypot(*(data.ideal - data.ideal[first]).T))[: NEIGHBOURS + 1]
+        assert all(np.hypot(*(data.ideal[i] - data.ideal[first])) <= nearest[-1] for i in others)
+
+
+@pytest.mark.parametrize("most", [40, 10**9])
+def test_pairs_of_places_are_the_same_in_any_blocks(most, monkeypatch):
+    index, data = perceiver().indices["t1"], clutter(400, 3, arms=0)
+    monkeypatch.setattr(open_pairs, "MOST_OF_CELL", most)
+    given = index.cells, 7, index.anchors, index.allowed(data), data, SCALES, lambda: None
+    whole = open_pairs._of_cell(*given)
+    assert len(whole.cell) == most or most > 1000 > 0 < len(whole.cell)
+    monkeypatch.setattr(blocks, "ENTRIES", 4000)
+    same(open_pairs._of_cell(*given), whole)
+
+
+def test_bits_are_thinned_as_their_places_would_be(monkeypatch):
+    monkeypatch.setattr(open_pairs, "MOST_OF_CELL", 30)
+    rng = np.random.default_rng(0)
+    for density in (0.0, 0.1, 0.9, 1.0):
+        rows = [rng.random(size) < density for size in (17, 1, 40, 0, 64)]
+        flat = np.flatnonzero(np.concatenate(rows))
+        wanted = flat if len(flat) <= 30 else flat[np.linspace(0, len(flat) - 1, 30).astype(np.intp)]
+        packed = [(int(row.sum()), row.size, np.packbits(row)) for row in rows]
+        assert open_pairs._thinned(packed).tolist() == wanted.tolist()
+
+
+def test_blocks_are_bounded_and_cover_every_row_once():
+    for rows, columns in ((0, 5), (7, 0), (1, 10**9), (20_000, 20_000), (3, 2**19)):
+        found = list(blocks.blocks(rows, columns))
+        assert [i for some in found for i in range(some.start, some.stop)] == list(range(rows))
+        assert all((some.stop - some.start) * columns <= max(blocks.ENTRIES, columns) for some in found)
+
+
+@pytest.mark.parametrize("arms", [0, 3])
+def test_the_search_for_a_type_can_be_stopped_at_every_look(arms, monkeypatch):
+    """Between blocks too: the more there are the oftener it looks, and it finds the same."""
+    index, data, kb = perceiver().indices["t2"], clutter(40, 2, arms), perceiver().kb
+
+    def looks(most):
+        count = 0
+
+        def check():
+            nonlocal count
+            count += 1
+            if count > most:
+                raise OutOfTimeError
+
+        return generate(index, data, kb, check=check), count
+
+    found, few = looks(np.inf)
+    monkeypatch.setattr(blocks, "ENTRIES", 500)
+    again, many = looks(np.inf)
+    assert many > 2 * few > 20
+    assert [ratio for ratio, _ in again] == [ratio for ratio, _ in found] == [ratio for ratio, _ in generate(index, data, kb)]
+    for most in np.linspace(0, many - 1, 6).astype(int):
+        with pytest.raises(OutOfTimeError):
+            looks(most)
+    assert all(np.array_equal(a[1].camera_from_object, b[1].camera_from_object) for a, b in combinations([*found[:1], *again[:1]], 2))
