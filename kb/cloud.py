@@ -37,6 +37,9 @@ def _freeze(holder: object, **shapes: tuple[int, ...]) -> None:
         array.setflags(write=False)
         object.__setattr__(holder, name, array)
 
+UNKNOWN_SUPPORT = 0.1
+"""Chance that something which the KB does not know holds what floats, where `gravity` does not say: one in ten things that seem to float."""
+
 
 @dataclass(frozen=True, eq=False)
 class Lobe:
@@ -183,7 +186,9 @@ class Rates:
 class KnowledgeBase:
     """Σ. ``f_ref`` pixels: the focal length that lobes' ranges hold for. ``digest``: SHA-256 over the folder's contents.
 
-    ``words``: the visual words of learnt clouds; their names are among ``appearance_types``. ``gravity``: whether things rest on what is below.
+    ``words``: the visual words of learnt clouds; their names are among ``appearance_types``. ``gravity``: whether things rest on what is below;
+    then ``unknown_support`` is the chance that something unknown holds what floats, and ``ground`` the ground's height, world z in m, None where
+    it is not told.
     """
 
     name: str
@@ -196,6 +201,8 @@ class KnowledgeBase:
     folder: Path | None = None
     words: Words | None = None
     gravity: bool = False
+    unknown_support: float = UNKNOWN_SUPPORT
+    ground: float | None = None
 
     @cached_property
     def sought(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from geometry.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
 from kb.branches import branch_of, misplaced, outline, path_to
-from kb.cloud import Counts, KnowledgeBase, ObjectType, Rates
+from kb.cloud import UNKNOWN_SUPPORT, Counts, KnowledgeBase, ObjectType, Rates
 from kb.clutter import clutter_prior, word_clutter
 from kb.cross import cross_mistakes
 from kb.errors import KBErrors, Mistake, SurfaceError
@@ -196,7 +196,7 @@ def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
 
 
 def _knowledge_base(place: Folder, model: KBModel, types: tuple[ObjectType, ...], rules: str, words: Words | None) -> KnowledgeBase:
-    named = words.names if words is not None else ()
+    named, gravity = words.names if words is not None else (), model.gravity
     return KnowledgeBase(
         name=model.name,
         types=types,
@@ -207,7 +207,9 @@ def _knowledge_base(place: Folder, model: KBModel, types: tuple[ObjectType, ...]
         digest=place.digest(),
         folder=place.root,
         words=words,
-        gravity=model.gravity,
+        gravity=gravity is not None,
+        unknown_support=UNKNOWN_SUPPORT if gravity is None else gravity.unknown_support,
+        ground=None if gravity is None else gravity.ground,
     )
 
 

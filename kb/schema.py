@@ -5,9 +5,10 @@ Vocabulary: ``KBModel(name="towers", ...)``, ``ObjectModel(object="t1", ...)``. 
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
 
-from kb.schema_values import Angle, Direction, Flag, Fold, HalfAngle, Name, Pair, Place, Positive, Quaternion, Range, Share, Text, Units
+from kb.cloud import UNKNOWN_SUPPORT
+from kb.schema_values import Angle, Chance, Direction, Flag, Fold, HalfAngle, Length, Name, Pair, Place, Positive, Quaternion, Range, Share, Text, Units
 
 
 class Model(BaseModel):
@@ -133,6 +134,28 @@ class DetectorModel(Model):
     match_tolerance: Positive = Field(4.0, description="How far from its predicted place a feature may be found, px (D8).")
 
 
+class GravityModel(Model):
+    """That things rest, and what is not known of it."""
+
+    unknown_support: Chance = Field(UNKNOWN_SUPPORT, description="Chance that something not known to the KB holds what floats; 1: nothing is made of it.")
+    ground: Length | None = Field(None, description="The ground's height, world z; left out, it is where the lowest object of a world stands.")
+
+
+def _gravity(value: object) -> object:
+    if isinstance(value, bool):
+        return {} if value else None
+    if isinstance(value, dict):
+        return value
+    raise ValueError(f"must be true, false, or a mapping of keys to values, not {value!r:.60}")
+
+
+Gravity = Annotated[
+    GravityModel | None,
+    BeforeValidator(_gravity),
+    WithJsonSchema({"anyOf": [{"type": "boolean"}, GravityModel.model_json_schema()]}),
+]
+
+
 class CountsModel(Model):
     """What the rates were learnt from; written by ``plogic kb learn-rates``."""
 
@@ -158,7 +181,11 @@ class KBModel(Model):
     detector: DetectorModel = Field(
         default_factory=_no_statistics, description="What is known of the detectors: hit rates, clutter, location noise."
     )
-    gravity: bool = Field(default=False, description="Whether things rest: those not found yet are looked for on the plane that others stand on.")
+    gravity: Gravity = Field(
+        False,
+        validate_default=True,
+        description="Whether things rest: what floats is less probable, and what is not found yet is looked for on the plane that others stand on.",
+    )
     words: FileModel | None = Field(None, description="The visual words that learnt clouds are made of (`plogic kb learn`).")
     priors: dict[Name, Share] = Field({}, description="Chance of an instance, per object type; 0.5.")
     counts: CountsModel = Field(default_factory=_no_counts, description="What the rates were learnt from: [n, of] each.")

@@ -84,6 +84,13 @@ def _share(value: object) -> float:
     return share
 
 
+def _chance(value: object) -> float:
+    chance = quantities.number(value)
+    if not 0 < chance <= 1:
+        raise ValueError(f"must be above 0 and at most 1, not {chance:g}")
+    return chance
+
+
 def _positive(value: object) -> float:
     size = quantities.number(value)
     if size <= 0:
@@ -131,6 +138,8 @@ Range = Annotated[
     WithJsonSchema({"type": "array", "minItems": 2, "maxItems": 2, "items": _MEASURE}),
 ]
 Share = Annotated[float, BeforeValidator(_share), WithJsonSchema({**_OPEN, "exclusiveMaximum": 1})]
+Chance = Annotated[float, BeforeValidator(_chance), WithJsonSchema({**_OPEN, "maximum": 1})]
+Length = Annotated[float, BeforeValidator(quantities.length), _shape("a length", "75 cm")]
 Positive = Annotated[float, BeforeValidator(_positive), WithJsonSchema(_OPEN)]
 Flag = Annotated[bool, BeforeValidator(_flag)]
 Fold = Annotated[int, BeforeValidator(_fold), WithJsonSchema({"type": "integer", "minimum": 2, "maximum": 360})]

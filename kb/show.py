@@ -186,6 +186,7 @@ def tree_document(kb: KnowledgeBase) -> dict[str, Any]:
         "digest": kb.digest,
         "f_ref": kb.f_ref,
         "gravity": kb.gravity,
+        **({"unknown_support": kb.unknown_support, "ground": kb.ground} if kb.gravity else {}),
         "appearance_types": list(kb.appearance_types),
         "detector": {
             "hit": rates.hit,

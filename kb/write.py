@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.frames import quat_xyzw_from_rotation
+from kb.cloud import UNKNOWN_SUPPORT
 from kb.errors import KBError
 from kb.symmetries import symmetry_entries
 
@@ -39,13 +40,19 @@ def kb_text(kb: KnowledgeBase) -> str:
         "name": kb.name,
         "appearance_types": list(kb.appearance_types),
         "f_ref": kb.f_ref,
-    } | ({"gravity": True} if kb.gravity else {})
+    } | ({"gravity": _gravity(kb)} if kb.gravity else {})
     lines = [f"{key}: {flow(value)}" for key, value in rows.items()]
     lines += ["detector:", f"  hit: {flow(rates.hit)}", f"  clutter: {flow(rates.clutter)}"]
     lines += [f"  sigma: {flow(rates.sigma)}", f"  sigmas: {flow(rates.sigmas)}", f"  match_tolerance: {flow(rates.match_tolerance)}"]
     lines += [] if rates.sigma_angle is None else [f"  sigma_angle: {flow(rates.sigma_angle)}"]
     lines += [f"priors: {flow(rates.prior)}", *_counts_lines(rates.counts)]
     return "\n".join(lines) + "\n"
+
+
+def _gravity(kb: KnowledgeBase) -> bool | dict[str, float]:
+    if kb.unknown_support == UNKNOWN_SUPPORT and kb.ground is None:
+        return True
+    return {"unknown_support": kb.unknown_support} | ({} if kb.ground is None else {"ground": kb.ground})
 
 
 def _counts_lines(counts: Counts) -> Iterator[str]:

@@ -19,6 +19,7 @@ from plogic.dependence import Scene
 from plogic.exclusions import apart_of
 from plogic.expectation import hidden_by
 from plogic.factors.asking import together
+from plogic.gravity import gravity_document
 from plogic.interpretation import FORMAT, facts_of, hypothesis_document
 from plogic.lumped import OTHERS, left_out, looked_at, support_document, told, told_as
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
@@ -82,6 +83,7 @@ def document_of(
         "doubts": [doubt.document() for doubt in doubts(situation)],
         "facts": facts_of(situation),
         "space": space_document(situation.space),
+        **gravity_document(situation.gravity),
         "measures": {"dv": situation.dv, "p_dv": _told(probability_of_distinctiveness(counts), situation.dv), "rank": situation.rank},
         "priors": situation.priors,
         "rules": situation.rules,

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from geometry.json_files import JsonError, json_of
 from plogic.errors import InterpretationError, SituationError
+from plogic.gravity import gravity_facts, gravity_of
 from plogic.sanity import check
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, PartFact, Reading, Reconsider, Situation
 from plogic.spatial import overlap_document, space_of
@@ -32,6 +33,7 @@ def facts_of(situation: Situation) -> list[Document]:
     pairs = [("overlap", situation.overlaps), ("rival", situation.rivals), ("exclusive", situation.exclusive)]
     facts: list[Document] = [{"fact": name, "args": list(pair)} for name, found in pairs for pair in sorted(found)]
     facts = [overlap_document(fact, situation.space) if fact["fact"] == "overlap" else fact for fact in facts]
+    facts += gravity_facts(situation.gravity)
     facts += [{"fact": "relation"} | _relation_document(r) for r in situation.relations]
     facts += [{"fact": "part_relation"} | _relation_document(r) | {"parts": list(r.parts)} for r in situation.part_relations]
     for h in situation.hypotheses:
@@ -68,6 +70,7 @@ def _situation(document: Mapping[str, Any]) -> Situation:
         rivals=_pairs(facts, "rival"),
         exclusive=_pairs(facts, "exclusive"),
         space=space_of(document.get("space"), facts),
+        gravity=gravity_of(document.get("gravity"), facts),
         relations=tuple(_relation(f) for f in facts if f["fact"] == "relation"),
         part_relations=tuple(_relation(f) for f in facts if f["fact"] == "part_relation"),
         priors=dict(document["priors"]),

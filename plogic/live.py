@@ -213,6 +213,7 @@ def without(situation: Situation, name: str) -> Situation:
         exclusive=kept(situation.exclusive),
         relations=tuple(r for r in situation.relations if name not in (r.x, r.y)),
         space=situation.space.among(h.id for h in hypotheses),
+        gravity=None if situation.gravity is None else situation.gravity.among(h.id for h in hypotheses),
         part_relations=tuple(r for r in situation.part_relations if name not in (r.x, r.y)),
     )
 

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 from geometry.roc import ROC20, coarse
 from plogic.errors import SituationError
+from plogic.gravity import GROUND
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from plogic.gravity import Gravity
     from plogic.situation import FeatureFact, HypothesisFact, PairFact, Situation
     from plogic.spatial import Space
 
@@ -26,6 +28,8 @@ def check(situation: Situation) -> None:
         _known(f"relation {relation.relation}", (relation.x, relation.y), ids)
         _check_relation(relation)
     _check_space(situation.space, ids)
+    if situation.gravity is not None:
+        _check_gravity(situation.gravity, ids)
     nodes = {h.id: frozenset(part.id for part in h.parts) | {""} for h in situation.hypotheses}
     for relation in situation.part_relations:
         for name, part in zip((relation.x, relation.y), relation.parts, strict=True):
@@ -51,6 +55,24 @@ def _check_space(space: Space, ids: frozenset[str]) -> None:
     for shared in space.shared:
         for value in (shared.volume, *shared.depth):
             _number(f"overlap of {shared.x} and {shared.y}", value, 0.0, math.inf)
+
+
+def _check_gravity(gravity: Gravity, ids: frozenset[str]) -> None:
+    if GROUND in ids:
+        raise SituationError(f"hypothesis {GROUND!r}: so the ground is called, where gravity holds")
+    _known("gravity: foot", _unique("gravity: foot of hypothesis", [foot.id for foot in gravity.feet]), ids)
+    _known("gravity: rests_on", [x for x, _ in gravity.rests], ids)
+    _known("gravity: rests_on", [y for _, y in gravity.rests], ids if gravity.ground is None else ids | {GROUND})
+    if not gravity.unknown_support > 0.0:
+        raise SituationError(f"gravity: unknown_support: {gravity.unknown_support!r} is not above 0")
+    _number("gravity: unknown_support", gravity.unknown_support, 0.0, 1.0)
+    _number("gravity: ground", gravity.ground or 0.0, -math.inf, math.inf)
+    for foot in gravity.feet:
+        _number(f"gravity: foot of {foot.id}: low", foot.low, -math.inf, foot.high)
+        _number(f"gravity: foot of {foot.id}: high", foot.high, foot.low, math.inf)
+    for x, y in gravity.rests:
+        if x == y:
+            raise SituationError(f"gravity: {x!r} rests on itself")
 
 
 def _check_relation(fact: PairFact) -> None:

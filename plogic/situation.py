@@ -16,6 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+from plogic.gravity import Gravity
 from plogic.spatial import Space
 
 Reading = Literal["score", "posterior"]
@@ -115,7 +116,8 @@ class Situation:
     replaces p by ε + (1 − 2ε) p in the *score* program's choices (trap c), never in the measures; 0 by default. ``dv`` per feature type
     and ``rank`` per object type are side tables for queries. ``relations`` are of whole hypotheses that can be present together,
     ``part_relations`` of a part of one and a part of another, or the whole of it. ``space`` says where bodies are, and decides no probability of a
-    world. ``rules`` is the author's ``rules.pl``. ``stopped`` says whether more time would have found more; it decides no probability of what was.
+    world; ``gravity`` who holds whom, which decides some (Σc), and is None where nobody said that gravity holds. ``rules`` is the author's ``rules.pl``.
+    ``stopped`` says whether more time would have found more; it decides no probability of what was.
     """
 
     reading: Reading
@@ -128,6 +130,7 @@ class Situation:
     relations: tuple[PairFact, ...] = ()
     space: Space = field(default_factory=Space)
     part_relations: tuple[PairFact, ...] = ()
+    gravity: Gravity | None = None
     priors: dict[str, float] = field(default_factory=dict)
     dv: dict[str, float] = field(default_factory=dict)
     rank: dict[str, float] = field(default_factory=dict)

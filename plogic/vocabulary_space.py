@@ -65,4 +65,16 @@ SPACE: tuple[Entry, ...] = (
         "partly_in_view_of_camera(X)",
         "partly_in_view_of_camera(X) :- cut_by_image(X), present(X).",
     ),
+    Entry(
+        "rests_on",
+        2,
+        "X touches Y from above, Y being another hypothesis or `ground`; where gravity is not said to hold, or up is unknown, of nothing",
+        "rests_on(X, Y)",
+        "rests_on(X, Y) :- body_rests(X, Y), Y \\= ground, present(X), present(Y).\n"
+        "rests_on(X, ground) :- body_rests(X, ground), present(X).\n"
+        "rests_on(X, ground) :- open_foot(X, _, _), present(X), \\+ higher_up(X).\n"
+        "higher_up(X) :- open_foot(X, A, _), open_foot(Y, _, B), B < A, present(Y).",
+    ),
+    Entry("held", 1, "X rests on something present, or on the ground", "held(X)", "held(X) :- rests_on(X, _)."),
+    Entry("floats", 1, "gravity is said to hold, and nothing holds X", "floats(X)", "floats(X) :- weighs(X), present(X), \\+ held(X)."),
 )

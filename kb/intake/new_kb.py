@@ -25,7 +25,8 @@ detector:
   match_tolerance: 4.0
 # Chance that an object is there, per object type (0.5 where nothing stands here), such as {{mug: 0.2}}.
 priors: {{}}
-# Whether things rest, as on a table: then what is not found yet is looked for on the plane that others stand on.
+# Whether things rest, as on a table: then what floats is less probable, and what is not found yet is looked for on the plane that others
+# stand on. Instead of true, {{unknown_support: 0.1, ground: 0 m}}: the chance that something unknown holds what floats, the ground's height.
 gravity: false
 """
 

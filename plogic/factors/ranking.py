@@ -1,6 +1,6 @@
 """Worlds in order where auxiliary variables stand beside those of the worlds: a world weighs the sum over them.
 
-Most auxiliary variables are summed out first. Where one would take too large a table (an appearance that very many claim), joint states
+Most auxiliary variables are summed out first; those that a world decides need not be, for they add no joint state to it. Where one would take too large a table (an appearance that very many claim), joint states
 with it are ranked instead: a world weighs at most its heaviest joint state times the number of joint auxiliary states, so a world whose sum
 is known may be told as soon as no world that is yet unseen can be heavier.
 """
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 def weighed(scene: SceneGraph, clock: Clock) -> Iterator[Weighed]:
     """(log weight, one state a variable of the scene's alternatives) of every possible world, heaviest first; OutOfTimeError past the clock."""
     graph, left = scene.graph, []
-    for v in scene.auxiliary:
+    for v in (v for v in scene.auxiliary if v not in scene.decided):
         clock.check()
         try:
             graph = summed_out(graph, [v])

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plogic.factors.alternatives import Alternative, Cast, cast_of
+from plogic.factors.floating import add_floating
 from plogic.factors.posterior import add_posterior
 from plogic.factors.score import add_score
 from plogic.factors.tables import Tables
@@ -26,13 +27,15 @@ if TYPE_CHECKING:
 class SceneGraph:
     """``variables[v]`` is what variable v of the graph decides; ``place["h4"]`` is the (variable, state) in which h4 is present.
 
-    ``causes["a3"]``: the cause of an appearance, as a variable, if one was asked for, or that has very many claimants.
+    ``causes["a3"]``: the cause of an appearance, as a variable, if one was asked for, or that has very many claimants. ``decided``: auxiliary
+    variables of which each has one possible state in a world.
     """
 
     graph: FactorGraph
     variables: tuple[Alternative, ...]
     place: dict[str, tuple[int, int]]
     causes: dict[str, Cause]
+    decided: frozenset[int] = frozenset()
 
     @property
     def auxiliary(self) -> tuple[int, ...]:
@@ -54,7 +57,8 @@ def scene_graph(situation: Situation, *, explicit: Collection[str] = ()) -> Scen
     else:
         add_score(tables, cast)
     _add_constraints(tables, cast)
-    return SceneGraph(tables.graph(), cast.variables, cast.place, causes)
+    decided = add_floating(tables, cast)
+    return SceneGraph(tables.graph(), cast.variables, cast.place, causes, decided)
 
 
 def _add_constraints(tables: Tables, cast: Cast) -> None:

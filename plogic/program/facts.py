@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from plogic.pair_facts import both_ways
+from plogic.program import floating
 from plogic.program.layout import coordinate, number, quoted
 from plogic.program.whereabouts import whereabouts
 
@@ -131,6 +132,7 @@ def constraints(w: Writer) -> Iterator[str]:
     if situation.reading == "score":
         for x, y in _once(w, situation.exclusive):
             yield f"evidence(\\+ violated(shares_data({w.atoms(x, y)})))."
+    yield from floating.evidence(w)
 
 
 def _measures(w: Writer) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 Layers 1, 2 and 4 are those of ``program_text``; layer 3 says only what can be chosen, not how probable it is. Given the evidence that every
 appearance is explained, chosen(A, H/F) holds exactly where F of H causes A: it hits, and no other claimant does. So the goals of the
-vocabulary need no hits. What speaks of other choices (``OUTSIDE``) has no meaning here, and is left to the program itself.
+vocabulary need no hits, and given that nothing floats without an excuse they need no excuses. What speaks of other choices (``OUTSIDE``) has no meaning here, and is left to the program itself.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from plogic.situation import Situation
 
-OUTSIDE = ("hit/2", "pick/2", "luck/2", "ok/2", "joint/3", "agrees/1")
+OUTSIDE = ("hit/2", "pick/2", "luck/2", "ok/2", "joint/3", "agrees/1", "excused/1")
 """Choices that the factor graph has summed out, and what is said in terms of them."""
 
 CHOSEN = r"""

@@ -5,13 +5,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from plogic.vocabulary import VOCABULARY, entries
+
+if TYPE_CHECKING:
+    from plogic.situation import Situation
 
 FALLBACKS = (
     "part_of/2", "feature_of/3", "hypothesis/2", "instance/2", "opaque_surface/1", "in_image/2", "in_lobe/2", "self_hidden/2",
     "behind_surface/3", "match/3", "preferred/3", "datum/2", "overlap/2", "rival_pair/2", "exclusive/2", "outline_relation/3",
     "outline_roc/3", "part_relation/3", "part_roc/3", "at/4", "distance/2", "body_middle/4", "body_nearest/2", "up_direction/3", "inside_image/1",
-    "cut_by_image/1", "body_gap/3", "body_over/2", "stands_on/2", "stands_on_both/3", "dv/2", "rank/2", "ev_given/3", "context/2",
+    "cut_by_image/1", "body_gap/3", "body_over/2", "stands_on/2", "stands_on_both/3", "weighs/1", "open_foot/3", "body_rests/2", "dv/2", "rank/2", "ev_given/3", "context/2",
 )  # fmt: skip
 
 COMMON = r"""
@@ -102,15 +107,23 @@ EXCLUSIVE = r"""
 violated(shares_data(X, Y)) :- exclusive(X, Y), present(X), present(Y).
 """
 
+FLOATS = r"""
+% Support: nothing floats, but for what something holds that the KB does not know.
+violated(floats(H)) :- floats(H), \+ excused(H).
+"""
 
-def rules(reading: str, reconsider: str, *, smoothed: bool) -> list[str]:
-    """The rules of one reading and mode, in blocks of text."""
+
+def rules(situation: Situation, *, smoothed: bool) -> list[str]:
+    """The rules of a situation's reading and mode, in blocks of text."""
+    reading, reconsider = situation.reading, situation.reconsider
     blocks = [COMMON, FOUND_REASSIGN if reading == "score" and reconsider == "reassign" else FOUND]
     if reading == "score":
         decide = DROP if reconsider == "drop" else LINEAR + (AGREES_SMOOTHED if smoothed else AGREES)
         blocks += [SUPPORTED, decide, JOINT, VIOLATED, EXCLUSIVE]
     else:
         blocks += [POSTERIOR, VIOLATED]
+    if situation.gravity is not None:
+        blocks.append(FLOATS)
     return [block.strip("\n") for block in blocks]
 
 
@@ -130,7 +143,7 @@ def defined() -> frozenset[str]:
     inner = {
         "proper_part/2", "belongs/2", "rival/2", "own_host_hides/2", "candidate/2", "hidden/2", "in_view/2", "claims/3", "not_behind/2",
         "all_behind/2", "found/2", "taken_away/3", "supported/1", "concordant/2", "agrees/1", "hitting/3", "other_hit/3", "any_hit/1",
-        "explained/1", "missed/2", "violated/1", "caused/1", "outbid/3",
+        "explained/1", "missed/2", "violated/1", "caused/1", "outbid/3", "higher_up/1",
     }  # fmt: skip
-    choices = {"alone/1", "ok/2", "pick/2", "luck/2", "member_of/2", "joint/3", "includes/2", "hit/2", "chosen/2"}
+    choices = {"alone/1", "ok/2", "pick/2", "luck/2", "member_of/2", "joint/3", "includes/2", "hit/2", "chosen/2", "excused/1"}
     return frozenset(inner | choices | set(FALLBACKS) | {entry.signature for entry in VOCABULARY})

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from plogic.acceptance import lifted_smoothing
 from plogic.dependence import Scene, dependence
 from plogic.names import names_of
-from plogic.program import facts, posterior, score
+from plogic.program import facts, floating, posterior, score
 from plogic.program.author import author_rules
 from plogic.program.contexts import ev_facts
 from plogic.program.layout import Writer, title
@@ -61,9 +61,10 @@ def _lines(w: Writer) -> Iterator[str]:
     yield from ev_facts(w)
     yield from ("", title(3, "The choices"))
     yield from score.choices(w) if is_score else posterior.choices(w)
+    yield from floating.excuses(w)
     yield from ("", title(4, "Σc: constraints and definitions D1-D8, free of any object type"))
     yield from ("% Predicates that may have no facts in this image.", fallbacks(), "")
-    for block in rules(situation.reading, situation.reconsider, smoothed=lifted_smoothing(w.scene) > 0):
+    for block in rules(situation, smoothed=lifted_smoothing(w.scene) > 0):
         yield from (block, "")
     yield from ("% ---- The vocabulary of queries", *vocabulary_rules(situation.reading))
     yield from _author(w)

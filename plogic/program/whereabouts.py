@@ -9,6 +9,7 @@ import math
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+from plogic.program.floating import holds
 from plogic.program.layout import coordinate
 from plogic.spatial import BodyFact, words_of_shared
 
@@ -36,6 +37,7 @@ def whereabouts(w: Writer) -> Iterator[str]:
     yield from (w.fact("stands_on", *pair) for pair in space.on)
     yield from (w.fact("stands_on_both", *three) for three in space.on_both)
     yield from (f"% overlap({w.atoms(s.x, s.y)}): {words_of_shared(s)}" for s in space.shared)
+    yield from holds(w)
 
 
 def _point(h: HypothesisFact) -> BodyFact:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from plogic.gravity import linked
 from plogic.program.author import load_problog
 from plogic.vocabulary import VOCABULARY
 
@@ -100,6 +101,8 @@ def _together(situation: Situation, named: set[str]) -> set[str]:
     for x, y, z in situation.space.on_both:  # whether x is on y may hang on z
         link(x, y)
         link(x, z)
+    for x, y in () if situation.gravity is None else linked(situation.gravity):
+        link(x, y)
     ids = {h.id for h in situation.hypotheses}
     stack = [name if name in ids else f"datum {name}" for name in sorted(named)]
     reached: set[str] = set()
@@ -127,6 +130,7 @@ def _part(situation: Situation, kept: set[str], named: set[str]) -> Situation:
         exclusive=inside(situation.exclusive),
         relations=tuple(r for r in situation.relations if r.x in kept and r.y in kept),
         space=situation.space.among(kept),
+        gravity=None if situation.gravity is None else situation.gravity.among(kept),
         part_relations=tuple(r for r in situation.part_relations if r.x in kept and r.y in kept),
         rules="",
     )

@@ -25,7 +25,21 @@ def log_weights(situation):
         logs = _score(scene, present) if score else _posterior(scene, present)
     for x, y in situation.overlaps | (situation.exclusive if score else frozenset()):
         logs[present[x] & present[y]] = -np.inf
-    return logs
+    return logs + _floating(situation.gravity, present)
+
+
+def _floating(gravity, present):
+    """Once the chance of an unknown support for each that floats: it is there, no holder is, and the ground is lower."""
+    if gravity is None:
+        return 0.0
+    count = 0
+    for name, low, _ in gravity.feet:
+        holders = [y for x, y in gravity.rests if x == name]
+        held = np.logical_or.reduce([present[y] for y in holders if y in present] or [np.False_])
+        lower = np.logical_or.reduce([present[f.id] for f in gravity.feet if f.high < low] or [np.False_])
+        grounded = np.bool_("ground" in holders) if gravity.ground is not None else ~lower
+        count = count + (present[name] & ~held & ~grounded)
+    return np.log(gravity.unknown_support) * count
 
 
 def _score(scene, present):

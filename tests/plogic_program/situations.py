@@ -8,6 +8,7 @@ from random import Random
 from hypothesis import strategies as st
 
 from geometry.roc import ROC20
+from plogic.gravity import Foot, Gravity
 from plogic.pair_facts import pair_facts
 from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Situation
 
@@ -138,3 +139,15 @@ def _random_situation(rng, most, readings, modes):
         priors={"t1": 0.4, "t2": 0.2},
         smoothing=rng.choice([0.0, 0.01]),
     )
+
+
+def with_gravity(subject, seed, **changes):
+    """Of which some float in some worlds: heights and who rests on whom are drawn; the ground's height is told in half of them."""
+    rng = Random(seed)  # noqa: S311 - a test's
+    known = [h.id for h in subject.hypotheses if rng.random() < 0.9]
+    feet = tuple(Foot(name, low, low + rng.choice([0.0, 0.05])) for name in known for low in [rng.choice([0.0, 0.1, 0.2, 0.3])])
+    apart = {frozenset(pair) for pair in subject.overlaps}
+    rests = [(x, y) for x in known for y in known if x != y and frozenset((x, y)) not in apart and rng.random() < 0.25]
+    ground = rng.choice([None, 0.02])
+    rests += [(foot.id, "ground") for foot in feet if ground is not None and foot.low <= ground]
+    return replace(subject, gravity=replace(Gravity(rng.choice([0.02, 0.3, 0.9, 1.0]), ground, feet, tuple(rests)), **changes))

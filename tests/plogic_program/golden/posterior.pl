@@ -125,6 +125,7 @@ part_roc(_, _, _) :- fail. at(_, _, _, _) :- fail. distance(_, _) :- fail.
 body_middle(_, _, _, _) :- fail. body_nearest(_, _) :- fail. up_direction(_, _, _) :- fail.
 inside_image(_) :- fail. cut_by_image(_) :- fail. body_gap(_, _, _) :- fail.
 body_over(_, _) :- fail. stands_on(_, _) :- fail. stands_on_both(_, _, _) :- fail.
+weighs(_) :- fail. open_foot(_, _, _) :- fail. body_rests(_, _) :- fail.
 dv(_, _) :- fail. rank(_, _) :- fail. ev_given(_, _, _) :- fail.
 context(_, _) :- fail.
 
@@ -254,6 +255,15 @@ on(X, Y) :- stands_on_both(X, Z, Y), present(X), present(Y), present(Z).
 in_view_of_camera(X) :- inside_image(X), present(X).
 % partly_in_view_of_camera(X): X's outline lies partly in the image, and partly outside.
 partly_in_view_of_camera(X) :- cut_by_image(X), present(X).
+% rests_on(X, Y): X touches Y from above, Y being another hypothesis or `ground`; where gravity is not said to hold, or up is unknown, of nothing.
+rests_on(X, Y) :- body_rests(X, Y), Y \= ground, present(X), present(Y).
+rests_on(X, ground) :- body_rests(X, ground), present(X).
+rests_on(X, ground) :- open_foot(X, _, _), present(X), \+ higher_up(X).
+higher_up(X) :- open_foot(X, A, _), open_foot(Y, _, B), B < A, present(Y).
+% held(X): X rests on something present, or on the ground.
+held(X) :- rests_on(X, _).
+% floats(X): gravity is said to hold, and nothing holds X.
+floats(X) :- weighs(X), present(X), \+ held(X).
 
 % ---- The rules of the knowledge base's author
 tall(H) :- feature(H,f1,apex).
