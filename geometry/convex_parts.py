@@ -3,6 +3,7 @@
 * ``ConvexParts(parts=((8, 3) m, (8, 3) m), exact=True)``: an L has two; ``exact`` is False where cutting was given up, and the one part is the hull.
 """
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,19 +39,31 @@ def convex_parts(body: Any) -> ConvexParts:  # noqa: ANN401 - manifold3d ships n
         if hull.volume() - part.volume() <= CONVEX * hull.volume():
             done.append(_corners(hull))
             continue
-        cut = _notch(part)
-        if cut is None or len(todo) + len(done) + 2 > MOST_PARTS:
+        halves = _halves(part, least) if len(todo) + len(done) + 2 <= MOST_PARTS else []
+        if not halves:
             return ConvexParts((_corners(body.hull()),), exact=False)
-        todo += [some for half in part.split_by_plane(*cut) for some in half.decompose()]
+        todo += halves
     return ConvexParts(tuple(done), exact=True)
+
+
+def _halves(part: Any, least: float) -> list[Any]:  # noqa: ANN401 - as above
+    """What the first of its notches that cuts anything off leaves, two pieces or more of over ``least`` m³; [] where none does, or for too many."""
+    for plane in _notches(part):
+        halves = [some for half in part.split_by_plane(*plane) for some in half.decompose() if some.volume() > least]
+        if len(halves) > 1:
+            return halves
+    return []
 
 
 def _corners(body: Any) -> Floats:  # noqa: ANN401 - as above
     return np.unique(np.asarray(body.to_mesh64().vert_properties)[:, :3], axis=0)
 
 
-def _notch(part: Any) -> tuple[list[float], float] | None:  # noqa: ANN401 - as above
-    """The plane (unit normal, offset) of the facet beside the reflex edge whose neighbour rises highest over it; None for none, or too many."""
+def _notches(part: Any) -> Iterator[tuple[list[float], float]]:  # noqa: ANN401 - as above
+    """Planes (unit normal, offset) of the facets beside reflex edges, those first over which a neighbour rises highest; none for too many.
+
+    In single precision a plane may run beside the part that it was cut along before: then it cuts nothing off, and another is tried.
+    """
     vertices, triangles = _mesh(part)
     one, opposite = _across(triangles)
     corner = vertices[triangles]
@@ -59,10 +72,11 @@ def _notch(part: Any) -> tuple[list[float], float] | None:  # noqa: ANN401 - as 
     normal /= np.where(length > 0.0, length, 1.0)[:, None]
     rise = np.einsum("ei,ei->e", normal[one], vertices[opposite] - corner[one, 0])
     reflex = rise > _REFLEX * float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    if not reflex.any() or reflex.sum() > 2 * MOST_REFLEX:
-        return None
-    facet = one[np.where(reflex, rise, -np.inf).argmax()]
-    return normal[facet].tolist(), float(normal[facet] @ corner[facet, 0])
+    if reflex.sum() > 2 * MOST_REFLEX:
+        return
+    edges = np.argsort(-np.where(reflex, rise, -np.inf), kind="stable")[: int(reflex.sum())]
+    for facet in dict.fromkeys(one[edges].tolist()):
+        yield normal[facet].tolist(), float(normal[facet] @ corner[facet, 0])
 
 
 def _mesh(part: Any) -> tuple[Floats, Ints]:  # noqa: ANN401 - as above

@@ -8,7 +8,24 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
 
 from kb.cloud import UNKNOWN_SUPPORT
-from kb.schema_values import Angle, Chance, Direction, Flag, Fold, HalfAngle, Length, Name, Pair, Place, Positive, Quaternion, Range, Share, Text, Units
+from kb.schema_values import (
+    Angle,
+    Chance,
+    Direction,
+    Flag,
+    Fold,
+    HalfAngle,
+    Length,
+    Name,
+    Pair,
+    Place,
+    Positive,
+    Quaternion,
+    Range,
+    Share,
+    Text,
+    Units,
+)
 
 
 class Model(BaseModel):
@@ -137,7 +154,7 @@ class DetectorModel(Model):
 class GravityModel(Model):
     """That things rest, and what is not known of it."""
 
-    unknown_support: Chance = Field(UNKNOWN_SUPPORT, description="Chance that something not known to the KB holds what floats; 1: nothing is made of it.")
+    unknown_support: Chance = Field(UNKNOWN_SUPPORT, description="Chance that something unknown holds what floats; 1: nothing is made of it.")
     ground: Length | None = Field(None, description="The ground's height, world z; left out, it is where the lowest object of a world stands.")
 
 
@@ -182,7 +199,7 @@ class KBModel(Model):
         default_factory=_no_statistics, description="What is known of the detectors: hit rates, clutter, location noise."
     )
     gravity: Gravity = Field(
-        False,
+        default=False,
         validate_default=True,
         description="Whether things rest: what floats is less probable, and what is not found yet is looked for on the plane that others stand on.",
     )

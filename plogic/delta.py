@@ -13,6 +13,7 @@ from plogic.belief import Belief, Cycle
 from plogic.evidence import clutter_density, evidence
 from plogic.expectation import hidden_by
 from plogic.fitted import as_fitted
+from plogic.holding import gravity_of_view
 from plogic.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.measures.explanatory import explanatory_value
 from plogic.parts import part_facts
@@ -94,6 +95,7 @@ def delta_of(
             rivals=rivals,
             exclusive=exclusive,
             space=space_of_view(beliefs, overlaps, data.camera, kb) if related else Space(),
+            gravity=gravity_of_view(posed, overlaps, data.camera, kb),
             relations=relations_of(posed, together, data.camera),
             part_relations=part_relations_of(posed, together, data.camera),
             priors={t.name: kb.rates.prior.get(t.name, 0.5) for t in kb.types},

@@ -60,7 +60,7 @@ def moved_apart(posed: Sequence[Posed], camera: Camera, kb: KnowledgeBase) -> tu
     first = [contact for contact in contacts(posed, poses) if contact.reach.depth > DEEP]
     if not first:
         return poses, []
-    costs, deep = [_information(some, camera, kb) for some in posed], first
+    costs, deep = [pose_information(some, camera, kb) for some in posed], first
     for _ in range(ROUNDS):
         poses = _eased(posed, poses, costs, deep)
         deep = [contact for contact in contacts(posed, poses) if contact.reach.depth > DEEP]
@@ -81,7 +81,7 @@ def contacts(posed: Sequence[Posed], poses: Sequence[Floats]) -> list[Contact]:
     return found
 
 
-def _information(posed: Posed, camera: Camera, kb: KnowledgeBase) -> Floats:
+def pose_information(posed: Posed, camera: Camera, kb: KnowledgeBase) -> Floats:
     """(6, 6) of turning about the middle, rad, and moving, m: of the matches, and of what is known of any pose (``plogic.freedom``)."""
     used = np.flatnonzero(posed.candidate & posed.detected)
     precision = posed.counted[used] / sigmas(posed, kb)[used] ** 2

@@ -14,10 +14,12 @@ Nothing here is computed from probabilities; everything here is plain data that 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-from plogic.gravity import Gravity
 from plogic.spatial import Space
+
+if TYPE_CHECKING:
+    from plogic.gravity import Gravity
 
 Reading = Literal["score", "posterior"]
 Reconsider = Literal["to_B", "drop", "reassign"]
@@ -116,7 +118,7 @@ class Situation:
     replaces p by ε + (1 − 2ε) p in the *score* program's choices (trap c), never in the measures; 0 by default. ``dv`` per feature type
     and ``rank`` per object type are side tables for queries. ``relations`` are of whole hypotheses that can be present together,
     ``part_relations`` of a part of one and a part of another, or the whole of it. ``space`` says where bodies are, and decides no probability of a
-    world; ``gravity`` who holds whom, which decides some (Σc), and is None where nobody said that gravity holds. ``rules`` is the author's ``rules.pl``.
+    world; ``gravity`` who holds whom, which decides some (Σc); None where nobody said that it holds. ``rules`` is the author's ``rules.pl``.
     ``stopped`` says whether more time would have found more; it decides no probability of what was.
     """
 

@@ -2,7 +2,8 @@
 
 Layers 1, 2 and 4 are those of ``program_text``; layer 3 says only what can be chosen, not how probable it is. Given the evidence that every
 appearance is explained, chosen(A, H/F) holds exactly where F of H causes A: it hits, and no other claimant does. So the goals of the
-vocabulary need no hits, and given that nothing floats without an excuse they need no excuses. What speaks of other choices (``OUTSIDE``) has no meaning here, and is left to the program itself.
+vocabulary need no hits, and given that nothing floats without an excuse they need no excuses. What speaks of other choices (``OUTSIDE``)
+has no meaning here, and is left to the program itself.
 """
 
 from __future__ import annotations

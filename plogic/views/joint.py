@@ -19,8 +19,10 @@ from geometry.refine_sights import turned_step
 from plogic.belief import Belief, Cycle
 from plogic.bounds import LEAST
 from plogic.delta import delta_of, instances
+from plogic.disjoint import pose_information
 from plogic.evidence import as_counted, evidence
 from plogic.freedom import share_of
+from plogic.holding import gravity_of_view
 from plogic.known import known
 from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from kb.cloud import KnowledgeBase
     from plogic.delta import Options
     from plogic.expectation import Posed
+    from plogic.gravity import Gravity
     from plogic.perceive import Perceiver
     from plogic.search.data import Data
     from plogic.situation import FeatureFact, HypothesisFact, Situation
@@ -95,7 +98,25 @@ def _judged(ordered: Sequence[Standing], first: int, seen: Sequence[Seen], perce
         ordered = [refined(some, mine, seen, kb) for some, mine in zip(ordered, zip(*posed, strict=True), strict=True)]
         posed = _posed(ordered, first, seen, kb)
     told = [_told(mine, first, some, perceiver, options) for mine, some in zip(posed, seen, strict=True)]
-    return Joint(tuple(ordered), first, tuple(tuple(mine) for mine in posed), _merged(told, seen, ordered))
+    situation = _merged(told, seen, ordered)
+    situation = replace(situation, gravity=_gravity(situation, posed, seen, kb))
+    return Joint(tuple(ordered), first, tuple(tuple(mine) for mine in posed), situation)
+
+
+def _gravity(situation: Situation, posed: Sequence[Sequence[Posed]], seen: Sequence[Seen], kb: KnowledgeBase) -> Gravity | None:
+    """Who holds whom in the world, with what all views tell of the poses, in the axes of the last."""
+    ids = [h.id for h in situation.hypotheses]
+    there = replace(seen[-1].data.camera, world_from_camera=seen[-1].view.world_from_camera)
+    known = {name: _together([mine[i] for mine in posed], seen, kb) for i, name in enumerate(ids)} if kb.gravity else {}
+    return gravity_of_view(dict(zip(ids, posed[-1], strict=True)), situation.overlaps, there, kb, known)
+
+
+def _together(posed: Sequence[Posed], seen: Sequence[Seen], kb: KnowledgeBase) -> Floats:
+    """What all views together tell of one pose (6, 6), in the axes of the last view's camera."""
+    last = seen[-1].view.world_from_camera[:3, :3]
+    turns = [turned_step(last.T @ one.view.world_from_camera[:3, :3]) for one in seen]
+    told = [turn @ pose_information(mine, one.data.camera, kb) @ turn.T for turn, mine, one in zip(turns, posed, seen, strict=True)]
+    return np.asarray(np.sum(told, axis=0))
 
 
 def _ordered(standing: Sequence[Standing], seen: Sequence[Seen], kb: KnowledgeBase) -> tuple[list[Standing], int]:
@@ -136,7 +157,8 @@ def _told(posed: Sequence[Posed], first: int, seen: Seen, perceiver: Perceiver, 
 
     accepted, rivals = ([_belief(one, status, seen, perceiver) for one in some] for some, status in _parted(posed, first))
     cycle = Cycle(tuple(accepted), tuple(rivals), (), (), Trace())
-    situation = delta_of(cycle, seen.data, kb, perceiver.dv, options, counted, related=False).situation
+    alone = replace(kb, gravity=False)  # who holds whom is decided by all views together
+    situation = delta_of(cycle, seen.data, alone, perceiver.dv, options, counted, related=False).situation
     return _Told(situation, tuple(known))
 
 

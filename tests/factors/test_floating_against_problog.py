@@ -154,7 +154,8 @@ def test_a_stack_floats_without_its_lower_part(reading):
         ("h2",): ["h2"], ("h3",): ["h3"], ("h2", "h3"): ["h2"], ("h1", "h3"): ["h3"],
     }  # fmt: skip
     assert worlds_of(subject) == pytest.approx(by_hand(subject))
-    assert answers(subject, "floats(h3)")[0].probability == pytest.approx(sum(p for w, p in worlds_of(subject).items() if "h3" in floaters(subject, w)))
+    floating = sum(p for world, p in worlds_of(subject).items() if "h3" in floaters(subject, world))
+    assert answers(subject, "floats(h3)")[0].probability == pytest.approx(floating)
 
 
 def test_nobody_floats_where_nobody_said_that_gravity_holds():
@@ -189,7 +190,7 @@ def test_forty_at_different_heights_are_exact_at_once():
     subject = lone(*names, gravity=Gravity(0.1, None, tuple(Foot(name, 0.1 * i, 0.1 * i) for i, name in enumerate(names))))
     empty, some = 1.0, 0.0
     for _ in names:
-        empty, some = empty, some + 0.1 * some + empty
+        some += 0.1 * some + empty
     solved = beliefs(scene_graph(subject).graph)
     assert solved.log_z[0] == pytest.approx(math.log((empty + some) / 2**40))
     ranking = ranked_worlds(subject, 5)

@@ -141,3 +141,14 @@ def test_the_volume_that_two_ls_share_is_what_drawn_points_say(seed):
     share = (within(points) & within((points - T[:3, 3]) @ T[:3, :3])).mean()
     assert solid_overlap(EL, np.eye(4), EL, T) == pytest.approx(9 * share, abs=0.05)
     assert share > 0.0
+
+
+def test_a_crate_whose_walls_single_precision_leaves_beside_its_planes_is_told_within_bounds():
+    """Its second cut used to run beside the wall that the first had left, again and again."""
+    hollow = trimesh.creation.box((0.36, 0.36, 0.3)).apply_translation((0, 0, 0.02))
+    crate = trimesh.boolean.difference([trimesh.creation.box((0.4, 0.4, 0.3)), hollow])
+    solid = Solid(np.array(crate.vertices), np.array(crate.faces))
+    cube = Solid(*box(0.1, 0.1, 0.1))
+    found = penetration(solid, np.eye(4), cube, at(0.0, 0.0, -0.135))
+    assert 0.0 < found.low <= 0.055 + 1e-6
+    assert found.low <= found.high
