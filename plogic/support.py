@@ -1,4 +1,4 @@
-"""Support: where gravity holds, nothing floats. A soft constraint of Σc: it says where to look, and what the data say still decides.
+"""Where to look, where gravity holds: on the plane that accepted objects stand on. No constraint (that is ``plogic.gravity``): it proposes poses.
 
 What two accepted objects or more stand on is one plane. What else stands there is then looked for on it alone, with far fewer ways to stand
 than a free body has poses; what leans, hangs or lies on something else is found as before, by the search that knows of no plane.

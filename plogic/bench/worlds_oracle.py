@@ -91,6 +91,8 @@ def terms(situation: Situation) -> Iterator[Term]:
     both = np.array([[1.0, 1.0], [1.0, 0.0]])
     pairs = situation.overlaps | (situation.exclusive if situation.reading == "score" else frozenset())
     yield from ((pair, both) for pair in sorted(pairs))
+    if situation.gravity is not None:
+        raise SituationError("gravity: the families say nothing of it, and this oracle knows nothing of it")
 
 
 def _posterior(situation: Situation) -> Iterator[Term]:

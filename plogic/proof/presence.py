@@ -49,7 +49,7 @@ def presence(situation: Situation, name: str, world: Sequence[str]) -> tuple[str
     told = _score(view) if situation.reading == "score" else _posterior(view)
     beside = ", ".join(w for w in world if w != name) or "no other"
     where = f"{name} is a {view.h.type}; in the most probable world that holds it, beside {beside}:"
-    return (where, *told, *_excluded(view))
+    return (where, *told, *_held(view), *_excluded(view))
 
 
 def _score(view: View) -> Iterator[str]:
@@ -135,6 +135,18 @@ def _with_volume(situation: Situation, name: str, other: str) -> str:
     """``h3 (2.1e-05 m3, 12 mm deep)`` where that is known."""
     found = situation.space.sharing(name, other)
     return other if found is None else f"{other} ({words_of_shared(found)})"
+
+
+def _held(view: View) -> Iterator[str]:
+    """Who holds it in this world, or that it floats (Σc), where gravity is said to hold of it."""
+    gravity, name = view.scene.situation.gravity, view.h.id
+    if gravity is None or all(foot.id != name for foot in gravity.feet):
+        return
+    if gravity.floating(name, view.world):
+        yield f"  against: it floats, nothing in this world holds it: the world weighs {gravity.unknown_support:.4g} of what it would"
+        return
+    holders = [x for x in gravity.holders(name) if x in view.world]
+    yield f"  held by {_listed(holders) if holders else 'the ground'}"
 
 
 def _excluded(view: View) -> Iterator[str]:

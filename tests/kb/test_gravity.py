@@ -3,6 +3,7 @@
 import pytest
 from small_kb import KB, write_small
 
+from kb.cloud import UNKNOWN_SUPPORT
 from kb.errors import KBErrors
 from kb.read import read_kb
 from kb.schema import json_schema
@@ -26,7 +27,18 @@ def test_said_to_hold_it_is_read_and_written(tmp_path):
     assert json_schema("kb")["properties"]["gravity"]["default"] is False
 
 
-@pytest.mark.parametrize("text", ["9.81", "down", "[]"])
-def test_it_is_yes_or_no(text, tmp_path):
+def test_what_is_not_known_of_support_and_the_ground_may_be_said(tmp_path):
+    kb = read_kb(write_small(tmp_path / "a", kb=KB + "gravity: {unknown_support: 0.25, ground: 75 cm}\n"))
+    assert (kb.gravity, kb.unknown_support, kb.ground) == (True, 0.25, 0.75)
+    write_kb(kb, tmp_path / "b")
+    again = read_kb(tmp_path / "b")
+    assert (again.gravity, again.unknown_support, again.ground) == (True, 0.25, 0.75)
+    plain = read_kb(write_small(tmp_path / "c", kb=KB + "gravity: {}\n"))
+    assert (plain.gravity, plain.unknown_support, plain.ground) == (True, UNKNOWN_SUPPORT, None)
+    assert "gravity: true\n" in kb_text(plain)
+
+
+@pytest.mark.parametrize("text", ["9.81", "down", "[]", "{unknown_support: 0}", "{unknown_support: 1.1}", "{floor: 0}", "{ground: 0 kg}"])
+def test_anything_else_is_a_mistake(text, tmp_path):
     with pytest.raises(KBErrors, match="gravity"):
         read_kb(write_small(tmp_path, kb=KB + f"gravity: {text}\n"))
