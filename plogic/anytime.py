@@ -12,13 +12,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.beside import Beside, name_of, rounded
-from plogic.disjoint import moved_apart
+from plogic.disjoint import moved_apart, pose_information
 from plogic.rivals import apart_on_screen
 from plogic.search.indices import settle
 from plogic.trace import Step, Trace
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
 
     from plogic.belief import Belief
     from plogic.expectation import Posed
@@ -125,7 +128,7 @@ class Anytime(Beside):
         """A4 to a millimetre: move apart, all together, what reaches into another; of two that cannot be, the one of less worth is rejected."""
         while True:
             self.deadline.check()
-            poses, deep = moved_apart([b.posed for b in self.accepted], self.data.camera, self.kb)
+            poses, deep = moved_apart([b.posed for b in self.accepted], lambda k: self._told_of(self.accepted[k].posed))
             if not deep:
                 break
             worst = min({k for pair in deep for k in pair}, key=lambda k: self.accepted[k].worth)
@@ -136,6 +139,10 @@ class Anytime(Beside):
                 posed = settle(belief.index, pose, self.data, self.kb, free=self.free(belief), hidden=self._hidden(belief.posed, belief), rounds=0)
                 self.accepted[k] = replace(belief, posed=posed)
                 self.trace.add("move", "a little, so that it does not reach into what it touches (A4)", of_type=name_of(belief))
+
+    def _told_of(self, posed: Posed) -> NDArray[np.float64]:
+        """(6, 6) what Γ tells of a pose (``plogic.disjoint``)."""
+        return pose_information(posed, self.data.camera, self.kb)
 
     def _stabilise(self) -> None:
         """Take every ev anew beside the others (reconsideration); drop what no longer holds, until Δi is stable. It only shrinks."""

@@ -12,10 +12,11 @@ from plogic.anytime import Anytime
 from plogic.belief import Belief, Cycle, considered
 from plogic.beside import FEWEST, name_of
 from plogic.covering import covered_by
+from plogic.disjoint import moved_apart
 from plogic.evidence import evidence
 from plogic.inference.clock import OutOfTimeError
 from plogic.measures.explanatory import explanatory_value
-from plogic.rivals import SHARED_CLAIMS, apart_on_screen, claims, hidden_among, overlap, shared_claims
+from plogic.rivals import apart_on_screen, claims, excludes, hidden_among
 from plogic.search.by_copies import searched
 from plogic.search.indices import generate, generate_together, settle, significant
 from plogic.search.learnt.index import LearntIndex
@@ -23,6 +24,8 @@ from plogic.support import bodies, supported
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from plogic.attention import Attention
     from plogic.expectation import Posed
@@ -68,7 +71,7 @@ class Perception(Anytime):
         self._conclude()
         self._leave(pool)
         self.trace.add("stable", f"{len(self.accepted)} accepted; {int(self.free().sum())} appearances left as noise")
-        rivals = tuple(considered(self.rivals, self.accepted))
+        rivals = self._told_of_rivals(self.rivals)
         return Cycle(tuple(self.accepted), rivals, tuple(self.rejected), tuple(attention), self.trace)
 
     def _round(self, attention: Sequence[Attention], pool: list[Posed]) -> bool:
@@ -203,21 +206,39 @@ class Perception(Anytime):
 
     def _alone(self, belief: Belief) -> Belief | None:
         """The hypothesis beside the other accepted ones, with the data of those that it would replace; None where it explains them worse by far."""
-        replaced = [b for b in self.accepted if overlap(belief.posed, b.posed) or shared_claims(belief.posed, b.posed)[1] > SHARED_CLAIMS]
+        replaced = [b for b in self.accepted if excludes(belief.posed, b.posed)]
         if not replaced:
             return None
-        beside = [b for b in self.accepted if not any(b is other for other in replaced)]
+        others = [b.posed for b in self.accepted if not any(b is other for other in replaced)]
+        found = self._among(belief, belief.posed.camera_from_object, others, rounds=1)
+        if self._is_accepted(found.posed):
+            return None
+        posed, hidden = found.posed, hidden_among(found.posed, others)
+        enough = int((posed.candidate & posed.detected & ~hidden).sum()) >= FEWEST
+        near = found.worth > sum(b.worth for b in replaced) - significant(belief.index, self._search_for(belief.posed))
+        return found if enough and found.ev_reconsidered is not None and near else None
+
+    def _told_of_rivals(self, rivals: Sequence[Belief]) -> tuple[Belief, ...]:
+        """Those that enter Δh, each moved out of the accepted that it leaves where they are (A4), if it can be and there is time."""
+        kept = considered(rivals, self.accepted)
+        return tuple(kept if self.unfinished else map(self._makes_way, kept))
+
+    def _makes_way(self, rival: Belief) -> Belief:
+        others = [b.posed for b in self.accepted if not excludes(rival.posed, b.posed)]
+        poses, deep = moved_apart([*others, rival.posed], lambda k: self._told_of([*others, rival.posed][k]), still=len(others))
+        if deep or poses[-1] is rival.posed.camera_from_object:
+            return rival
+        self.trace.add("move", "a little, so that it does not reach into an accepted object that it touches (A4)", of_type=name_of(rival))
+        return replace(self._among(rival, poses[-1], others, rounds=0), status=rival.status, why=rival.why)
+
+    def _among(self, belief: Belief, pose: NDArray[np.float64], others: Sequence[Posed], rounds: int) -> Belief:
+        """The hypothesis near another pose (4, 4), beside these alone, and on the data that they leave."""
         free = np.ones(len(self.data.ids), dtype=bool)
-        others = [other.posed for other in beside]
         for other in others:
             free[list(claims(other))] = False
         hidden = hidden_among(belief.posed, others)
-        posed = settle(belief.index, belief.posed.camera_from_object, self.data, self.kb, free=free, hidden=hidden, rounds=1)
-        if self._is_accepted(posed):
-            return None
+        posed = settle(belief.index, pose, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
         hidden = hidden_among(posed, others)
         ev, again = explanatory_value(posed.support(), self.dv), explanatory_value(posed.support(hidden), self.dv)
         found = evidence(posed, self.data, self.kb, hidden)
-        enough = int((posed.candidate & posed.detected & ~hidden).sum()) >= FEWEST
-        near = found.ratio > sum(b.worth for b in replaced) - significant(belief.index, self._search_for(belief.posed))
-        return Belief(posed, belief.index, found.ratio, found.surplus, ev, again) if enough and again is not None and near else None
+        return Belief(posed, belief.index, found.ratio, found.surplus, ev, again)

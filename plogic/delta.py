@@ -10,6 +10,7 @@ import networkx as nx
 import numpy as np
 
 from plogic.belief import Belief, Cycle
+from plogic.disjoint import reaches_into
 from plogic.evidence import clutter_density, evidence
 from plogic.expectation import hidden_by
 from plogic.fitted import as_fitted
@@ -74,7 +75,7 @@ def delta_of(
     names = list(beliefs)
     posed = {name: belief.posed for name, belief in beliefs.items()}
     pairs = list(combinations(names, 2))
-    overlaps = frozenset(pair for pair in pairs if overlap(posed[pair[0]], posed[pair[1]]))
+    overlaps = frozenset(pair for pair in pairs if _share_volume(*(beliefs[name] for name in pair)))
     shared = {pair: shared_claims(posed[pair[0]], posed[pair[1]])[1] for pair in pairs if pair not in overlaps}
     exclusive = overlaps | {pair for pair, share in shared.items() if share > SHARED_CLAIMS}
     together = [pair for pair in pairs if pair not in exclusive] if related else []
@@ -104,6 +105,12 @@ def delta_of(
             rules=kb.rules or "",
         ),
     )
+
+
+def _share_volume(one: Belief, other: Belief) -> bool:
+    """A4: what the cycle told apart, and moved apart where it could be, to a millimetre; open hypotheses as far as estimated poses go."""
+    told = one.status != "open" and other.status != "open"
+    return overlap(one.posed, other.posed) or (told and reaches_into(one.posed, other.posed))
 
 
 def unpruned(data: Data, kb: KnowledgeBase, indices: Sequence[Index], dv: Mapping[str, float], options: Options, most: int) -> Delta:

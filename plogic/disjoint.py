@@ -2,7 +2,8 @@
 
 Of all poses that keep them apart those are taken that Γ says the most for: each pose's information, from its matches, tells what a move costs.
 
-* ``moved_apart(posed, camera, kb)``: the poses, and which pairs still reach into each other
+* ``moved_apart(posed, information)``: the poses, and which pairs still reach into each other
+* ``reaches_into(one, other)``: whether two do, by more than a millimetre
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
 from geometry.information import information
@@ -20,7 +22,7 @@ from plogic.known import sigmas
 from plogic.rivals import solid_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -51,19 +53,23 @@ class Contact(NamedTuple):
     reach: Reach
 
 
-def moved_apart(posed: Sequence[Posed], camera: Camera, kb: KnowledgeBase) -> tuple[list[Floats], list[tuple[int, int]]]:
+def moved_apart(
+    posed: Sequence[Posed], information: Callable[[int], Floats], still: int = 0
+) -> tuple[list[Floats], list[tuple[int, int]]]:
     """Poses (4, 4), camera_from_object, of N objects, and the pairs that still reach more than ``DEEP`` into each other.
 
-    So do pairs that would have to move too ``FAR``. One that touches nobody keeps its pose, the same array.
+    So do pairs that would have to move too ``FAR``. One that touches nobody keeps its pose, the same array; so do the first, which stand ``still``,
+    and nothing is told of pairs of these. ``information``, (6, 6), of the pose of one by number (``pose_information``): what a move costs.
     """
     poses = [some.camera_from_object for some in posed]
-    first = [contact for contact in contacts(posed, poses) if contact.reach.depth > DEEP]
+    first = _deep(posed, poses, still)
     if not first:
         return poses, []
-    costs, deep = [pose_information(some, camera, kb) for some in posed], first
+    costs, deep = [information(k) for k in range(len(posed))], first
+    yields = [(k >= still) * np.asarray(np.linalg.inv(cost)) for k, cost in enumerate(costs)]
     for _ in range(ROUNDS):
-        poses = _eased(posed, poses, costs, deep)
-        deep = [contact for contact in contacts(posed, poses) if contact.reach.depth > DEEP]
+        poses = _eased(posed, poses, yields, deep)
+        deep = _deep(posed, poses, still)
         if not deep:
             break
     far = [_cost(some, pose, cost) > FAR**2 for some, pose, cost in zip(posed, poses, costs, strict=True)]
@@ -71,10 +77,23 @@ def moved_apart(posed: Sequence[Posed], camera: Camera, kb: KnowledgeBase) -> tu
     return poses, sorted({(contact.first, contact.second) for contact in deep})
 
 
-def contacts(posed: Sequence[Posed], poses: Sequence[Floats]) -> list[Contact]:
-    """Where bodies at some poses reach into each other, once a connected piece of what they share; of one that is no solid nobody knows."""
+def _deep(posed: Sequence[Posed], poses: Sequence[Floats], still: int) -> list[Contact]:
+    return [contact for contact in contacts(posed, poses, still) if contact.reach.depth > DEEP]
+
+
+def reaches_into(one: Posed, other: Posed) -> bool:
+    """Whether two reach more than ``DEEP`` into each other."""
+    poses = [some.camera_from_object for some in (one, other)]
+    return any(contact.reach.depth > DEEP for contact in contacts((one, other), poses))
+
+
+def contacts(posed: Sequence[Posed], poses: Sequence[Floats], still: int = 0) -> list[Contact]:
+    """Where bodies at some poses reach into each other, once a connected piece of what they share; of one that is no solid nobody knows.
+
+    Pairs of the first, which stand ``still``, are left out.
+    """
     found = []
-    for i, j in combinations(range(len(posed)), 2):
+    for i, j in (pair for pair in combinations(range(len(posed)), 2) if pair[1] >= still):
         one, other = (None if (surface := posed[k].object_type.surface) is None else surface.solid for k in (i, j))
         if one is not None and other is not None:
             found += [Contact(i, j, deep) for deep in reaches(solid_of(one), poses[i], solid_of(other), poses[j])]
@@ -92,8 +111,11 @@ def pose_information(posed: Posed, camera: Camera, kb: KnowledgeBase) -> Floats:
     return information(posed.at[used], posed.middle, precision, camera, across) + np.diag(loose**-2.0)
 
 
-def _eased(posed: Sequence[Posed], poses: list[Floats], costs: Sequence[Floats], deep: Sequence[Contact]) -> list[Floats]:
-    """The poses after the least costly moves that end the contacts, as far as these are flat: a quadratic program, by its dual."""
+def _eased(posed: Sequence[Posed], poses: list[Floats], yields: Sequence[Floats], deep: Sequence[Contact]) -> list[Floats]:
+    """The poses after the least costly moves that end the contacts, as far as these are flat: a quadratic program, by its dual.
+
+    ``yields`` (6, 6) each: the inverse of what moves cost; 0 of what stands still.
+    """
     rows = np.zeros((len(deep), 6 * len(posed)))
     wanted = np.array([contact.reach.depth - SPARE * DEEP for contact in deep])
     middles = [_middle(some, pose) for some, pose in zip(posed, poses, strict=True)]
@@ -101,14 +123,12 @@ def _eased(posed: Sequence[Posed], poses: list[Floats], costs: Sequence[Floats],
         for body, sign in ((first, -1.0), (second, 1.0)):
             lever = np.cross(found.at - middles[body], found.way)
             row[6 * body : 6 * body + 6] = sign * np.concatenate([lever, found.way])
-    yields = np.zeros((6 * len(posed),) * 2)
-    for body, cost in enumerate(costs):
-        yields[6 * body : 6 * body + 6, 6 * body : 6 * body + 6] = np.linalg.inv(cost)
-    coupling, force = rows @ yields @ rows.T, np.zeros(len(deep))
+    loose = block_diag(*yields)
+    coupling, force = rows @ loose @ rows.T, np.zeros(len(deep))
     for _ in range(SWEEPS):
         for k in range(len(deep)):
             force[k] = max(0.0, force[k] + (wanted[k] - coupling[k] @ force) / coupling[k, k])
-    moves = (yields @ rows.T @ force).reshape(-1, 6)
+    moves = (loose @ rows.T @ force).reshape(-1, 6)
     return [_moved(pose, middle, move) for pose, middle, move in zip(poses, middles, moves, strict=True)]
 
 

@@ -72,7 +72,7 @@ class Perceiver:
         self, gamma: Gamma, data: Data, cycle: Cycle, options: Options, image: NDArray[np.uint8] | None, clock: Stopwatch
     ) -> dict[str, Any]:
         """The interpretation document of what the cycle came to."""
-        delta, rejected, trace = self._facts(data, cycle, options, clock)
+        gamma, (delta, rejected, trace) = gamma.in_order(), self._facts(data, cycle, options, clock)
         with clock.stage("worlds"):
             delta, ranking = ranked(delta, trace, None if options.end is None else max(options.end - monotonic(), AFTER))
             late = not ranking.exact and options.end is not None
@@ -104,11 +104,11 @@ class Perceiver:
     def cycle(
         self, gamma: Gamma, options: Options, clock: Stopwatch, seeds: Sequence[Seed] = (), usual: Mapping[str, int] | None = None
     ) -> tuple[Data, Cycle]:
-        """Γ as arrays, and what the cycle comes to in it; ``seeds`` are what is remembered to stand here, the surest first.
+        """Γ as arrays, in its own order (``Gamma.in_order``), and what the cycle comes to in it.
 
-        ``usual``: how many data of each type are left unexplained here, as a rule.
+        ``seeds`` are what is remembered to stand here, the surest first; ``usual``: how many data of each type are left unexplained here, as a rule.
         """
-        data = data_of(gamma.appearances, gamma.camera, self.width)
+        data = data_of(gamma.in_order().appearances, gamma.camera, self.width)
         with clock.stage("rank"):
             attention = attend(list(self.indices.values()), data.types, self.kb)
         with clock.stage("search"), uncollected():

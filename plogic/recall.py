@@ -76,9 +76,8 @@ class Recall(Perception):
         for belief in refused:
             if not self._is_accepted(belief.posed):
                 self._set_aside(belief, f"remembered here, but: {belief.why}")
-        return replace(
-            cycle, considered=cycle.considered + tuple(self.rivals[rivals:]), rejected=cycle.rejected + tuple(self.rejected[rejected:])
-        )
+        more = tuple(map(self._makes_way, self.rivals[rivals:]))
+        return replace(cycle, considered=cycle.considered + more, rejected=cycle.rejected + tuple(self.rejected[rejected:]))
 
 
 def unexplained(types: Sequence[str], kb: KnowledgeBase, usual: Mapping[str, int]) -> str | None:

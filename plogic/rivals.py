@@ -101,3 +101,8 @@ def shared_claims(one: Posed, other: Posed) -> tuple[set[int], float]:
     mine, theirs = claims(one, other), claims(other, one)
     both = set(mine) & set(theirs)
     return both, len(both) / max(1, min(len(mine), len(theirs)))
+
+
+def excludes(one: Posed, other: Posed) -> bool:
+    """Whether no world holds both: A4, or they explain the same data."""
+    return overlap(one, other) or shared_claims(one, other)[1] > SHARED_CLAIMS

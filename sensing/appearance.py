@@ -63,3 +63,8 @@ class Gamma:
     def uv(self) -> NDArray[np.float64]:
         """(N, 2) places in pixels, in the order of ``appearances``; (0, 2) for an empty Γ."""
         return np.array([a.uv for a in self.appearances], dtype=np.float64).reshape(-1, 2)
+
+    def in_order(self) -> Gamma:
+        """The same set, in one order however it is told: by ids, a2 before a10. Of data that are equal in all else the first is taken."""
+        ordered = tuple(sorted(self.appearances, key=lambda a: (len(a.id), a.id)))
+        return self if ordered == self.appearances else Gamma(self.camera, ordered)

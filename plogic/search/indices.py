@@ -49,12 +49,13 @@ def indices_of(kb: KnowledgeBase, dv: Mapping[str, float], folder: Path | None =
 
     Of these there is one where the angles of data say something; ``folder``: where such are kept between runs.
     """
-    clouds = {t.name: t.learnt for t in kb.types if t.learnt is not None and t.features}
+    types = sorted(kb.types, key=lambda t: t.name)  # of types that are equal in all but their names the first is found
+    clouds = {t.name: t.learnt for t in types if t.learnt is not None and t.features}
     lexicon = lexicon_of(clouds, kb.words.centroids) if clouds and kb.words is not None else None
-    by_hand = [t for t in kb.types if t.learnt is None and t.features]
+    by_hand = [t for t in types if t.learnt is None and t.features]
     shared = ready(by_hand, dv, folder) if by_hand and kb.rates.sigma_angle is not None else None
     known = {index.object_type.name: index for index in shared.indices} if shared is not None else {}
-    return {t.name: known[t.name] if t.name in known else index_of(t, dv, lexicon) for t in kb.types if t.features}, shared
+    return {t.name: known[t.name] if t.name in known else index_of(t, dv, lexicon) for t in types if t.features}, shared
 
 
 def significant(index: Index, search: Search | None = None) -> float:

@@ -19,13 +19,13 @@ from geometry.refine_sights import turned_step
 from plogic.belief import Belief, Cycle
 from plogic.bounds import LEAST
 from plogic.delta import delta_of, instances
-from plogic.disjoint import pose_information
+from plogic.disjoint import moved_apart, pose_information
 from plogic.evidence import as_counted, evidence
 from plogic.freedom import share_of
 from plogic.holding import gravity_of_view
 from plogic.known import known
 from plogic.measures.explanatory import explanatory_value
-from plogic.rivals import SHARED_CLAIMS, overlap, shared_claims
+from plogic.rivals import excludes
 from plogic.trace import Trace
 from plogic.views.standing import Seen, Standing, refined, seen_alone, seen_beside
 from plogic.worlds import ranked_worlds
@@ -97,10 +97,31 @@ def _judged(ordered: Sequence[Standing], first: int, seen: Sequence[Seen], perce
     for _ in range(ROUNDS if len(seen) > 1 else 0):
         ordered = [refined(some, mine, seen, kb) for some, mine in zip(ordered, zip(*posed, strict=True), strict=True)]
         posed = _posed(ordered, first, seen, kb)
+    ordered, posed = _apart(ordered, first, posed, seen, kb)
     told = [_told(mine, first, some, perceiver, options) for mine, some in zip(posed, seen, strict=True)]
     situation = _merged(told, seen, ordered)
     situation = replace(situation, gravity=_gravity(situation, posed, seen, kb))
     return Joint(tuple(ordered), first, tuple(tuple(mine) for mine in posed), situation)
+
+
+def _apart(
+    ordered: Sequence[Standing], first: int, posed: list[list[Posed]], seen: Sequence[Seen], kb: KnowledgeBase
+) -> tuple[Sequence[Standing], list[list[Posed]]]:
+    """Hypotheses, and how views show them, moved out of each other (A4): Δi all together, each rival out of those that it does not exclude."""
+    last, world_from_camera = posed[-1], seen[-1].view.world_from_camera
+    columns = list(zip(*posed, strict=True))
+    poses, _ = moved_apart(last[:first], lambda k: _together(columns[k], seen, kb))
+    there = [replace(some, camera_from_object=pose) for some, pose in zip(last, poses, strict=False)]
+    for i in range(first, len(last)):
+        others = [j for j in range(first) if not _excludes(columns[i], columns[j])]
+        told = [_together(columns[j], seen, kb) for j in (*others, i)]
+        poses.append(moved_apart([*(there[j] for j in others), last[i]], told.__getitem__, len(others))[0][-1])
+    stay = [pose is some.camera_from_object for pose, some in zip(poses, last, strict=True)]
+    if all(stay):
+        return ordered, posed
+    moved = [Standing(some.index, np.asarray(world_from_camera @ pose)) for some, pose in zip(ordered, poses, strict=True)]
+    ordered = [some if stays else other for some, other, stays in zip(ordered, moved, stay, strict=True)]
+    return ordered, _posed(ordered, first, seen, kb)
 
 
 def _gravity(situation: Situation, posed: Sequence[Sequence[Posed]], seen: Sequence[Seen], kb: KnowledgeBase) -> Gravity | None:
@@ -133,7 +154,7 @@ def _ordered(standing: Sequence[Standing], seen: Sequence[Seen], kb: KnowledgeBa
 
 def _excludes(one: Sequence[Posed], other: Sequence[Posed]) -> bool:
     """A4, or claims on the same data in some view."""
-    return any(overlap(a, b) or shared_claims(a, b)[1] > SHARED_CLAIMS for a, b in zip(one, other, strict=True))
+    return any(excludes(a, b) for a, b in zip(one, other, strict=True))
 
 
 def _posed(standing: Sequence[Standing], first: int, seen: Sequence[Seen], kb: KnowledgeBase) -> list[list[Posed]]:

@@ -14,7 +14,7 @@ import numpy as np
 from geometry.frames import inverse, transform_points
 from geometry.refine_sights import Sight, refine_sights
 from plogic.known import sigmas
-from plogic.rivals import SHARED_CLAIMS, claims, hidden_among, overlap, shared_claims
+from plogic.rivals import claims, excludes, hidden_among
 from plogic.search.alike import same_place
 from plogic.search.indices import settle
 
@@ -82,7 +82,7 @@ def seen_beside(standing: Sequence[Standing], alone: Sequence[Posed], first: int
     """
     posed: list[Posed] = []
     for i, (some, lone) in enumerate(zip(standing, alone, strict=True)):
-        others = [j for j in range(first) if j != i and (i < first or not _excludes(lone, alone[j]))]
+        others = [j for j in range(first) if j != i and (i < first or not excludes(lone, alone[j]))]
         hidden = hidden_among(lone, [alone[j] for j in others])
         free = np.ones(len(seen.data.ids), bool)
         for j in others:
@@ -94,10 +94,6 @@ def seen_beside(standing: Sequence[Standing], alone: Sequence[Posed], first: int
 
 def _settled(standing: Standing, seen: Seen, kb: KnowledgeBase, free: NDArray[np.bool_], hidden: NDArray[np.bool_]) -> Posed:
     return settle(standing.index, standing.before(seen.view), seen.data, kb, free=free, hidden=hidden, rounds=0)
-
-
-def _excludes(one: Posed, other: Posed) -> bool:
-    return overlap(one, other) or shared_claims(one, other)[1] > SHARED_CLAIMS
 
 
 def refined(standing: Standing, posed: Sequence[Posed], seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:

@@ -28,10 +28,11 @@ class View:
     world_from_camera: NDArray[np.float64]
 
     def __post_init__(self) -> None:
-        """Keep a read-only pose. Raises GeometryError where it is not rigid."""
+        """Keep a read-only pose, and Γ in its order. Raises GeometryError where the pose is not rigid."""
         if not is_rigid(self.world_from_camera):
             raise GeometryError(f"{self.id}: T_world_camera must be a rotation and a translation")
         object.__setattr__(self, "world_from_camera", frozen(self.world_from_camera))
+        object.__setattr__(self, "gamma", self.gamma.in_order())
 
     @property
     def camera_from_world(self) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from synthetic import CAMERA, cycle_of, data, posed_at, scene, stand, towers
 
 from geometry.depth import penetration
 from geometry.frames import pose_error
-from plogic.disjoint import DEEP, contacts, moved_apart
+from plogic.disjoint import DEEP, contacts, moved_apart, pose_information
 from plogic.rivals import solid_of
 
 
@@ -43,6 +43,10 @@ def touching(poses):
     return dict(zip(poses, (one.camera_from_object, there), strict=True))
 
 
+def apart(posed, still=0):
+    return moved_apart(posed, lambda k: pose_information(posed[k], CAMERA, towers()), still)
+
+
 def reached(posed):
     return max((contact.reach.depth for contact in contacts(posed, [some.camera_from_object for some in posed])), default=0.0)
 
@@ -51,7 +55,7 @@ def reached(posed):
 @given(st.integers(0, 999), st.floats(0.003, 0.04))
 def test_what_reaches_into_another_is_moved_out(seed, deep):
     posed = pushed(seed, deep)
-    poses, left = moved_apart(posed, CAMERA, towers())
+    poses, left = apart(posed)
     assert left == []
     assert reached([replace(some, camera_from_object=pose) for some, pose in zip(posed, poses, strict=True)]) <= DEEP
     for some, pose in zip(posed, poses, strict=True):
@@ -64,7 +68,7 @@ def test_what_reaches_into_another_is_moved_out(seed, deep):
 def test_what_was_moved_out_is_out_by_the_definition_of_depth_too(seed):
     """Which knows nothing of least widths."""
     posed = pushed(seed, 0.004 * (1 + seed))
-    poses, _ = moved_apart(posed, CAMERA, towers())
+    poses, _ = apart(posed)
     (a, T_a), (b, T_b) = ((solid_of(some.object_type.surface), pose) for some, pose in zip(posed, poses, strict=True))
     found = penetration(a, T_a, b, T_b)
     assert found is None or found.high <= DEEP
@@ -74,14 +78,25 @@ def test_the_one_that_nobody_saw_makes_way():
     """A move costs what the matches say: without matches it costs nearly nothing."""
     first, second = pushed(5, 0.02)
     unseen = replace(second, matches=np.full(len(second.matches), -1))
-    poses, _ = moved_apart([first, unseen], CAMERA, towers())
+    poses, _ = apart([first, unseen])
     stayed, went = (np.linalg.norm(pose[:3, 3] - some.camera_from_object[:3, 3]) for pose, some in zip(poses, (first, second), strict=True))
     assert stayed < 0.1 * went
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_to_stand_still_does(seed):
+    posed = pushed(seed, 0.01)
+    poses, left = apart(posed, still=1)
+    assert left == []
+    assert poses[0] is posed[0].camera_from_object
+    assert poses[1] is not posed[1].camera_from_object
+    assert reached([replace(some, camera_from_object=pose) for some, pose in zip(posed, poses, strict=True)]) <= DEEP
+    assert apart(posed, still=2) == ([some.camera_from_object for some in posed], [])
+
+
 def test_in_another_order_the_same_poses():
     one, other = pushed(6, 0.02), pushed(6, 0.02, ("t2", "t1"))
-    there, back = moved_apart(one, CAMERA, towers())[0], moved_apart(other, CAMERA, towers())[0]
+    there, back = apart(one)[0], apart(other)[0]
     assert np.allclose(there[0], back[1], atol=1e-6)
     assert np.allclose(there[1], back[0], atol=1e-6)
 
@@ -91,16 +106,16 @@ def test_what_reaches_nowhere_keeps_its_very_pose():
     poses = stand(rng, 5.0, across=0.8, deep=0.0)
     of = data(scene(rng, poses))
     posed = [posed_at(name, pose, of) for name, pose in poses.items()]
-    moved, left = moved_apart(posed, CAMERA, towers())
+    moved, left = apart(posed)
     assert left == []
     assert all(pose is some.camera_from_object for pose, some in zip(moved, posed, strict=True))
-    assert moved_apart([], CAMERA, towers()) == ([], [])
+    assert apart([]) == ([], [])
 
 
 def test_bodies_one_inside_the_other_are_told():
     """No small move ends that: the pair is told, so that one of the two can go."""
     one = pushed(8, 0.01)[0]
-    assert moved_apart([one, one], CAMERA, towers())[1] == [(0, 1)]
+    assert apart([one, one])[1] == [(0, 1)]
 
 
 def test_whatever_is_accepted_satisfies_a4_to_a_millimetre():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -23,6 +24,13 @@ def few_kb():
     """Polyhedra with corners, and patches on their faces, as in ``plogic bench many``."""
     rng, names = np.random.default_rng(5000), type_names(LOOKS)
     return with_rates([polyhedron(f"p{i:02d}", names, rng) for i in range(TYPES)], names)
+
+
+@cache
+def twins():
+    """The same, with a second type like each, under another name."""
+    kb = few_kb()
+    return replace(kb, types=tuple(some for kind in kb.types for some in (replace(kind, name=f"{kind.name}_twin"), kind)))
 
 
 @cache

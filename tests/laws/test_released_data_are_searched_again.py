@@ -25,8 +25,8 @@ def test_the_data_of_one_that_had_to_go_are_searched_again(monkeypatch, seed):
         searched.append(set(left.ids))
         return generate(index, left, kb, covered, taken, check)
 
-    def never_apart(posed, camera, kb):
-        return moved_apart(posed, camera, kb)[0], [(0, 1)] if len(posed) > 1 else []
+    def never_apart(posed, information):
+        return moved_apart(posed, information)[0], [(0, 1)] if len(posed) > 1 else []
 
     monkeypatch.setattr(cycle, "generate", looked_at)
     monkeypatch.setattr(anytime, "moved_apart", never_apart)

@@ -1,0 +1,36 @@
+"""A4 in every world that is listed, not in the likeliest alone: what is not told apart to a millimetre is not told together."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import combinations
+
+import numpy as np
+import pytest
+from many_objects import touching, twins
+
+from plogic.bench.many_score import depth
+from plogic.delta import Options
+from plogic.disjoint import DEEP
+from plogic.perceive import Perceiver
+
+
+def deepest(document, kb):
+    """Metres, of all pairs that some listed world holds."""
+    pairs = {pair for world in document["worlds"] for pair in combinations(world["present"], 2)}
+    rows = {h["id"]: (kb.type(h["type"]), np.array(h["T_camera_object"])) for h in document["hypotheses"]}
+    return max((depth(*rows[x], *rows[y]) for x, y in pairs), default=0.0)
+
+
+@cache
+def with_twins():
+    return Perceiver(twins())
+
+
+@pytest.mark.parametrize("seed", [6019, 6044, 6054])
+def test_in_no_listed_world_any_reaches_a_millimetre_into_another(seed):
+    """Two that touch; each has a rival that looks the same, and is free to stand a little beside it."""
+    document = with_twins()(touching(seed).gamma, Options(reading="posterior"))
+    assert sum(h["status"] == "rival" for h in document["hypotheses"]) >= 2
+    assert any(len(world["present"]) == 2 for world in document["worlds"])
+    assert deepest(document, twins()) <= 1.01 * DEEP

@@ -1,0 +1,40 @@
+"""Ties that nothing in the image decides: names do, and the order in which things are told does not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from many_objects import accepted_rows, few_kb, scene_of_seed, twins
+
+from plogic.delta import Options
+from plogic.perceive import Perceiver
+from sensing.appearance import Gamma
+
+SEED = 5400
+
+
+def told(document):
+    """What is accepted, and why of what else was tried, without what appearances are called in the trace."""
+    return accepted_rows(document), [(w["probability"], w["present"], w["causes"]) for w in document["worlds"]]
+
+
+@pytest.mark.parametrize("order", ["reversed", "mixed"])
+def test_of_two_types_that_are_equal_the_first_by_name_is_found(order):
+    kb, gamma = twins(), scene_of_seed(SEED).gamma
+    other = kb.types[::-1] if order == "reversed" else [kb.types[i] for i in np.random.default_rng(3).permutation(len(kb.types))]
+    one = Perceiver(kb)(gamma, Options(reading="posterior"))
+    assert {row["type"] for row in accepted_rows(one)} <= {kind.name for kind in few_kb().types}
+    assert told(Perceiver(replace(kb, types=tuple(other)))(gamma, Options(reading="posterior"))) == told(one)
+
+
+def test_of_two_data_that_are_equal_the_first_by_name_is_claimed():
+    gamma = scene_of_seed(SEED).gamma
+    again = tuple(replace(datum, id=f"{datum.id}_again") for datum in gamma.appearances)
+    perceiver, both = Perceiver(few_kb()), gamma.appearances + again
+    one = perceiver(Gamma(gamma.camera, both), Options(reading="posterior"))
+    assert accepted_rows(one)
+    for seed in range(3):
+        mixed = tuple(both[i] for i in np.random.default_rng(seed).permutation(len(both)))
+        assert told(perceiver(Gamma(gamma.camera, mixed), Options(reading="posterior"))) == told(one)
