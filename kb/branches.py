@@ -45,7 +45,8 @@ def _feature(model: FeatureModel) -> Branch:
 
 def _appearance(model: AppearanceModel) -> Branch:
     cone = model.lobe
-    lobe = None if cone is None else Lobe(np.array(cone.axis), cone.half_angle, *cone.range)
+    size = np.nan if model.size is None else model.size
+    lobe = None if cone is None else Lobe(np.array(cone.axis), cone.half_angle, cone.range[0], cone.range[1], size)
     parts = [_appearance(part) for part in model.appearances]
     return Branch("appearance", "", model.type, parts=parts, lobe=lobe)
 

@@ -43,12 +43,16 @@ UNKNOWN_SUPPORT = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Lobe:
-    """What the detector can see of an appearance (§2.7): unit ``axis`` (3,) in the feature's frame, ``half_angle`` rad, range in m."""
+    """What the detector can see of an appearance (§2.7): unit ``axis`` (3,) in the feature's frame, ``half_angle`` rad, range in m.
+
+    ``size``: how wide it is that the detector reports, m, by which a datum's ``scale`` tells the distance; NaN where nobody said.
+    """
 
     axis: NDArray[np.float64]
     half_angle: float
     r_min: float
     r_max: float
+    size: float = float("nan")
 
     def __post_init__(self) -> None:
         _freeze(self, axis=(3,))

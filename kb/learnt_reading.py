@@ -122,4 +122,5 @@ def learnt_lobes(cloud: LearntCloud, words: Words) -> LobeTable:
         r_min=cloud.r_min,
         r_max=cloud.r_max,
         features=len(cloud.at),
+        size=cloud.size,
     )

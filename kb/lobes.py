@@ -24,7 +24,7 @@ GRAIN = 1e-9
 @dataclass(frozen=True, eq=False)
 class LobeTable:
     """``feature`` (L,) index of the feature; ``types`` (L,) appearance types; ``at`` (L, 3) m and unit ``axis`` (L, 3), object frame;
-    ``cos_half`` (L,); ``r_min``, ``r_max`` (L,) m at the reference focal length; ``features``, their number F.
+    ``cos_half`` (L,); ``r_min``, ``r_max`` (L,) m at the reference focal length; ``features``, their number F; ``size`` (L,) m, NaN where unknown.
     """  # noqa: D205 - one table, one sentence
 
     feature: NDArray[np.intp]
@@ -35,6 +35,7 @@ class LobeTable:
     r_min: NDArray[np.float64]
     r_max: NDArray[np.float64]
     features: int
+    size: NDArray[np.float64]
 
 
 def lobe_table(features: Sequence[Feature]) -> LobeTable:
@@ -51,6 +52,7 @@ def lobe_table(features: Sequence[Feature]) -> LobeTable:
         r_min=_frozen([lobe.r_min for lobe in lobes]),
         r_max=_frozen([lobe.r_max for lobe in lobes]),
         features=len(features),
+        size=_frozen([lobe.size for lobe in lobes]),
     )
 
 

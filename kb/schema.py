@@ -20,6 +20,7 @@ from kb.schema_values import (
     Pair,
     Place,
     Positive,
+    PositiveLength,
     Quaternion,
     Range,
     Share,
@@ -46,6 +47,7 @@ class AppearanceModel(Model):
     """One way that a feature looks."""
 
     type: Name = Field(description="The appearance's type, one of the KB's appearance_types: what a detector reports.")
+    size: PositiveLength | None = Field(None, description="How wide it is, such as '3 cm': what the detector's scale, in pixels, is the picture of.")
     lobe: LobeModel | None = Field(None, description="From where it is seen. May be absent only above other appearances.")
     appearances: list["AppearanceModel"] = Field([], description="Appearances that this one is made of.")
 

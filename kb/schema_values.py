@@ -84,6 +84,13 @@ def _share(value: object) -> float:
     return share
 
 
+def _wide(value: object) -> float:
+    length = quantities.length(value)
+    if length <= 0.0:
+        raise ValueError(f"must be above 0, not {value!r:.60}")
+    return length
+
+
 def _chance(value: object) -> float:
     chance = quantities.number(value)
     if not 0 < chance <= 1:
@@ -140,6 +147,7 @@ Range = Annotated[
 Share = Annotated[float, BeforeValidator(_share), WithJsonSchema({**_OPEN, "exclusiveMaximum": 1})]
 Chance = Annotated[float, BeforeValidator(_chance), WithJsonSchema({**_OPEN, "maximum": 1})]
 Length = Annotated[float, BeforeValidator(quantities.length), _shape("a length", "75 cm")]
+PositiveLength = Annotated[float, BeforeValidator(_wide), _shape("a length above 0", "3 cm")]
 Positive = Annotated[float, BeforeValidator(_positive), WithJsonSchema(_OPEN)]
 Flag = Annotated[bool, BeforeValidator(_flag)]
 Fold = Annotated[int, BeforeValidator(_fold), WithJsonSchema({"type": "integer", "minimum": 2, "maximum": 360})]

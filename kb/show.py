@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import asdict
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -231,4 +232,5 @@ def _node_document(tree: nx.DiGraph, node: str) -> dict[str, Any]:
 def _lobe_document(lobe: Lobe | None) -> dict[str, Any] | None:
     if lobe is None:
         return None
-    return {"axis": lobe.axis.tolist(), "half_angle": lobe.half_angle, "range": [lobe.r_min, lobe.r_max]}
+    size = {"size": lobe.size} if isfinite(lobe.size) else {}
+    return {"axis": lobe.axis.tolist(), "half_angle": lobe.half_angle, "range": [lobe.r_min, lobe.r_max]} | size

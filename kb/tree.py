@@ -7,7 +7,7 @@ appearance.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 import networkx as nx
@@ -201,6 +201,6 @@ def _appearances(tree: nx.DiGraph, node: str, turn: NDArray[np.float64]) -> Iter
         onward = turn @ tree.edges[node, part]["parent_from_child"][:3, :3]
         lobe = tree.nodes[part]["viewpoint"]
         if lobe is not None:
-            turned = Lobe(onward @ lobe.axis, lobe.half_angle, lobe.r_min, lobe.r_max)
+            turned = replace(lobe, axis=onward @ lobe.axis)
             yield FeatureAppearance(tree.nodes[part]["type"], turned)
         yield from _appearances(tree, part, onward)

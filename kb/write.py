@@ -144,13 +144,15 @@ def _rotation_lines(frame: NDArray[np.float64]) -> Iterator[str]:
 
 def _appearance_lines(tree: nx.DiGraph, node: str) -> Iterator[str]:
     row = tree.nodes[node]
-    lobe = f", lobe: {_lobe(row['viewpoint'])}" if row["viewpoint"] is not None else ""
+    lines = [f"type: {flow(row['type'])}"]
+    if row["viewpoint"] is not None:
+        if math.isfinite(row["viewpoint"].size):
+            lines.append(f"size: {_number(row['viewpoint'].size)} m")
+        lines.append(f"lobe: {_lobe(row['viewpoint'])}")
     if not tree.out_degree(node):
-        yield f"{{type: {flow(row['type'])}{lobe}}}"
+        yield f"{{{', '.join(lines)}}}"
         return
-    yield f"type: {flow(row['type'])}"
-    if lobe:
-        yield lobe[2:]
+    yield from lines
     yield from _list_lines(tree, node, "")
 
 

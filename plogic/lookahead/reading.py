@@ -77,4 +77,5 @@ def _lobes(table: Mapping[str, Any], at: NDArray[np.float64]) -> tuple[LobeTable
     feature, look = rows[:, 0].astype(np.intp), rows[:, 1].astype(np.intp)
     axis = rows[:, 2:5] / np.linalg.norm(rows[:, 2:5], axis=1, keepdims=True)
     types = tuple(str(table["looks"][i]) for i in look.tolist())
-    return LobeTable(feature, types, at[feature], axis, np.cos(rows[:, 5]), rows[:, 6], rows[:, 7], len(at)), rows[:, 8]
+    sizes = np.full(len(rows), np.nan)
+    return LobeTable(feature, types, at[feature], axis, np.cos(rows[:, 5]), rows[:, 6], rows[:, 7], len(at), sizes), rows[:, 8]

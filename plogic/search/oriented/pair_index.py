@@ -124,6 +124,23 @@ class PairIndex:
             axis[row, :own], cos_half[row, :own] = table.axis, table.cos_half
         return Lobes(count, feature, looks, axis, cos_half)
 
+    @cached_property
+    def sizes(self) -> NDArray[np.float32] | None:
+        """(2, T, looks) m, the least and the most that a type's sights of some looks are wide; 0 and infinity where one of them is of unknown size.
+
+        None where no size is known at all.
+        """
+        tables = [index.object_type.lobes for index in self.indices]
+        if not any(np.isfinite(table.size).any() for table in tables):
+            return None
+        number = {name: i for i, name in enumerate(self.looks)}
+        sizes = np.stack([np.full((len(tables), len(number)), np.inf, np.float32), np.zeros((len(tables), len(number)), np.float32)])
+        for k, table in enumerate(tables):
+            looks = [number[name] for name in table.types]
+            np.minimum.at(sizes[0, k], looks, np.where(np.isfinite(table.size), table.size, 0.0))
+            np.maximum.at(sizes[1, k], looks, np.where(np.isfinite(table.size), table.size, np.inf))
+        return sizes
+
     def found(
         self, looks: tuple[Indices, Indices], angles: tuple[Floats, Floats], tolerance: float, most: int = MOST
     ) -> tuple[Indices, NDArray[np.uint64], NDArray[np.uint8]]:

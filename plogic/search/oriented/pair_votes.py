@@ -43,6 +43,8 @@ _ROW = np.uint64(21)
 """Bits of the number of a vote."""
 _OCTAVES, _SIDE = 20, 512
 """Sizes, and places along an axis, after which the numbers of boxes begin anew: of so different a size nothing is in one image."""
+AS_WIDE = 1.65
+"""Ratio of two widths that are taken for the same: what cells, pairs and detectors may be off together; as of learnt types."""
 CELL, ROLL, SCALE = 0.3, np.pi / 6, 0.35
 """Votes are of one place that lie within one box: diameters, radians, logarithm of scale."""
 
@@ -104,7 +106,10 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
     query, weight, says = query[heavy], weight[heavy], said(entry[heavy])
     diameter = index.sights.diameter[says.kind]
     size = length[query] / says.length
-    right = np.flatnonzero((size >= SMALLEST) & (size <= LARGEST * min(data.camera.width, data.camera.height)))
+    fits = (size >= SMALLEST) & (size <= LARGEST * min(data.camera.width, data.camera.height))
+    for side in (one, other):
+        fits &= _sized(index, says.kind, looks[side[query]], data.scale[side[query]], size / diameter)
+    right = np.flatnonzero(fits)
     size, query, says, weight = size[right], query[right], says.take(right), weight[right]
     roll = wrapped(line[query] - says.line)
     cos, sin = size * np.cos(roll), size * np.sin(roll)
@@ -113,6 +118,14 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
     votes = Votes(says.kind, says.cell, centre, roll, size / diameter[right], weight)
     boxes = np.array([_boxes(votes, votes.centre - centre_of(data.camera), size, offset) for offset in (0.0, 0.5)])
     return Raw(votes, query, np.column_stack([one[query], other[query]]), boxes)
+
+
+def _sized(index: PairIndex, kind: Indices, looks: Indices, scale: Floats, per_metre: Floats) -> NDArray[np.bool_]:
+    """(N,) whether data of ``scale`` px, NaN where the detector gave none, are as wide as what they look like, at so many pixels a metre."""
+    if index.sizes is None or not np.isfinite(scale).any():
+        return np.ones(len(kind), bool)
+    least, most = index.sizes[:, kind, looks]
+    return np.asarray(np.isnan(scale) | ((scale >= least * per_metre / AS_WIDE) & (scale <= most * per_metre * AS_WIDE)))
 
 
 def counted(raw: Raw) -> Votes:

@@ -48,7 +48,7 @@ def _content(kind: ObjectType) -> bytes:
     arrays = [
         np.array([feature.at for feature in features]), np.array([feature.rotation for feature in features]),
         np.concatenate([np.zeros((0, 3)), *(feature.arms for feature in features)]), kind.symmetries,
-        table.feature, table.at, table.axis, table.cos_half, table.r_min, table.r_max,
+        table.feature, table.at, table.axis, table.cos_half, table.r_min, table.r_max, table.size,
     ]  # fmt: skip
     for array in arrays if surface is None else [*arrays, surface.vertices, surface.triangles]:
         total.update(f"{array.dtype.str}{array.shape}".encode() + np.ascontiguousarray(array).tobytes())
