@@ -1,4 +1,4 @@
-"""``plogic bench many``: scenes of five to ten objects, partly one behind another, of a knowledge base of fifty types, beside a peer.
+"""``plogic bench many``: scenes of five to ten objects, partly one behind another, of a knowledge base of fifty types, beside a peer; and of more.
 
 Half of the types are polyhedra, half are made of what was learnt from the YCB meshes; where these are not there all are polyhedra, and the text
 says so. ``--quick``: few scenes.
@@ -14,10 +14,11 @@ from plogic.bench.claims import report
 from plogic.bench.clutter import learnt_kb, ours
 from plogic.bench.clutter_scenes import Trial
 from plogic.bench.clutter_told import told
+from plogic.bench.many_placing import CROWD
 from plogic.bench.many_ransac import LEAST_INLIERS, greedy, kept
 from plogic.bench.many_scenes import scene
 from plogic.bench.many_score import deepest, verdict
-from plogic.bench.many_table import CAPTION, OURS, TOLD, Answer, best_least, claims, rows, totals
+from plogic.bench.many_table import CAPTION, CROWDED, OURS, TOLD, Answer, best_least, claims, rows, totals
 from plogic.bench.many_types import many_kb
 from plogic.bench.processor import processor_seconds
 
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from plogic.perceive import Perceiver
 
 SCENES, QUICK_SCENES = 100, 5
+CROWDS, QUICK_CROWDS = 20, 1
+"""Scenes of more objects, which are asked of us alone, and claim nothing."""
 
 
 @dataclass(frozen=True)
@@ -69,14 +72,18 @@ def run(
     cases = []
     for i in range(count):
         cases.append(case(perceiver, SCENES * seed + i, limit if peer else None))
-        say(_said(SCENES * seed + i, cases[-1]))
-    return _judgement(cases, kb, learnt, as_json=as_json)
+        say(f"scene {_told_of(SCENES * seed + i, cases[-1].ours)}")
+    crowds = []
+    for i in range(QUICK_CROWDS if quick or scenes else CROWDS):
+        crowds.append(_ours(perceiver, scene(kb, CROWDS * seed + i, CROWD)))
+        say(f"crowd {_told_of(CROWDS * seed + i, crowds[-1])}")
+    return _judgement(cases, crowds, kb, learnt, as_json=as_json)
 
 
 def case(perceiver: Perceiver, seed: int, limit: float | None) -> Case:
     """The scene of a seed; ours first, then who was told, then the peer within ``limit`` seconds, None to leave it out."""
     posed, kb = scene(perceiver.kb, seed), perceiver.kb
-    mine = _answer(posed, kb, lambda: ours(perceiver, posed.gamma)[0])
+    mine = _ours(perceiver, posed)
     ceiling = _answer(posed, kb, lambda: all_told(kb, posed))
     if limit is None:
         return Case(posed, mine, ceiling, None)
@@ -93,6 +100,10 @@ def all_told(kb: KnowledgeBase, posed: Scene) -> list[Found]:
     return found
 
 
+def _ours(perceiver: Perceiver, posed: Scene) -> Answer:
+    return _answer(posed, perceiver.kb, lambda: ours(perceiver, posed.gamma)[0])
+
+
 def _answer(posed: Scene, kb: KnowledgeBase, ask: Callable[[], Sequence[Found]]) -> Answer:
     start = processor_seconds()
     found = ask()
@@ -100,12 +111,15 @@ def _answer(posed: Scene, kb: KnowledgeBase, ask: Callable[[], Sequence[Found]])
     return Answer(verdict(found, posed.truths), taken, deepest(found, kb))
 
 
-def _judgement(cases: Sequence[Case], kb: KnowledgeBase, learnt: KnowledgeBase | None, *, as_json: bool) -> tuple[str, bool]:
+def _judgement(
+    cases: Sequence[Case], crowds: Sequence[Answer], kb: KnowledgeBase, learnt: KnowledgeBase | None, *, as_json: bool
+) -> tuple[str, bool]:
     """The table or the document, and whether every claim was met."""
     mine, others = totals([c.ours for c in cases]), {TOLD: totals([c.told for c in cases])}
     if any(c.peer for c in cases):
         least = best_least({least: totals(_peers(cases, least)) for least in LEAST_INLIERS})
         others[f"peer at {least}"] = totals(_peers(cases, least, kb))
+    others[CROWDED] = totals(crowds)
     polyhedral = {kind.name for kind in kb.types if kind.name.startswith("p") and kind.name[1:].isdigit()}
     text, met = report("many", rows(mine, others, lambda name: name not in polyhedral), claims(mine), as_json=as_json)
     left_out = "" if learnt is not None else "\nThere are no learnt types: all are polyhedra."
@@ -118,7 +132,7 @@ def _peers(cases: Sequence[Case], least: int, kb: KnowledgeBase | None = None) -
     return [Answer(verdict(some, c.scene.truths), seconds, deepest(some, kb) if kb else 0.0) for c, some, seconds in found]
 
 
-def _said(seed: int, done: Case) -> str:
-    v = done.ours.verdict
+def _told_of(seed: int, mine: Answer) -> str:
+    v = mine.verdict
     found = sum(s.turned is not None for s in v.seen)
-    return f"scene {seed}: {OURS} {found} of {len(v.seen)}, {v.accepted - v.right} of {v.accepted} wrong, in {done.ours.seconds:.2f} s"
+    return f"{seed}: {OURS} {found} of {len(v.seen)}, {v.accepted - v.right} of {v.accepted} wrong, in {mine.seconds:.2f} s"

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-OBJECTS = 5, 10
-"""Least and most objects of a scene."""
+OBJECTS, CROWD = (5, 10), (11, 18)
+"""Least and most objects of a scene, and of one that is crowded."""
 GRID = 4
 """Pixels between the rays by which visible shares are measured: an object's picture has some hundred of them."""
 HALF_HIDDEN = 0.4, 0.7
@@ -46,10 +46,10 @@ class Placed:
     depth: Floats
 
 
-def placed(kb: KnowledgeBase, rng: np.random.Generator) -> list[Placed]:
-    """Between five and ten objects of types drawn alike, several of one type among them by chance."""
+def placed(kb: KnowledgeBase, rng: np.random.Generator, number: tuple[int, int] = OBJECTS) -> list[Placed]:
+    """So many objects, by least and most, of types drawn alike, several of one type among them by chance."""
     objects: list[Placed] = []
-    for _ in range(int(rng.integers(*OBJECTS, endpoint=True))):
+    for _ in range(int(rng.integers(*number, endpoint=True))):
         kind = kb.types[int(rng.integers(len(kb.types)))]
         found = _another(kind, objects, rng, aimed=bool(objects) and bool(rng.random() < AIMED))
         objects += [] if found is None else [found]

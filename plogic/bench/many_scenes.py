@@ -14,7 +14,7 @@ from geometry.behind import behind
 from geometry.frames import transform_points
 from plogic.bench.clutter_scenes import CAMERA, picture, surface_of, visible
 from plogic.bench.clutter_types import SLACK
-from plogic.bench.many_placing import placed, visible_shares
+from plogic.bench.many_placing import OBJECTS, placed, visible_shares
 from plogic.bench.many_types import DETECTOR, frequencies
 from plogic.bench.recognition_score import Truth
 from plogic.search.angles import screen_angle
@@ -51,10 +51,10 @@ class _Reported(NamedTuple):
     angle: Floats  # (N,) radians
 
 
-def scene(kb: KnowledgeBase, seed: int) -> Scene:
-    """The scene of a seed."""
-    rng = np.random.default_rng([seed, len(kb.types), len(kb.appearance_types)])
-    return scene_of(kb, placed(kb, rng), rng)
+def scene(kb: KnowledgeBase, seed: int, number: tuple[int, int] = OBJECTS) -> Scene:
+    """The scene of a seed; ``number``: of how many objects, at least and at most."""
+    rng = np.random.default_rng([seed, len(kb.types), len(kb.appearance_types), *(number if number != OBJECTS else ())])
+    return scene_of(kb, placed(kb, rng, number), rng)
 
 
 def scene_of(kb: KnowledgeBase, objects: Sequence[Placed], rng: np.random.Generator) -> Scene:

@@ -37,9 +37,10 @@ def test_a_real_run_finds_real_objects(monkeypatch, kb):
     assert mine["there"] == told["there"] == peer["there"] >= 5
     assert mine["found"] >= 0.6 * mine["there"]
     assert peer["found"] >= 0.5 * peer["there"]
-    assert [row["row"] for row in document["rows"][3:]] == ["half hidden", "in the open", "polyhedra", "learnt types"]
+    assert [row["row"] for row in document["rows"][3:]] == ["crowded", "half hidden", "in the open", "polyhedra", "learnt types"]
     assert len(document["claims"]) == 5
-    assert [line.split(":")[0] for line in said] == ["scene 5000", "scene 5001"]
+    assert [line.split(":")[0] for line in said] == ["scene 5000", "scene 5001", "crowd 1000"]
+    assert document["rows"][3]["found"] >= 0.6 * document["rows"][3]["there"] > 0
 
 
 def test_without_learnt_types_and_without_poselib_it_goes_on_and_says_so(monkeypatch, kb):

@@ -1,0 +1,29 @@
+"""More than ten objects in one image, one behind another, several of a type: each is found, or there is little of it to see."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from many_objects import accepted_rows, few_kb, few_types
+
+from plogic.bench.many_placing import CROWD
+from plogic.bench.many_scenes import scene
+from plogic.bench.many_score import deepest, verdict
+from plogic.bench.recognition_score import Found
+from plogic.delta import Options
+from plogic.disjoint import DEEP
+
+
+@pytest.mark.parametrize("seed", [7005, 7006, 7008])
+def test_of_more_than_ten_objects_nearly_all_are_found_and_none_is_made_up(seed):
+    posed = scene(few_kb(), seed, CROWD)
+    document = few_types()(posed.gamma, Options(reading="posterior"))
+    found = [Found(h["type"], np.array(h["T_camera_object"])) for h in accepted_rows(document)]
+    assert len(posed.truths) >= CROWD[0] > len({truth.type for truth in posed.truths}), "several of a type"
+    assert min(truth.fraction for truth in posed.truths) < 0.5, "one behind another"
+    told = verdict(found, posed.truths)
+    assert len(told.seen) > 10, "at least 40 % visible"
+    assert sum(seen.turned is not None for seen in told.seen) >= 0.9 * len(told.seen)
+    assert told.right >= 0.9 * told.accepted
+    assert deepest(found, few_kb()) <= 1.01 * DEEP
+    assert any(feature["hidden_by"] for h in accepted_rows(document) for feature in h["features"])
