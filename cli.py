@@ -19,6 +19,7 @@ from plogic.commands.options import (
     CAMERA,
     DEADLINE,
     FIRST_READING,
+    GENERATOR,
     GIVEN,
     INTERPRETATION,
     KB,
@@ -74,6 +75,7 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: b
 @FIRST_READING
 @RECONSIDER
 @SMOOTHING
+@GENERATOR
 @BEST_BY
 @click.option("-o", "--out", default="-", help="File to write; `-` is stdout (default).")
 @click.option("--report", type=click.Path(path_type=Path), help="Also write the page.")

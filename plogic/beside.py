@@ -13,7 +13,7 @@ from plogic.evidence import evidence
 from plogic.expectation import hidden_by
 from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import SHARED_CLAIMS, claims, hidden_among, overlap, shared_claims
-from plogic.search.indices import search_of, settle, significant
+from plogic.search.indices import FAST, search_of, settle, significant
 from plogic.search.learnt.index import LearntIndex
 
 if TYPE_CHECKING:
@@ -37,7 +37,8 @@ class Beside:
     """Δi over one Γ, and what can be said of a hypothesis beside it.
 
     ``end``: a moment of ``time.monotonic`` at which a search stops, None for never; ``shared``: the index of the types that are searched for
-    together, if there is one; ``processes``: how many search for the others, this one and copies of it.
+    together, if there is one; ``processes``: how many search for the others, this one and copies of it; ``generator``: who proposes poses of types
+    written by hand, one of ``plogic.search.indices.GENERATORS``.
     """
 
     data: Data
@@ -47,6 +48,7 @@ class Beside:
     end: float | None = None
     shared: InitVar[PairIndex | None] = None
     processes: int = 1
+    generator: str = FAST
 
     def __post_init__(self, shared: PairIndex | None) -> None:
         self.deadline = Deadline(self.end)
@@ -97,12 +99,12 @@ class Beside:
         if found.sum() < FEWEST:
             number = int(found.sum())
             return f"{f'only {number}' if number else 'none'} of its expected features detected; {FEWEST} are demanded"
-        if self._search_for(posed) is None and not found[belief.index.anchors].any():  # where there is one, pairs of any features start it
+        if posed.axes is None and not found[belief.index.anchors].any():  # where angles count, any features start it
             return "none of its most distinctive features was detected"
         if belief.ev_reconsidered is None or belief.ev_reconsidered <= 0.0:
             return f"ev {rounded(belief.ev_reconsidered)} is not above 0"
         surplus = belief.surplus + self._harm(posed)
-        demanded = significant(belief.index, self._search_for(posed))
+        demanded = significant(posed)
         if surplus <= demanded:
             return f"log-likelihood ratio {surplus:.1f} beyond what any pose has; {demanded:.1f} is demanded"
         return None

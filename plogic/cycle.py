@@ -18,7 +18,7 @@ from plogic.inference.clock import OutOfTimeError
 from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import apart_on_screen, claims, excludes, hidden_among
 from plogic.search.by_copies import searched
-from plogic.search.indices import generate, generate_together, settle, significant
+from plogic.search.indices import FAST, generate, generate_plainly, generate_together, settle, significant
 from plogic.search.learnt.index import LearntIndex
 from plogic.support import bodies, supported
 
@@ -41,6 +41,8 @@ POLISHED = 6
 """Poses of a round that are refined beside Δi before they are accepted or not, the best first."""
 POLISH = 10.0
 """What refinement beside Δi may add to the evidence of a learnt type, which was refined when it was found: one that lacks more is not refined."""
+FEW_LEFT = 100
+"""Matches of a feature and a datum that looks like it: where no more are left, single data are asked beside what is accepted, too."""
 AGAIN = 40
 """Poses of a learnt type whose sides are looked at where it is searched for again, after one of it was accepted."""
 
@@ -86,6 +88,8 @@ class Perception(Anytime):
         covered = covered_by([b.posed for b in self.accepted], self.data) if by_hand else None
 
         def search(index: Index) -> list[tuple[float, Posed]]:
+            if self.generator != FAST and not isinstance(index, LearntIndex):
+                return generate_plainly(self.generator, index, left, self.kb, self._hidden, self.deadline.check)
             return generate(index, left, self.kb, covered, taken, self.deadline.check, **self._fewer(index))
 
         with closing(searched(search, alone, left, self.processes)) as searches:
@@ -106,9 +110,11 @@ class Perception(Anytime):
         """Accept the best of some that is acceptable, refined beside Δi; the pool loses it. True where there is one."""
         for belief in sorted(judged, key=lambda b: -b.worth)[:POLISHED]:
             self.deadline.check()
-            if isinstance(belief.index, LearntIndex) and belief.surplus < significant(belief.index) - POLISH:
+            if isinstance(belief.index, LearntIndex) and belief.surplus < significant(belief.posed) - POLISH:
                 continue
             better = self._tilted(self._judge(belief.posed, self.free(), rounds=2), left)
+            if not isinstance(belief.index, LearntIndex) and self._refusal(better) and self._refusal(belief) is None:
+                better = belief  # places alone may fit better and lose a match
             if self._refusal(better) is None:
                 self._accept(better)
                 self._keep()
@@ -143,12 +149,18 @@ class Perception(Anytime):
         return bool(found)
 
     def _deepened(self) -> bool:
-        """Ask single data for the types that are searched for together, once, where nothing at all was accepted. True where that is left to do."""
-        if self.together is None or self.accepted or self.together.deepened:
+        """Ask single data for the types that are searched for together, once, where nothing at all was accepted, or little is left to ask."""
+        if self.together is None or self.together.deepened or (self.accepted and self._unexplained() > FEW_LEFT):
             return False
         self.together.deepen()
-        self.trace.add("deepen", "nothing is acceptable: every datum votes by itself")
+        why = "so little is left that it can be asked" if self.accepted else "nothing is acceptable"
+        self.trace.add("deepen", f"{why}: every datum votes by itself")
         return True
+
+    def _unexplained(self) -> int:
+        """Matches that are left of a feature and a datum that looks like it, of all types written by hand."""
+        left = self.data.only(self.free())
+        return sum(int(index.allowed(left).sum()) for index in self.indices.values() if not isinstance(index, LearntIndex))
 
     def _released(self) -> bool:
         """Drop from Δi, for good, what does not hold in it when it is stable, so that its data are searched again. True where there was any."""
@@ -175,7 +187,7 @@ class Perception(Anytime):
     def _tilted(self, belief: Belief, left: Data) -> Belief:
         """The best of a hypothesis and of itself at other tilts, where it was searched for with others: in one place it may fit in several ways."""
         search = self._search_for(belief.posed)
-        if search is None or belief.surplus < significant(belief.index, search) - POLISH:
+        if search is None or belief.surplus < significant(belief.posed) - POLISH:
             return belief
         poses = search.tilted(name_of(belief), belief.posed.camera_from_object, left)
         others = [settle(belief.index, pose, self.data, self.kb, free=self.free(), rounds=0) for pose in poses]
@@ -215,7 +227,7 @@ class Perception(Anytime):
             return None
         posed, hidden = found.posed, hidden_among(found.posed, others)
         enough = int((posed.candidate & posed.detected & ~hidden).sum()) >= FEWEST
-        near = found.worth > sum(b.worth for b in replaced) - significant(belief.index, self._search_for(belief.posed))
+        near = found.worth > sum(b.worth for b in replaced) - significant(belief.posed)
         return found if enough and found.ev_reconsidered is not None and near else None
 
     def _told_of_rivals(self, rivals: Sequence[Belief]) -> tuple[Belief, ...]:

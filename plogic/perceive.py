@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 from plogic.attention import attend
 from plogic.delta import Delta, Options, delta_of
 from plogic.document import document_of
-from plogic.errors import InconsistentError
+from plogic.errors import InconsistentError, InputError
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.recall import Recall
 from plogic.search.by_copies import make_ready
 from plogic.search.data import data_of
-from plogic.search.indices import indices_of
+from plogic.search.indices import FAST, GENERATORS, indices_of
 from plogic.stopwatch import Stopwatch
 from plogic.unfinished import SEARCH, WORLDS, marked
 from plogic.worlds import Ranking, ranked_worlds
@@ -46,14 +46,20 @@ class Perceiver:
     """A knowledge base made ready: dv and the view cells of its types, computed once and used for any number of images.
 
     ``cache``: a folder in which the index over many types is kept between runs; ``processes``: how many search an image for learnt types, this
-    one and copies of it (``plogic.forked`` says when there may be more than one).
+    one and copies of it (``plogic.forked`` says when there may be more than one). ``generator``: who proposes poses of types written by hand,
+    ``index``, the fast search, or a plain one, ``quadruples`` or ``softposit``; all else is the same, and learnt types have their own search.
+
+    Raises:
+        InputError: where there is no such generator.
     """
 
-    def __init__(self, kb: KnowledgeBase, cache: Path | None = None, processes: int = 1) -> None:
-        self.kb, self.processes = kb, processes
+    def __init__(self, kb: KnowledgeBase, cache: Path | None = None, processes: int = 1, generator: str = FAST) -> None:
+        if generator not in GENERATORS:
+            raise InputError(f"generator: {generator!r} is none of {', '.join(GENERATORS)}")
+        self.kb, self.processes, self.generator = kb, processes, generator
         self.dv = distinctiveness(instance_counts(kb.types))
         self.width = kb.words.centroids.shape[1] if kb.words is not None else 128
-        self.indices, self.shared = indices_of(kb, self.dv, cache)
+        self.indices, self.shared = indices_of(kb, self.dv, cache, generator)
         if processes > 1:
             make_ready(self.indices.values())
 
@@ -112,7 +118,7 @@ class Perceiver:
         with clock.stage("rank"):
             attention = attend(list(self.indices.values()), data.types, self.kb)
         with clock.stage("search"), uncollected():
-            perception = Recall(data, self.kb, self.indices, self.dv, options.end, self.shared, self.processes)
+            perception = Recall(data, self.kb, self.indices, self.dv, options.end, self.shared, self.processes, self.generator)
             cycle = perception.resume(attention, seeds, usual or {})
             if perception.unfinished:
                 cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")

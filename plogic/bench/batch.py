@@ -86,7 +86,7 @@ def one_at_a_time(folder: Path, say: Say) -> Done:
     clocks, texts = Clocks(), list[str]()
     frames = frames_of([str(folder / "frames")], ())
     for i, frame in enumerate(frames, 1):
-        options = {"camera": camera_of(frame, None), "reading": "score", "reconsider": "to_B", "smoothing": 0.0}
+        options = {"camera": camera_of(frame, None), "reading": "score", "reconsider": "to_B", "smoothing": 0.0, "generator": "index"}
         perceive_command(frame.input, KB, "-", options, say=lambda _: None, write=texts.append)
         if i % 100 == 0:
             say(f"one at a time: {i} of {len(frames)}")

@@ -1,16 +1,14 @@
-"""Typed correspondences, which all peers of ``plogic bench clutter`` start from: every feature with every datum that looks like it.
-
-* ``Typed``: those of one type of objects
-"""
+"""Typed correspondences of all types, which all peers of ``plogic bench clutter`` start from: every feature with every datum that looks like it."""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.refine import refine_poses
+from plogic.search.plain.pairs import FEWEST, Typed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,17 +21,6 @@ if TYPE_CHECKING:
 
 Answer = tuple[str, "NDArray[np.float64]"]
 """Type and ``camera_from_object`` (4, 4)."""
-FEWEST = 4
-"""Matches of different features with different data that a pose needs: any three have one."""
-
-
-class Typed(NamedTuple):
-    """``points`` (F, 3) m: the features' places; P pairs, by feature and then by datum: ``feature`` (P,) and ``datum`` (P,)."""
-
-    kind: ObjectType
-    points: Floats
-    feature: Indices
-    datum: Indices
 
 
 def typed(kb: KnowledgeBase, gamma: Gamma) -> list[Typed]:

@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plogic.bench.clutter_pairs import FEWEST, different, ideal, typed
+from plogic.bench.clutter_pairs import different, ideal, typed
 from plogic.bench.processor import processor_seconds
+from plogic.search.plain.pairs import FEWEST
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.camera import Camera
     from kb.cloud import KnowledgeBase
-    from plogic.bench.clutter_pairs import Answer, Typed
+    from plogic.bench.clutter_pairs import Answer
+    from plogic.search.plain.pairs import Typed
     from sensing.appearance import Gamma
 
     Floats = NDArray[np.float64]

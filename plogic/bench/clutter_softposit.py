@@ -6,23 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.restarts import random_starts
-from geometry.softposit import Annealing, softposit
 from plogic.bench.clutter_pairs import refined, typed
 from plogic.bench.clutter_scenes import PIXELS
 from plogic.bench.processor import processor_seconds
+from plogic.search.plain.softposit import annealed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase
-    from plogic.bench.clutter_pairs import Answer, Typed
+    from plogic.bench.clutter_pairs import Answer
+    from plogic.search.plain.pairs import Typed
     from sensing.appearance import Gamma
 
-STARTS = 16
-"""Random starts a type and round: annealed together they take less time than alone."""
-BETA = 2e-4
-"""1/pixel² at the start: what nobody knows is where in the image it stands."""
 NARROW = 0.5
 """Least width of a picture, as a share of the body's greatest."""
 
@@ -35,14 +31,13 @@ def soft_posit(kb: KnowledgeBase, gamma: Gamma, budget_seconds: float) -> Answer
     """
     end = processor_seconds() + budget_seconds
     kinds, xy = typed(kb, gamma), gamma.camera.normalised(gamma.uv)
-    setting, rng = Annealing(beta=BETA, noise=kb.rates.sigma, pixel=1.0 / gamma.camera.f), np.random.default_rng(0)
+    rng = np.random.default_rng(0)
     best: tuple[tuple[int, float], Typed, NDArray[np.float64], NDArray[np.int64]] | None = None
     while kinds and processor_seconds() <= end:
         for pairs in kinds:
             if processor_seconds() > end:
                 break
-            start = random_starts(pairs.points, xy, STARTS, rng, depth=_depths(pairs, gamma.camera.f))
-            found = softposit(pairs.points, xy, start, allowed=_allowed(pairs, len(xy)), annealing=setting)
+            found = annealed(pairs, xy, rng, _depths(pairs, gamma.camera.f), noise=kb.rates.sigma, f=gamma.camera.f)
             for i in np.flatnonzero(found.converged):
                 worth = int(found.count[i]), -float(found.error[i])
                 if best is None or worth > best[0]:
@@ -58,9 +53,3 @@ def _depths(pairs: Typed, f: float) -> tuple[float, float]:
     """Metres, nearest and farthest, at which the type's picture has a size of ``PIXELS``."""
     across = 2.0 * float(np.linalg.norm(pairs.points - pairs.points.mean(axis=0), axis=1).max())
     return f * NARROW * across / PIXELS[1], f * across / PIXELS[0]
-
-
-def _allowed(pairs: Typed, data: int) -> NDArray[np.bool_]:
-    mask = np.zeros((len(pairs.points), data), bool)
-    mask[pairs.feature, pairs.datum] = True
-    return mask

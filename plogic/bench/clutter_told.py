@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.bench.clutter_pairs import FEWEST
 from plogic.bench.recognition_score import Found
 from plogic.search.oriented.refinement import Held, Noise, refined
+from plogic.search.plain.pairs import FEWEST
 
 if TYPE_CHECKING:
     from kb.cloud import KnowledgeBase

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.bench.clutter_pairs import FEWEST, by_type, correspondences, different, ideal
+from plogic.bench.clutter_pairs import by_type, correspondences, different, ideal
 from plogic.bench.clutter_ransac import estimated
 from plogic.bench.processor import processor_seconds
 from plogic.bench.recognition_peer import Candidate
 from plogic.bench.recognition_score import Found
+from plogic.search.plain.pairs import FEWEST
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.cloud import KnowledgeBase
-    from plogic.bench.clutter_pairs import Typed
+    from plogic.search.plain.pairs import Typed
     from sensing.appearance import Gamma
 
     Floats = NDArray[np.float64]

@@ -42,6 +42,13 @@ SMOOTHING = click.option(
     show_default=True,
     help="ε of the score program's choices.",
 )
+GENERATOR = click.option(
+    "--generator",
+    type=click.Choice(["index", "quadruples", "softposit"]),
+    default="index",
+    show_default=True,
+    help="Who proposes poses of types written by hand: the fast search, or the paper's plain ones; learnt types have their own.",
+)
 BEST_BY = click.option(
     "--deadline",
     type=Number(0.0, min_open=True),

@@ -50,7 +50,7 @@ def perceive_command(
     gamma, image = gamma_of(source, picture, options.get("camera"), kb, clock)
     end = monotonic() + options["deadline"] if options.get("deadline") else None
     with clock.stage("index"):
-        perceiver = Perceiver(kb, cache_folder("indices"), processors())
+        perceiver = Perceiver(kb, cache_folder("indices"), processors(), options["generator"])
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
     document = perceiver(gamma, chosen, image, clock)
     write_all(document, text_of(document), out, options, image, clock, write)

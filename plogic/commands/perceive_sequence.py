@@ -56,7 +56,7 @@ def sequence_command(
         say("all images are taken to be from the one place that --camera tells; where the camera moved, give --poses")
     end = monotonic() + options["deadline"] if options.get("deadline") else None
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
-    panorama = Panorama(Perceiver(kb, cache_folder("indices"), processors()), chosen)
+    panorama = Panorama(Perceiver(kb, cache_folder("indices"), processors(), options["generator"]), chosen)
     looks, failed = _looks(panorama, frames, poses, options, say)
     camera = looks[-1][1].view
     told = [ahead(panorama, _moved(camera, placed)) for placed in foreseen]

@@ -52,7 +52,7 @@ def stereo_command(
     gamma = fused(left, right, calibration.pair, kb.rates.sigma)
     end = monotonic() + options["deadline"] if options.get("deadline") else None
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
-    perceiver = Perceiver(kb, cache_folder("indices"), processors())
+    perceiver = Perceiver(kb, cache_folder("indices"), processors(), options["generator"])
     data, cycle = perceiver.cycle(gamma, chosen, clock)
     with clock.stage("both images"):
         cycle = sharpened(cycle, gamma, data, right, calibration.pair, perceiver)

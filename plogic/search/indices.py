@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from plogic.evidence import evidence
 from plogic.inference.clock import unhurried
 from plogic.search import generate as by_hand
+from plogic.search.alike import distinct
 from plogic.search.learnt import generate as learnt
 from plogic.search.learnt.generate import NOBODY
 from plogic.search.learnt.index import LearntIndex, learnt_index
@@ -21,6 +23,8 @@ from plogic.search.oriented.refinement import Noise
 from plogic.search.oriented.settle import settle as settle_oriented
 from plogic.search.oriented.settle import verified
 from plogic.search.pairs import MOST_PAIRS
+from plogic.search.plain import quadruples, softposit
+from plogic.search.settling import FEWEST
 from plogic.search.type_index import TypeIndex, type_index
 
 if TYPE_CHECKING:
@@ -35,6 +39,12 @@ if TYPE_CHECKING:
     from plogic.search.oriented.pair_index import PairIndex
 
 Index: TypeAlias = TypeIndex | LearntIndex
+PLAIN = {"quadruples": quadruples.proposals, "softposit": softposit.proposals}
+"""The plain generators of poses of a type written by hand: slow, and what the fast search is tested against."""
+FAST = "index"
+"""The generator of every day: the search by view cells and votes, which goes over all types at once where angles count."""
+GENERATORS = FAST, *PLAIN
+"""Who may propose poses of types written by hand; learnt types have their own."""
 SURE = 5.0
 """Logarithm of the odds by which a type must explain its data better than clutter does, all its poses together: 150 to 1."""
 
@@ -44,27 +54,30 @@ def index_of(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon 
     return learnt_index(object_type, dv, lexicon) if object_type.learnt is not None else type_index(object_type, dv)
 
 
-def indices_of(kb: KnowledgeBase, dv: Mapping[str, float], folder: Path | None = None) -> tuple[dict[str, Index], PairIndex | None]:
+def indices_of(
+    kb: KnowledgeBase, dv: Mapping[str, float], folder: Path | None = None, generator: str = FAST
+) -> tuple[dict[str, Index], PairIndex | None]:
     """The indices of all types that have features, of which the learnt ones share one lexicon; and the index over those written by hand.
 
-    Of these there is one where the angles of data say something; ``folder``: where such are kept between runs.
+    Of these there is one where the angles of data say something, and the fast ``generator`` asks for it; ``folder``: where such are kept between
+    runs.
     """
     types = sorted(kb.types, key=lambda t: t.name)  # of types that are equal in all but their names the first is found
     clouds = {t.name: t.learnt for t in types if t.learnt is not None and t.features}
     lexicon = lexicon_of(clouds, kb.words.centroids) if clouds and kb.words is not None else None
     by_hand = [t for t in types if t.learnt is None and t.features]
-    shared = ready(by_hand, dv, folder) if by_hand and kb.rates.sigma_angle is not None else None
+    shared = ready(by_hand, dv, folder) if by_hand and kb.rates.sigma_angle is not None and generator == FAST else None
     known = {index.object_type.name: index for index in shared.indices} if shared is not None else {}
     return {t.name: known[t.name] if t.name in known else index_of(t, dv, lexicon) for t in types if t.features}, shared
 
 
-def significant(index: Index, search: Search | None = None) -> float:
+def significant(posed: Posed) -> float:
     """What a log-likelihood ratio must exceed, beyond what any pose has.
 
-    Of a type written by hand the best of so many tries is good by luck: as many as there are pairs of appearances. Of a learnt one, and of one that
-    is searched for together with others, by angles, all poses are counted already.
+    Of a type written by hand the best of so many tries is good by luck: as many as there are pairs of appearances. Of a learnt one, and where
+    angles count, all poses are counted already.
     """
-    return SURE if isinstance(index, LearntIndex) or search is not None else log(MOST_PAIRS)
+    return SURE if posed.object_type.learnt is not None or posed.axes is not None else log(MOST_PAIRS)
 
 
 def generate(
@@ -84,6 +97,30 @@ def generate(
     if isinstance(index, LearntIndex):
         return learnt.generate(index, data, kb, taken, **most)
     return by_hand.generate(index, data, kb, covered, **most, check=check)
+
+
+def generate_plainly(
+    generator: str,
+    index: TypeIndex,
+    data: Data,
+    kb: KnowledgeBase,
+    hidden_of: Callable[[Posed], NDArray[np.bool_]],
+    check: Callable[[], None] = unhurried,
+) -> list[tuple[float, Posed]]:
+    """The poses that a plain ``generator`` (a key of ``PLAIN``) proposes of a type, verified by matching: as ``generate`` gives them.
+
+    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide. ``check`` is called between sets or starts, and before each
+    pose is verified, and may raise to end the search.
+    """
+    found = []
+    for pose in PLAIN[generator](index, data, kb, check):
+        check()
+        posed = settle(index, pose, data, kb, rounds=0)
+        hidden = hidden_of(posed)
+        posed = settle(index, pose if hidden.any() else posed, data, kb, hidden=hidden)
+        if (posed.candidate & posed.detected & ~hidden).sum() >= FEWEST:
+            found.append((evidence(posed, data, kb, hidden).ratio, posed))
+    return distinct(sorted(found, key=lambda pair: -pair[0]), index.object_type)
 
 
 def search_of(shared: PairIndex | None, data: Data, kb: KnowledgeBase, check: Callable[[], None] = unhurried) -> Search | None:

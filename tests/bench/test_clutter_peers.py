@@ -7,13 +7,14 @@ import pytest
 
 from plogic.bench.clutter_pairs import typed
 from plogic.bench.clutter_peers import PEERS, Peer, there
-from plogic.bench.clutter_quadruples import _sets, quadruples
+from plogic.bench.clutter_quadruples import _seen, quadruples
 from plogic.bench.clutter_ransac import lo_ransac
 from plogic.bench.clutter_scenes import CAMERA, trial
 from plogic.bench.clutter_softposit import _depths, soft_posit
 from plogic.bench.clutter_types import Detector, random_types
 from plogic.bench.recognition_score import Found, pose_right
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
+from plogic.search.plain.sets_of_four import drawn
 from sensing.appearance import Appearance, Gamma
 
 EXACT = Detector("exact", 1.0, 0.0, 0.0)
@@ -59,7 +60,8 @@ def test_a_set_is_of_four_co_visible_features_and_as_many_data_that_look_like_th
     kind, posed = kb.types[1], trial(kb.types[1], kb, EXACT, np.random.default_rng(1), 200)
     pairs = next(pairs for pairs in typed(kb, posed.gamma) if pairs.kind is kind)
     dv = distinctiveness(instance_counts(kb.types))
-    feature, datum = _sets(pairs, dv, np.random.default_rng(0))
+    rng = np.random.default_rng(0)
+    feature, datum = drawn(pairs, _seen(pairs, rng), np.array([dv[f.type] for f in kind.features]), rng)
     assert feature.shape == datum.shape == (1000, 4)
     assert all(len(set(row)) == 4 for row in [*feature.tolist(), *datum.tolist()])
     assert {(f, d) for row in zip(feature.tolist(), datum.tolist(), strict=True) for f, d in zip(*row, strict=True)} <= set(

@@ -110,7 +110,7 @@ def test_accepted_hypotheses_meet_their_conditions(hiding, apart):
         for belief in cycle.accepted:
             assert (belief.posed.candidate & belief.posed.detected).sum() >= FEWEST
             assert belief.ev_reconsidered > 0.0
-            assert belief.worth > significant(belief.index)
+            assert belief.worth > significant(belief.posed)
 
 
 def test_the_trace_names_every_step(hiding):

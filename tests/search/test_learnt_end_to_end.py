@@ -44,6 +44,14 @@ def test_learnt_types_are_ordinary_types(perceiver):
     assert set(perceiver.kb.words.names) <= set(perceiver.kb.rates.clutter)
 
 
+def test_whoever_proposes_poses_of_other_types_learnt_ones_have_their_own_search(perceiver):
+    image = picture([pose_towards(CORNER, 0.60, 0.0, (0.0, 0.0))], seed=3)
+    plain = Perceiver(perceiver.kb, generator="quadruples")
+    one, other = (ready(gamma(perceiver, image)) for ready in (perceiver, plain))
+    assert [h["status"] for h in one["hypotheses"]] == ["accepted"]
+    assert text_of(one) == text_of(other)
+
+
 @pytest.mark.parametrize(
     ("direction", "distance", "roll", "aside"),
     [
