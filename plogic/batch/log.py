@@ -17,7 +17,7 @@ from sensing.errors import SensingError
 from sensing.whole_files import check_places
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from io import RawIOBase
     from typing import BinaryIO
 
@@ -87,7 +87,7 @@ class Log(Protocol):
         """Append one line, or raise SensingError."""
 
 
-class _Stream:
+class Stream:
     """Standard output, or a file."""
 
     def __init__(self, name: str, file: BinaryIO | RawIOBase, written: Sequence[Written] = (), end: int | None = None) -> None:
@@ -95,10 +95,12 @@ class _Stream:
         self._name, self._file, self.written, self._end = name, file, written, end
 
     def cut(self) -> None:
+        """As of a log."""
         if self._end is not None:
             self._file.truncate(self._end)
 
     def write(self, line: bytes) -> None:
+        """As of a log."""
         left = memoryview(line)
         try:
             while left:
@@ -110,14 +112,12 @@ class _Stream:
             raise SensingError(f"{self._name}: cannot be written: {error.strerror}") from None
 
 
-def check_out(out: str, *, resume: bool) -> None:
-    """Before any work: raise InputError where the file holds something and the run is not to ``resume``, SensingError where none can be written."""
-    if out == "-":
-        return
-    path = Path(out)
-    check_places([path])
-    if not resume and path.is_file() and path.stat().st_size:
-        raise InputError(f"{out}: is there already: --resume goes on with it; else remove it, or name another")
+def check_out(places: Iterable[Path], *, resume: bool) -> None:
+    """Before any work: raise InputError where a file holds something and the run is not to ``resume``, SensingError where none can be written."""
+    for path in places:
+        check_places([path])
+        if not resume and path.is_file() and path.stat().st_size:
+            raise InputError(f"{path}: is there already: --resume goes on with it; else remove it, or name another")
 
 
 @contextmanager
@@ -129,7 +129,7 @@ def log_at(out: str) -> Iterator[Log]:
         SensingError: It cannot be written.
     """
     if out == "-":
-        yield _Stream("standard output", sys.stdout.buffer)
+        yield Stream("standard output", sys.stdout.buffer)
         return
     path = Path(out)
     try:
@@ -138,10 +138,10 @@ def log_at(out: str) -> Iterator[Log]:
         raise SensingError(f"{out}: cannot be written: {error.strerror}") from None
     with file:
         if not path.is_file():  # a device
-            yield _Stream(out, file)
+            yield Stream(out, file)
             return
         _lock(file, out)
-        yield _Stream(out, file, *_read(path, out))
+        yield Stream(out, file, *read_lines(path, out))
         os.fsync(file)
 
 
@@ -152,8 +152,8 @@ def _lock(file: RawIOBase, out: str) -> None:
         raise InputError(f"{out}: another run is writing it") from None
 
 
-def _read(path: Path, out: str) -> tuple[list[Written], int]:
-    """What the lines tell, and their bytes; what follows the last end of a line is a torn one."""
+def read_lines(path: Path, out: str) -> tuple[list[Written], int]:
+    """What the lines of a file tell, and how many bytes they are; what follows the last end of a line is a torn one. Raises InputError."""
     written: list[Written] = []
     end = 0
     wrong = Mistakes(TAKE_OUT)

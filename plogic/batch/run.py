@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
+from plogic.batch.pool import Answer
 from plogic.batch.process import Job
+from plogic.batch.waiting import Waiting
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from plogic.batch.frames import Frame
-    from plogic.batch.pool import Answer
 
 AHEAD = 256
 """Frames beyond the first that is still to be written that may be at work, or done and held back: what bounds memory."""
@@ -32,21 +33,39 @@ class Engine(Protocol):
         """End whatever works."""
 
 
-def run(frames: Sequence[Frame], engine: Engine, write: Callable[[Frame, str, bytes], None], *, in_order: bool) -> None:
-    """Have every frame perceived, and ``write`` its status and line once."""
+def run(
+    frames: Sequence[Frame], engine: Engine, write: Callable[[Frame, str, bytes], None], waiting: Waiting | None = None, *, in_order: bool
+) -> None:
+    """Have every frame perceived, and ``write`` its status and line once; in order, those that are done too early are ``waiting`` meanwhile.
+
+    Frames that waited already when an earlier run was killed are written and not perceived again.
+    """
+    waiting = waiting or Waiting()
+    held = {number: Answer(number, *found) for number, found in waiting.found(frames).items()}
+    known = frozenset(held)
     given = written = 0
 
     def take() -> Job | None:
         nonlocal given
+        while given in known:
+            given += 1
         if given == len(frames) or (in_order and given - written >= AHEAD):
             return None
         given += 1
         return Job(given - 1, frames[given - 1])
 
-    held: dict[int, Answer] = {}
-    for answer in engine.answers(take):
-        held[written if not in_order else answer.number] = answer
-        while written in held:
-            due = held.pop(written)
+    def write_due() -> None:
+        nonlocal written
+        while held and (not in_order or written in held):
+            due = held.pop(written if in_order else next(iter(held)))
             write(frames[due.number], due.status, due.line)
             written += 1
+        if not held:
+            waiting.clear()
+
+    write_due()
+    for answer in engine.answers(take):
+        held[answer.number] = answer
+        if in_order and answer.number != written:
+            waiting.keep(answer.line, [other.line for other in held.values()])
+        write_due()

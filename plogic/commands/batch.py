@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import sys
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from plogic.batch.frames import Frame, Settings
     from plogic.batch.log import Log
     from plogic.batch.run import Engine
+    from plogic.batch.waiting import Waiting
 
 BAD, LATE = 1, 3
 """Exit statuses: a frame could not be perceived; the deadline cut one short."""
@@ -70,9 +72,11 @@ def batch_command(inputs: Sequence[str], kb_folder: str, out: str, options: dict
     from plogic.batch.frames import Settings
     from plogic.batch.inputs import frames_of
     from plogic.batch.log import check_out, log_at
+    from plogic.batch.waiting import Waiting, waiting_beside
     from plogic.engine import ending_well
 
-    check_out(out, resume=options["resume"])
+    beside = waiting_beside(out)
+    check_out([] if out == "-" else [Path(out), *([beside] if beside is not None else [])], resume=options["resume"])
     chosen = {key: options[key] for key in ("camera", "reading", "reconsider", "smoothing", "deadline", "worlds", "full")}
     settings = Settings(kb_folder, **chosen)
     _check_camera(settings.camera)
@@ -82,8 +86,8 @@ def batch_command(inputs: Sequence[str], kb_folder: str, out: str, options: dict
         try:
             engine.start(len(frames))
             kb = engine.kb()
-            with log_at(out) as log:
-                return _run(frames, engine, log, settings, kb, out, in_order=options["order"] == "input")
+            with log_at(out) as log, closing(Waiting(beside)) as waiting:
+                return _run(frames, engine, log, waiting, settings, kb, out, in_order=options["order"] == "input")
         finally:
             engine.close()
 
@@ -112,17 +116,21 @@ def _engine(settings: Settings, options: dict[str, Any]) -> Engine:
     return Pool(settings, os.getcwd(), options["jobs"] or len(os.sched_getaffinity(0)), options["timeout"])  # noqa: PTH109
 
 
-def _run(frames: Sequence[Frame], engine: Engine, log: Log, settings: Settings, kb: dict[str, str], out: str, *, in_order: bool) -> int:
+def _run(
+    frames: Sequence[Frame], engine: Engine, log: Log, waiting: Waiting, settings: Settings, kb: dict[str, str], out: str, *, in_order: bool
+) -> int:
     from plogic.batch.lines import ERROR, UNFINISHED
     from plogic.batch.log import check_same, left_over
     from plogic.batch.progress import Progress
     from plogic.batch.run import run
 
     left = left_over(frames, log.written, in_order=in_order)
-    check_same(frames, log.written, settings, kb)
+    left_over(frames, waiting.written, in_order=False)
+    check_same(frames, [*log.written, *waiting.written], settings, kb)
     log.cut()
     count = {status: sum(line.status == status for line in log.written) for status in (ERROR, UNFINISHED)}
-    progress = Progress(len(frames), len(left))
+    before = {(line.input, line.frame) for line in (*log.written, *waiting.written)}
+    progress = Progress(len(frames), len(frames) - len(before))
 
     def write(frame: Frame, status: str, line: bytes) -> None:
         log.write(line)
@@ -130,16 +138,17 @@ def _run(frames: Sequence[Frame], engine: Engine, log: Log, settings: Settings, 
             count[status] += 1
         if status == ERROR:
             progress.say(_why(frame, line))
-        progress.step(bad=status == ERROR)
+        if (frame.input, frame.frame) not in before:
+            progress.step(bad=status == ERROR)
 
     try:
-        run(left, engine, write, in_order=in_order)
+        run(left, engine, write, waiting, in_order=in_order)
     except BaseException:
         progress.end()
         progress.say(f"stopped; --resume goes on with {out}" if out != "-" else "stopped")
         raise
     progress.end()
-    progress.say(_summary(out, len(frames), len(left), count[ERROR], count[UNFINISHED]))
+    progress.say(_summary(out, len(frames), len(frames) - len(before), count[ERROR], count[UNFINISHED]))
     return BAD if count[ERROR] else LATE if count[UNFINISHED] else 0
 
 

@@ -88,15 +88,38 @@ def test_a_run_that_was_ended_goes_on_with_nothing_lost_and_nothing_twice(waitin
 
 def test_in_the_order_of_the_inputs_the_file_is_the_same_after_a_kill(waiting, whole):
     root, env = waiting
-    out = root / "ordered.jsonl"
+    out, beside = root / "ordered.jsonl", root / "ordered.jsonl.waiting"
     with running(root, out, "--jobs", "2", **env) as child:
         wait_for_lines(out, NAMES.index("torn/image.png"))  # the late one is before it
         second = plogic("batch", "frames", "--kb", "towers", "-o", out, "--resume", cwd=root)
         assert (second.returncode, second.stderr) == (1, f"plogic: {out}: another run is writing it\n")
+        wait_for_lines(beside, 1)
         os.killpg(child.pid, signal.SIGKILL)
+    assert [json.loads(line)["input"] for line in beside.read_bytes().splitlines()] == ["frames/torn/image.png"]
+    fresh = plogic("batch", "frames", "--kb", "towers", "-o", out, cwd=root)
+    assert fresh.returncode == 1
     run = plogic("batch", "frames", "--kb", "towers", "-o", out, "--resume", "--jobs", 2, cwd=root)
-    assert run.stderr.splitlines()[-1] == f"{out}: 9 frames, 7 of them before, 3 bad"
+    assert run.stderr.splitlines()[-1] == f"{out}: 9 frames, 8 of them before, 3 bad"
     assert out.read_bytes() == whole
+    assert not beside.exists()
+
+
+def test_where_only_the_first_frame_is_late_nothing_is_lost_either(waiting, tmp_path):
+    root, env = waiting
+    (tmp_path / "frames").symlink_to(root / "frames")
+    out, beside = tmp_path / "out.jsonl", tmp_path / "out.jsonl.waiting"
+    args = ("frames/shot/late.png", "frames/g0.json", "frames/g1.json", "--kb", "towers", "-o", out)
+    command = [str(BIN / "plogic"), "batch", *map(str, args), "--jobs", "2"]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, start_new_session=True, env=os.environ | env) as child:
+        wait_for_lines(beside, 2)
+        os.killpg(child.pid, signal.SIGKILL)
+    assert out.read_bytes() == b""
+    fresh = plogic("batch", *args, cwd=tmp_path)
+    assert (fresh.returncode, fresh.stderr) == (1, f"plogic: {beside}: is there already: --resume goes on with it; else remove it, or name another\n")
+    run = plogic("batch", *args, "--resume", cwd=tmp_path)
+    assert run.stderr == f"{out}: 3 frames, 2 of them before\n"
+    assert [json.loads(line)["input"] for line in out.read_bytes().splitlines()] == [*args[:3]]
+    assert not beside.exists()
 
 
 def test_a_worker_that_dies_or_hangs_costs_its_frame_alone(tmp_path):

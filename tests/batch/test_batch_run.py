@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import sys
+import tempfile
+from contextlib import closing
 from io import StringIO
+from pathlib import Path
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plogic.batch import progress, run
-from plogic.batch.frames import Frame
+from plogic.batch import waiting as waiting_lines
+from plogic.batch.frames import Frame, Settings
+from plogic.batch.lines import Lines as Made
 from plogic.batch.pool import Answer
 from plogic.batch.progress import Progress, duration
+from plogic.batch.waiting import Waiting
 
 
 class Shuffled:
@@ -29,7 +36,7 @@ class Shuffled:
             if not held:
                 return
             self.most = max(self.most, len(held))
-            job = held.pop(self.random.randrange(len(held)))
+            job = held.pop(self.random.randrange(len(held)) if self.random else 0)
             yield Answer(job.number, "done", job.frame.input.encode())
 
 
@@ -52,6 +59,69 @@ def test_every_frame_is_written_once(count, width, in_order, ahead, random):
     if in_order:
         assert out == list(range(count))
         assert engine.most <= ahead
+
+
+class Lines:
+    """Keeps what is written, as a log does."""
+
+    def __init__(self):
+        self.text = b""
+
+    def write(self, _frame, _status, line):
+        """As of a log."""
+        self.text += line
+
+
+def killed_and_gone_on_with(folder, order, kills):
+    """The lines of a run over lost frames that is killed so many answers after its start each time, and the frames that were perceived."""
+    frames = [Frame(f"{i}.png", None, "lost", "is ünfit") for i in range(len(order))]
+    lines, place, perceived, out = Made(Settings("towers"), {"name": "towers", "digest": "d"}), folder / "out.waiting", [], Lines()
+
+    class Killed:
+        def __init__(self, answers):
+            self.left = answers
+
+        def answers(self, take):
+            jobs = []
+            while (job := take()) is not None:
+                jobs.append(job)
+            for job in sorted(jobs, key=lambda job: order[int(job.frame.input.partition(".")[0])])[: self.left]:
+                perceived.append(job.frame)
+                yield Answer(job.number, *lines.given_up(job.frame, job.frame.at))
+
+    for number in [*kills, len(order)]:
+        left = [frame for frame in frames if json.dumps(frame.input).encode() not in out.text]
+        with closing(Waiting(place)) as waiting:
+            run.run(left, Killed(number), out.write, waiting, in_order=True)
+    wanted = b"".join(lines.given_up(frame, frame.at)[1] for frame in frames)
+    return out.text, wanted, perceived, place
+
+
+@given(st.permutations(range(9)), st.lists(st.integers(0, 5), max_size=4), st.integers(1, 4))
+@settings(deadline=None)
+def test_what_waits_for_its_turn_survives_kills_and_is_done_once(order, kills, stale):
+    kept, waiting_lines.STALE = waiting_lines.STALE, stale
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            text, wanted, perceived, place = killed_and_gone_on_with(Path(folder), order, kills)
+            assert text == wanted
+            assert len(perceived) == len(set(perceived)) == len(order)
+            assert not place.exists()
+    finally:
+        waiting_lines.STALE = kept
+
+
+def test_what_waited_is_written_first_out_of_order_and_a_torn_end_of_it_is_cut(tmp_path):
+    place = tmp_path / "out.waiting"
+    lines = Made(Settings("towers"), {"name": "towers", "digest": "d"})
+    frames = [Frame(f"{i}.png", None, "lost", "is unfit") for i in range(3)]
+    made = [lines.given_up(frame, frame.at)[1] for frame in frames]
+    place.write_bytes(made[2] + made[1][:-4])
+    out = Lines()
+    with closing(Waiting(place)) as waiting:
+        run.run(frames[1:], Shuffled(1, None), out.write, waiting, in_order=False)
+    assert out.text == made[2] + b"1.png"
+    assert not place.exists()
 
 
 class Terminal(StringIO):
