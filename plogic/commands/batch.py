@@ -53,8 +53,10 @@ def batch(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) -> 
     hypotheses with poses and probabilities and the most probable worlds, or the error. A bad frame is such a line and no stop; the exit
     status is then 1, and else 3 where --deadline left one unfinished. After a kill or Ctrl-C, --resume goes on.
     """
-    if options["jobs"] and options["dask"]:
+    if options["jobs"] and options["dask"] is not None:
         raise click.UsageError("--jobs and --dask exclude each other")
+    if options["dask"] == "":
+        raise click.UsageError("--dask needs an address, as tcp://HOST:8786")
     if out == "-" and options["resume"]:
         raise click.UsageError("--resume needs a file: -o OUT")
     for option in ("timeout", "deadline"):
@@ -107,10 +109,10 @@ def _check_camera(camera: str | None) -> None:
 
 
 def _engine(settings: Settings, options: dict[str, Any]) -> Engine:
-    if options["dask"]:
+    if options["dask"] is not None:
         from plogic.batch.dask import Cluster
 
-        return Cluster(settings, os.getcwd(), options["dask"], options["timeout"])  # noqa: PTH109 - text
+        return Cluster(settings, os.getcwd(), options["dask"], options["timeout"], lambda line: click.echo(line, err=True))  # noqa: PTH109 - text
     from plogic.batch.pool import Pool
 
     return Pool(settings, os.getcwd(), options["jobs"] or len(os.sched_getaffinity(0)), options["timeout"])  # noqa: PTH109
