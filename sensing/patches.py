@@ -91,6 +91,8 @@ def _found(pixels: bytes, shape: tuple[int, int]) -> Patches:
     soft, rise = np.asarray(cv2.GaussianBlur(fine, (0, 0), 0.5), np.float32), np.zeros((0, 4))
     for share in (0.7, 0.75):
         quads, rise = _fitted(soft, quads, share)
+        closed = np.isfinite(quads).all(axis=(1, 2))  # neighbouring sides may turn out to be parallel
+        quads, rise, areas_seen = quads[closed], rise[closed], areas_seen[closed]
     return _chosen(fine, quads, rise, areas_seen)
 
 
@@ -125,7 +127,7 @@ def _plausible(quads: Floats) -> NDArray[np.bool_]:
     area = areas(quads)
     width = area / np.maximum(sides.max(axis=1), 1e-9)
     good = (sides.min(axis=1) >= MIN_SIDE) & (area >= MIN_SIDE**2) & (sides.max(axis=1) <= MAX_ASPECT * np.maximum(width, 1e-9))
-    return np.asarray(good & _convex(quads) & np.isfinite(quads).all(axis=(1, 2)))
+    return np.asarray(good & _convex(quads))
 
 
 def _convex(quads: Floats) -> NDArray[np.bool_]:
@@ -152,7 +154,7 @@ def _fitted(grey: NDArray[np.float32], quads: Floats, share: float) -> tuple[Flo
 
 def _chosen(grey: NDArray[np.float32], quads: Floats, rise: Floats, areas_seen: Floats) -> Patches:
     """Those that a sharp rise surrounds on every side, that are even inside, and as large as their blob; each place once."""
-    whole = _plausible(np.nan_to_num(quads, nan=-1.0))
+    whole = _plausible(quads)
     quads, rise, areas_seen = quads[whole], rise[whole], areas_seen[whole]
     inside = _inside(grey, quads)
     contrast = np.median(rise, axis=1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 from drawn import quads
@@ -89,3 +90,13 @@ def test_windows_corners_are_no_junctions():
     image = quads(grid(9, 12, 0.1))
     assert len(PatchDetector().detect(image)) == 9
     assert len(JunctionDetector().detect(image)) <= 1
+
+
+@pytest.mark.parametrize("seed", [501, 982, 1125])
+@pytest.mark.filterwarnings("error")
+def test_sides_that_turn_out_to_be_parallel_make_no_patch(seed):
+    random, image = np.random.default_rng(seed), np.zeros((100, 140), np.uint8)
+    for _ in range(30):
+        triangle = random.integers(0, [140, 100]) + random.integers(-40, 40, (3, 2))
+        cv2.fillConvexPoly(image, triangle.astype(np.int32), int(random.integers(0, 256)))
+    assert np.isfinite(find_patches(image).corners).all()
