@@ -36,6 +36,8 @@ from plogic.commands.simulate import BOP, BOP_IMAGES, ROBOT
 
 SIZED = "scale", "panorama", "stereo", "constancy", "look-again", "occlusion"
 BENCHES = "towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", *SIZED
+NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
+"""What libraries say in whose errors memory ran out."""
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -287,6 +289,8 @@ def _told(error: Exception) -> list[str]:
     if isinstance(error, PlogicError):
         return str(error).splitlines()
     what = " ".join(f"{type(error).__name__}: {error}".split())
+    if isinstance(error, MemoryError) or any(sign in what for sign in NO_MEMORY):
+        return ["out of memory: the input, or the knowledge base, takes more than there is"]
     return [f"internal error: {what} (please report it with the traceback that PLOGIC_TRACEBACK=1 shows)"]
 
 

@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike
 from geometry.arrays import Floats, Ints, Mask, frozen, frozen_ints, last_axes
 from geometry.errors import GeometryError
 
+_DEVICE, _TRIANGLE = 256 << 20, 1 << 10
+"""Bytes of address space that Embree takes at first, and for each triangle."""
 _GRAZING = 1e-9  # sine of the angle to a plane below which Embree's own distance is kept
 
 
@@ -20,6 +22,7 @@ class RayMesh:
 
     Raises:
         GeometryError: for an empty surface, a coordinate that is not finite, or an index out of range.
+        MemoryError: where Embree would need more than there is.
     """
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
@@ -34,6 +37,7 @@ class RayMesh:
         corners = self.vertices[self.triangles]
         self._corner = corners[:, 0]
         self._normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        _check_room(_TRIANGLE * len(self.triangles))
         self._scene = EmbreeScene(device=_device(), robust=True)  # no cracks along shared edges
         unit = ((self.vertices - self._centre) * self._scale).astype(np.float32)
         self._mesh = TriangleMesh(self._scene, unit, self.triangles.astype(np.int32))
@@ -93,7 +97,13 @@ def _device() -> Any:  # noqa: ANN401 - it has no stubs
     """The one device of all surfaces: each of its own costs threads, and about a thousand of them are the most that a process can have."""
     from embreex.rtcore import EmbreeDevice
 
+    _check_room(_DEVICE)
     return EmbreeDevice()
+
+
+def _check_room(size: int) -> None:
+    """Raise MemoryError where there are not so many bytes: Embree would end the process."""
+    np.empty(size, np.uint8)
 
 
 def checked_mesh(vertices: ArrayLike, triangles: ArrayLike) -> tuple[Floats, Ints]:
