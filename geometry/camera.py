@@ -16,6 +16,7 @@ from geometry.camera_checks import camera_mistakes
 from geometry.distortion import distort, undistort
 from geometry.errors import CameraError
 from geometry.frames import inverse
+from geometry.mistakes import told
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -49,7 +50,7 @@ class Camera:
             }
         )
         if mistakes:
-            raise CameraError("; ".join(mistakes))
+            raise CameraError(told(mistakes, "; "))
         object.__setattr__(self, "K", frozen(self.K))
         object.__setattr__(self, "dist", frozen(self.dist))
         if self.world_from_camera is not None:
@@ -117,6 +118,6 @@ def camera_from_dict(document: object, where: str = "camera") -> Camera:
     """
     mistakes = camera_mistakes(document, where)
     if mistakes:
-        raise CameraError("; ".join(mistakes))
+        raise CameraError(told(mistakes, "; "))
     camera = cast("Mapping[str, Any]", document)
     return Camera(camera["width"], camera["height"], camera["K"], camera.get("dist", []), camera.get("T_world_camera"))

@@ -10,6 +10,8 @@ from geometry.frames import is_rigid
 
 KEYS = ("width", "height", "K", "dist", "T_world_camera")
 MAX_SIDE = 65536  # px
+SHORTEST, LARGEST = 1e-3, 1e9  # px; focal lengths beyond, and larger numbers of a matrix, belong to no camera, and squares of them overflow
+STRONGEST = 1e6  # a distortion coefficient; past a few thousand no lens is known
 
 
 def camera_mistakes(document: object, where: str = "camera") -> list[str]:
@@ -38,6 +40,8 @@ def _matrix(value: object, where: str) -> str:
         return f"{where}: must be a 3x3 matrix of finite numbers, not {_shown(value)}"
     if not (K[0, 0] > 0 and K[1, 1] > 0):
         return f"{where}: focal lengths must be positive, not {K[0, 0]:g} and {K[1, 1]:g}"
+    if min(K[0, 0], K[1, 1]) < SHORTEST or np.abs(K).max() > LARGEST:
+        return f"{where}: focal lengths must be at least {SHORTEST:g} px, and no number above {LARGEST:g}, not {_shown(value)}"
     if K[1, 0] != 0 or K[2].tolist() != [0, 0, 1]:
         return f"{where}: must be [[fx, skew, cx], [0, fy, cy], [0, 0, 1]], not {_shown(value)}"
     return ""
@@ -47,6 +51,8 @@ def _dist(value: object, where: str) -> str:
     dist = _numbers(value)
     if dist is None or dist.ndim != 1 or len(dist) not in LENGTHS:
         return f"{where}: must be a list of {', '.join(map(str, LENGTHS))} finite numbers, not {_shown(value)}"
+    if np.abs(dist).max(initial=0.0) > STRONGEST:
+        return f"{where}: no coefficient may be above {STRONGEST:g}, not {_shown(value)}"
     return ""
 
 
@@ -56,6 +62,8 @@ def _pose(value: object, where: str) -> str:
     pose = _numbers(value)
     if pose is None or not is_rigid(pose):
         return f"{where}: must be a rigid 4x4 matrix (row-major, metres), not {_shown(value)}"
+    if np.abs(pose).max() > LARGEST:
+        return f"{where}: no number may be above {LARGEST:g} m, not {_shown(value)}"
     return ""
 
 

@@ -17,6 +17,7 @@ from geometry.arrays import Floats, frozen
 from geometry.errors import CameraError
 from geometry.frames import from_rotation_translation, is_rigid, rotation_from_quat_xyzw
 from geometry.json_files import JsonError, json_of
+from geometry.mistakes import told
 from geometry.plain_files import fault_of
 
 LARGEST = 16 * 2**20
@@ -109,5 +110,5 @@ def _sound(entries: list[Placed | str]) -> list[Placed]:
     """The poses. Raises CameraError with all mistakes."""
     mistakes = [entry for entry in entries if isinstance(entry, str)]
     if mistakes:
-        raise CameraError("\n".join(mistakes))
+        raise CameraError(told(mistakes))
     return [entry for entry in entries if not isinstance(entry, str)]

@@ -8,7 +8,7 @@
         ├── SurfaceError        a mesh without facets or extent, or no mesh at all
         ├── CloudError          a learnt cloud, or a vocabulary of visual words, that cannot be read
         ├── IntakeError         a mesh, robot or model file that no type can be made of; names the file
-        └── KBErrors            a folder's mistakes, all of them; str() gives a line each
+        └── KBErrors            a folder's mistakes, all of them; str() gives a line each, of the first 100
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from geometry.errors import PlogicError
+from geometry.mistakes import told
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -58,8 +59,8 @@ class Mistake:
 
 
 class KBErrors(KBError):  # noqa: N818 - the folder's mistakes, in the plural
-    """Every mistake of a folder, in the order of files and lines."""
+    """Every mistake of a folder, in the order of files and lines; ``str()`` tells the first 100."""
 
     def __init__(self, mistakes: Sequence[Mistake]) -> None:
         self.mistakes = tuple(sorted(mistakes))
-        super().__init__("\n".join(str(mistake) for mistake in self.mistakes))
+        super().__init__(told(self.mistakes))

@@ -4,7 +4,7 @@
 
     PlogicError (geometry.errors)
     └── SensingError
-        ├── GammaError      a gamma.json with mistakes: all of them, one line each
+        ├── GammaError      a gamma.json with mistakes, one line each
         ├── ImageError      a file that is no whole image of 8 or 16 bits, or an image of another size than its camera's
         ├── DetectorError   no such detector, a name taken twice, a plug-in that does not load, fails, or reports what cannot be
         └── SceneError      a simulated scene that cannot be: no camera pose, a body without triangles, no room
@@ -17,6 +17,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from geometry.errors import PlogicError
+from geometry.mistakes import told
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,10 +28,10 @@ class SensingError(PlogicError):
 
 
 class GammaError(SensingError):
-    """A Γ with mistakes; ``mistakes`` holds every one as a line ``gamma.json: appearances.3.uv: ...``, and ``str()`` joins them."""
+    """A Γ with mistakes; ``mistakes`` holds every one as a line ``gamma.json: appearances.3.uv: ...``, and ``str()`` tells the first 100."""
 
     def __init__(self, mistakes: Sequence[str]) -> None:
-        super().__init__("\n".join(mistakes))
+        super().__init__(told(mistakes))
         self.mistakes = tuple(mistakes)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import binascii
 import json
+import math
 import sys
 from collections import Counter
 from pathlib import Path
@@ -192,14 +193,15 @@ def _content_mistakes(data: object, camera: Camera | None, vocabulary: Collectio
     rows = data.get("appearances") if isinstance(data, dict) else None
     lines: list[str] = []
     first: dict[str, int] = {}
-    for i, row in enumerate(rows if isinstance(rows, list) else []):
+    known, named = frozenset(vocabulary or ()), ", ".join(sorted(vocabulary or ()))
+    for i, row in enumerate(rows[:MAX_APPEARANCES] if isinstance(rows, list) else []):
         if not isinstance(row, dict):
             continue
         a_id, a_type, uv = row.get("id"), row.get("type"), row.get("uv")
         if isinstance(a_id, str) and first.setdefault(a_id, i) != i:
             lines.append(f"appearances.{i}.id: {a_id!r} is already the id of appearances.{first[a_id]}")
-        if vocabulary is not None and isinstance(a_type, str) and a_type not in vocabulary:
-            lines.append(f"appearances.{i}.type: {a_type!r} is no appearance type of the KB ({', '.join(sorted(vocabulary))})")
+        if vocabulary is not None and isinstance(a_type, str) and a_type not in known:
+            lines.append(f"appearances.{i}.type: {a_type!r} is no appearance type of the KB ({named})")
         if camera is not None and _outside(uv, camera):
             lines.append(f"appearances.{i}.uv: {uv} is outside the image of {camera.width}x{camera.height}")
         wrong = _descriptor_mistake(a_type, row.get("descriptor"))
@@ -228,7 +230,7 @@ def _descriptor_mistake(a_type: object, text: object) -> str | None:
 
 def _outside(uv: object, camera: Camera) -> bool:
     """Whether a well-formed place lies outside the pixels' area; an ill-formed one is another mistake's business."""
-    if not (isinstance(uv, list) and len(uv) == 2 and all(type(x) in (int, float) and x == x and abs(x) < 1e18 for x in uv)):  # noqa: PLR0124
+    if not (isinstance(uv, list) and len(uv) == 2 and all(type(x) is int or (type(x) is float and math.isfinite(x)) for x in uv)):
         return False
     return not (-0.5 <= uv[0] <= camera.width - 0.5 and -0.5 <= uv[1] <= camera.height - 0.5)
 

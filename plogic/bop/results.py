@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.mistakes import told
 from plogic.bop.json_files import HIGHEST, MM, motion, number_of
 from plogic.errors import InputError
 
@@ -68,7 +69,7 @@ def read_results(path: str | Path) -> list[Estimate]:
             wrong.append(str(error))
     wrong += _unequal_times(found, path)
     if wrong:
-        raise InputError("\n".join(wrong))
+        raise InputError(told(wrong))
     return found
 
 

@@ -51,3 +51,11 @@ def test_what_is_said_of_a_place_is_not_said_again_below_it():
     assert [m.path for m in without(rows, [("a",)])] == ["", "ab"]
     assert [m.path for m in without(rows, [("a", 0), ()])] == ["", "a", "a.1", "ab"]
     assert without(rows, []) == rows
+
+
+def test_of_many_mistakes_a_hundred_are_told(tmp_path):
+    with pytest.raises(KBErrors) as caught:
+        read_kb(write_small(tmp_path, kb=KB + "".join(f"k{i}: 1\n" for i in range(5000))))
+    lines = str(caught.value).splitlines()
+    assert len(caught.value.mistakes) >= 5000
+    assert (len(lines), lines[-1]) == (101, f"and {len(caught.value.mistakes) - 100} more")

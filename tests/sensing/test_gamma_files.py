@@ -214,3 +214,41 @@ def test_nothing_is_left_where_nothing_could_be_written(tmp_path):
     with pytest.raises(SensingError, match="cannot be written"):
         write_gamma(gamma_from_dict(GOOD), tmp_path / "folder")
     assert [p.name for p in tmp_path.iterdir()] == ["folder"]
+
+
+@pytest.mark.parametrize("value", [1e18, -1e18, 1e308, -1e308, 10**18, 10**400, 1e6])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_place_that_far_out_is_outside_as_any_other(value, axis):
+    uv = [1.0, 1.0]
+    uv[axis] = value
+    lines = mistakes(lambda d: d["appearances"][0].__setitem__("uv", uv))
+    assert any("appearances.0.uv" in line for line in lines)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("value", [1e18, 1e308, -1e308, 10**30])
+@pytest.mark.parametrize(
+    ("key", "made"),
+    [
+        ("dist", lambda v: [0.0, 0.0, 0.0, 0.0, v]),
+        ("dist", lambda v: [v, 0.0, 0.0, 0.0]),
+        ("K", lambda v: [[600, v, 320], [0, 600, 240], [0, 0, 1]]),
+        ("K", lambda v: [[600, 0, 320], [0, 600, v], [0, 0, 1]]),
+        ("K", lambda v: [[1 / abs(v), 0, 320], [0, 600, 240], [0, 0, 1]]),
+        ("T_world_camera", lambda v: [[1, 0, 0, v], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]),
+    ],
+)
+def test_a_number_that_no_camera_has_is_a_mistake(value, key, made):
+    (line,) = mistakes(lambda d: d["camera"].__setitem__(key, made(value)))
+    assert line.startswith(f"gamma.json: camera.{key}: ")
+
+
+def test_of_a_hundred_thousand_mistakes_a_hundred_are_told():
+    rows = [{"id": "a", "type": "zork", "uv": [-5, 3], "detector": 1} for _ in range(MAX_APPEARANCES)]
+    with pytest.raises(GammaError) as caught:
+        gamma_from_dict({**GOOD, "appearances": rows}, vocabulary=["p"])
+    lines = str(caught.value).splitlines()
+    assert (len(lines), lines[-1]) == (101, f"and {len(caught.value.mistakes) - 100} more")
+    camera = {**GOOD["camera"], **{f"k{i}": 0 for i in range(1000)}}
+    (line,) = mistakes(lambda d: d.__setitem__("camera", camera))
+    assert line.endswith("; and 900 more")
