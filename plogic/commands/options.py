@@ -52,7 +52,8 @@ GENERATOR = click.option(
 BEST_BY = click.option(
     "--deadline",
     type=Number(0.0, min_open=True),
-    help="Seconds; the best answer so far is marked unfinished (exit 3).",
+    help="Seconds from when KB, index and Γ are there (several views: all frames together, with detection); "
+    "then the best answer so far is marked unfinished (exit 3).",
 )
 DEADLINE = click.option(
     "--deadline",

@@ -48,9 +48,9 @@ def perceive_command(
         kb = kb_of(kb_folder)
         picture = None if is_gamma(source) else image_of(source, options.get("camera"))
     gamma, image = gamma_of(source, picture, options.get("camera"), kb, clock)
-    end = monotonic() + options["deadline"] if options.get("deadline") else None
     with clock.stage("index"):
         perceiver = Perceiver(kb, cache_folder("indices"), processors(), options["generator"])
+    end = monotonic() + options["deadline"] if options.get("deadline") else None
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
     document = perceiver(gamma, chosen, image, clock)
     write_all(document, text_of(document), out, options, image, clock, write)

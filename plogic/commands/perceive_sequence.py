@@ -54,9 +54,9 @@ def sequence_command(
     poses, foreseen = placed_frames(frames, options.get("poses"))
     if options.get("poses") is None and not all(is_gamma(frame) for frame in frames):
         say("all images are taken to be from the one place that --camera tells; where the camera moved, give --poses")
+    perceiver = Perceiver(kb, cache_folder("indices"), processors(), options["generator"])
     end = monotonic() + options["deadline"] if options.get("deadline") else None
-    chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
-    panorama = Panorama(Perceiver(kb, cache_folder("indices"), processors(), options["generator"]), chosen)
+    panorama = Panorama(perceiver, Options(options["reading"], options["reconsider"], options["smoothing"], end))
     looks, failed = _looks(panorama, frames, poses, options, say)
     camera = looks[-1][1].view
     told = [ahead(panorama, _moved(camera, placed)) for placed in foreseen]

@@ -50,9 +50,9 @@ def stereo_command(
     cameras = calibration.left, calibration.right
     (left, image), (right, _) = (_read(source, camera, options, kb, clock) for source, camera in zip(inputs, cameras, strict=True))
     gamma = fused(left, right, calibration.pair, kb.rates.sigma)
+    perceiver = Perceiver(kb, cache_folder("indices"), processors(), options["generator"])
     end = monotonic() + options["deadline"] if options.get("deadline") else None
     chosen = Options(options["reading"], options["reconsider"], options["smoothing"], end)
-    perceiver = Perceiver(kb, cache_folder("indices"), processors(), options["generator"])
     data, cycle = perceiver.cycle(gamma, chosen, clock)
     with clock.stage("both images"):
         cycle = sharpened(cycle, gamma, data, right, calibration.pair, perceiver)

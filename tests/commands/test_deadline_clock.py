@@ -1,0 +1,62 @@
+"""When the clock of ``--deadline`` starts: ``perceive`` and ``batch`` agree that knowledge base, index and detection are outside it."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import cv2
+import numpy as np
+import pytest
+
+import plogic.perceive
+from plogic.batch import work
+from plogic.batch.frames import Frame, Settings
+from plogic.commands import perceive
+from sensing.appearance import Gamma
+
+SLOW, DEADLINE = 0.4, 5.0
+CAMERA = {"width": 64, "height": 48, "K": [[60, 0, 32], [0, 60, 24], [0, 0, 1]], "dist": []}
+
+
+@pytest.fixture
+def left(monkeypatch):
+    """Where the seconds that were left as perceiving began are told; reading the KB, its index and detection are slow."""
+    seconds = []
+
+    class Slow(plogic.perceive.Perceiver):
+        def __init__(self, *args):
+            time.sleep(SLOW)
+            super().__init__(*args)
+
+        def __call__(self, gamma, options, *rest):
+            seconds.append(options.end - time.monotonic())
+            return super().__call__(gamma, options, *rest)
+
+    def detected(_picture, camera, _kb, _clock):
+        time.sleep(SLOW)
+        return Gamma(camera, ())
+
+    for module in (plogic.perceive, work):
+        monkeypatch.setattr(module, "Perceiver", Slow)
+    monkeypatch.setattr(perceive, "detected", detected)
+    return seconds
+
+
+@pytest.fixture
+def picture(tmp_path):
+    (tmp_path / "camera.json").write_text(json.dumps({"camera": CAMERA}))
+    cv2.imwrite(str(tmp_path / "image.png"), np.full((48, 64, 3), 90, np.uint8))
+    return tmp_path / "image.png"
+
+
+def test_of_perceive(left, picture):
+    options = {"reading": "score", "reconsider": "to_B", "smoothing": 0.0, "deadline": DEADLINE, "camera": str(picture.parent / "camera.json")}
+    assert perceive.perceive_command(str(picture), "towers", "-", options, say=lambda _: None, write=lambda _: None) == 0
+    assert left == [pytest.approx(DEADLINE, abs=SLOW / 2)]
+
+
+def test_of_batch(left, picture):
+    worker = work.Worker(Settings("towers", deadline=DEADLINE))
+    assert worker(Frame(str(picture), None, "image"))[0] == "done"
+    assert left == [pytest.approx(DEADLINE, abs=SLOW / 2)]
