@@ -8,6 +8,7 @@ in how many of the three views the draft that is made of the largest unknown obj
 
 from __future__ import annotations
 
+import argparse
 import sys
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -56,11 +57,11 @@ def looked(kb: KnowledgeBase, views: list[View]) -> tuple[str, Constancy]:
     return f"{known} known, {left} unexplained, unknown {[len(one.features) for one in constancy.unknown]}", constancy
 
 
-def main() -> None:
+def main(scenes: int) -> None:
     """Print a line a scene."""
     whole = kb_of("towers")
     less = replace(whole, types=tuple(kind for kind in whole.types if kind.name != "t1"))
-    for seed in range(FIRST_SEED, FIRST_SEED + int(sys.argv[1] if len(sys.argv) > 1 else 10)):
+    for seed in range(FIRST_SEED, FIRST_SEED + scenes):
         views = views_of(whole, seed)
         both, _ = looked(whole, views)
         alone, constancy = looked(less, views)
@@ -74,4 +75,6 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("scenes", nargs="?", type=int, default=10, metavar="SCENES", help="how many (10)")
+    main(parser.parse_args().scenes)

@@ -6,7 +6,7 @@ hit where an appearance of one of its types lies within the match tolerance of i
 
 from __future__ import annotations
 
-import sys
+import argparse
 from collections import Counter, defaultdict
 
 import numpy as np
@@ -56,4 +56,6 @@ def main(scenes: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 48)
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("scenes", nargs="?", type=int, default=48, metavar="SCENES", help="how many (48)")
+    main(parser.parse_args().scenes)

@@ -3,6 +3,7 @@
 Which was used last its time of modification says. Whoever has mapped a file of a deleted folder keeps it.
 
 * ``forget_beside(place)``: of the folder's siblings those stay that were used last
+* ``forget_files_beside(place)``: so of files ``<64 hex digits>.npz``
 """
 
 from __future__ import annotations
@@ -18,7 +19,10 @@ FOLDERS, BYTES = 8, 2 << 30
 """So many folders are kept at most, of so many bytes together; one always is."""
 ABANDONED = 86400.0
 """Seconds after which nobody writes any more what was begun."""
+FILES = 1024
+"""So many files are kept at most, of ``BYTES`` together; one always is."""
 _KEY = re.compile("[0-9a-f]{64}")
+_FILE, _BEGUN_FILE = re.compile(r"[0-9a-f]{64}\.npz"), re.compile(r"\.[0-9a-f]{64}\.npz\.[a-z0-9_]{8}")
 _BEGUN = re.compile(r"\.[0-9a-f]{64}-[a-z0-9_]{8}")
 
 
@@ -39,6 +43,28 @@ def forget_beside(place: Path, folders: int = FOLDERS, most: int = BYTES) -> Non
     for path, written in beside.items():
         if _BEGUN.fullmatch(path.name) and time() - written > ABANDONED:
             shutil.rmtree(path, ignore_errors=True)
+
+
+def forget_files_beside(place: Path, files: int = FILES, most: int = BYTES) -> None:
+    """As ``forget_beside``, of files; no folder and no file of another name is touched."""
+    try:
+        beside = {path: path.stat() for path in place.parent.iterdir() if path.is_file() and not path.is_symlink()}
+    except OSError:  # another process forgets at the same time
+        return
+    total = 0
+    named = (path for path in beside if _FILE.fullmatch(path.name))
+    for rank, path in enumerate(sorted(named, key=lambda path: (path != place, -beside[path].st_mtime))):
+        total += beside[path].st_size
+        if rank and (rank >= files or total > most):
+            _unlink(path)
+    for path, found in beside.items():
+        if _BEGUN_FILE.fullmatch(path.name) and time() - found.st_mtime > ABANDONED:
+            _unlink(path)
+
+
+def _unlink(path: Path) -> None:
+    with suppress(OSError):  # another process was first, or nobody may
+        path.unlink()
 
 
 def discard(place: Path) -> None:

@@ -17,18 +17,20 @@ if TYPE_CHECKING:
 def import_command(source: Path, folder: Path, units: str | None, *, as_json: bool) -> str:
     """Make types from a URDF, an SDF, or a BOP models folder; all are made before the first is written.
 
-    Raises:
-        IntakeError: a file that no type can be made of. InputError: no such file, no KB, a type that exists. SensingError.
-    """
-    from plogic.commands.kb_types import check_kb, told, write_types
+    Where there is no such KB folder, a new knowledge base is made first.
 
-    check_kb(folder)
+    Raises:
+        IntakeError: a file that no type can be made of. InputError: no such file, a folder that is no KB, a type that exists. SensingError.
+    """
+    from plogic.commands.kb_types import is_new, told, write_types
+
+    new = is_new(folder)
     fault = fault_of(source)
     if fault not in (None, IS_FOLDER):
         raise InputError(f"{source}: {'there is no such file or folder' if fault == IS_MISSING else fault}")
     types = _of_bop(source, folder, units) if fault == IS_FOLDER else [_of_robot(source, folder, units)]
-    write_types(folder, types)
-    return told(folder, types, "kb_import", as_json=as_json)
+    write_types(folder, types, new=new)
+    return told(folder, types, "kb_import", new=new, as_json=as_json)
 
 
 def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:

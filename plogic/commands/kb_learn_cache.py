@@ -6,9 +6,12 @@ Nobody has to remember to change a version: what was learnt by other code, or wi
 from __future__ import annotations
 
 import hashlib
+import os
+from contextlib import suppress
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
+from plogic.forgotten import forget_files_beside
 from plogic.remembered import ROOT, cache_folder, source_digest, sources
 
 if TYPE_CHECKING:
@@ -50,9 +53,12 @@ def learnt_of(
         try:
             place.parent.mkdir(parents=True, exist_ok=True)
             write_whole(place, content)
+            forget_files_beside(place)
         except (OSError, SensingError) as error:
             say(f"{kind.name}: is not remembered for the next time: {error}")
         return read_cloud(content)  # in the file's precision, as it will come the next time: equal hit rates stay equal
+    with suppress(OSError):  # who may only read it uses it all the same
+        os.utime(place)
     say(f"{kind.name}: was learnt before ({place})")
     return remembered
 

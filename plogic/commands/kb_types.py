@@ -21,6 +21,14 @@ def check_kb(folder: Path) -> None:
         raise InputError(f"{folder}: holds no kb.yaml; make a knowledge base with: plogic kb new {folder}")
 
 
+def is_new(folder: Path) -> bool:
+    """Whether there is nothing yet, so that a knowledge base is to be made first; raises InputError where what is there is none."""
+    if is_there(folder):
+        check_kb(folder)
+        return False
+    return True
+
+
 def check_own(kb_folder: str) -> Path:
     """The folder of a KB that is there to be changed. Raises InputError for one that is shipped with plogic."""
     folder = Path(kb_folder)
@@ -52,21 +60,28 @@ def type_folders(folder: Path) -> dict[str, Path]:
     return found
 
 
-def write_types(folder: Path, types: Sequence[NewType]) -> None:
-    """Write the types' folders, and the schema that their editor lines point to. Raises SensingError."""
+def write_types(folder: Path, types: Sequence[NewType], *, new: bool = False) -> None:
+    """Write the types' folders, into a ``new`` knowledge base or one that is there, and the schema that their editor lines point to.
+
+    Raises IntakeError, SensingError.
+    """
     from kb.intake.new_kb import schema_files
+    from plogic.commands.kb_new import new_command
     from sensing.whole_files import write_folder, write_whole
 
-    for new in types:
-        write_folder(folder / "objects" / new.name, new.files)
+    if new:
+        new_command(folder, None)
+    for kind in types:
+        write_folder(folder / "objects" / kind.name, kind.files)
     write_whole(folder / "object.schema.json", schema_files()["object.schema.json"])
 
 
-def told(folder: Path, types: Sequence[NewType], what: str, *, as_json: bool) -> str:
-    """What was done, as text, or as one ``kb_add/1`` or ``kb_import/1`` document."""
+def told(folder: Path, types: Sequence[NewType], what: str, *, new: bool, as_json: bool) -> str:
+    """What was done, as text, or as one ``kb_add/1`` or ``kb_import/1`` document; ``new``: the knowledge base was made too."""
     if as_json:
-        documents: list[dict[str, Any]] = [new.document | {"notes": list(new.notes)} for new in types]
-        return json.dumps({"format": f"{what}/1", "kb": str(folder), "types": documents})
-    lines = [line for new in types for line in (*new.lines, *(f"  note: {note}" for note in new.notes))]
-    wrote = ", ".join(str(folder / "objects" / new.name) for new in types[:3]) + (f" and {len(types) - 3} more" if len(types) > 3 else "")
+        documents: list[dict[str, Any]] = [kind.document | {"notes": list(kind.notes)} for kind in types]
+        return json.dumps({"format": f"{what}/1", "kb": str(folder), "new_kb": new, "types": documents})
+    lines = [line for kind in types for line in (*kind.lines, *(f"  note: {note}" for note in kind.notes))]
+    lines += [f"made a new knowledge base: {folder}"] if new else []
+    wrote = ", ".join(str(folder / "objects" / kind.name) for kind in types[:3]) + (f" and {len(types) - 3} more" if len(types) > 3 else "")
     return "\n".join([*lines, f"wrote {wrote}"])

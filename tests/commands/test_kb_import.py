@@ -147,3 +147,18 @@ def test_bad_models_info_writes_nothing(tmp_path, folder, info, said):
 def test_a_folder_without_models(tmp_path, folder):
     (tmp_path / "empty").mkdir()
     assert "holds no obj_000001.ply" in refused(folder, tmp_path / "empty")
+
+
+def test_a_knowledge_base_that_is_missing_is_made_as_by_kb_add_and_said(tmp_path):
+    mesh = write_box(tmp_path / "box.obj")
+    (tmp_path / "arm.urdf").write_text(URDF)
+    (tmp_path / "empty").mkdir()
+    imports = ("kb", "import", tmp_path / "arm.urdf")
+    adds = ("kb", "add", "box", "--mesh", mesh, "--units", "m")
+    for args, folder in ((imports, tmp_path / "one"), (adds, tmp_path / "two")):
+        assert f"made a new knowledge base: {folder}" in good(*args, "--kb", folder).splitlines()
+        assert len(read_kb(folder).types) == 1
+        assert "holds no kb.yaml" in plogic(*args, "--kb", tmp_path / "empty").stderr
+    bad = tmp_path / "none.urdf"
+    assert plogic("kb", "import", bad, "--kb", tmp_path / "three").returncode == 1
+    assert not (tmp_path / "three").exists()
