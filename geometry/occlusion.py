@@ -18,7 +18,7 @@ from geometry.frames import inverse, is_rigid, rotate, transform_points
 from geometry.outline import NEAR, Area, ideal_outline
 from geometry.rays import RayMesh
 from geometry.rcc import related
-from geometry.roc import CoarseRelation, Front, Roc, coarse, converse, roc
+from geometry.roc import Front, Roc, roc
 from geometry.samples import samples_inside
 
 TOLERANCE = 0.25  # px: what of an image is thinner than twice this is no interior, what sticks out less is covered, what is nearer touches
@@ -69,8 +69,8 @@ def occlusion(
     """The one relation of ROC-20 that holds of x and y as `camera` sees them: 'partially_occludes_po' has x before y.
 
     `tolerance` (px) is that of the images (`geometry.rcc`); `depth_tolerance` (part of the distance) says when two are equally near.
-    Decided on ideal pixels: the relation is topological, so a lens does not change it. Use `occlusions` for several bodies, which draws
-    each outline once, or give the `images` of both (`drawn`) where they are known.
+    Decided on ideal pixels: the relation is topological, so a lens does not change it. Give the
+    `images` of both (`drawn`) where they are known.
     """
     image_x, image_y = images or (drawn(x, camera), drawn(y, camera))
     rcc, interior = related(image_x, image_y, tolerance)
@@ -80,37 +80,6 @@ def occlusion(
 def drawn(surface: PosedSurface, camera: Camera) -> Area:
     """The outline in ideal pixels."""
     return ideal_outline(surface.vertices, surface.triangles, surface.camera_from_object, camera)
-
-
-def occlusions(
-    surfaces: list[PosedSurface],
-    camera: Camera,
-    tolerance: float = TOLERANCE,
-    *,
-    depth_tolerance: float = DEPTH_TOLERANCE,
-) -> dict[tuple[int, int], Roc]:
-    """`occlusion` of every ordered pair (i, j), i != j, of `surfaces`."""
-    images = [drawn(s, camera) for s in surfaces]
-    found: dict[tuple[int, int], Roc] = {}
-    for i, x in enumerate(surfaces):
-        for j in range(i + 1, len(surfaces)):
-            both = (images[i], images[j])
-            found[i, j] = occlusion(x, surfaces[j], camera, tolerance, depth_tolerance=depth_tolerance, images=both)
-            found[j, i] = converse(found[i, j])
-    return found
-
-
-def coarse_relation(
-    x: PosedSurface,
-    y: PosedSurface,
-    camera: Camera,
-    tolerance: float = TOLERANCE,
-    *,
-    depth_tolerance: float = DEPTH_TOLERANCE,
-    images: tuple[Area, Area] | None = None,
-) -> CoarseRelation:
-    """Which of the six coarse relations `occlusion` is a case of (§3.6): 'partially_occludes' has x before y."""
-    return coarse(occlusion(x, y, camera, tolerance, depth_tolerance=depth_tolerance, images=images))
 
 
 def _in_front(x: PosedSurface, y: PosedSurface, interior: Area, camera: Camera, depth_tolerance: float) -> Front:

@@ -55,11 +55,6 @@ def bent(area: Area, camera: Camera) -> Area:
     return shown if shown.is_valid else shapely.make_valid(shown)
 
 
-def evidence_area(outline_px: Area, widen_px: float) -> Area:
-    """The evidence area of a hypothesis (§4.3): its outline widened by the match tolerance in pixels."""
-    return outline_px.buffer(widen_px)
-
-
 def image_area(camera: Camera) -> Area:
     """The image itself, [-0.5, width - 0.5] x [-0.5, height - 0.5] px."""
     return shapely.box(-0.5, -0.5, camera.width - 0.5, camera.height - 0.5)

@@ -87,14 +87,6 @@ def solid_overlap(a: Solid, T_a: ArrayLike, b: Solid, T_b: ArrayLike) -> float:
     return a.shared(inverse(T_a) @ last_axes(T_b, (4, 4), "T_b"), b)
 
 
-def overlaps(a: Solid, T_a: ArrayLike, b: Solid, T_b: ArrayLike, tolerance: float = 0.0) -> bool:
-    """Whether `a` and `b` share more than the part `tolerance` of the smaller one's volume: what A4 forbids.
-
-    Poses that come from an image are off by a little; a tolerance of some percent lets neighbours touch.
-    """
-    return solid_overlap(a, T_a, b, T_b) > tolerance * min(a.volume, b.volume)
-
-
 def _manifold(vertices: Floats, triangles: ArrayLike) -> Any:  # noqa: ANN401 - manifold3d ships no types
     from manifold3d import Error, Manifold, Mesh64
 

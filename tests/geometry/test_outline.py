@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw, transform_points
-from geometry.outline import evidence_area, image_area, is_closed, outline
+from geometry.outline import image_area, is_closed, outline
 
 
 @pytest.mark.parametrize("camera", [CAMERA, LENS])
@@ -90,14 +90,6 @@ def test_what_reaches_behind_the_camera_is_cut_at_the_near_plane():
 def test_what_is_behind_the_camera_has_no_outline():
     assert outline(*box(), at(0, 0, -5), CAMERA).is_empty
     assert outline(*box(), at(0, 0, -5), LENS).is_empty
-
-
-def test_the_evidence_area_is_the_outline_widened():
-    area = outline(*box(), at(0, 0, 4), CAMERA)
-    wide = evidence_area(area, 5)
-    assert wide.contains(area)
-    assert wide.bounds == pytest.approx(np.add(area.bounds, (-5, -5, 5, 5)))
-    assert evidence_area(area, 0).equals(area)
 
 
 def test_the_image_area_holds_what_the_camera_contains():
