@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.bench.claims import report
+from plogic.bench.clutter_near import NEAR_CAPTION, near, near_rows
+from plogic.bench.clutter_near import TRIALS as NEAR_TRIALS
 from plogic.bench.clutter_peers import there
 from plogic.bench.clutter_scenes import PLAN, Case, Trial, trial
 from plogic.bench.clutter_table import ACCEPTED, CAPTION, OURS, TOLD, Outcome, claims, judged, rows
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from kb.cloud import KnowledgeBase, ObjectType
+    from plogic.bench.clutter_near import Refined
     from plogic.bench.clutter_peers import Peer
     from plogic.perceive import Perceiver
     from sensing.appearance import Gamma
@@ -39,18 +42,21 @@ PEER_TRIALS, QUICK_PEER_TRIALS = 10, 3
 """Trials of a row in which peers are asked."""
 SEEN_FROM = float(np.radians(80.0))
 """Half angle of the lobes, the least of learnt ones: 'about 20 of its own' of 100 features, 60 % detected."""
+NEAR_CASES = PLAN[0], PLAN[2]
+"""Of 100 types and 300 appearance types, easy and hard."""
 BUDGET = 2.0
 """Seconds that a peer may take a trial: twice as many as we promise for ourselves."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Which cases, how many trials each, and in how many of them peers are asked, for how many seconds."""
+    """Which cases, how many trials each, in how many of them peers are asked, for how many seconds; in ``near`` ones refiners are asked, too."""
 
     cases: Sequence[Case] = PLAN
     trials: int = TRIALS
     peer_trials: int = PEER_TRIALS
     budget: float = BUDGET
+    near: Sequence[Case] = NEAR_CASES
 
 
 QUICK = Plan(PLAN[:-1], QUICK_TRIALS, QUICK_PEER_TRIALS)
@@ -94,25 +100,39 @@ def run(
     learnt = (learn or learnt_kb)(say, seed)
     peers, seconds = there(say), min(limit, plan.budget)
     outcomes: list[Outcome] = []
+    refined: list[Refined] = []
     builds: dict[Case, float] = {}
     for case in plan.cases:
-        more, builds[case] = _of_case(series_of(case, learnt, seed), seed, peers, replace(plan, budget=seconds), say)
-        outcomes += more
+        series = series_of(case, learnt, seed)
+        perceiver, builds[case] = _built(series.kb)
+        say(f"{case}: made ready in {builds[case]:.1f} s")
+        outcomes += _of_case(series, perceiver, seed, peers, replace(plan, budget=seconds), say)
+        refined += _near(series, perceiver, seed, plan, say)
     left_out = "" if learnt is not None else "\nThere are no learnt types: their trials are left out."
-    text, met = report("clutter", rows(outcomes, builds), claims(outcomes), as_json=as_json)
-    return (text if as_json else f"{CAPTION}{left_out}\n\n{text}"), met
+    more = {"near": near_rows(refined)} if refined else {}
+    text, met = report("clutter", rows(outcomes, builds), claims(outcomes), as_json=as_json, more=more)
+    return (text if as_json else f"{CAPTION}\n{NEAR_CAPTION}{left_out}\n\n{text}"), met
 
 
-def _of_case(series: Series, seed: int, peers: Sequence[Peer], plan: Plan, say: Callable[[str], None]) -> tuple[list[Outcome], float]:
-    """The outcomes of a case's trials, and the seconds in which it was made ready."""
+def _of_case(
+    series: Series, perceiver: Perceiver, seed: int, peers: Sequence[Peer], plan: Plan, say: Callable[[str], None]
+) -> list[Outcome]:
+    """The outcomes of a case's trials."""
     outcomes: list[Outcome] = []
-    perceiver, build = _built(series.kb)
-    say(f"{series.case}: made ready in {build:.1f} s")
     for number in series.numbers(plan.trials):
         more = answered(series, perceiver, (seed, number), peers if number < plan.peer_trials else (), plan.budget)
         say(_said(number, more))
         outcomes += more
-    return outcomes, build
+    return outcomes
+
+
+def _near(series: Series, perceiver: Perceiver, seed: int, plan: Plan, say: Callable[[str], None]) -> list[Refined]:
+    """What refiners come to from near poses, in the first trials of the cases that they are asked in."""
+    outcomes: list[Refined] = []
+    for number in series.numbers(min(plan.trials, NEAR_TRIALS)) if series.case in plan.near else ():
+        outcomes += near(series.case, series.trial(seed, number), perceiver, np.random.default_rng([seed, number]))
+        say(f"trial {number}: refined from near poses")
+    return outcomes
 
 
 def learnt_kb(say: Callable[[str], None], seed: int = 0) -> KnowledgeBase | None:
