@@ -94,9 +94,9 @@ def distance_maps(
 def _one_map(
     members: NDArray[np.intp], places: NDArray[np.float64], shape: tuple[int, int]
 ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    pixels = np.rint(places[members]).astype(int)
-    inside = (pixels >= 0).all(axis=1) & (pixels[:, 0] < shape[1]) & (pixels[:, 1] < shape[0])
-    members, pixels = members[inside], pixels[inside]
+    pixels = np.rint(places[members])
+    inside = (pixels >= 0).all(axis=1) & (pixels[:, 0] < shape[1]) & (pixels[:, 1] < shape[0])  # of what the lens images nowhere, False
+    members, pixels = members[inside], pixels[inside].astype(int)
     if not len(members):
         return np.full(shape, np.inf, dtype=np.float32), np.full(shape, -1, dtype=np.int32)
     free = np.full(shape, 255, dtype=np.uint8)
