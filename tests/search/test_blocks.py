@@ -130,7 +130,8 @@ def test_the_search_for_a_type_can_be_stopped_at_every_look(arms, monkeypatch):
     found, few = looks(np.inf)
     monkeypatch.setattr(blocks, "ENTRIES", 500)
     again, many = looks(np.inf)
-    assert many > 2 * few > 20
+    assert many >= few > 20
+    assert many > 2 * few or not arms, "without arms it looks between cells"
     assert [ratio for ratio, _ in again] == [ratio for ratio, _ in found] == [ratio for ratio, _ in generate(index, data, kb)]
     for most in np.linspace(0, many - 1, 6).astype(int):
         with pytest.raises(OutOfTimeError):

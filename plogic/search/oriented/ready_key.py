@@ -21,7 +21,10 @@ if TYPE_CHECKING:
 
     from kb.cloud import ObjectType
 
-SOURCES = ("geometry", "kb", "plogic/search", "plogic/measures", "plogic/errors.py", "plogic/forgotten.py", "plogic/remembered.py")
+SOURCES = (
+    *("geometry", "kb", "plogic/search", "plogic/measures"),
+    *("plogic/errors.py", "plogic/forgotten.py", "plogic/inference/clock.py", "plogic/remembered.py"),
+)
 """What makes an index, methods of the types and their surfaces too; whole folders, for no import leads to the class of what is handed in."""
 LIBRARIES = ("numpy", "embreex")
 """They compute, and shoot the rays."""
