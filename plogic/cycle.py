@@ -150,17 +150,21 @@ class Perception(Anytime):
 
     def _deepened(self) -> bool:
         """Ask single data for the types that are searched for together, once, where nothing at all was accepted, or little is left to ask."""
-        if self.together is None or self.together.deepened or (self.accepted and self._unexplained() > FEW_LEFT):
+        if self.together is None or self.together.deepened or (self.accepted and not self._little_left()):
             return False
         self.together.deepen()
         why = "so little is left that it can be asked" if self.accepted else "nothing is acceptable"
         self.trace.add("deepen", f"{why}: every datum votes by itself")
         return True
 
-    def _unexplained(self) -> int:
-        """Matches that are left of a feature and a datum that looks like it, of all types written by hand."""
-        left = self.data.only(self.free())
-        return sum(int(index.allowed(left).sum()) for index in self.indices.values() if not isinstance(index, LearntIndex))
+    def _little_left(self) -> bool:
+        """Whether all types written by hand together have at most ``FEW_LEFT`` matches of a feature and a free datum that looks like it."""
+        left, matches = self.data.only(self.free()), 0
+        for index in self.indices.values():
+            matches += 0 if isinstance(index, LearntIndex) else int(index.allowed(left).sum())
+            if matches > FEW_LEFT:
+                return False
+        return True
 
     def _released(self) -> bool:
         """Drop from Δi, for good, what does not hold in it when it is stable, so that its data are searched again. True where there was any."""
