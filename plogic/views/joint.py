@@ -9,6 +9,7 @@ world, views are independent. Priors count once, and so does what a pose owes to
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -109,13 +110,17 @@ def _apart(
 ) -> tuple[Sequence[Standing], list[list[Posed]]]:
     """Hypotheses, and how views show them, moved out of each other (A4): Δi all together, each rival out of those that it does not exclude."""
     last, world_from_camera = posed[-1], seen[-1].view.world_from_camera
-    columns = list(zip(*posed, strict=True))
-    poses, _ = moved_apart(last[:first], lambda k: _together(columns[k], seen, kb))
-    there = [replace(some, camera_from_object=pose) for some, pose in zip(last, poses, strict=False)]
+    columns, there = list(zip(*posed, strict=True)), list(last)
+    told = cache(lambda i: _together(columns[i], seen, kb))
+
+    def apart(of: Sequence[int], still: int = 0) -> list[Floats]:
+        return moved_apart([there[i] for i in of], lambda k: told(of[k]), still)[0]
+
+    poses = apart(range(first))
+    there[:first] = [replace(some, camera_from_object=pose) for some, pose in zip(last, poses, strict=False)]
     for i in range(first, len(last)):
         others = [j for j in range(first) if not _excludes(columns[i], columns[j])]
-        told = [_together(columns[j], seen, kb) for j in (*others, i)]
-        poses.append(moved_apart([*(there[j] for j in others), last[i]], told.__getitem__, len(others))[0][-1])
+        poses.append(apart([*others, i], still=len(others))[-1])
     stay = [pose is some.camera_from_object for pose, some in zip(poses, last, strict=True)]
     if all(stay):
         return ordered, posed

@@ -6,8 +6,9 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
+from geometry.frames import from_rotation_translation, inverse, rotation_from_quat_xyzw
 from plogic.bench.clutter_scenes import random_pose
 from plogic.bench.clutter_types import type_names
 from plogic.bench.many_placing import Placed, depth_of, meet
@@ -54,8 +55,8 @@ def seen(seed):
     return few_types()(scene_of_seed(seed).gamma, Options(reading="posterior"))
 
 
-def touching(seed):
-    """A scene of two, side by side, moved towards each other until they only just touch."""
+def touching(seed, degrees=0.0):
+    """A scene of two, side by side, moved towards each other until they only just touch; by the ``camera`` turned around them by so much."""
     rng, kb = np.random.default_rng([seed, 1]), few_kb()
     one, other = (kb.types[i] for i in rng.choice(len(kb.types), 2, replace=False))
     there = from_rotation_translation(rotation_from_quat_xyzw(rng.normal(size=4)), [-0.12, 0.0, 0.9])
@@ -65,7 +66,14 @@ def touching(seed):
         x = 0.5 * (near + far)
         near, far = (x, far) if meet(one, there, other, from_rotation_translation(turn, [x - 0.12, height, 0.9])) else (near, x)
     beside = from_rotation_translation(turn, [far - 0.12, height, 0.9])
-    return scene_of(kb, [Placed(one, there, depth_of(one, there)), Placed(other, beside, depth_of(other, beside))], rng)
+    poses = [(kind, inverse(camera(degrees)) @ pose) for kind, pose in ((one, there), (other, beside))]
+    return scene_of(kb, [Placed(kind, pose, depth_of(kind, pose)) for kind, pose in poses], rng)
+
+
+def camera(degrees):
+    """world_from_camera of one turned about the vertical through the middle of two that touch; by 0 degrees it is where the world begins."""
+    about, middle = Rotation.from_rotvec([0.0, np.radians(degrees), 0.0]).as_matrix(), np.array([0.0, 0.0, 0.9])
+    return from_rotation_translation(about, middle - about @ middle)
 
 
 def alike(seed, count=3):

@@ -7,18 +7,21 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from many_objects import touching, twins
+from many_objects import camera, touching, twins
 
 from plogic.bench.many_score import depth
 from plogic.delta import Options
 from plogic.disjoint import DEEP
 from plogic.perceive import Perceiver
+from plogic.views.document import panorama_document
+from plogic.views.panorama import Panorama
+from plogic.views.view import View
 
 
-def deepest(document, kb):
+def deepest(document, kb, frame="T_camera_object"):
     """Metres, of all pairs that some listed world holds."""
     pairs = {pair for world in document["worlds"] for pair in combinations(world["present"], 2)}
-    rows = {h["id"]: (kb.type(h["type"]), np.array(h["T_camera_object"])) for h in document["hypotheses"]}
+    rows = {h["id"]: (kb.type(h["type"]), np.array(h[frame])) for h in document["hypotheses"]}
     return max((depth(*rows[x], *rows[y]) for x, y in pairs), default=0.0)
 
 
@@ -34,3 +37,13 @@ def test_in_no_listed_world_any_reaches_a_millimetre_into_another(seed):
     assert sum(h["status"] == "rival" for h in document["hypotheses"]) >= 2
     assert any(len(world["present"]) == 2 for world in document["worlds"])
     assert deepest(document, twins()) <= 1.01 * DEEP
+
+
+@pytest.mark.parametrize("seed", [6018, 6019, 6024])
+def test_nor_of_what_several_views_tell_together(seed):
+    """The same from three sides, where the poses that fit all views best reach too deep: unless they are moved, no world holds both."""
+    panorama = Panorama(with_twins(), Options(reading="posterior"))
+    views = [View(f"v{n}", touching(seed, degrees).gamma, camera(degrees)) for n, degrees in enumerate((0.0, 8.0, 16.0), 1)]
+    document = panorama_document(panorama, [(view.id, panorama.look(view)) for view in views])
+    assert any(len(world["present"]) == 2 for world in document["worlds"])
+    assert deepest(document, twins(), "T_world_object") <= 1.01 * DEEP
