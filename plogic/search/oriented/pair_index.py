@@ -133,10 +133,10 @@ class PairIndex:
         tables = [index.object_type.lobes for index in self.indices]
         if not any(np.isfinite(table.size).any() for table in tables):
             return None
-        number = {name: i for i, name in enumerate(self.looks)}
-        sizes = np.stack([np.full((len(tables), len(number)), np.inf, np.float32), np.zeros((len(tables), len(number)), np.float32)])
+        shape = len(tables), len(self.looks)
+        sizes = np.stack([np.full(shape, np.inf, np.float32), np.zeros(shape, np.float32)])
         for k, table in enumerate(tables):
-            looks = [number[name] for name in table.types]
+            looks = self.lobes.looks[k, : len(table.size)]
             np.minimum.at(sizes[0, k], looks, np.where(np.isfinite(table.size), table.size, 0.0))
             np.maximum.at(sizes[1, k], looks, np.where(np.isfinite(table.size), table.size, np.inf))
         return sizes

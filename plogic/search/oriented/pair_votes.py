@@ -13,6 +13,7 @@ import numpy as np
 
 from plogic.search.angles import wrapped
 from plogic.search.data import centre_of
+from plogic.search.learnt.agreement import SIZES
 from plogic.search.oriented.pair_index import FINE, said
 from plogic.search.view_cells import CELLS
 
@@ -43,7 +44,7 @@ _ROW = np.uint64(21)
 """Bits of the number of a vote."""
 _OCTAVES, _SIDE = 20, 512
 """Sizes, and places along an axis, after which the numbers of boxes begin anew: of so different a size nothing is in one image."""
-AS_WIDE = 1.65
+AS_WIDE = float(np.exp(SIZES))
 """Ratio of two widths that are taken for the same: what cells, pairs and detectors may be off together; as of learnt types."""
 CELL, ROLL, SCALE = 0.3, np.pi / 6, 0.35
 """Votes are of one place that lie within one box: diameters, radians, logarithm of scale."""
@@ -107,8 +108,9 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
     diameter = index.sights.diameter[says.kind]
     size = length[query] / says.length
     fits = (size >= SMALLEST) & (size <= LARGEST * min(data.camera.width, data.camera.height))
-    for side in (one, other):
-        fits &= _sized(index, says.kind, looks[side[query]], data.scale[side[query]], size / diameter)
+    if index.sizes is not None and np.isfinite(data.scale).any():
+        for side in (one[query], other[query]):
+            fits &= _as_wide(index.sizes[:, says.kind, looks[side]], data.scale[side], size / diameter)
     right = np.flatnonzero(fits)
     size, query, says, weight = size[right], query[right], says.take(right), weight[right]
     roll = wrapped(line[query] - says.line)
@@ -120,11 +122,9 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
     return Raw(votes, query, np.column_stack([one[query], other[query]]), boxes)
 
 
-def _sized(index: PairIndex, kind: Indices, looks: Indices, scale: Floats, per_metre: Floats) -> NDArray[np.bool_]:
-    """(N,) whether data of ``scale`` px, NaN where the detector gave none, are as wide as what they look like, at so many pixels a metre."""
-    if index.sizes is None or not np.isfinite(scale).any():
-        return np.ones(len(kind), bool)
-    least, most = index.sizes[:, kind, looks]
+def _as_wide(sizes: NDArray[np.float32], scale: Floats, per_metre: Floats) -> NDArray[np.bool_]:
+    """(N,) whether data of ``scale`` px, NaN where unknown, are as wide as ``sizes`` (2, N), m, the least and the most, at so many pixels a metre."""
+    least, most = sizes
     return np.asarray(np.isnan(scale) | ((scale >= least * per_metre / AS_WIDE) & (scale <= most * per_metre * AS_WIDE)))
 
 
