@@ -78,9 +78,11 @@ class Beside:
         if rounds or self.accepted or not isinstance(index, LearntIndex):  # else it was matched so when it was found
             start = posed if rounds else posed.camera_from_object
             posed = settle(index, start, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
-        hidden = self._hidden(posed, skip) if rounds else hidden
-        ev = explanatory_value(posed.support(), self.dv)
-        again = explanatory_value(posed.support(hidden), self.dv)
+        return self._believed(posed, index, self._hidden(posed, skip) if rounds else hidden)
+
+    def _believed(self, posed: Posed, index: Index, hidden: NDArray[np.bool_]) -> Belief:
+        """What Γ says of a hypothesis of which the ``hidden`` features (F,) are not expected."""
+        ev, again = explanatory_value(posed.support(), self.dv), explanatory_value(posed.support(hidden), self.dv)
         found = evidence(posed, self.data, self.kb, hidden)
         return Belief(posed, index, found.ratio, found.surplus, ev, again)
 

@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.anytime import Anytime
-from plogic.belief import Belief, Cycle, considered
+from plogic.belief import Cycle, considered
 from plogic.beside import FEWEST, name_of
 from plogic.covering import covered_by
 from plogic.disjoint import moved_apart
-from plogic.evidence import evidence
 from plogic.inference.clock import OutOfTimeError
-from plogic.measures.explanatory import explanatory_value
 from plogic.rivals import apart_on_screen, claims, excludes, hidden_among
 from plogic.search.by_copies import searched
 from plogic.search.indices import FAST, generate, generate_plainly, generate_together, settle, significant
@@ -28,6 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.attention import Attention
+    from plogic.belief import Belief
     from plogic.expectation import Posed
     from plogic.search.data import Data
     from plogic.search.indices import Index
@@ -73,8 +72,8 @@ class Perception(Anytime):
         self._conclude()
         self._leave(pool)
         self.trace.add("stable", f"{len(self.accepted)} accepted; {int(self.free().sum())} appearances left as noise")
-        rivals = self._told_of_rivals(self.rivals)
-        return Cycle(tuple(self.accepted), rivals, tuple(self.rejected), tuple(attention), self.trace)
+        rivals = map(self._makes_way, considered(self.rivals, self.accepted))
+        return Cycle(tuple(self.accepted), tuple(rivals), tuple(self.rejected), tuple(attention), self.trace)
 
     def _round(self, attention: Sequence[Attention], pool: list[Posed]) -> bool:
         """Accept the best acceptable pose of the pool; where it has none, add to it what the free data give first. True where one was accepted."""
@@ -113,10 +112,10 @@ class Perception(Anytime):
             if isinstance(belief.index, LearntIndex) and belief.surplus < significant(belief.posed) - POLISH:
                 continue
             better = self._tilted(self._judge(belief.posed, self.free(), rounds=2), left)
-            if not isinstance(belief.index, LearntIndex) and self._refusal(better) and self._refusal(belief) is None:
-                better = belief  # places alone may fit better and lose a match
-            if self._refusal(better) is None:
-                self._accept(better)
+            either = [better] if isinstance(belief.index, LearntIndex) else [better, belief]  # places alone may fit better and lose a match
+            holds = next((b for b in either if self._refusal(b) is None), None)
+            if holds is not None:
+                self._accept(holds)
                 self._keep()
                 pool[:] = [posed for posed in pool if not self._is_accepted(posed)]
                 return True
@@ -234,14 +233,13 @@ class Perception(Anytime):
         near = found.worth > sum(b.worth for b in replaced) - significant(belief.posed)
         return found if enough and found.ev_reconsidered is not None and near else None
 
-    def _told_of_rivals(self, rivals: Sequence[Belief]) -> tuple[Belief, ...]:
-        """Those that enter Δh, each moved out of the accepted that it leaves where they are (A4), if it can be and there is time."""
-        kept = considered(rivals, self.accepted)
-        return tuple(kept if self.unfinished else map(self._makes_way, kept))
-
     def _makes_way(self, rival: Belief) -> Belief:
+        """A rival, moved out of the accepted that it leaves where they are (A4), if it can be and there is time."""
+        if self.unfinished:
+            return rival
         others = [b.posed for b in self.accepted if not excludes(rival.posed, b.posed)]
-        poses, deep = moved_apart([*others, rival.posed], lambda k: self._told_of([*others, rival.posed][k]), still=len(others))
+        beside = [*others, rival.posed]
+        poses, deep = moved_apart(beside, lambda k: self._told_of(beside[k]), still=len(others))
         if deep or poses[-1] is rival.posed.camera_from_object:
             return rival
         self.trace.add("move", "a little, so that it does not reach into an accepted object that it touches (A4)", of_type=name_of(rival))
@@ -254,7 +252,4 @@ class Perception(Anytime):
             free[list(claims(other))] = False
         hidden = hidden_among(belief.posed, others)
         posed = settle(belief.index, pose, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
-        hidden = hidden_among(posed, others)
-        ev, again = explanatory_value(posed.support(), self.dv), explanatory_value(posed.support(hidden), self.dv)
-        found = evidence(posed, self.data, self.kb, hidden)
-        return Belief(posed, belief.index, found.ratio, found.surplus, ev, again)
+        return self._believed(posed, belief.index, hidden_among(posed, others))
