@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from kb.surface import Surface
     from kb.words import Words
 
+UNKNOWN_SUPPORT = 0.1
+"""Chance that something which the KB does not know holds what floats, where `gravity` does not say: one in ten things that seem to float."""
+
 
 def _freeze(holder: object, **shapes: tuple[int, ...]) -> None:
     """Turn the named fields into read-only float arrays of the given shapes."""
@@ -36,9 +39,6 @@ def _freeze(holder: object, **shapes: tuple[int, ...]) -> None:
         array = np.array(getattr(holder, name), dtype=float).reshape(shape)
         array.setflags(write=False)
         object.__setattr__(holder, name, array)
-
-UNKNOWN_SUPPORT = 0.1
-"""Chance that something which the KB does not know holds what floats, where `gravity` does not say: one in ten things that seem to float."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,6 +55,8 @@ class AppearanceModel(Model):
     def _seen_from_somewhere(self) -> Self:
         if self.lobe is None and not self.appearances:
             raise ValueError("missing key 'lobe': from where the appearance is seen")
+        if self.lobe is None and self.size is not None:
+            raise ValueError("'size' without 'lobe': what is not seen itself has no width in the picture; say it of the appearances below")
         return self
 
 

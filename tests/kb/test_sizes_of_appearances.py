@@ -37,3 +37,13 @@ def test_it_is_read_written_and_shown(tmp_path):
 def test_what_is_no_width_is_a_mistake(tmp_path, size):
     with pytest.raises(KBErrors, match="size"):
         read_kb(with_size(tmp_path, f"'{size}'"))
+
+
+def test_what_is_not_seen_itself_has_none(tmp_path):
+    path = write_small(tmp_path)
+    (found,) = path.rglob("object.yaml")
+    text = found.read_text()
+    lobe = text[text.index("{type: apex, lobe") :].splitlines()[0]
+    found.write_text(text.replace(lobe, f"{{type: apex, size: 3 cm, appearances: [{lobe}]}}"))
+    with pytest.raises(KBErrors, match=r"14:13: parts\.0\.features\.0\.appearances\.0: 'size' without 'lobe'"):
+        read_kb(path)
