@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geometry.arrays import Floats
 from geometry.errors import GeometryError
 from geometry.softposit import Annealing, SoftPositResult, softposit
 
@@ -25,11 +24,3 @@ def softposit_near(
     usual = Annealing(noise=noise, pixel=pixel)
     setting = Annealing(beta=min(1.0 / off**2, usual.beta_final), noise=noise, pixel=pixel)
     return softposit(points, xy, np.asarray(pose, dtype=np.float64)[None], allowed=allowed, annealing=setting)
-
-
-def refined_by_softposit(
-    pose: ArrayLike, points: ArrayLike, xy: ArrayLike, *, off: float, allowed: ArrayLike | None = None, noise: float = 0.5, pixel: float = 1 / 600
-) -> Floats | None:
-    """The pose (4, 4) that `softposit_near` comes to, or None where it does not converge."""
-    found = softposit_near(pose, points, xy, off=off, allowed=allowed, noise=noise, pixel=pixel)
-    return np.asarray(found.camera_from_object[0]) if found.converged[0] else None

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from io import FileIO
 
     from plogic.batch.frames import Frame
-from plogic.batch.log import Written
+    from plogic.batch.log import Written
 
 STALE = 512
 """Lines of the file after which it is made anew, of those that still wait."""

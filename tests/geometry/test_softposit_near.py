@@ -7,7 +7,7 @@ from softposit_scenes import PIXEL, off, scene
 from geometry.errors import GeometryError
 from geometry.frames import pose_error
 from geometry.softposit import Annealing, softposit
-from geometry.softposit_near import refined_by_softposit, softposit_near
+from geometry.softposit_near import softposit_near
 
 
 def test_from_ten_degrees_and_three_percent_it_comes_home():
@@ -15,9 +15,9 @@ def test_from_ten_degrees_and_three_percent_it_comes_home():
     right = 0
     for seed in range(10):
         model, xy, pose, allowed, _, rng = scene(seed, types=5, noise=0.5)
-        found = refined_by_softposit(off(pose, rng, 10.0, 0.03)[0], model, xy, off=25.0, allowed=allowed, pixel=PIXEL)
-        if found is not None:
-            rotation, translation = pose_error(found, pose)
+        found = softposit_near(off(pose, rng, 10.0, 0.03)[0], model, xy, off=25.0, allowed=allowed, pixel=PIXEL)
+        if found.converged[0]:
+            rotation, translation = pose_error(found.camera_from_object[0], pose)
             right += bool(np.degrees(rotation) < 1.0 and translation < 0.01 * np.linalg.norm(pose[:3, 3]))
     assert right >= 9
 
@@ -33,15 +33,16 @@ def test_it_is_softposit_from_a_beta_by_how_far_off_the_points_are():
 
 def test_an_exact_pose_stays():
     model, xy, pose, allowed, _, _ = scene(4, types=5)
-    found = refined_by_softposit(pose, model, xy, off=0.1, allowed=allowed, pixel=PIXEL)
-    rotation, translation = pose_error(found, pose)
+    found = softposit_near(pose, model, xy, off=0.1, allowed=allowed, pixel=PIXEL)
+    assert found.converged.tolist() == [True]
+    rotation, translation = pose_error(found.camera_from_object[0], pose)
     assert np.degrees(rotation) < 0.1
     assert translation < 1e-3 * np.linalg.norm(pose[:3, 3])
 
 
-def test_where_it_does_not_converge_there_is_no_pose():
+def test_without_data_it_does_not_converge():
     model, _, pose, _, _, _ = scene(5)
-    assert refined_by_softposit(pose, model, np.zeros((0, 2)), off=10.0) is None
+    assert softposit_near(pose, model, np.zeros((0, 2)), off=10.0).converged.tolist() == [False]
 
 
 @pytest.mark.parametrize("wrong", [0.0, -1.0, np.nan])
