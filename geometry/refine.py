@@ -56,6 +56,27 @@ def refine_poses(
     return poses, _rms(poses, task), _covariance(normal_equations(reprojected(poses, task), task)[0])
 
 
+def refined_poses(
+    camera_from_object: ArrayLike,
+    points: ArrayLike,
+    uv: ArrayLike,
+    weights: ArrayLike,
+    camera: Camera,
+    iterations: int = 8,
+    *,
+    huber: float | None = None,
+    across: ArrayLike | None = None,
+) -> Floats:
+    """The poses (B, 4, 4) of `refine_poses` alone, sooner.
+
+    Raises:
+        GeometryError: where the shapes do not fit, or a weight is negative or not finite.
+    """
+    poses = np.array(last_axes(camera_from_object, (4, 4), "camera_from_object"))
+    task = task_of(poses, points, uv, weights, camera, np.inf if huber is None else huber, across)
+    return _descended(poses, task, np.eye(6), iterations)
+
+
 def refine_along(
     camera_from_object: ArrayLike,
     points: ArrayLike,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from geometry.posit import posit
-from geometry.refine import refine_poses
+from geometry.refine import refined_poses
 from plogic.search.data import centre_of
 from plogic.search.pose_votes import seen_cells, sizes
 from plogic.search.projection import project_ideal
@@ -33,6 +33,8 @@ CLOSE = ((0.025, 32), (0.0, 16))
 """The same for candidates that are trusted to be close already."""
 ROBUST = 1.0
 """Pixels beyond which a match weighs less: among near ones a wrong match must not pull the pose."""
+STEPS = 5
+"""Of least squares in a round."""
 FEWEST = 4
 """Matches that a pose needs: with three there is always one."""
 MISSED = 0.4
@@ -41,15 +43,26 @@ MISSED = 0.4
 
 @dataclass(frozen=True)
 class Posed:
-    """N candidate poses (N, 4, 4); ``matches`` (N, F) datum indices, −1 for none; ``rms`` (N,) pixels over the matched features."""
+    """N candidate poses (N, 4, 4); ``matches`` (N, F) datum indices, −1 for none; ``fitted`` (N,) whether to at least ``FEWEST`` of them."""
 
     camera_from_object: NDArray[np.float64]
     matches: NDArray[np.intp]
-    rms: NDArray[np.float64]
+    fitted: NDArray[np.bool_]
 
     def take(self, index: NDArray[np.intp]) -> Posed:
         """The poses at ``index``."""
-        return Posed(self.camera_from_object[index], self.matches[index], self.rms[index])
+        return Posed(self.camera_from_object[index], self.matches[index], self.fitted[index])
+
+
+class _Shown(NamedTuple):
+    """Of N poses, ``places`` (N, F, 2) of the features, ideal pixels, and which are ``visible`` (N, F) from the nearest cell."""
+
+    places: NDArray[np.float32]
+    visible: NDArray[np.bool_]
+
+    def take(self, index: NDArray[np.intp]) -> _Shown:
+        """The poses at ``index``."""
+        return _Shown(self.places[index], self.visible[index])
 
 
 def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> NDArray[np.float64]:
@@ -103,9 +116,9 @@ def extend(
     both = Posed(
         np.concatenate([one.camera_from_object, other.camera_from_object]),
         np.concatenate([one.matches, other.matches]),
-        np.concatenate([one.rms, other.rms]),
+        np.concatenate([one.fitted, other.fitted]),
     )
-    worth = _worth(both.camera_from_object, both.matches, cells, points, weights, maps, data)
+    worth = _worth(_shown(both.camera_from_object, cells, points, data), both.matches, weights, maps)
     return both.take(np.argsort(-worth, kind="stable"))
 
 
@@ -121,14 +134,23 @@ def _narrowed(
 ) -> Posed:
     """Match and refine in rounds of shrinking tolerance, the best going on."""
     poses = rigid(poses)
-    size, rms = sizes(poses, cells, data.camera.f), np.full(len(poses), np.inf)
+    size, shown = sizes(poses, cells, data.camera.f), _shown(poses, cells, points, data)
     matches = np.full((len(poses), len(points)), -1, dtype=np.intp)
     for fraction, most in rounds:
-        matches = rematch(poses, cells, points, maps, data, np.maximum(fraction * size, tolerance))
-        poses, rms = _refined(poses, points, matches, data)
-        best = np.argsort(-_worth(poses, matches, cells, points, weights, maps, data), kind="stable")[:most]
-        poses, rms, matches, size = poses[best], rms[best], matches[best], size[best]
-    return Posed(rigid(poses), matches, rms)
+        matches = _nearest(shown, maps, np.maximum(fraction * size, tolerance))
+        poses = _refined(poses, points, matches, data)
+        shown = _shown(poses, cells, points, data)
+        best = np.argsort(-_worth(shown, matches, weights, maps), kind="stable")[:most]
+        poses, shown, matches, size = poses[best], shown.take(best), matches[best], size[best]
+    return Posed(rigid(poses), matches, _enough(matches))
+
+
+def _shown(poses: NDArray[np.float64], cells: ViewCells, points: NDArray[np.float64], data: Data) -> _Shown:
+    return _Shown(project_ideal(poses, points, data), cells.visible[seen_cells(poses, cells)])
+
+
+def _enough(matches: NDArray[np.intp]) -> NDArray[np.bool_]:
+    return np.asarray((matches >= 0).sum(axis=1) >= FEWEST)
 
 
 def rigid(poses: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -139,19 +161,11 @@ def rigid(poses: NDArray[np.float64]) -> NDArray[np.float64]:
     return turned
 
 
-def _worth(
-    poses: NDArray[np.float64],
-    matches: NDArray[np.intp],
-    cells: ViewCells,
-    points: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    maps: DistanceMaps,
-    data: Data,
-) -> NDArray[np.float64]:
+def _worth(shown: _Shown, matches: NDArray[np.intp], weights: NDArray[np.float64], maps: DistanceMaps) -> NDArray[np.float64]:
     """(N,) what was matched, less ``MISSED`` times what should be seen and was not; 0.2 + dv a feature."""
-    value = cells.visible[seen_cells(poses, cells)] * ~maps.is_covered(project_ideal(poses, points, data)) * (0.2 + weights)
+    value = shown.visible * ~maps.is_covered(shown.places) * (0.2 + weights)
     worth = np.where(matches >= 0, 0.2 + weights, -MISSED * value).sum(axis=1)
-    return np.asarray(np.where((matches >= 0).sum(axis=1) >= FEWEST, worth, -np.inf))
+    return np.asarray(np.where(_enough(matches), worth, -np.inf))
 
 
 def rematch(
@@ -163,15 +177,13 @@ def rematch(
     tolerance: NDArray[np.float64],
 ) -> NDArray[np.intp]:
     """(N, F) the datum of each feature that the nearest cell shows, within ``tolerance`` (N,) pixels, −1 for none."""
-    return _nearest(project_ideal(poses, points, data), cells.visible[seen_cells(poses, cells)], maps, tolerance)
+    return _nearest(_shown(poses, cells, points, data), maps, tolerance)
 
 
-def _nearest(
-    places: NDArray[np.float32], visible: NDArray[np.bool_], maps: DistanceMaps, tolerance: NDArray[np.float64]
-) -> NDArray[np.intp]:
+def _nearest(shown: _Shown, maps: DistanceMaps, tolerance: NDArray[np.float64]) -> NDArray[np.intp]:
     """Nearest data within tolerance, each datum given to the nearest of the features that want it."""
-    distance, datum = maps.look_up(places)
-    wanted = visible & (distance <= tolerance[:, None])
+    distance, datum = maps.look_up(shown.places)
+    wanted = shown.visible & (distance <= tolerance[:, None])
     matches = np.where(wanted, datum, -1)
     order = np.argsort(np.where(wanted, distance, np.inf), axis=1, kind="stable")
     ranked = np.take_along_axis(matches, order, axis=1)
@@ -240,17 +252,19 @@ def _error(
     return np.asarray(np.nanmedian(np.where(matches >= 0, off, np.nan), axis=1))
 
 
-def _refined(
-    poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Least squares on all inliers; poses with fewer than four stay as they are, with rms infinite."""
-    enough = np.flatnonzero((matches >= 0).sum(axis=1) >= FEWEST)
-    rms = np.full(len(poses), np.inf)
+def _refined(poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data) -> NDArray[np.float64]:
+    """Least squares on all inliers; poses with fewer than four stay as they are."""
+    enough = np.flatnonzero(_enough(matches))
     if not len(enough):
-        return poses, rms
-    batch = np.broadcast_to(points, (len(enough), *points.shape))
-    weight = (matches[enough] >= 0).astype(float)
-    result = refine_poses(poses[enough], batch, data.uv[matches[enough]], weight, data.camera, iterations=5, huber=ROBUST)
+        return poses
+    first = firsts(matches[enough] >= 0)
+    its = np.take_along_axis(matches[enough], first, axis=1)
+    better = refined_poses(poses[enough], points[first], data.uv[its], (its >= 0).astype(float), data.camera, iterations=STEPS, huber=ROBUST)
     poses = poses.copy()
-    poses[enough], rms[enough] = result[0], result[1]
-    return poses, rms
+    poses[enough] = better
+    return poses
+
+
+def firsts(used: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """(N, M) in each row of (N, F) the ``used`` columns, in order, and then others, as many as the fullest row has: what is missing costs time."""
+    return np.argsort(~used, axis=1, kind="stable")[:, : int(used.sum(axis=1).max(initial=0))]

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.refine import refine_poses
+from geometry.refine import refined_poses
 from plogic.evidence import evidence
 from plogic.expectation import matched, pose_of
 from plogic.inference.clock import unhurried
 from plogic.search.alike import distinct, same_place
 from plogic.search.extend import Posed as Candidates
-from plogic.search.extend import coarse_poses, extend
+from plogic.search.extend import coarse_poses, extend, firsts
 from plogic.search.links import linked_pairs
 from plogic.search.open_pairs import open_pairs
 from plogic.search.pose_votes import best_apart, pose_votes
@@ -129,12 +129,10 @@ def _verified(
     check: Callable[[], None],
 ) -> list[tuple[float, Posed]]:
     """Cast rays for the best refined poses, match, polish once, and keep one of each heap of near-duplicates."""
-    order = np.argsort(~np.isfinite(found.rms), kind="stable")  # they come best first
     poses: list[NDArray[np.float64]] = []
-    for i in order:
-        if len(poses) >= most or not np.isfinite(found.rms[i]):
+    for pose in found.camera_from_object[found.fitted]:  # they come best first
+        if len(poses) >= most:
             break
-        pose = found.camera_from_object[i]
         if _plausible(pose, index) and not any(same_place(index.object_type, pose, old) for old in poses):
             poses.append(pose)
     first = []
@@ -172,10 +170,10 @@ def _polished(
     if not len(some):
         return []
     poses = np.array([found[i][0].camera_from_object for i in some])
-    uv = np.array([data.uv[np.maximum(found[i][0].matches, 0)] for i in some])
-    points = np.broadcast_to(index.points, (len(some), *index.points.shape))
-    weights = used[some] * _precision(index, kb)
-    better = refine_poses(poses, points, uv, weights, data.camera, huber=ROBUST)[0]
+    first, matches = firsts(used[some]), np.array([np.maximum(found[i][0].matches, 0) for i in some])
+    weights = np.take_along_axis(used[some] * _precision(index, kb), first, axis=1)
+    uv = data.uv[np.take_along_axis(matches, first, axis=1)]
+    better = refined_poses(poses, index.points[first], uv, weights, data.camera, huber=ROBUST)
     again = []
     for pose in better:
         check()

@@ -53,9 +53,10 @@ def pose_votes(
     value = (cells.visible * weights).astype(np.float32)[:, features][seen_cells(poses, cells)]
     places = project_ideal(poses, points[features], data)
     most = value.sum(axis=1)
-    value = value * ~maps.is_covered(places)
+    distance, covered = maps.seen_at(places, features)
+    value = value * ~covered
     loose = (LOOSE * sizes(poses, cells, data.camera.f)).astype(np.float32)
-    share = maps.how_far(places, features) / loose[:, None]
+    share = distance / loose[:, None]
     near = 0.5 * np.maximum(0.0, 1.0 - share) + 0.5 * np.maximum(0.0, 1.0 - SHARP * share)
     whole = np.maximum(np.maximum(value.sum(axis=1), LEAST_OPEN * most), 1e-12)
     return np.asarray((value * near).sum(axis=1) / whole)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.refine import refine_poses
+from geometry.refine import refined_poses
 from geometry.refine_sights import Sight
 from plogic.expectation import Posed
 from plogic.search.depths import with_depths
@@ -67,7 +67,7 @@ def polished(
         return None
     uv, across = data.uv[posed.matches[used]][None], None if posed.across is None else posed.across[used][None]
     pose, its = posed.camera_from_object[None], points[used][None]
-    found = np.asarray(refine_poses(pose, its, uv, precision[used][None], data.camera, huber=robust, across=across)[0][0])
+    found = np.asarray(refined_poses(pose, its, uv, precision[used][None], data.camera, huber=robust, across=across)[0])
     if data.depth is None:
         return found
     seen = Sight(data.camera, np.eye(4), points[used], uv[0], precision[used], None if across is None else across[0])

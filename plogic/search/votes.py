@@ -6,6 +6,7 @@ Typed distance maps answer that for all pairs at once: one map for each set of a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import cv2
@@ -41,23 +42,32 @@ class DistanceMaps:
 
     def look_up(self, places: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.intp]]:
         """Distance (..., F) and nearest datum (..., F) of ``places`` (..., F, 2) in ideal pixels; outside the image, infinity and −1."""
-        index, inside = self._index(places, self.of_feature)
+        pixel, inside = _pixel(places, self.covered.shape)
+        index = pixel + self._starts()
         return np.where(inside, self.distance.ravel()[index], np.inf), np.where(inside, self.nearest.ravel()[index], -1)
 
     def how_far(self, places: NDArray[Any], features: NDArray[np.intp] | slice = ALL) -> NDArray[Any]:
         """The distances alone, of some features."""
-        index, inside = self._index(places, self.of_feature[features])
-        return np.where(inside, self.distance.ravel()[index], np.float32(np.inf))
+        return self.seen_at(places, features)[0]
+
+    def seen_at(self, places: NDArray[Any], features: NDArray[np.intp] | slice = ALL) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+        """The distances alone, of some features, and whether an accepted object stands at their places."""
+        pixel, inside = _pixel(places, self.covered.shape)
+        distance = np.where(inside, self.distance.ravel()[pixel + self._starts(features)], np.float32(np.inf))
+        return distance, np.asarray(inside & self.covered.ravel()[pixel]) if self.anything else np.zeros_like(inside)
 
     def is_covered(self, places: NDArray[Any]) -> NDArray[np.bool_]:
         """Whether an accepted object stands at each place (..., 2) of the image, so that a feature may not be seen there."""
-        return covered_at(self.covered, places)
+        return covered_at(self.covered, places) if self.anything else np.zeros(places.shape[:-1], bool)
 
-    def _index(self, places: NDArray[Any], maps: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-        """Flat index of each place in its feature's map (0 outside), and whether it is inside the image."""
-        height, width = self.distance.shape[1:]
-        flat, inside = _pixel(places, (height, width))
-        return flat + maps * (height * width), inside
+    @cached_property
+    def anything(self) -> bool:
+        """Whether any place is covered."""
+        return bool(self.covered.any())
+
+    def _starts(self, features: NDArray[np.intp] | slice = ALL) -> NDArray[np.intp]:
+        """(F,) where the map of each of some features begins in all maps, flat."""
+        return self.of_feature[features] * self.covered.size
 
 
 def covered_at(covered: NDArray[np.bool_], places: NDArray[Any]) -> NDArray[np.bool_]:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from synthetic import CAMERA, camera_pose, is_right, perceiver, scene
 
-from geometry.frames import from_rotation_translation, is_rigid, rotation_from_quat_xyzw
+from geometry.frames import from_rotation_translation, is_rigid, rotation_from_quat_xyzw, transform_points
 from plogic.search.data import data_of
-from plogic.search.extend import extend, rematch, rigid
+from plogic.search.extend import extend, firsts, rematch, rigid
 from plogic.search.votes import distance_maps
 
 TOLERANCE = 3.0
@@ -40,7 +40,10 @@ def test_the_true_pose_is_recovered_from_perturbed_ones(name, seed):
     right = [is_right(name, p, pose) for p in found.camera_from_object]
     assert right[0]
     assert sum(right) >= 4
-    assert found.rms[0] < 1.5
+    assert found.fitted[0]
+    used = found.matches[0] >= 0
+    off = CAMERA.project(transform_points(found.camera_from_object[0], index.points[used])) - data.uv[found.matches[0][used]]
+    assert np.sqrt((off**2).sum(axis=1).mean()) < 1.5
 
 
 def test_a_batch_equals_singles():
@@ -93,3 +96,13 @@ def test_one_pose_can_be_taken():
     index, pose, data, maps, _ = view("t2", 5048)
     found = extend(np.stack([pose, pose]), index.cells, index.points, index.weights, maps, data, TOLERANCE)
     assert found.take(np.array([1])).camera_from_object.shape == (1, 4, 4)
+
+
+def test_what_is_used_comes_first_and_no_row_is_longer_than_the_fullest():
+    rng = np.random.default_rng(6)
+    used = rng.random((30, 12)) < 0.4
+    columns = firsts(used)
+    assert columns.shape == (30, used.sum(axis=1).max())
+    for row, mine in zip(used, columns, strict=True):
+        assert mine[: row.sum()].tolist() == np.flatnonzero(row).tolist()
+        assert not row[mine[row.sum() :]].any()

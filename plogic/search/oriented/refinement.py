@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.angled import WEIGHT, across, ends, reach
-from geometry.refine import refine_poses
+from geometry.refine import refined_poses
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,11 +47,11 @@ def refined(
     """
     points, uv, weight, lines = met(poses, held, noise, camera, sigma)
     huber = None if robust is None else robust * noise.pixels
-    return np.asarray(refine_poses(poses, points, uv, weight, camera, steps, huber=huber, across=lines)[0])
+    return refined_poses(poses, points, uv, weight, camera, iterations=steps, huber=huber, across=lines)
 
 
 def met(poses: Floats, held: Held, noise: Noise, camera: Camera, sigma: Floats | None = None) -> tuple[Floats, Floats, Floats, Floats]:
-    """What poses (N, 4, 4) are to meet, of places and then of angles, as ``refine_poses`` takes it; ``sigma`` as in ``refined``.
+    """What poses (N, 4, 4) are to meet, of places and then of angles, as ``refined_poses`` takes it; ``sigma`` as in ``refined``.
 
     Points (N, 2 V, 3) m, pixels (N, 2 V, 2), weights (N, 2 V) 1/pixel², and unit vectors across lines (N, 2 V, 2).
     """

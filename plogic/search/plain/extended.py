@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.frames import inverse
-from geometry.refine import refine_poses
+from geometry.refine import refined_poses
 from plogic.evidence import clutter_density, density
 from plogic.search.alike import apart
 from plogic.search.plain.pairs import FEWEST, Typed, off, pairs_of
@@ -102,4 +102,4 @@ def _refined(scene: Scene, pose: Floats, wider: float) -> Floats:
         return pose
     points, uv = pairs.points[pairs.feature[chosen]], scene.data.uv[pairs.datum[chosen]]
     weights = np.ones((1, len(chosen)))
-    return np.asarray(refine_poses(pose[None], points[None], uv[None], weights, scene.data.camera, huber=wider * sigma)[0][0])
+    return np.asarray(refined_poses(pose[None], points[None], uv[None], weights, scene.data.camera, huber=wider * sigma)[0])
