@@ -3,6 +3,8 @@
 What a step is, and what the residuals are: `geometry.reprojection`.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -22,7 +24,15 @@ from geometry.reprojection import (
     task_of,
 )
 
-_FEW = 4  # steps of poses that are refined again
+
+class Steps(NamedTuple):
+    """So many at most; where `moves` (6, M) are given each step (w, v) is a combination of its columns."""
+
+    number: int = 8
+    moves: ArrayLike | None = None
+
+
+USUAL = Steps()
 
 
 def refine_poses(
@@ -52,7 +62,7 @@ def refine_poses(
     """
     poses = np.array(last_axes(camera_from_object, (4, 4), "camera_from_object"))
     task = task_of(poses, points, uv, weights, camera, np.inf if huber is None else huber, across)
-    poses = _descended(poses, task, np.eye(6), iterations)
+    poses = _descended(poses, task, Steps(iterations))
     return poses, _rms(poses, task), _covariance(normal_equations(reprojected(poses, task), task)[0])
 
 
@@ -62,7 +72,7 @@ def refined_poses(
     uv: ArrayLike,
     weights: ArrayLike,
     camera: Camera,
-    iterations: int = 8,
+    steps: Steps = USUAL,
     *,
     huber: float | None = None,
     across: ArrayLike | None = None,
@@ -74,35 +84,15 @@ def refined_poses(
     """
     poses = np.array(last_axes(camera_from_object, (4, 4), "camera_from_object"))
     task = task_of(poses, points, uv, weights, camera, np.inf if huber is None else huber, across)
-    return _descended(poses, task, np.eye(6), iterations)
+    return _descended(poses, task, steps)
 
 
-def refine_along(
-    camera_from_object: ArrayLike,
-    points: ArrayLike,
-    uv: ArrayLike,
-    weights: ArrayLike,
-    camera: Camera,
-    moves: ArrayLike | None = None,
-    *,
-    huber: float | None = None,
-    across: ArrayLike | None = None,
-) -> Floats:
-    """The poses (B, 4, 4) of `refine_poses`, after a few steps; where `moves` (6, M) are given each step (w, v) is a combination of its columns.
-
-    Raises:
-        GeometryError: where the shapes do not fit, or a weight is negative or not finite.
-    """
-    poses = np.array(last_axes(camera_from_object, (4, 4), "camera_from_object"))
-    task = task_of(poses, points, uv, weights, camera, np.inf if huber is None else huber, across)
-    return _descended(poses, task, np.eye(6) if moves is None else last_axes(moves, (6, -1), "moves"), _FEW)
-
-
-def _descended(poses: Floats, task: Task, ways: Floats, iterations: int) -> Floats:
-    """Poses (B, 4, 4) after so many damped steps along `ways` (6, M), those that make them worse left out."""
+def _descended(poses: Floats, task: Task, steps: Steps) -> Floats:
+    """Poses (B, 4, 4) after so many damped steps, those that make them worse left out. Raises GeometryError for moves of another shape."""
+    ways = np.eye(6) if steps.moves is None else last_axes(steps.moves, (6, -1), "moves")
     here, damping = reprojected(poses, task), np.full(len(poses), GENTLE)
     cost = cost_of(here, task)
-    for _ in range(iterations):
+    for _ in range(steps.number):
         hessian, slope = normal_equations(here, task)
         step = damped_step(ways.T @ hessian @ ways, slope @ ways, damping) @ ways.T
         trial = moved_by(poses, step)

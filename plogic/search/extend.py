@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.posit import posit
-from geometry.refine import refined_poses
+from geometry.refine import Steps, refined_poses
 from plogic.search.data import centre_of
 from plogic.search.pose_votes import seen_cells, sizes
 from plogic.search.projection import project_ideal
@@ -33,7 +33,7 @@ CLOSE = ((0.025, 32), (0.0, 16))
 """The same for candidates that are trusted to be close already."""
 ROBUST = 1.0
 """Pixels beyond which a match weighs less: among near ones a wrong match must not pull the pose."""
-STEPS = 5
+STEPS = Steps(5)
 """Of least squares in a round."""
 FEWEST = 4
 """Matches that a pose needs: with three there is always one."""
@@ -259,7 +259,7 @@ def _refined(poses: NDArray[np.float64], points: NDArray[np.float64], matches: N
         return poses
     first = firsts(matches[enough] >= 0)
     its = np.take_along_axis(matches[enough], first, axis=1)
-    better = refined_poses(poses[enough], points[first], data.uv[its], (its >= 0).astype(float), data.camera, iterations=STEPS, huber=ROBUST)
+    better = refined_poses(poses[enough], points[first], data.uv[its], (its >= 0).astype(float), data.camera, STEPS, huber=ROBUST)
     poses = poses.copy()
     poses[enough] = better
     return poses

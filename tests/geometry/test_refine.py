@@ -4,7 +4,7 @@ from geometry_bodies import CAMERA, LENS, random_rotations
 
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, is_rigid, pose_error, rotation_from_quat_xyzw, transform_points
-from geometry.refine import refine_poses, refined_poses
+from geometry.refine import Steps, refine_poses, refined_poses
 
 
 def scene(seed, count=40, *, camera=CAMERA, noise=0.5, start=0.1):
@@ -110,7 +110,7 @@ def test_a_point_behind_the_camera_is_an_infinite_error():
 @pytest.mark.parametrize("huber", [None, 1.0])
 def test_the_poses_alone_are_the_same(huber):
     guess, objects, uv, weights, _ = scene(10, camera=LENS)
-    alone = refined_poses(guess, objects, uv, weights, LENS, 5, huber=huber)
+    alone = refined_poses(guess, objects, uv, weights, LENS, Steps(5), huber=huber)
     assert np.array_equal(alone, refine_poses(guess, objects, uv, weights, LENS, 5, huber=huber)[0])
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, pose_error, transform_points
-from geometry.refine import refine_along, refine_poses
+from geometry.refine import Steps, refine_poses, refined_poses
 from geometry.resting import Plane, resting_faces
 
 BODIES = {"brick": box(0.2, 0.1, 0.06)[0], "wedge": wedge()[0], "triangle": prism([(0, 0), (0.3, 0), (0.1, 0.2)], 0.15)[0]}
@@ -98,7 +98,7 @@ def scene(seed, noise=0.3):
 def test_what_moves_along_its_plane_is_fitted_and_stays_on_it():
     truth, planes, start, points, uv = scene(3, noise=0.0)
     for i, plane in enumerate(planes):
-        found = refine_along(start[i : i + 1], points[:1], uv[i : i + 1], np.ones((1, 8)), CAMERA, plane.moves)
+        found = refined_poses(start[i : i + 1], points[:1], uv[i : i + 1], np.ones((1, 8)), CAMERA, Steps(4, plane.moves))
         assert np.allclose(pose_error(found[0], truth[i]), 0, atol=1e-3)
         heights = [plane.height(transform_points(pose, points[0])) for pose in (found[0], truth[i])]
         np.testing.assert_allclose(*heights, atol=1e-9)
@@ -106,12 +106,12 @@ def test_what_moves_along_its_plane_is_fitted_and_stays_on_it():
 
 def test_with_every_way_to_move_it_is_the_free_refinement():
     _, _, start, points, uv = scene(4)
-    along = refine_along(start, points, uv, np.ones((6, 8)), CAMERA, np.eye(6), huber=1.0)
+    along = refined_poses(start, points, uv, np.ones((6, 8)), CAMERA, Steps(4, np.eye(6)), huber=1.0)
     assert np.array_equal(along, refine_poses(start, points, uv, np.ones((6, 8)), CAMERA, 4, huber=1.0)[0])
-    assert np.array_equal(along, refine_along(start, points, uv, np.ones((6, 8)), CAMERA, huber=1.0))
+    assert np.array_equal(along, refined_poses(start, points, uv, np.ones((6, 8)), CAMERA, Steps(4), huber=1.0))
 
 
 def test_moves_of_another_shape_are_told():
     _, _, start, points, uv = scene(5)
     with pytest.raises(GeometryError, match="moves"):
-        refine_along(start, points, uv, np.ones((6, 8)), CAMERA, np.eye(5))
+        refined_poses(start, points, uv, np.ones((6, 8)), CAMERA, Steps(4, np.eye(5)))

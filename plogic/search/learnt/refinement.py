@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.refine import refine_along
+from geometry.refine import Steps, refined_poses
 from plogic.search.learnt.agreement import agreement, held_by
 from plogic.search.learnt.side_fit import side_fit
 from plogic.search.learnt.single import plausible
@@ -48,6 +48,8 @@ SIDES_A_PAIR, SIDE_WEIGHT = 4.0, 0.3
 """Sides that are as good as one pair to hold a pose, and how much each counts against a pair in its refinement."""
 PAIR_WORTH, SIDE_WORTH = 4.0, 0.35
 """About how much a pair, and a unit of the worth of sides, says of a pose (logarithm of a likelihood ratio), where poses are put in order."""
+FEW = 4
+"""Steps of least squares in a round: what agrees is asked again after them."""
 ROBUST = 2.0
 """Pixels beyond which a pair weighs less."""
 
@@ -65,7 +67,7 @@ def refined(
 ) -> tuple[Floats, Floats]:
     """Refined on the pairs and the sides of edges that agree, ever more tightly, best first, with their worth; those with too few are dropped.
 
-    ``granularity``: f / f_ref. ``thin``: ever fewer go on, the best. ``moves`` (6, M): the steps that poses may take, as in ``refine_along``.
+    ``granularity``: f / f_ref. ``thin``: ever fewer go on, the best. ``moves`` (6, M): the steps that poses may take, as in ``Steps``.
     """
     for now in rounds:
         held = held_at(index, poses, pairs, data, now)
@@ -86,7 +88,7 @@ def refined(
             np.concatenate([used[some], sides.weight[some] * SIDE_WEIGHT], axis=1),
         )
         across = np.concatenate([np.full((*which.shape, 2), np.nan), sides.across[some]], axis=1)
-        poses = refine_along(poses[some], *both, data.camera, moves, huber=ROBUST, across=across)
+        poses = refined_poses(poses[some], *both, data.camera, Steps(FEW, moves), huber=ROBUST, across=across)
         poses = poses[plausible(index, poses)]
     last = rounds[-1]
     worth = _worth(held_at(index, poses, pairs, data, last), side_fit(index, poses, data, granularity, last.reach, last.sides))

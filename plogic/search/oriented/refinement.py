@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.angled import WEIGHT, across, ends, reach
-from geometry.refine import refined_poses
+from geometry.refine import Steps, refined_poses
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,7 +47,7 @@ def refined(
     """
     points, uv, weight, lines = met(poses, held, noise, camera, sigma)
     huber = None if robust is None else robust * noise.pixels
-    return refined_poses(poses, points, uv, weight, camera, iterations=steps, huber=huber, across=lines)
+    return refined_poses(poses, points, uv, weight, camera, Steps(steps), huber=huber, across=lines)
 
 
 def met(poses: Floats, held: Held, noise: Noise, camera: Camera, sigma: Floats | None = None) -> tuple[Floats, Floats, Floats, Floats]:
