@@ -9,11 +9,12 @@ from typing import Any
 
 import click
 
-from plogic.commands.batch import batch
-from plogic.commands.bop import bop
-from plogic.commands.kb_group import kb
-from plogic.commands.next_view import next_view
-from plogic.commands.options import (
+from plogic.face.authoring.kb_group import kb
+from plogic.face.commands.batch import batch
+from plogic.face.commands.bop import bop
+from plogic.face.commands.next_view import next_view
+from plogic.face.commands.simulate import BOP, BOP_IMAGES, ROBOT
+from plogic.face.shown.options import (
     AS_JSON,
     BEST_BY,
     CAMERA,
@@ -32,7 +33,6 @@ from plogic.commands.options import (
     TRUST,
     Number,
 )
-from plogic.commands.simulate import BOP, BOP_IMAGES, ROBOT
 
 SIZED = "scale", "panorama", "stereo", "constancy", "look-again", "occlusion"
 BENCHES = "towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", *SIZED
@@ -57,13 +57,13 @@ def cli() -> None:
 def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: bool) -> None:
     """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
     if look_again:
-        from plogic.demo_look_again import run_look_again
+        from plogic.face.commands.demo_look_again import run_look_again
 
         if reading == "score":
             raise click.UsageError("--look-again: is in the posterior reading; leave --reading out")
         _out(run_look_again(out or Path("out/look-again"), seed, say=_say, as_json=as_json))
     else:
-        from plogic.demo import run_demo
+        from plogic.face.commands.demo import run_demo
 
         _out(run_demo(out or Path("out/demo"), seed, reading or "score", say=_say, as_json=as_json))
 
@@ -91,14 +91,14 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) 
     Several, from a camera whose places are known (--poses, or T_world_camera in each Γ), are views of one world: they give a panorama.
     """
     if options["stereo"] is not None:
-        from plogic.commands.perceive_stereo import stereo_command
+        from plogic.face.commands.perceive_stereo import stereo_command
 
         sys.exit(stereo_command(inputs, kb_folder, out, options, say=_say, write=_out))
     if len(inputs) == 1 and options["poses"] is None:
-        from plogic.commands.perceive import perceive_command
+        from plogic.face.commands.perceive_command import perceive_command
 
         sys.exit(perceive_command(inputs[0], kb_folder, out, options, say=_say, write=_out))
-    from plogic.commands.perceive_sequence import sequence_command
+    from plogic.face.commands.perceive_sequence import sequence_command
 
     sys.exit(sequence_command(inputs, kb_folder, out, options, say=_say, write=_out))
 
@@ -113,7 +113,7 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) 
 @AS_JSON
 def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """List the possible worlds, most probable first, with the mass that is not listed."""
-    from plogic.commands.worlds import worlds_command
+    from plogic.face.commands.worlds_command import worlds_command
 
     _warn(source, trust=options["trust"])
     text, status = worlds_command(source, number, given, options, as_json=as_json)
@@ -132,7 +132,7 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
 @AS_JSON
 def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """Give P(goal) with every answer substitution, most probable first; without a goal, the program's own queries."""
-    from plogic.commands.query import query_command
+    from plogic.face.commands.query_command import query_command
 
     _warn(source, trust=options["trust"])
     text, status = query_command(source, goal, given, options, as_json=as_json)
@@ -150,7 +150,7 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 @AS_JSON
 def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, as_json: bool, **options: Any) -> None:
     """Say why, and why not: ranked explanations of the goal as trees down to the data."""
-    from plogic.commands.explain import explain_command
+    from plogic.face.commands.explain import explain_command
 
     _warn(source, trust=options["trust"])
     _out(explain_command(source, goal, given, number, options, as_json=as_json))
@@ -162,7 +162,7 @@ def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, 
 @TRUST
 def shell(source: str, **options: Any) -> None:
     """Ask, observe, predict, rank worlds and ask why, at a prompt or from lines on stdin."""
-    from plogic.commands.shell import shell_command
+    from plogic.face.commands.shell import shell_command
 
     sys.exit(shell_command(source, options, write=_out, say=_say))
 
@@ -173,7 +173,7 @@ def shell(source: str, **options: Any) -> None:
 @AS_JSON
 def program(interpretation: str, reading: Any, as_json: bool) -> None:
     """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
-    from plogic.commands.program import program_command
+    from plogic.face.commands.program import program_command
 
     _out(program_command(interpretation, reading, as_json=as_json))
 
@@ -183,7 +183,7 @@ def program(interpretation: str, reading: Any, as_json: bool) -> None:
 @click.option("-o", "--out", required=True, help="The page to write; `-` is stdout.")
 def report(interpretation: str, out: str) -> None:
     """Write one self-contained HTML page that works offline."""
-    from plogic.commands.program import report_command
+    from plogic.face.commands.program import report_command
 
     report_command(interpretation, out, say=_say, write=_out)
 
@@ -205,7 +205,7 @@ def report(interpretation: str, out: str) -> None:
 @ROBOT
 def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **options: Any) -> None:
     """Render a physically settled scene with its ground truth."""
-    from plogic.commands.simulate import simulate_command
+    from plogic.face.commands.simulate import simulate_command
 
     simulate_command(kb_folder, number, decoys, seed, out, **options)
     _say(f"wrote {out}")
@@ -238,7 +238,7 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
     others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn}
     others |= dict.fromkeys(SIZED, sized)
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
-    text, met = import_module(f"plogic.bench.{name.replace('-', '_')}").run(seed=seed, **options, as_json=as_json, say=_say)
+    text, met = import_module(f"benchmarks.{name.replace('-', '_')}.bench").run(seed=seed, **options, as_json=as_json, say=_say)
     _out(text)
     sys.exit(0 if met else 1)
 
@@ -251,10 +251,10 @@ cli.add_command(next_view)
 
 def _warn(source: str, *, trust: bool) -> None:
     """Say on stderr what --trust lifts of a program; an interpretation's is our own."""
-    from plogic.commands.sources import is_program
+    from plogic.run.sources import is_program
 
     if trust and is_program(source):
-        from plogic.safety.allowlist import TRUSTED
+        from plogic.logic.safety.allowlist import TRUSTED
 
         _say(TRUSTED)
 

@@ -16,20 +16,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from plogic.bench.panorama import taken
-from plogic.bench.towers import scene_of
-from plogic.commands.sources import kb_of
-from plogic.constancy.draft import draft_type
-from plogic.constancy.of_panorama import constancy_of
-from plogic.constancy.sightings import seen_features
-from plogic.delta import Options
-from plogic.perceive import Perceiver
-from plogic.views.panorama import Panorama
+from benchmarks.panorama.bench import taken
+from benchmarks.towers.bench import scene_of
+from plogic.cycle.delta import Options
+from plogic.run.perceive import Perceiver
+from plogic.run.sources import kb_of
+from plogic.sequence.constancy.draft import draft_type
+from plogic.sequence.constancy.sightings import seen_features
+from plogic.sequence.views.panorama import Panorama
+from plogic.sequence.views.panorama_constancy import constancy_of
 
 if TYPE_CHECKING:
-    from kb.cloud import KnowledgeBase
-    from plogic.constancy.result import Constancy
-    from plogic.views.view import View
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.sequence.constancy.result import Constancy
+    from plogic.sequence.views.view import View
 
 FIRST_SEED, TURNS = 79_000, (0.0, 12.0, 24.0)
 """The seed of the first scene; degrees round the vertical through the world's origin from which it is looked at."""

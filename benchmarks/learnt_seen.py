@@ -13,26 +13,28 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import cKDTree
 
+from benchmarks.recognition.score import HALF
 from geometry.frames import pose_error, transform_points
-from kb.words import SIDE
-from plogic import crowding
-from plogic.bench.recognition_score import HALF
-from plogic.evidence import LEAST_HIT, MOST_HIT, clutter_density, hit_rates, kinds, match_density
-from plogic.search.angles import screen_angle, wrapped
-from plogic.search.learnt import agreement, generate, looks, side_looks, side_pairs, sides
-from plogic.search.learnt.lobes import lobes_about, lobes_held
-from plogic.search.learnt.settle import matched, pose_of
+from kb.clouds.words import SIDE
+from plogic.match.gamma import side_looks
+from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.judged import crowding
+from plogic.match.judged.evidence import LEAST_HIT, MOST_HIT, clutter_density, hit_rates, kinds, match_density
+from plogic.match.learned import agreement, looks, side_pairs, sides
+from plogic.match.learned import learned_poses as generate
+from plogic.match.learned.held_lobes import lobes_about, lobes_held
+from plogic.match.learned.learned_match import matched, pose_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
-    from kb.cloud import KnowledgeBase
-    from plogic.bench.recognition_score import Truth
-    from plogic.expectation import Posed
-    from plogic.search.data import Data
-    from plogic.search.learnt.index import LearntIndex
+    from benchmarks.recognition.score import Truth
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.match.gamma.data import Data
+    from plogic.match.judged.expectation import Posed
+    from plogic.match.learned.learned_index import LearntIndex
 
     Floats = NDArray[np.float64]
 

@@ -14,18 +14,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from learnt_seen import Seen, look, worths
 
+from benchmarks.learnt_seen import Seen, look, worths
+from benchmarks.recognition import scenes
 from geometry.frames import transform_points
-from kb.read import read_kb
-from plogic import crowding
-from plogic.bench import recognition_scenes as scenes
-from plogic.perceive import Perceiver
-from plogic.search.data import data_of
-from plogic.search.learnt import agreement, generate, looks, side_looks, side_pairs, sides
-from plogic.search.learnt.index import LearntIndex
-from sensing.detector import detect
-from sensing.images import read_image
+from kb.files.read import read_kb
+from plogic.match.gamma import side_looks
+from plogic.match.gamma.data import data_of
+from plogic.match.judged import crowding
+from plogic.match.learned import agreement, looks, side_pairs, sides
+from plogic.match.learned import learned_poses as generate
+from plogic.match.learned.learned_index import LearntIndex
+from plogic.run.perceive import Perceiver
+from sensing.detectors.detector import detect
+from sensing.files.images import read_image
 from sensing.simulated.meshes import read_mesh
 from sensing.simulated.tabletop import recognition_scene
 
@@ -35,9 +37,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kb.cloud import KnowledgeBase
-    from plogic.bench.recognition_scenes import Case
-    from plogic.bench.recognition_score import Truth
+    from benchmarks.recognition.scenes import Case
+    from benchmarks.recognition.score import Truth
+    from kb.clouds.cloud import KnowledgeBase
 
     Floats = NDArray[np.float64]
 

@@ -11,12 +11,12 @@ from collections import Counter, defaultdict
 
 import numpy as np
 
-from plogic.bench.towers import PLAN, scene_of
-from plogic.commands.sources import kb_of
-from plogic.expectation import hidden_by, matched, pose_of
+from benchmarks.towers.bench import PLAN, scene_of
+from plogic.match.gamma.data import data_of
+from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from plogic.measures.valuation import compatible
-from plogic.search.data import data_of
-from sensing.detector import detect
+from plogic.run.sources import kb_of
+from sensing.detectors.detector import detect
 
 FIRST_SEED = 50_000
 

@@ -30,11 +30,11 @@ BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.DOTALL | re.MULTILINE)
 
 def vocabulary() -> str:
     """The text of docs/vocabulary.md."""
-    from plogic.vocabulary import table
+    from plogic.facts.vocabulary import table
 
     return f"""# The vocabulary of queries
 
-Written by `python docs/generate.py` from `plogic/vocabulary.py`, which also makes the program's rules. Do not edit.
+Written by `python docs/generate.py` from `plogic/facts/vocabulary.py`, which also makes the program's rules. Do not edit.
 
 Every predicate holds *in a world*: of hypotheses that are not present nothing is true, except `opaque`, `dv` and `rank`.
 `H`, `X`, `Y` are hypotheses (`h1`), `F` a feature (`'roof/apex'`, quoted because of the slash), `A` an appearance (`a1`).
@@ -98,9 +98,9 @@ def _printed(command: str, folder: Path) -> str:
 
 def occlusion(bench: Path) -> None:
     """Write docs/occlusion.md and the composition table beside it, from what ``plogic bench occlusion --json`` printed."""
-    from plogic.bench.occlusion import MOTIONS
-    from plogic.bench.occlusion_neighbours import MOVED
-    from plogic.bench.occlusion_page import LINES_FILE, bounds, lines, page
+    from benchmarks.occlusion.bench import MOTIONS
+    from benchmarks.occlusion.neighbours import MOVED
+    from benchmarks.occlusion.page import LINES_FILE, bounds, lines, page
 
     lower, upper = bounds()
     text = page(json.loads(bench.read_text(encoding="utf-8")), lower, upper, len(MOVED), MOTIONS)

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from geometry.behind import behind
 from geometry.camera import Camera, camera_to_dict
 from geometry.frames import look_at, transform_points
-from kb.lobes import feature_in_lobe
-from kb.read import read_kb
+from geometry.visibility.behind import behind
+from kb.clouds.lobes import feature_in_lobe
+from kb.files.read import read_kb
 
 HERE = Path(__file__).parent
 VIEWPOINT, TARGET = (0.62, -0.87, 0.62), (0.0, 0.0, 0.08)

@@ -9,16 +9,16 @@ import click
 import pytest
 
 from cli import cli
-from plogic.belief import MOST_RIVALS
-from plogic.cycle import FEWEST
-from plogic.dependence import LARGEST_BLOCK, MOST_OCCLUDERS
-from plogic.evidence import FIXED_BY
-from plogic.perceive import SMOOTHED
-from plogic.rivals import SHARED_CLAIMS, SHARED_VOLUME
-from plogic.search.alike import SAME_PLACE, SAME_ROTATION
-from plogic.search.pairs import MOST_PAIRS
-from plogic.search.view_cells import CELLS
-from plogic.vocabulary import VOCABULARY
+from plogic.cycle.belief import MOST_RIVALS
+from plogic.cycle.perception import FEWEST
+from plogic.facts.dependence import LARGEST_BLOCK, MOST_OCCLUDERS
+from plogic.facts.vocabulary import VOCABULARY
+from plogic.match.hand.coarse_pairs import MOST_PAIRS
+from plogic.match.hand.view_cells import CELLS
+from plogic.match.judged.alike import SAME_PLACE, SAME_ROTATION
+from plogic.match.judged.evidence import FIXED_BY
+from plogic.match.judged.rivals import SHARED_CLAIMS, SHARED_VOLUME
+from plogic.run.perceive import SMOOTHED
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"

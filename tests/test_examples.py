@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from geometry.frames import pose_error
-from kb.read import read_kb
-from kb.show import check_report
-from plogic.commands.kb import measures_command
-from plogic.delta import Options
-from plogic.perceive import Perceiver
-from sensing.gamma_files import read_gamma
+from kb.files.read import read_kb
+from kb.shown.show import check_report
+from plogic.cycle.delta import Options
+from plogic.face.authoring.kb import measures_command
+from plogic.run.perceive import Perceiver
+from sensing.files.gamma_files import read_gamma
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 KB = EXAMPLES / "first_kb"

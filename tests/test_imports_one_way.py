@@ -93,7 +93,7 @@ assert state() == before, [i for i, (x, y) in enumerate(zip(before, state())) if
 """
 
 
-@pytest.mark.parametrize("module", ["geometry.camera", "kb.read", "sensing.detector", "plogic.perceive", "plogic.query", "cli"])
+@pytest.mark.parametrize("module", ["geometry.camera", "kb.files.read", "sensing.detectors.detector", "plogic.run.perceive", "plogic.scene.asking.query", "cli"])
 def test_an_import_has_no_side_effects(module, tmp_path):
     run = subprocess.run([sys.executable, "-c", SCRIPT, module], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")

@@ -1,1 +1,1 @@
-"""From somebody's mesh to an object type's files: reading, units, welding and repairing, paint, symmetries of the shape."""
+"""From somebody's mesh, robot description or BOP models to an object type's files."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 
 from kb.errors import IntakeError
+from kb.files.schema import json_schema
 from kb.intake.new_type import SAFE_NAME
-from kb.schema import json_schema
 
 KB_YAML = """\
 # yaml-language-server: $schema=./kb.schema.json

@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kb.errors import IntakeError
-from kb.intake.limits import MAX_FILE_BYTES
+from kb.files.write import flow
 from kb.intake.paint import painted_files
 from kb.intake.parts import pieces_of
 from kb.intake.ply import ply_bytes
-from kb.intake.repair import Repaired, repaired
 from kb.intake.shape_symmetries import Turn, turns_of
 from kb.intake.units import check_extent, extent_of
 from kb.quantities import LENGTHS
-from kb.write import flow
+from kb.surfaces.limits import MAX_FILE_BYTES
+from kb.surfaces.repair import Repaired, repaired
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kb.intake.nearness import spread
+from kb.surfaces.nearness import spread
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kb.surface import Surface
+    from kb.surfaces.surface import Surface
 
 MOST = 32
 """Parts that one type is given at most."""

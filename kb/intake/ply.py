@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from kb.surface import Surface
+    from kb.surfaces.surface import Surface
 
 HEAD = """ply
 format binary_little_endian 1.0

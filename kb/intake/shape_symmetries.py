@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.frames import rotation_from_quat_xyzw
-from kb.intake.nearness import Nearness, spread
+from kb.surfaces.nearness import Nearness, spread
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kb.surface import Surface
+    from kb.surfaces.surface import Surface
 
     Places = NDArray[np.float64]
 

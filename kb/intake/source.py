@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.mesh_files import meshes_of, reason, triangles_of
-from geometry.plain_files import IS_MISSING, fault_of
+from geometry.files.mesh_files import meshes_of, reason, triangles_of
+from geometry.files.plain_files import IS_MISSING, fault_of
 from kb.errors import IntakeError
-from kb.intake.limits import FORMATS, MAX_FILE_BYTES, MAX_TRIANGLES
 from kb.intake.textures import textures_of
+from kb.surfaces.limits import FORMATS, MAX_FILE_BYTES, MAX_TRIANGLES
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from geometry.mesh_files import Placed
+    from geometry.files.mesh_files import Placed
     from kb.intake.picture import Picture
 
 GREY = (190, 190, 190)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from geometry.mesh_textures import textures_in
+from geometry.files.mesh_textures import textures_in
 from kb.intake.picture import picture_from
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kb.errors import IntakeError
-from kb.intake.limits import LARGEST, SMALLEST
 from kb.quantities import LENGTHS
+from kb.surfaces.limits import LARGEST, SMALLEST
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -26,7 +26,7 @@ ALIKE = {128: 280.0, 138: 290.0, 32: 60.0}
 
 
 class Seen(Protocol):
-    """Keypoints of one picture, as ``sensing.keypoints`` gives them."""
+    """Keypoints of one picture, as ``sensing.detectors.keypoints`` gives them."""
 
     @property
     def uv(self) -> Floats:

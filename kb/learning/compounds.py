@@ -17,17 +17,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from kb.cones import even_directions
+from geometry.cones import even_directions
+from kb.clouds.learnt import numbered
 from kb.learning.sides import STRETCH
-from kb.learnt import numbered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from kb.clouds.learnt import LearntCloud
     from kb.learning.observations import Observations
-    from kb.learnt import LearntCloud
 
     Floats = NDArray[np.float64]
     Mask = NDArray[np.bool_]

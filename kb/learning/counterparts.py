@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from kb.clouds.learnt import LearntCloud
     from kb.learning.observations import Observations
-    from kb.learnt import LearntCloud
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from kb.cones import even_directions, spacing
+from geometry.cones import even_directions, spacing
+from kb.clouds.learnt import LearntCloud
+from kb.clouds.words import COLOURS
 from kb.learning.compounds import OF_SIZE, Pictures, compounds_of
 from kb.learning.sides import LOOKS, VARIED, side_places
 from kb.learning.views import PIXELS, distance
-from kb.learnt import LearntCloud
-from kb.words import COLOURS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

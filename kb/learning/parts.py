@@ -10,19 +10,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kb.intake.nearness import Nearness
+from kb.clouds.tree import object_nodes, place
 from kb.intake.parts import pieces_of
 from kb.learning.compounds import within_parts
-from kb.tree import object_nodes, place
+from kb.surfaces.nearness import Nearness
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from kb.cloud import ObjectType
+    from kb.clouds.cloud import ObjectType
+    from kb.clouds.learnt import LearntCloud
     from kb.intake.parts import Piece
-    from kb.learnt import LearntCloud
 
 
 def with_parts(kind: ObjectType, cloud: LearntCloud) -> LearntCloud:

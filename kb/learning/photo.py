@@ -14,7 +14,7 @@ import numpy as np
 
 from geometry.errors import GeometryError
 from geometry.frames import inverse, transform_points
-from geometry.register import FEWEST, FEWEST_UNKNOWN, Registration, register, suspect
+from geometry.poses.register import FEWEST, FEWEST_UNKNOWN, Registration, register, suspect
 from kb.errors import IntakeError, KBErrors
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from geometry.camera import Camera
     from kb.learning.observations import Observations
     from kb.learning.points import Points
-    from kb.surface import Surface
+    from kb.surfaces.surface import Surface
 
     Floats = NDArray[np.float64]
 

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kb.errors import IntakeError, KBErrors, Mistake
+from kb.files.yaml_text import load
 from kb.quantities import LENGTHS
-from kb.yaml_text import load
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from kb.yaml_text import Document
+    from kb.files.yaml_text import Document
 
 MOST = 1000
 """Points of one file."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from kb.words import COLOURS, POINT, SIDE
+from kb.clouds.words import COLOURS, POINT, SIDE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -43,7 +43,7 @@ BYTES = 138
 
 
 class SeenSides(Protocol):
-    """Sides of one picture, as ``sensing.edge_sides`` gives them."""
+    """Sides of one picture, as ``sensing.detectors.edge_sides`` gives them."""
 
     @property
     def uv(self) -> Floats:

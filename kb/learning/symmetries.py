@@ -17,19 +17,19 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from geometry.frames import from_rotation_translation, quat_xyzw_from_rotation, rotation_angle, rotation_from_quat_xyzw
+from kb.files.schema import SymmetryModel
 from kb.intake.shape_symmetries import ODD, Turn, turns_of
 from kb.learning.counterparts import counterparts, reach_of, seen_again, settled, share
-from kb.schema import SymmetryModel
-from kb.symmetries import motions
+from kb.surfaces.symmetries import motions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from kb.clouds.learnt import LearntCloud
     from kb.learning.observations import Observations
-    from kb.learnt import LearntCloud
-    from kb.surface import Surface
+    from kb.surfaces.surface import Surface
 
     Floats = NDArray[np.float64]
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kb.words import Words, dominant, learn_words
+from kb.clouds.words import Words, dominant, learn_words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kb.learnt import LearntCloud
+    from kb.clouds.learnt import LearntCloud
 
 
 def worded(clouds: Mapping[str, LearntCloud], seed: int = 0) -> tuple[Words, dict[str, LearntCloud]]:

@@ -6,15 +6,15 @@ import math
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from plogic.errors import WidthError
-from plogic.inference.clock import OutOfTimeError
+from plogic.base.clock import OutOfTimeError
+from plogic.base.errors import WidthError
 from plogic.inference.conditioning import Interval, conditioned, glanced, hasty
 from plogic.inference.cutset import cutset
 from plogic.inference.exact import planned, small, solve
 from plogic.inference.passes import two_way
 
 if TYPE_CHECKING:
-    from plogic.inference.clock import Clock
+    from plogic.base.clock import Clock
     from plogic.inference.order import Order
     from plogic.inference.parts import Part
     from plogic.inference.passes import Solved

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections import OrderedDict
 from typing import TYPE_CHECKING
 
+from plogic.base.clock import Clock
 from plogic.inference.bounded import bounded
-from plogic.inference.clock import Clock
 from plogic.inference.exact import small
 from plogic.inference.marginals import WIDTH, Beliefs, assembled
 from plogic.inference.parts import split

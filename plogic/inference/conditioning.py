@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.base.clock import OutOfTimeError
 from plogic.inference.axes import sliced
-from plogic.inference.clock import OutOfTimeError
 from plogic.inference.minibucket import log_weight, mini_buckets, promising
 from plogic.inference.passes import impossible, two_way
 
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from plogic.base.clock import Clock
     from plogic.inference.axes import Scoped
-    from plogic.inference.clock import Clock
     from plogic.inference.cutset import Cutset
     from plogic.inference.parts import Part
 

@@ -11,7 +11,7 @@ from plogic.inference.tree import bucket_tree
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plogic.inference.clock import Clock
+    from plogic.base.clock import Clock
     from plogic.inference.parts import Part
     from plogic.inference.tree import Bucket
 

@@ -13,7 +13,7 @@ from plogic.inference.tree import CELLS, Bucket, bucket_tree
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from plogic.inference.clock import Clock
+    from plogic.base.clock import Clock
     from plogic.inference.parts import Part
     from plogic.inference.passes import Solved
 

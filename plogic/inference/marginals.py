@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.base.clock import Clock
 from plogic.inference.bounded import bounded
-from plogic.inference.clock import Clock
 from plogic.inference.exact import small
 from plogic.inference.parts import split
 from plogic.inference.passes import impossible

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from plogic.inference.clock import Clock
+    from plogic.base.clock import Clock
 
 OFTEN = 64  # steps between two looks at the clock
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from plogic.base.clock import Clock
     from plogic.inference.axes import Scoped
-    from plogic.inference.clock import Clock
 
 
 class Bound(NamedTuple):

@@ -19,7 +19,7 @@ import math
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from plogic.inference.clock import Clock, OutOfTimeError
+from plogic.base.clock import Clock, OutOfTimeError
 from plogic.inference.exact import plan
 from plogic.inference.marginals import WIDTH
 from plogic.inference.merge import sums

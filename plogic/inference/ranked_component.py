@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.inference.clock import Clock
+    from plogic.base.clock import Clock
     from plogic.inference.parts import Part
     from plogic.inference.ranked_units import Table
     from plogic.inference.tree import Bucket

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.errors import LimitError
+from plogic.base.errors import LimitError
 from plogic.inference.axes import aligned
 from plogic.inference.merge import Stream, nothing
 from plogic.inference.ranked_units import costs
@@ -23,7 +23,7 @@ from plogic.inference.ranked_units import costs
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plogic.inference.clock import Clock
+    from plogic.base.clock import Clock
     from plogic.inference.order import Order
     from plogic.inference.parts import Part
     from plogic.inference.ranked_joint import Digits

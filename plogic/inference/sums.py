@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.errors import WidthError
+from plogic.base.errors import WidthError
 from plogic.inference.axes import log_sum, product
 from plogic.inference.graph import Factor, FactorGraph
 from plogic.inference.order import min_fill, neighbours

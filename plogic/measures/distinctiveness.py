@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from kb.cloud import ObjectType
+    from kb.clouds.cloud import ObjectType
 
 
 def instance_counts(types: Iterable[ObjectType]) -> dict[str, int]:

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.mesh_files import meshes_of, reason, triangles_of
-from geometry.mesh_textures import textures_in
-from geometry.plain_files import IS_MISSING, fault_of
+from geometry.files.mesh_files import meshes_of, reason, triangles_of
+from geometry.files.mesh_textures import textures_in
+from geometry.files.plain_files import IS_MISSING, fault_of
 from sensing.errors import SceneError
-from sensing.images import image_from, read_image
+from sensing.files.images import image_from, read_image
 from sensing.simulated.body import TexturedMesh
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from geometry.mesh_files import Placed
-    from geometry.mesh_textures import Texture
+    from geometry.files.mesh_files import Placed
+    from geometry.files.mesh_textures import Texture
 
 GREY = (0.75, 0.75, 0.75)
 """The colour of a mesh that brings none."""

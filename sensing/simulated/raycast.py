@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.rays import RayMesh
+from geometry.visibility.rays import RayMesh
 from sensing.simulated.texture_pyramid import TexturePyramid
 
 if TYPE_CHECKING:

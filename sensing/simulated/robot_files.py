@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.camera import camera_to_dict
 from sensing.errors import SceneError
+from sensing.files.whole_files import new_folder
 from sensing.simulated.scene_files import json_bytes, png, truth_to_dict
-from sensing.whole_files import new_folder
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

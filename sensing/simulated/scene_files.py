@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.camera import camera_to_dict
 from sensing.errors import SceneError
-from sensing.whole_files import write_folder
+from sensing.files.whole_files import write_folder
 
 if TYPE_CHECKING:
     import numpy as np

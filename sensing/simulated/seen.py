@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.frames import inverse, transform_points
-from geometry.rays import RayMesh
+from geometry.visibility.rays import RayMesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,15 +7,15 @@ import json
 import numpy as np
 import pytest
 
-from kb.read import read_kb
-from kb.shipped import shipped
-from plogic.batch.frames import Frame, Settings
-from plogic.batch.inputs import frames_of
-from plogic.batch.lines import Lines
-from plogic.bench import batch_frames
-from plogic.bench.batch import differing
-from plogic.bench.batch_frames import APPEARANCES, gamma, write_frames
-from plogic.interpretation import text_of
+from benchmarks.batch import frames as batch_frames
+from benchmarks.batch.bench import differing
+from benchmarks.batch.frames import APPEARANCES, gamma, write_frames
+from kb.files.read import read_kb
+from kb.files.shipped import shipped
+from plogic.facts.interpretation import text_of
+from plogic.run.batch.frame_lines import Lines
+from plogic.run.batch.frames import Frame, Settings
+from plogic.run.batch.inputs import frames_of
 
 
 @pytest.fixture(scope="module")

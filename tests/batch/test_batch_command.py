@@ -10,8 +10,8 @@ from bop_folders import K, dataset
 from console import good, plogic
 from small_frames import CAMERA, NAMES
 
-from plogic.batch.lines import short
-from plogic.bench.batch_cluster import loopback
+from benchmarks.batch.cluster import loopback
+from plogic.run.batch.frame_lines import short
 
 
 def lines_of(path):

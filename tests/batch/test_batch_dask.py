@@ -18,9 +18,9 @@ from console import BIN, plogic
 from hostile_pictures import WAITS, hostile
 from small_frames import NAMES, picture
 
-from plogic.batch import dask_client
-from plogic.batch.dask_client import Connection
-from plogic.errors import InputError
+from plogic.base.errors import InputError
+from plogic.run.batch import dask_client
+from plogic.run.batch.dask_client import Connection
 
 PATIENCE = 60
 

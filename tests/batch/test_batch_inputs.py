@@ -7,10 +7,10 @@ import os
 import pytest
 from bop_folders import dataset, put, scene
 
-from plogic.batch.frames import Frame, camera_of, digest_of
-from plogic.batch.inputs import frames_of
-from plogic.bop.json_files import numbered
-from plogic.errors import InputError
+from plogic.base.errors import InputError
+from plogic.run.batch.frames import Frame, camera_of, digest_of
+from plogic.run.batch.inputs import frames_of
+from plogic.run.bop.json_files import numbered
 
 
 def named(*inputs, listed=()):
@@ -182,7 +182,7 @@ def test_the_digest_of_a_bop_frame_is_of_its_own_camera(folder):
 
 def test_a_scenes_cameras_are_parsed_once_until_they_change(folder, monkeypatch):
     parsed = []
-    monkeypatch.setattr("plogic.bop.dataset.numbered", lambda path: parsed.append(path) or numbered(path))
+    monkeypatch.setattr("plogic.run.bop.dataset.numbered", lambda path: parsed.append(path) or numbered(path))
     place = scene(folder / "s/000001", {i: [] for i in range(9)})
     frames = frames_of([str(place)], ())
     parsed.clear()

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.batch.frames import Frame, Settings
-from plogic.batch.lines import Lines, short
-from plogic.batch.log import MOST, check_same, left_over, log_at
-from plogic.errors import InputError
+from plogic.base.errors import InputError
+from plogic.run.batch.frame_lines import Lines, short
+from plogic.run.batch.frames import Frame, Settings
+from plogic.run.batch.log import MOST, check_same, left_over, log_at
 
 SETTINGS = Settings("towers", worlds=2)
 KB = {"name": "towers", "digest": "d"}

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from plogic.batch import pool
-from plogic.batch.frames import Frame, Settings
-from plogic.batch.pool import Pool
-from plogic.batch.process import Job
+from plogic.run.batch import pool
+from plogic.run.batch.frames import Frame, Settings
+from plogic.run.batch.pool import Pool
+from plogic.run.batch.worker_process import Job
 
 KB = b'{"kb": {"name": "towers", "digest": "d"}}'
 

@@ -12,13 +12,14 @@ from pathlib import Path
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.batch import progress, run
-from plogic.batch import waiting as waiting_lines
-from plogic.batch.frames import Frame, Settings
-from plogic.batch.lines import Lines as Made
-from plogic.batch.pool import Answer
-from plogic.batch.progress import Progress, duration
-from plogic.batch.waiting import Waiting
+from plogic.run.batch import frames_run as run
+from plogic.run.batch import progress
+from plogic.run.batch import waiting as waiting_lines
+from plogic.run.batch.frame_lines import Lines as Made
+from plogic.run.batch.frames import Frame, Settings
+from plogic.run.batch.pool import Answer
+from plogic.run.batch.progress import Progress, duration
+from plogic.run.batch.waiting import Waiting
 
 
 class Shuffled:

@@ -9,10 +9,10 @@ import os
 import pytest
 from small_frames import CAMERA, gamma, picture
 
-from plogic.batch.frames import Frame, Settings
-from plogic.batch.log import check_same, left_over, log_at
-from plogic.batch.work import Worker
-from plogic.errors import InputError
+from plogic.base.errors import InputError
+from plogic.run.batch.frames import Frame, Settings
+from plogic.run.batch.log import check_same, left_over, log_at
+from plogic.run.batch.work import Worker
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,5 @@
 """ProbLog is loaded once, its own deprecation warnings aside."""
 
-from plogic.program.author import load_problog
+from plogic.logic.safety.author import load_problog
 
 load_problog()

@@ -8,7 +8,7 @@ import numpy as np
 
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at, transform_points
-from sensing.keypoints import keypoints
+from sensing.detectors.keypoints import keypoints
 from sensing.simulated.body import Body
 from sensing.simulated.lighting import Light
 from sensing.simulated.rgbd_sensor import RgbdSensor

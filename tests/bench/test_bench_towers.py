@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from plogic.bench import towers
-from plogic.bench.claims import Claim, report
-from plogic.bench.towers import PLAN, Outcome, _claims
+from benchmarks.shared.claims import Claim, report
+from benchmarks.towers import bench as towers
+from benchmarks.towers.bench import PLAN, Outcome, _claims
 
 
 def outcome(kind="hiding", *, posed=(True, True), countable=True, reported=2, relation=True, seconds=0.5):

@@ -5,12 +5,14 @@ from dataclasses import replace
 
 import pytest
 
-from plogic.bench import worlds, worlds_ours, worlds_stock
-from plogic.bench.families import clusters, grid
-from plogic.bench.worlds import SIZES, Case, Measured, measure
-from plogic.bench.worlds_ours import OurRun
-from plogic.bench.worlds_stock import StockRun
-from plogic.bench.worlds_table import claims, ratio, row, text_ratio
+from benchmarks.families.bench import clusters, grid
+from benchmarks.worlds import bench as worlds
+from benchmarks.worlds import ours as worlds_ours
+from benchmarks.worlds import stock as worlds_stock
+from benchmarks.worlds.bench import SIZES, Case, Measured, measure
+from benchmarks.worlds.ours import OurRun
+from benchmarks.worlds.stock import StockRun
+from benchmarks.worlds.table import claims, ratio, row, text_ratio
 
 LIMIT = 60.0
 USED = {"> 60": 54.0}

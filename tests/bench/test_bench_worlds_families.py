@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.bench.families import CANDIDATES, clusters, grid
-from plogic.dependence import Scene
-from plogic.sanity import check
+from benchmarks.families.bench import CANDIDATES, clusters, grid
+from plogic.facts.dependence import Scene
+from plogic.facts.sanity import check
 
 READINGS = st.sampled_from(["posterior", "score"])
 
@@ -88,9 +88,9 @@ def test_a_grid_conflicts_with_its_neighbours_and_nobody_else(number, columns):
 
 def test_rates_are_those_of_the_shipped_towers():
     """Feature types, hit rates, dv, σ, tolerance and clutter are computed from `towers`, not made up."""
-    from plogic.bench.families import CLUTTER, KINDS, SIGMA, TOLERANCE
-    from plogic.commands.sources import kb_of
+    from benchmarks.families.bench import CLUTTER, KINDS, SIGMA, TOLERANCE
     from plogic.measures.distinctiveness import distinctiveness, instance_counts
+    from plogic.run.sources import kb_of
 
     kb = kb_of("towers")
     dv = distinctiveness(instance_counts(kb.types))

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.bench.families import clusters, grid
-from plogic.bench.worlds_oracle import MOST, by_frontier, enumerated, marginals_of
-from plogic.bench.worlds_stock import stock
-from plogic.errors import SituationError
-from plogic.program.text import program_text, query_lines
+from benchmarks.families.bench import clusters, grid
+from benchmarks.worlds.oracle import MOST, by_frontier, enumerated, marginals_of
+from benchmarks.worlds.stock import stock
+from plogic.base.errors import SituationError
+from plogic.scene.text.program_text import program_text, query_lines
 
 
 def by_enumeration(situation):

@@ -6,18 +6,18 @@ from itertools import combinations
 
 import pytest
 
-from plogic.belief import same_hypothesis
-from plogic.bench.families import clusters
-from plogic.bench.worlds_oracle import enumerated, marginals_of
-from plogic.bench.worlds_scenes import MOST_OBJECTS, RIVALS, joined, photographs
-from plogic.bench.worlds_stock import stock
-from plogic.commands.sources import kb_of
-from plogic.delta import Options, unpruned
-from plogic.perceive import Perceiver
-from plogic.program.text import program_text, query_lines
-from plogic.sanity import check
-from plogic.search.data import data_of
-from plogic.worlds import ranked_worlds
+from benchmarks.families.bench import clusters
+from benchmarks.worlds.oracle import enumerated, marginals_of
+from benchmarks.worlds.scenes import MOST_OBJECTS, RIVALS, joined, photographs
+from benchmarks.worlds.stock import stock
+from plogic.cycle.belief import same_hypothesis
+from plogic.cycle.delta import Options, unpruned
+from plogic.facts.sanity import check
+from plogic.match.gamma.data import data_of
+from plogic.run.perceive import Perceiver
+from plogic.run.sources import kb_of
+from plogic.scene.text.program_text import program_text, query_lines
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 
 @pytest.fixture(scope="module")
@@ -27,8 +27,8 @@ def perceiver():
 
 @pytest.fixture(scope="module")
 def gamma(perceiver):
-    from plogic.commands.scenes import shapes_of
-    from sensing.detector import detect
+    from plogic.face.shown.simulated_scenes import shapes_of
+    from sensing.detectors.detector import detect
     from sensing.simulated.scene import random_scene
 
     scene = random_scene(shapes_of(perceiver.kb), 7)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from plogic.bench.worlds_stock import fastest, stock
+from benchmarks.worlds.stock import fastest, stock
 
 COINS = "0.6::heads(c1). 0.4::heads(c2). both :- heads(c1), heads(c2). evidence(\\+ both). query(heads(C)).\n"
 ENDLESS = "p(X) :- q(X), p(s(X)). q(_). query(p(a)).\n"
@@ -19,7 +19,7 @@ def test_answers_given_the_evidence_and_times_of_each_stage(knowledge):
 
 def test_our_way_from_the_text_remembers_nothing_between_runs(monkeypatch):
     """Each run is a process of its own: a remembered program would answer in no time at all and be no measurement."""
-    from plogic.bench import worlds_stock
+    from benchmarks.worlds import stock as worlds_stock
 
     commands = []
     reply = worlds_stock._reply

@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from benchmarks.calibration import bench as calibration
+from benchmarks.calibration.bench import FIRST_OF_TRAINING, Plan, learnt_on
+from benchmarks.calibration.forecasts import CYCLE, GATE, P_EV, POSTERIOR, READINGS, Forecast, forecasts_of, gated
+from benchmarks.calibration.scenes import CAMERA, DETECTOR, OWN, SIBLINGS, random_world, scene
+from benchmarks.calibration.table import claims, rows
+from benchmarks.calibration.truth import true_ones
 from cli import cli
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw, transform_points
-from plogic.belief import same_hypothesis
-from plogic.bench import calibration
-from plogic.bench.calibration import FIRST_OF_TRAINING, Plan, learnt_on
-from plogic.bench.calibration_forecasts import CYCLE, GATE, P_EV, POSTERIOR, READINGS, Forecast, forecasts_of, gated
-from plogic.bench.calibration_scenes import CAMERA, DETECTOR, OWN, SIBLINGS, random_world, scene
-from plogic.bench.calibration_table import claims, rows
-from plogic.bench.calibration_truth import true_ones
-from plogic.cycle import FEWEST
-from plogic.learning.truth import TrueObject
-from plogic.perceive import Perceiver
-from plogic.search.alike import SAME_ROTATION
-from plogic.search.data import data_of
+from plogic.cycle.belief import same_hypothesis
+from plogic.cycle.perception import FEWEST
+from plogic.match.gamma.data import data_of
+from plogic.match.judged.alike import SAME_ROTATION
+from plogic.rates.truth import TrueObject
+from plogic.run.perceive import Perceiver
 
 
 @pytest.fixture(scope="module")

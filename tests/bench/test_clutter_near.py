@@ -5,13 +5,13 @@ import json
 import numpy as np
 import pytest
 
+from benchmarks.clutter import bench as clutter
+from benchmarks.clutter.bench import NEAR_CASES, Plan, run, series_of
+from benchmarks.clutter.near import MOVED, TURNED, Refined, begun, near, near_rows
+from benchmarks.clutter.scenes import Case
+from benchmarks.clutter.types import EASY, HARD, Detector
 from geometry.frames import pose_error
-from plogic.bench import clutter
-from plogic.bench.clutter import NEAR_CASES, Plan, run, series_of
-from plogic.bench.clutter_near import MOVED, TURNED, Refined, begun, near, near_rows
-from plogic.bench.clutter_scenes import Case
-from plogic.bench.clutter_types import EASY, HARD, Detector
-from plogic.perceive import Perceiver
+from plogic.run.perceive import Perceiver
 
 FEW = Case(Detector("sharp", 0.9, 0.2, 0.03), types=2, appearance_types=60, features=60, appearances=60)
 

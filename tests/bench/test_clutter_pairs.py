@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from test_clutter_peers import gamma_of
 
-from plogic.bench.clutter_pairs import by_type, correspondences, different, typed
-from plogic.bench.clutter_types import EASY, knowledge_base, made, type_names
+from benchmarks.clutter.pairs import by_type, correspondences, different, typed
+from benchmarks.clutter.types import EASY, knowledge_base, made, type_names
 
 
 def kind_of(name, *looks):

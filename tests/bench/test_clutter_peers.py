@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from plogic.bench.clutter_pairs import typed
-from plogic.bench.clutter_peers import PEERS, Peer, there
-from plogic.bench.clutter_quadruples import _seen, quadruples
-from plogic.bench.clutter_ransac import lo_ransac
-from plogic.bench.clutter_scenes import CAMERA, trial
-from plogic.bench.clutter_softposit import _depths, soft_posit
-from plogic.bench.clutter_types import Detector, random_types
-from plogic.bench.recognition_score import Found, pose_right
+from benchmarks.clutter.pairs import typed
+from benchmarks.clutter.peers import PEERS, Peer, there
+from benchmarks.clutter.quadruples import _seen, quadruples
+from benchmarks.clutter.ransac import lo_ransac
+from benchmarks.clutter.scenes import CAMERA, trial
+from benchmarks.clutter.softposit import _depths, soft_posit
+from benchmarks.clutter.types import Detector, random_types
+from benchmarks.recognition.score import Found, pose_right
+from plogic.match.plain.sets_of_four import drawn
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
-from plogic.search.plain.sets_of_four import drawn
 from sensing.appearance import Appearance, Gamma
 
 EXACT = Detector("exact", 1.0, 0.0, 0.0)

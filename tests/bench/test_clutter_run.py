@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 from test_clutter_types import learnt_kb
 
-from plogic.bench import clutter, recognition_scenes
-from plogic.bench.clutter import Plan, run, series_of
-from plogic.bench.clutter_peers import Peer
-from plogic.bench.clutter_scenes import PLAN, Case
-from plogic.bench.clutter_types import EASY, HARD, Detector
-from plogic.bench.recognition_score import Found
-from plogic.delta import Options
-from plogic.errors import InputError
+from benchmarks.clutter import bench as clutter
+from benchmarks.clutter.bench import Plan, run, series_of
+from benchmarks.clutter.peers import Peer
+from benchmarks.clutter.scenes import PLAN, Case
+from benchmarks.clutter.types import EASY, HARD, Detector
+from benchmarks.recognition import scenes as recognition_scenes
+from benchmarks.recognition.score import Found
+from plogic.base.errors import InputError
+from plogic.cycle.delta import Options
 
 FEW = Case(EASY, types=2, appearance_types=40, features=60, appearances=60)
 
@@ -159,17 +160,17 @@ def test_without_the_meshes_it_goes_on_and_says_so(monkeypatch, tmp_path):
 
 def test_what_is_learnt_is_read_back(monkeypatch, tmp_path):
     """As for ``recognition``; here an empty one is written."""
-    from plogic.commands.kb_new import new_command
+    from plogic.face.authoring.kb_new import new_command
 
     monkeypatch.setattr(recognition_scenes, "ycb_meshes", lambda: {"it": tmp_path})
-    monkeypatch.setattr("plogic.bench.recognition_kb.learn_into", lambda folder, *_: new_command(folder, None))
+    monkeypatch.setattr("benchmarks.recognition.kb.learn_into", lambda folder, *_: new_command(folder, None))
     kb = clutter.learnt_kb(lambda _: None)
     assert kb.types == ()
 
     def fails(*_):
         raise InputError("no")
 
-    monkeypatch.setattr("plogic.bench.recognition_kb.learn_into", fails)
+    monkeypatch.setattr("benchmarks.recognition.kb.learn_into", fails)
     assert clutter.learnt_kb(lambda _: None) is None
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.clutter.scenes import CAMERA, MARGIN, PIXELS, PLAN, picture, random_pose, trial, visible
+from benchmarks.clutter.types import EASY, HALF_ANGLE, HARD, Detector, made, random_types
+from benchmarks.recognition.score import Found, pose_right
 from geometry.frames import inverse, transform_points
-from plogic.bench.clutter_scenes import CAMERA, MARGIN, PIXELS, PLAN, picture, random_pose, trial, visible
-from plogic.bench.clutter_types import EASY, HALF_ANGLE, HARD, Detector, made, random_types
-from plogic.bench.recognition_score import Found, pose_right
-from plogic.expectation import pose_of
-from plogic.search.data import data_of
+from plogic.match.gamma.data import data_of
+from plogic.match.judged.expectation import pose_of
 
 EXACT = Detector("exact", 1.0, 0.0, 0.0)
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.clutter.scenes import Case
+from benchmarks.clutter.table import OURS, Outcome, claims, judged, rows
+from benchmarks.clutter.types import EASY, HARD
+from benchmarks.recognition.score import Found, Truth
 from geometry.frames import from_rotation_translation
-from plogic.bench.clutter_scenes import Case
-from plogic.bench.clutter_table import OURS, Outcome, claims, judged, rows
-from plogic.bench.clutter_types import EASY, HARD
-from plogic.bench.recognition_score import Found, Truth
 
 SMALL, LARGE, DIM = Case(EASY, 100, 300), Case(EASY, 1000, 300), Case(HARD, 100, 300)
 

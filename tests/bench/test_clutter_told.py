@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from plogic.bench.clutter_scenes import Trial, trial
-from plogic.bench.clutter_table import judged
-from plogic.bench.clutter_told import told
-from plogic.bench.clutter_types import EASY, Detector, random_types
-from plogic.bench.recognition_score import errors_of
+from benchmarks.clutter.scenes import Trial, trial
+from benchmarks.clutter.table import judged
+from benchmarks.clutter.told import told
+from benchmarks.clutter.types import EASY, Detector, random_types
+from benchmarks.recognition.score import errors_of
 
 EXACT = Detector("exact", 0.6, 0.0, 0.0)
 

@@ -8,11 +8,7 @@ import networkx as nx
 import numpy as np
 import pytest
 
-from geometry.frames import from_rotation_translation, is_rigid
-from kb.cloud import KnowledgeBase, ObjectType, Rates
-from kb.learnt import LearntCloud
-from kb.surface import Surface, check_closed
-from plogic.bench.clutter_types import (
+from benchmarks.clutter.types import (
     DIAMETER,
     EASY,
     HALF_ANGLE,
@@ -25,7 +21,11 @@ from plogic.bench.clutter_types import (
     type_names,
     with_learnt,
 )
-from plogic.perceive import Perceiver
+from geometry.frames import from_rotation_translation, is_rigid
+from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
+from kb.clouds.learnt import LearntCloud
+from kb.surfaces.surface import Surface, check_closed
+from plogic.run.perceive import Perceiver
 
 CUBE = Surface(
     np.array([(x, y, z) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)]),

@@ -7,11 +7,11 @@ import json
 import numpy as np
 import pytest
 
+from benchmarks.constancy.bench import run
+from benchmarks.constancy.peers import epipolar
+from benchmarks.constancy.scenes import constancy_kb, sequence
+from benchmarks.constancy.score import Called, Score, score
 from geometry.frames import inverse
-from plogic.bench.constancy import run
-from plogic.bench.constancy_peers import epipolar
-from plogic.bench.constancy_scenes import constancy_kb, sequence
-from plogic.bench.constancy_score import Called, Score, score
 
 SEED = 5_000
 

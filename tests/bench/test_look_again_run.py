@@ -8,14 +8,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from benchmarks.clutter.scenes import visible
+from benchmarks.look_again import bench as module
+from benchmarks.look_again.episode import fixed, widest
+from benchmarks.look_again.scenes import scene
+from benchmarks.look_again.table import Counted, claims, interval
+from benchmarks.look_again.types import MARK, look_alikes
 from geometry.frames import inverse
-from plogic.bench import look_again as module
-from plogic.bench.clutter_scenes import visible
-from plogic.bench.look_again_episode import fixed, widest
-from plogic.bench.look_again_scenes import scene
-from plogic.bench.look_again_table import Counted, claims, interval
-from plogic.bench.look_again_types import MARK, look_alikes
-from plogic.lookahead.candidates import Candidate
+from plogic.sequence.next_view.moves import Candidate
 
 SEED = 3
 

@@ -7,16 +7,16 @@ import json
 import numpy as np
 import pytest
 
-from plogic.bench import many
-from plogic.bench.clutter_types import type_names
-from plogic.bench.many import all_told, run
-from plogic.bench.many_ransac import greedy, kept
-from plogic.bench.many_scenes import scene
-from plogic.bench.many_score import Seen, Verdict, verdict
-from plogic.bench.many_table import Answer, best_least, claims, rows, totals
-from plogic.bench.many_types import LOOKS, polyhedron, with_rates
-from plogic.bench.recognition_peer import Candidate
-from plogic.bench.recognition_score import Found
+from benchmarks.clutter.types import type_names
+from benchmarks.many import bench as many
+from benchmarks.many.bench import all_told, run
+from benchmarks.many.ransac import greedy, kept
+from benchmarks.many.scenes import scene
+from benchmarks.many.score import Seen, Verdict, verdict
+from benchmarks.many.table import Answer, best_least, claims, rows, totals
+from benchmarks.many.types import LOOKS, polyhedron, with_rates
+from benchmarks.recognition.peer import Candidate
+from benchmarks.recognition.score import Found
 
 
 @pytest.fixture(scope="module")

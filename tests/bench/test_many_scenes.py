@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from test_clutter_types import CUBE
 
+from benchmarks.clutter.bench import ours
+from benchmarks.clutter.scenes import CAMERA, surface_of
+from benchmarks.clutter.types import made, type_names
+from benchmarks.many.placing import HALF_HIDDEN, OBJECTS, Placed, depth_of, meet, placed, visible_shares
+from benchmarks.many.scenes import NOISE, scene, scene_of, seen
+from benchmarks.many.types import DETECTOR, LOOKS, frequencies, polyhedron, with_rates
 from geometry.frames import from_rotation_translation, transform_points
-from geometry.occlusion import PosedSurface
-from geometry.visible import visible_fraction
-from plogic.bench.clutter import ours
-from plogic.bench.clutter_scenes import CAMERA, surface_of
-from plogic.bench.clutter_types import made, type_names
-from plogic.bench.many_placing import HALF_HIDDEN, OBJECTS, Placed, depth_of, meet, placed, visible_shares
-from plogic.bench.many_scenes import NOISE, scene, scene_of, seen
-from plogic.bench.many_types import DETECTOR, LOOKS, frequencies, polyhedron, with_rates
-from plogic.perceive import Perceiver
-from plogic.search.angles import screen_angle, wrapped
+from geometry.visibility.occlusion import PosedSurface
+from geometry.visibility.visible import visible_fraction
+from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.run.perceive import Perceiver
 from sensing.appearance import Gamma
 
 SEEDS = range(5000, 5012)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from test_clutter_types import CUBE
 
+from benchmarks.clutter.types import EASY, knowledge_base, made
+from benchmarks.many.score import deepest, depth, verdict
+from benchmarks.recognition.score import Found, Truth
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
-from plogic.bench.clutter_types import EASY, knowledge_base, made
-from plogic.bench.many_score import deepest, depth, verdict
-from plogic.bench.recognition_score import Found, Truth
 
 SIDE = 0.2
 

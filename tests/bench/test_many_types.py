@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from test_clutter_types import learnt_kb, outward
 
-from kb.surface import check_closed
-from plogic.bench.clutter_types import type_names
-from plogic.bench.many_types import (
+from benchmarks.clutter.types import type_names
+from benchmarks.many.types import (
     CLUTTER,
     FEATURES,
     JUNCTIONS,
@@ -22,6 +21,7 @@ from plogic.bench.many_types import (
     random_polyhedron,
     with_rates,
 )
+from kb.surfaces.surface import check_closed
 
 NAMES = type_names(LOOKS)
 

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from geometry.occlusion import TOLERANCE
-from geometry.roc import ROC20
-from plogic.bench.occlusion_models import possible_triples
-from plogic.bench.occlusion_neighbours import neighbours
-from plogic.bench.occlusion_page import LINES_FILE, lines, page
-from plogic.bench.occlusion_tables import composition, counts_table, relations_table, sign
-from plogic.relations import MOST_PART_PAIRS
+from benchmarks.occlusion.models import possible_triples
+from benchmarks.occlusion.neighbours import neighbours
+from benchmarks.occlusion.page import LINES_FILE, lines, page
+from benchmarks.occlusion.tables import composition, counts_table, relations_table, sign
+from geometry.visibility.occlusion import TOLERANCE
+from geometry.visibility.roc import ROC20
+from plogic.cycle.relations import MOST_PART_PAIRS
 
 DOCS = Path(__file__).parents[2] / "docs"
 HOW = "run `plogic bench occlusion --json > BENCH.json` and `python docs/generate.py --occlusion BENCH.json`"

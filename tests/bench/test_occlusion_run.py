@@ -4,13 +4,13 @@ from collections import Counter
 
 import pytest
 
-from geometry.occlusion import occlusion
-from geometry.roc import converse, parts_of
-from plogic.bench.occlusion import Judged, claims, judge
-from plogic.bench.occlusion_bodies import CAMERA, concave_bodies, convex_bodies
-from plogic.bench.occlusion_neighbours import neighbours
-from plogic.bench.occlusion_oracle import raster_relation
-from plogic.bench.occlusion_pairs import KINDS, pairs
+from benchmarks.occlusion.bench import Judged, claims, judge
+from benchmarks.occlusion.bodies import CAMERA, concave_bodies, convex_bodies
+from benchmarks.occlusion.neighbours import neighbours
+from benchmarks.occlusion.oracle import raster_relation
+from benchmarks.occlusion.pairs import KINDS, pairs
+from geometry.visibility.occlusion import occlusion
+from geometry.visibility.roc import converse, parts_of
 
 RCC_NEIGHBOURS = {
     ("DC", "EC"), ("EC", "PO"), ("PO", "TPP"), ("PO", "TPPi"), ("PO", "EQ"), ("TPP", "NTPP"), ("TPP", "EQ"), ("TPPi", "NTPPi"), ("TPPi", "EQ"),

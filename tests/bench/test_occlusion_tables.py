@@ -5,11 +5,11 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from geometry.roc import ROC20, converse, parts_of
-from plogic.bench.occlusion_models import possible_triples
-from plogic.bench.occlusion_stacks import clamps, codes, grown, one_piece
-from plogic.bench.occlusion_tables import composition, composition_lines, sign
-from plogic.bench.occlusion_witness import arrangements, built, checked, triples
+from benchmarks.occlusion.models import possible_triples
+from benchmarks.occlusion.stacks import clamps, codes, grown, one_piece
+from benchmarks.occlusion.tables import composition, composition_lines, sign
+from benchmarks.occlusion.witness import arrangements, built, checked, triples
+from geometry.visibility.roc import ROC20, converse, parts_of
 
 
 @pytest.fixture(scope="module")

@@ -10,16 +10,18 @@ import numpy as np
 import pytest
 from rough_learning import RoughCloud, rough_cloud
 
+from benchmarks.recognition import bench as recognition
+from benchmarks.recognition import kb as recognition_kb
+from benchmarks.recognition import scenes as recognition_scenes
+from benchmarks.recognition.bench import Answer, answered, judgement
+from benchmarks.recognition.kb import Ours
+from benchmarks.recognition.peer import RATIOS, SEEN, THRESHOLDS, Candidate, Peer, Setting, _matches, accepted
+from benchmarks.recognition.scenes import Case, half_turns, ycb_meshes
+from benchmarks.recognition.score import Found, Tally, Truth, errors_of, matched, pose_right, tally
+from benchmarks.recognition.table import claims, judged, rows
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation
-from plogic.bench import recognition, recognition_kb, recognition_scenes
-from plogic.bench.recognition import Answer, answered, judgement
-from plogic.bench.recognition_kb import Ours
-from plogic.bench.recognition_peer import RATIOS, SEEN, THRESHOLDS, Candidate, Peer, Setting, _matches, accepted
-from plogic.bench.recognition_scenes import Case, half_turns, ycb_meshes
-from plogic.bench.recognition_score import Found, Tally, Truth, errors_of, matched, pose_right, tally
-from plogic.bench.recognition_table import claims, judged, rows
-from plogic.errors import InputError
+from plogic.base.errors import InputError
 from sensing.simulated.printed import printed_box
 from sensing.simulated.tabletop import recognition_scene
 
@@ -191,7 +193,7 @@ def boxes():
 
 
 def test_both_sides_see_the_same_pictures_and_the_peer_finds_poses(tmp_path, monkeypatch):
-    monkeypatch.setattr("plogic.bench.recognition_peer.ITERATIONS", 2000)
+    monkeypatch.setattr("benchmarks.recognition.peer.ITERATIONS", 2000)
     monkeypatch.setattr(recognition_scenes, "QUICK_SCENES", 2)
     monkeypatch.setattr(recognition_scenes, "EMPTY_EVERY", 2)
     monkeypatch.setattr("sensing.simulated.tabletop.TWINS", 0.0)

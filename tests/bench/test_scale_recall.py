@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plogic.bench.scale_costs import looks_needed, need, types_under_limit
-from plogic.bench.scale_recall import Standing, interval, line, recall
+from benchmarks.scale.costs import looks_needed, need, types_under_limit
+from benchmarks.scale.recall import Standing, interval, line, recall
 
 counts = st.lists(st.integers(0, 500), min_size=1, max_size=8).map(lambda some: np.array(some, np.int64))
 standings = st.builds(Standing, st.integers(1, 9), st.integers(1, 5), st.integers(0, 30), st.integers(0, 30), counts, st.integers(1, 1000))

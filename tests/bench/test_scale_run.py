@@ -7,12 +7,12 @@ import json
 import numpy as np
 import pytest
 
-from plogic.bench.clutter_scenes import trial
-from plogic.bench.clutter_types import EASY
-from plogic.bench.scale import Plan, run
-from plogic.bench.scale_types import bodies, first, made_ready
-from plogic.bench.scale_votes import capped, entries, falsely_accepted, seen, standing, under_cap, with_more
-from plogic.search.angles import part_of_circle
+from benchmarks.clutter.scenes import trial
+from benchmarks.clutter.types import EASY
+from benchmarks.scale.bench import Plan, run
+from benchmarks.scale.types import bodies, first, made_ready
+from benchmarks.scale.votes import capped, entries, falsely_accepted, seen, standing, under_cap, with_more
+from plogic.match.gamma.screen_angles import part_of_circle
 
 LOOKS = 10
 """So few that each of the types has them all."""

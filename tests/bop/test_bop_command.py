@@ -7,12 +7,12 @@ import pytest
 from bop_folders import dataset, put, truth
 from click.testing import CliRunner
 
-from plogic.bop.folders import open_dataset
-from plogic.bop.ids import ids_of, read_ids, unknown
-from plogic.bop.results import HEADER, read_results
-from plogic.bop.run import run, views_of
-from plogic.commands.bop import bop, bop_command
-from plogic.errors import InputError, ProgramError
+from plogic.base.errors import InputError, ProgramError
+from plogic.face.commands.bop import bop, bop_command
+from plogic.run.bop.dataset_run import run, views_of
+from plogic.run.bop.folders import open_dataset
+from plogic.run.bop.ids import ids_of, read_ids, unknown
+from plogic.run.bop.results_file import HEADER, read_results
 
 IDS = {"t1": 1, "t2": 2}
 OPTIONS = {"ids": None, "timed": False, "as_json": False}

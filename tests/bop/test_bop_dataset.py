@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from bop_folders import CUBE_MM, EYE, K, dataset, models, picture, put, scene, truth
 
-from plogic.bop.dataset import Scene
-from plogic.bop.folders import open_dataset
-from plogic.bop.models import model_ids, read_models
-from plogic.errors import InputError
+from plogic.base.errors import InputError
+from plogic.run.bop.dataset import Scene
+from plogic.run.bop.folders import open_dataset
+from plogic.run.bop.models import model_ids, read_models
 from sensing.errors import ImageError
 
 TARGET = {"scene_id": 1, "im_id": 3, "obj_id": 1, "inst_count": 2}

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from bop_folders import EYE, K, dataset, put, truth
 
-from plogic.bop.folders import open_dataset
-from plogic.bop.models import model_ids
-from plogic.errors import InputError
+from plogic.base.errors import InputError
+from plogic.run.bop.folders import open_dataset
+from plogic.run.bop.models import model_ids
 
 HUGE = 10**400
 DEEP = "[" * 100_000 + "]" * 100_000

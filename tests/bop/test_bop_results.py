@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
-from plogic.bop.results import HEADER, Estimate, read_results, results_text
-from plogic.errors import InputError
+from plogic.base.errors import InputError
+from plogic.run.bop.results_file import HEADER, Estimate, read_results, results_text
 
 GOOD = "1,3,5,0.5,1 0 0 0 1 0 0 0 1,10 -20 1000.5,-1"
 numbers = st.floats(-3, 3)

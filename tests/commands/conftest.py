@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from plogic.program.author import load_problog
+from plogic.logic.safety.author import load_problog
 
 load_problog()
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "kb")]

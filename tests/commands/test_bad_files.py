@@ -13,9 +13,9 @@ from made_meshes import obj_text, split_box, write_box
 from small_kb import KB, OBJECT, write_small
 
 from kb.errors import KBError
-from kb.read import read_kb
-from kb.write import kb_files
-from plogic.commands.kb_new import new_command
+from kb.files.read import read_kb
+from kb.files.write import kb_files
+from plogic.face.authoring.kb_new import new_command
 
 sys.path.append(str(Path(__file__).parents[1] / "bop"))
 
@@ -181,7 +181,7 @@ def test_what_was_learnt_is_not_left_out_in_silence(tmp_path):
 
     import numpy as np
 
-    from kb.words import Words
+    from kb.clouds.words import Words
 
     kb = replace(read_kb(write_small(tmp_path / "mykb")), words=Words("orb", np.zeros((1, 32), np.uint8)))
     with pytest.raises(KBError, match=r"small: what was learnt .* cannot be written anew: copy the knowledge base's folder"):

@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 import pytest
 
-import plogic.perceive
-from plogic.batch import work
-from plogic.batch.frames import Frame, Settings
-from plogic.commands import perceive
+import plogic.run.perceive
+from plogic.face.commands import perceive_command as perceive
+from plogic.run.batch import work
+from plogic.run.batch.frames import Frame, Settings
 from sensing.appearance import Gamma
 
 SLOW, DEADLINE = 0.4, 5.0
@@ -24,7 +24,7 @@ def left(monkeypatch):
     """Where the seconds that were left as perceiving began are told; reading the KB, its index and detection are slow."""
     seconds = []
 
-    class Slow(plogic.perceive.Perceiver):
+    class Slow(plogic.run.perceive.Perceiver):
         def __init__(self, *args):
             time.sleep(SLOW)
             super().__init__(*args)
@@ -37,7 +37,7 @@ def left(monkeypatch):
         time.sleep(SLOW)
         return Gamma(camera, ())
 
-    for module in (plogic.perceive, work):
+    for module in (plogic.run.perceive, work):
         monkeypatch.setattr(module, "Perceiver", Slow)
     monkeypatch.setattr(perceive, "detected", detected)
     return seconds

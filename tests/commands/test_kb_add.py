@@ -11,10 +11,10 @@ import trimesh
 from console import bytes_in, document, good, plogic
 from made_meshes import box_triangles, obj_text, write_box, write_painted
 
+from kb.files.read import read_kb
+from kb.files.schema import json_schema
 from kb.quantities import LENGTHS
-from kb.read import read_kb
-from kb.schema import json_schema
-from plogic.commands.kb_group import UNITS
+from plogic.face.authoring.kb_group import UNITS
 from sensing.simulated.meshes import read_mesh
 
 YCB = Path(__file__).parents[3] / "shared" / "data" / "ycb"

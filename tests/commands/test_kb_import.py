@@ -9,7 +9,7 @@ import pytest
 from console import bytes_in, document, good, plogic
 from made_meshes import write_box
 
-from kb.read import read_kb
+from kb.files.read import read_kb
 
 URDF = """<?xml version="0.0" ?>
 <robot name="arm">

@@ -13,9 +13,9 @@ from made_meshes import obj_text, write_box
 from painted_cube import CAMERA, picture, pose_towards, write_cube
 
 from geometry.frames import pose_error
-from kb.read import read_kb
-from plogic.commands.kb_learn import files_of
-from plogic.errors import InputError
+from kb.files.read import read_kb
+from plogic.base.errors import InputError
+from plogic.face.authoring.kb_learn import files_of
 from sensing.simulated.camera import MAX_TRIANGLES
 from sensing.simulated.meshes import read_mesh
 

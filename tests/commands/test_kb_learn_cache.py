@@ -14,11 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_cloud import random_cloud
 
+from kb.clouds.learnt import cloud_bytes, read_cloud
 from kb.errors import CloudError
-from kb.learnt import cloud_bytes, read_cloud
-from plogic.commands import kb_learn_cache
-from plogic.commands.kb_learn_cache import DECIDES, key_of
-from plogic.remembered import ROOT, cache_folder, source_digest, sources
+from plogic.base.remembered import ROOT, cache_folder, source_digest, sources
+from plogic.face.authoring import kb_learn_cache
+from plogic.face.authoring.kb_learn_cache import DECIDES, key_of
 from sensing.simulated.body import TexturedMesh
 
 HOW = (600.0, "sift", 0, False)
@@ -74,10 +74,10 @@ def test_a_changed_byte_changes_the_digest_where_the_file_is_imported_and_nowher
 def test_all_that_renders_looks_and_learns_decides_and_what_only_shows_does_not():
     found = sources(ROOT, DECIDES)
     learning = {f"kb/learning/{name}.py" for name in ("views", "variants", "observations", "features", "photo")}
-    seeing = {"sensing/keypoints.py", "sensing/simulated/turntable.py", "sensing/simulated/camera.py", "sensing/simulated/meshes.py"}
-    assert learning | seeing | {"kb/learnt.py", "kb/cones.py", "geometry/camera.py", DECIDES} <= found
-    assert not any(name.startswith(("plogic/report", "plogic/search")) for name in found)
-    assert "kb/read.py" not in found
+    seeing = {"sensing/detectors/keypoints.py", "sensing/simulated/turntable.py", "sensing/simulated/camera.py", "sensing/simulated/meshes.py"}
+    assert learning | seeing | {"kb/clouds/learnt.py", "geometry/cones.py", "geometry/camera.py", DECIDES} <= found
+    assert not any(name.startswith(("plogic/face/pages", "plogic/match/gamma")) for name in found)
+    assert "kb/files/read.py" not in found
 
 
 def test_the_same_asked_again_has_the_same_key_and_anything_else_another(monkeypatch):

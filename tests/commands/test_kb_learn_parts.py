@@ -15,7 +15,7 @@ from test_kb_learn import FEWER
 from twin_cubes import write_twins
 
 from geometry.frames import pose_error
-from kb.read import read_kb
+from kb.files.read import read_kb
 from sensing.simulated.body import Body
 from sensing.simulated.camera import Sensor, render
 from sensing.simulated.lighting import Light

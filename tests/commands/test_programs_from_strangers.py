@@ -12,8 +12,8 @@ import time
 import pytest
 from console import BIN, document, plogic
 
-from plogic import engine
-from plogic.errors import LimitError
+from plogic.base.errors import LimitError
+from plogic.logic.served import engine
 
 WIDE = 3000
 

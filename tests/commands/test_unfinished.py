@@ -7,9 +7,10 @@ import json
 import pytest
 from console import document, good, plogic
 
-from plogic.interpretation import situation_of, text_of
-from plogic.unfinished import SEARCH, WORLDS, marked, notice
-from plogic.worlds import ranked_worlds
+from plogic.facts.interpretation import situation_of, text_of
+from plogic.facts.stopped import SEARCH, WORLDS
+from plogic.scene.readings.unfinished import marked, notice
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 GOAL = "present(h1)"
 ASKED = {

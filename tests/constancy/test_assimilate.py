@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 from console import bytes_in, document, good
 
+from benchmarks.constancy.scenes import constancy_kb, sequence
 from geometry.camera import camera_to_dict
 from geometry.errors import PlogicError
-from kb.read import read_kb
-from kb.write import write_kb
-from plogic.bench.constancy_scenes import constancy_kb, sequence
-from plogic.commands.kb import check_command
-from plogic.commands.kb_assimilate import assimilate_command
-from plogic.constancy.decide import unknown_objects
-from plogic.constancy.draft import draft_type
-from plogic.constancy.explained import unexplained_of
-from plogic.constancy.result import constancy_document
-from plogic.constancy.sightings import seen_features
-from plogic.delta import Options
-from plogic.perceive import Perceiver
-from sensing.gamma_files import appearance_to_dict, gamma_to_dict
+from kb.files.read import read_kb
+from kb.files.write import write_kb
+from plogic.cycle.delta import Options
+from plogic.face.authoring.kb import check_command
+from plogic.face.authoring.kb_assimilate import assimilate_command
+from plogic.run.perceive import Perceiver
+from plogic.sequence.constancy.decide import unknown_objects
+from plogic.sequence.constancy.draft import draft_type
+from plogic.sequence.constancy.explained import unexplained_of
+from plogic.sequence.constancy.result import constancy_document
+from plogic.sequence.constancy.sightings import seen_features
+from sensing.files.gamma_files import appearance_to_dict, gamma_to_dict
 
 SEED = 2003
 

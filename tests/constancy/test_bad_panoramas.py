@@ -7,8 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from plogic.constancy.panorama_reading import MOST_MISTAKES, unknown_of
-from plogic.errors import InputError
+from plogic.base.errors import InputError
+from plogic.sequence.constancy.panorama_reading import MOST_MISTAKES, unknown_of
 
 CAMERA = {"width": 640, "height": 480, "K": [[600, 0, 320], [0, 600, 240], [0, 0, 1]], "dist": []}
 

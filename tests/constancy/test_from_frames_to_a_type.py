@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from console import good
 
-from kb.write import write_kb
-from plogic.bench.constancy_scenes import constancy_kb, sequence
-from sensing.gamma_files import write_gamma
+from benchmarks.constancy.scenes import constancy_kb, sequence
+from kb.files.write import write_kb
+from sensing.files.gamma_files import write_gamma
 
 
 def test_frames_to_an_unknown_object_to_a_type_that_explains_them(tmp_path):

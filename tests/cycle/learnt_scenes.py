@@ -10,12 +10,12 @@ from random_cloud import random_cloud, random_words, unit
 
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, inverse, transform_points
-from kb.cloud import KnowledgeBase, ObjectType, Rates
+from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
+from kb.files.learnt_reading import learnt_features, learnt_lobes, with_compounds
 from kb.learning.sides import LOOKS, VARIED
-from kb.learnt_reading import learnt_features, learnt_lobes, with_compounds
-from plogic.search.angles import screen_angle
-from plogic.search.data import data_of
-from plogic.search.indices import index_of
+from plogic.match.gamma.data import data_of
+from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.indices import index_of
 from sensing.appearance import Appearance
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 330.0], [0, 580.0, 250.0], [0, 0, 1]]), np.array([0.05, -0.02, 0.001, 0.0, 0.0]))

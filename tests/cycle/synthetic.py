@@ -10,20 +10,20 @@ from functools import cache
 
 import numpy as np
 
-from geometry.behind import behind
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at, pose_error, transform_points
-from kb.lobes import in_lobe
-from kb.read import read_kb
-from kb.shipped import shipped
-from plogic.attention import attend
-from plogic.belief import Belief
-from plogic.cycle import Perception
-from plogic.evidence import evidence
+from geometry.visibility.behind import behind
+from kb.clouds.lobes import in_lobe
+from kb.files.read import read_kb
+from kb.files.shipped import shipped
+from plogic.cycle.attention import attend
+from plogic.cycle.belief import Belief
+from plogic.cycle.perception import Perception
+from plogic.match.gamma.data import data_of
+from plogic.match.hand.generate import settle
+from plogic.match.judged.evidence import evidence
 from plogic.measures.explanatory import explanatory_value
-from plogic.perceive import Perceiver
-from plogic.search.data import data_of
-from plogic.search.generate import settle
+from plogic.run.perceive import Perceiver
 from sensing.appearance import Appearance, Gamma
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 319.5], [0, 600.0, 239.5], [0, 0, 1]]))

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from synthetic import camera_pose, perceiver, scene, towers
 
-from plogic import attention
-from plogic.attention import attend, chance_types
-from plogic.bench.clutter_types import random_types, type_names
+from benchmarks.clutter.types import random_types, type_names
+from plogic.cycle.attention import attend, chance_types
+from plogic.cycle.perception import attention
+from plogic.match.hand.type_index import type_index
 from plogic.measures.valuation import compatible, rank
-from plogic.search.type_index import type_index
 
 
 def order_of(types):

@@ -13,8 +13,8 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "kb"))
 from learnt_scenes import ready
 from random_cloud import random_cloud
 
-from plogic import carried_lobes
-from plogic.carried_lobes import types_document
+from plogic.run import carried_lobes
+from plogic.run.carried_lobes import types_document
 
 
 @pytest.fixture(scope="module")

@@ -17,8 +17,9 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "kb"))
 from learnt_scenes import gamma_at, one_sided, pose_before, ready
 from synthetic import camera_pose, data, posed_at, scene
 
-from plogic.attention import attend
-from plogic.evidence import (
+from plogic.cycle.attention import attend
+from plogic.match.indices import settle
+from plogic.match.judged.evidence import (
     CLEAR,
     LEAST_CLEAR,
     LEAST_HIT,
@@ -30,12 +31,11 @@ from plogic.evidence import (
     hit_rates,
     match_density,
 )
-from plogic.freedom import log_share
-from plogic.known import sigmas
-from plogic.search.indices import settle
-from plogic.search.learnt.agreement import ANGLES, SIZES
-from plogic.search.learnt.lexicon import NTH
-from plogic.search.learnt.looks import AROUND, BY_CHANCE, GROWTH, RAREST, TURNS
+from plogic.match.judged.freedom import log_share
+from plogic.match.judged.pose_information import sigmas
+from plogic.match.learned.agreement import ANGLES, SIZES
+from plogic.match.learned.lexicon import NTH
+from plogic.match.learned.looks import AROUND, BY_CHANCE, GROWTH, RAREST, TURNS
 
 EXACT = (0.9 * 2 * ANGLES / (sqrt(2 * pi) * TURNS) + 0.1) * (0.9 * 2 * SIZES / (sqrt(2 * pi) * GROWTH) + 0.1)
 """How much likelier the very angle and size are of what is right than of what merely may be."""

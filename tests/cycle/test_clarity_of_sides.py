@@ -17,9 +17,21 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "kb"))
 
 from learnt_scenes import gamma_at, one_sided, pose_before, ready, with_sides
 
-from plogic.evidence import CLEAR, LEAST_CLEAR, LEAST_HIT, MOST_HIT, clarities, clarity, clutter_density, evidence, hit_rates, kinds, match_density
-from plogic.freedom import log_share
-from plogic.search.indices import settle
+from plogic.match.indices import settle
+from plogic.match.judged.evidence import (
+    CLEAR,
+    LEAST_CLEAR,
+    LEAST_HIT,
+    MOST_HIT,
+    clarities,
+    clarity,
+    clutter_density,
+    evidence,
+    hit_rates,
+    kinds,
+    match_density,
+)
+from plogic.match.judged.freedom import log_share
 
 COUNT = 40
 SIDED = np.arange(COUNT) % 2 == 0

@@ -18,21 +18,22 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "kb"))
 from learnt_scenes import gamma_at, one_sided, pose_before, ready
 from painted_cube import CAMERA, CORNER, cloud, picture, pose_towards, seen, write_knowledge
 
-import plogic.delta
-import plogic.document
-from kb.learnt import LearntCloud, numbered
-from kb.read import read_kb
-from plogic.attention import attend
-from plogic.delta import Options
-from plogic.interpretation import situation_of, text_of
-from plogic.lumped import OTHERS, looked_at, told
+import plogic.cycle.delta
+import plogic.run.document
+from kb.clouds.learnt import LearntCloud, numbered
+from kb.files.read import read_kb
+from plogic.base.stopwatch import Stopwatch
+from plogic.cycle.attention import attend
+from plogic.cycle.delta import Options
+from plogic.cycle.lumped import looked_at, told
+from plogic.facts.interpretation import situation_of, text_of
+from plogic.facts.situation import OTHERS
+from plogic.match.indices import settle
 from plogic.measures.explanatory import case_of, explanatory_value
-from plogic.perceive import Perceiver
-from plogic.program.text import program_text
-from plogic.search.indices import settle
-from plogic.stopwatch import Stopwatch
-from plogic.worlds import ranked_worlds
-from sensing.detector import detect
+from plogic.run.perceive import Perceiver
+from plogic.scene.text.program_text import program_text
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
+from sensing.detectors.detector import detect
 
 COUNT = 24
 WAYS = [("score", "to_B"), ("score", "drop"), ("score", "reassign"), ("posterior", "to_B")]
@@ -168,9 +169,9 @@ def test_the_program_knows_the_parts_of_compounds_and_reads_back_the_same(docume
 @pytest.mark.parametrize(("reading", "reconsider"), WAYS)
 def test_telling_what_is_left_out_changes_no_probability(perceiver, gamma, monkeypatch, reading, reconsider):
     short = perceiver(gamma, Options(reading, reconsider))
-    for module in (plogic.delta, plogic.document):
+    for module in (plogic.cycle.delta, plogic.run.document):
         monkeypatch.setattr(module, "told", lambda posed: list(range(len(posed.uv))))
-    monkeypatch.setattr(plogic.delta, "lumped", lambda _posed, _dv: ())
+    monkeypatch.setattr(plogic.cycle.delta, "lumped", lambda _posed, _dv: ())
     full = perceiver(gamma, Options(reading, reconsider))
     assert len(full["hypotheses"][0]["features"]) > len(short["hypotheses"][0]["features"]) + 20
     assert [w["present"] for w in full["worlds"]] == [w["present"] for w in short["worlds"]]

@@ -23,17 +23,17 @@ from synthetic import (
 )
 
 from geometry.frames import look_at
-from plogic import deadline
-from plogic.attention import attend
-from plogic.belief import considered
-from plogic.cycle import FEWEST
-from plogic.delta import Options
-from plogic.expectation import hidden_by
-from plogic.perceive import ranked
-from plogic.rivals import claims, overlap
-from plogic.search.alike import same_place
-from plogic.search.indices import significant
-from plogic.stopwatch import Stopwatch
+from plogic.base import deadline
+from plogic.base.stopwatch import Stopwatch
+from plogic.cycle.attention import attend
+from plogic.cycle.belief import considered
+from plogic.cycle.delta import Options
+from plogic.cycle.perception import FEWEST
+from plogic.match.indices import significant
+from plogic.match.judged.alike import same_place
+from plogic.match.judged.expectation import hidden_by
+from plogic.match.judged.rivals import claims, overlap
+from plogic.run.perceive import ranked
 from sensing.appearance import Appearance, Gamma
 
 

@@ -17,13 +17,13 @@ from learnt_scenes import gamma_at, one_sided, pose_before, ready
 from made_meshes import CORNERS, box_triangles
 
 from geometry.frames import from_rotation_translation, transform_points
-from kb.surface import Surface
-from plogic.belief import Belief, Cycle
-from plogic.cycle import Perception
-from plogic.delta import Options, delta_of
-from plogic.evidence import LEAST_HIT, MOST_HIT, as_counted, clarity
-from plogic.search.indices import settle
-from plogic.trace import Trace
+from kb.surfaces.surface import Surface
+from plogic.cycle.belief import Belief, Cycle
+from plogic.cycle.delta import Options, delta_of
+from plogic.cycle.perception import Perception
+from plogic.cycle.trace import Trace
+from plogic.match.indices import settle
+from plogic.match.judged.evidence import LEAST_HIT, MOST_HIT, as_counted, clarity
 
 
 def behind_a_plate(hidden, status="accepted", *, opaque=True, away=0.4):

@@ -4,16 +4,27 @@ from math import exp, log, pi
 
 import numpy as np
 import pytest
-from synthetic import CAMERA, belief_at, camera_pose, cycle_of, data, one_before_the_other, posed_at, scene, side_by_side, towers
+from synthetic import (
+    CAMERA,
+    belief_at,
+    camera_pose,
+    cycle_of,
+    data,
+    one_before_the_other,
+    posed_at,
+    scene,
+    side_by_side,
+    towers,
+)
 
-from plogic.delta import Options, delta_of
-from plogic.evidence import FIXED_BY, clutter_density, density, evidence, hit_rates
-from plogic.expectation import hidden_by
-from plogic.freedom import log_share
-from plogic.known import sigmas
-from plogic.perceive import Perceiver
-from plogic.search.data import data_of
-from plogic.worlds import ranked_worlds
+from plogic.cycle.delta import Options, delta_of
+from plogic.match.gamma.data import data_of
+from plogic.match.judged.evidence import FIXED_BY, clutter_density, density, evidence, hit_rates
+from plogic.match.judged.expectation import hidden_by
+from plogic.match.judged.freedom import log_share
+from plogic.match.judged.pose_information import sigmas
+from plogic.run.perceive import Perceiver
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 from sensing.appearance import Appearance
 
 

@@ -12,8 +12,8 @@ from synthetic import CAMERA, camera_pose, data, one_before_the_other, perceiver
 
 from geometry.camera import Camera
 from geometry.frames import inverse
-from plogic.expectation import Posed, hidden_by, matched, pose_of
-from plogic.search.data import data_of
+from plogic.match.gamma.data import data_of
+from plogic.match.judged.expectation import Posed, hidden_by, matched, pose_of
 from sensing.appearance import Appearance
 
 TOLERANCE = 3.0

@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic import CAMERA, camera_pose, data, posed_at, scene, towers
 
-from plogic.evidence import as_counted, clutter_density
-from plogic.fitted import as_fitted
-from plogic.freedom import log_share
-from plogic.known import sigmas
-from plogic.search.data import data_of
+from plogic.match.gamma.data import data_of
+from plogic.match.judged.evidence import as_counted, clutter_density
+from plogic.match.judged.fitted import as_fitted
+from plogic.match.judged.freedom import log_share
+from plogic.match.judged.pose_information import sigmas
 
 
 def stand(seed, hit, clutter):

@@ -11,8 +11,8 @@ from multiprocessing import active_children, get_context
 import numpy as np
 import pytest
 
-from plogic import forked
-from plogic.forked import each, processors
+from plogic.base import forked
+from plogic.base.forked import each, processors
 
 HERE = os.getpid()
 

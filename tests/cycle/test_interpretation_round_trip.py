@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from synthetic import belief_at, cycle_of, data, one_before_the_other, perceiver, scene, towers
 
-from plogic.commands.worlds import worlds_command
-from plogic.delta import Options, delta_of
-from plogic.document import document_of, relation_probabilities
-from plogic.errors import InterpretationError
-from plogic.interpretation import read_interpretation, situation_of, text_of
+from plogic.base.errors import InterpretationError
+from plogic.cycle.delta import Options, delta_of
+from plogic.face.commands.worlds_command import worlds_command
+from plogic.facts.interpretation import read_interpretation, situation_of, text_of
 from plogic.measures.explanatory import Cells, case_of, explanatory_value, reconsidered
-from plogic.worlds import ranked_worlds
+from plogic.run.document import document_of, relation_probabilities
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 
 @pytest.fixture(scope="module")

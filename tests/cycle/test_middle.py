@@ -18,11 +18,11 @@ from made_meshes import CORNERS, box_triangles
 from synthetic import CAMERA, camera_pose, towers
 
 from geometry.frames import transform_points
-from kb.surface import Surface
-from plogic.expectation import pose_of
+from kb.surfaces.surface import Surface
+from plogic.match.gamma.data import data_of
+from plogic.match.judged.expectation import pose_of
+from plogic.match.learned.learned_match import pose_of as learnt_pose_of
 from plogic.measures.explanatory import case_of
-from plogic.search.data import data_of
-from plogic.search.learnt.settle import pose_of as learnt_pose_of
 
 EMPTY = data_of([], CAMERA)
 

@@ -10,14 +10,14 @@ import trimesh
 from synthetic import CAMERA, belief_at, cycle_of, data, one_before_the_other, perceiver, scene, towers
 
 from geometry.frames import inverse, look_at, transform_points
-from kb.surface import Surface
-from plogic.delta import Options, delta_of
-from plogic.document import document_of
-from plogic.exclusions import exclusion_lines, exclusions
-from plogic.interpretation import situation_of, text_of
-from plogic.placing import space_of_view, upward
-from plogic.proof.presence import presence
-from plogic.worlds import ranked_worlds
+from kb.surfaces.surface import Surface
+from plogic.cycle.delta import Options, delta_of
+from plogic.cycle.placing import space_of_view, upward
+from plogic.facts.exclusions import exclusion_lines, exclusions
+from plogic.facts.interpretation import situation_of, text_of
+from plogic.run.document import document_of
+from plogic.scene.asking.presence import presence
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 GRAVITY = SimpleNamespace(gravity=True)
 

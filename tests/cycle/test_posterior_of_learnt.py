@@ -18,17 +18,17 @@ from learnt_scenes import gamma_at, one_sided, pose_before, ready
 from made_meshes import CORNERS, box_triangles
 
 from geometry.frames import from_rotation_translation, transform_points
-from kb.surface import Surface
-from plogic.belief import Belief, Cycle
-from plogic.delta import Options, delta_of
-from plogic.evidence import CLEAR, clarity, evidence, hit_rates
-from plogic.expectation import hidden_by
-from plogic.freedom import log_share
-from plogic.program.author import load_problog
-from plogic.program.text import program_text, query_lines
-from plogic.search.indices import settle
-from plogic.trace import Trace
-from plogic.worlds import ranked_worlds
+from kb.surfaces.surface import Surface
+from plogic.cycle.belief import Belief, Cycle
+from plogic.cycle.delta import Options, delta_of
+from plogic.cycle.trace import Trace
+from plogic.logic.safety.author import load_problog
+from plogic.match.indices import settle
+from plogic.match.judged.evidence import CLEAR, clarity, evidence, hit_rates
+from plogic.match.judged.expectation import hidden_by
+from plogic.match.judged.freedom import log_share
+from plogic.scene.text.program_text import program_text, query_lines
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 SURE = 25.0
 """Log odds that doubles can tell from certainty."""

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from synthetic import belief_at, data, one_before_the_other, scene
 
-from geometry.roc import ROC20
-from plogic import relations
-from plogic.pair_facts import both_ways
-from plogic.relations import part_relations_of, relations_of
+from geometry.visibility.roc import ROC20
+from plogic.cycle.perception import relations
+from plogic.cycle.relations import part_relations_of, relations_of
+from plogic.facts.pair_facts import both_ways
 
 
 @pytest.fixture(scope="module")

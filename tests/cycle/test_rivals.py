@@ -5,8 +5,8 @@ import pytest
 from synthetic import CAMERA, camera_pose, data, one_before_the_other, posed_at, scene, side_by_side
 
 from geometry.frames import from_rotation_translation, transform_points
-from plogic.expectation import hidden_by
-from plogic.rivals import SHARED_CLAIMS, SHARED_VOLUME, apart_on_screen, claims, overlap, shared_claims
+from plogic.match.judged.expectation import hidden_by
+from plogic.match.judged.rivals import SHARED_CLAIMS, SHARED_VOLUME, apart_on_screen, claims, overlap, shared_claims
 
 
 @pytest.fixture(scope="module")

@@ -11,14 +11,14 @@ import pytest
 from synthetic import CAMERA, cycle_of, data, perceiver, scene, side_by_side, towers, upright
 
 from geometry.frames import inverse
-from plogic.delta import Options, delta_of
-from plogic.document import document_of
-from plogic.interpretation import situation_of, text_of
-from plogic.live import scene_answers
-from plogic.perceive import Perceiver
-from plogic.program.text import program_text
-from plogic.proof.presence import presence
-from plogic.worlds import ranked_worlds
+from plogic.cycle.delta import Options, delta_of
+from plogic.facts.interpretation import situation_of, text_of
+from plogic.run.document import document_of
+from plogic.run.perceive import Perceiver
+from plogic.scene.asking.live import scene_answers
+from plogic.scene.asking.presence import presence
+from plogic.scene.text.program_text import program_text
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 HIGH = 0.6
 """Metres above the floor that the false tower begins: the picture of one on a wall, say."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from plogic.acceptance import acceptance
-from plogic.bounds import LEAST
-from plogic.dependence import Scene, dependence
-from plogic.likelihood import appearance_weight, group_shares, miss_weight, unmatched
+from plogic.base.bounds import LEAST
+from plogic.facts.dependence import Scene, dependence
+from plogic.scene.readings.posterior_reading import appearance_weight, group_shares, miss_weight, unmatched
+from plogic.scene.readings.score_reading import acceptance
 
 
 def subsets(members):

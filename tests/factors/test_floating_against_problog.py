@@ -12,18 +12,18 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from situations import feature, hypothesis, random_situations, situation, with_gravity
 
-from plogic.engine import through
-from plogic.errors import InconsistentError, SituationError
-from plogic.factors.scene import scene_graph
-from plogic.gravity import Foot, Gravity
+from plogic.base.errors import InconsistentError, SituationError
+from plogic.facts.gravity import Foot, Gravity
+from plogic.facts.names import names_of
 from plogic.inference.marginals import beliefs
-from plogic.live import LiveScene, scene_answers
-from plogic.names import names_of
-from plogic.program.text import program_text
-from plogic.proof.relevant import relevant
-from plogic.query import answers
-from plogic.safety.serve import serve
-from plogic.worlds import ranked_worlds
+from plogic.logic.served.engine import through
+from plogic.logic.served.serve import serve
+from plogic.scene.asking.live import LiveScene, scene_answers
+from plogic.scene.asking.query import answers
+from plogic.scene.asking.relevant import relevant
+from plogic.scene.factors.scene_graph import scene_graph
+from plogic.scene.text.program_text import program_text
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 QUICK = settings(
     max_examples=40, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate), suppress_health_check=list(HealthCheck)
@@ -42,7 +42,7 @@ def stock(subject, goals):
     from problog import get_evaluatable
     from problog.program import PrologString
 
-    from plogic.program.mapping import shown
+    from plogic.logic.safety.mapping import shown
 
     text = "".join([program_text(subject), *(f"query({goal}).\n" for goal in goals)])
     found = get_evaluatable("ddnnf").create_from(PrologString(text)).evaluate()

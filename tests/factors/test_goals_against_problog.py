@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from situations import feature, hypothesis, random_situations, situation, towers
 from tangles import tangle
 
-from plogic.engine import Text, run, through
-from plogic.errors import InconsistentError, OutsideError, UnknownPredicateError
-from plogic.live import LiveScene, scene_answers
-from plogic.names import names_of
-from plogic.program.text import program_text
-from plogic.safety.serve import serve
+from plogic.base.errors import InconsistentError, OutsideError, UnknownPredicateError
+from plogic.facts.names import names_of
+from plogic.logic.served.engine import Text, run, through
+from plogic.logic.served.serve import serve
+from plogic.scene.asking.live import LiveScene, scene_answers
+from plogic.scene.text.program_text import program_text
 
 QUICK = settings(max_examples=30, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 GOALS = (
@@ -40,7 +40,7 @@ def stock(subject, goal, evidence):
     from problog import get_evaluatable
     from problog.program import PrologString
 
-    from plogic.program.mapping import shown
+    from plogic.logic.safety.mapping import shown
 
     names = names_of(subject)
     clauses = "".join(f"given({i}) :- {e}.\nevidence(given({i})).\n" for i, e in enumerate(evidence))

@@ -12,9 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from situations import feature, hypothesis, random_situations, situation, towers
 
-from plogic.factors.scene import scene_graph
 from plogic.inference.gates import Literal, observed
 from plogic.inference.marginals import beliefs
+from plogic.scene.factors.scene_graph import scene_graph
 
 QUICK = settings(max_examples=200, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 
@@ -66,8 +66,8 @@ def test_causes_as_variables_change_no_weight(subject):
 @given(random_situations(most=4))
 def test_auxiliary_variables_change_no_weight(subject):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("plogic.factors.tables.WIDEST", 1)
-        patch.setattr("plogic.factors.score.WIDEST", 0)
+        patch.setattr("plogic.scene.factors.weight_tables.WIDEST", 1)
+        patch.setattr("plogic.scene.factors.score_factors.WIDEST", 0)
         assert_equal(by_conditioning(subject), log_weights(subject))
 
 
@@ -76,7 +76,7 @@ def test_auxiliary_variables_change_no_weight(subject):
 def test_arrays_weigh_what_lists_do(subject):
     with pytest.MonkeyPatch.context() as patch:
         for module in ("tables", "claims", "linear"):
-            patch.setattr(f"plogic.factors.{module}.LONGEST_LIST", 1)
+            patch.setattr(f"plogic.scene.factors.{module}.LONGEST_LIST", 1)
         assert_equal(by_graph(subject), log_weights(subject))
 
 

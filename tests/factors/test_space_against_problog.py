@@ -11,15 +11,15 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from situations import POSE, feature, hypothesis, random_situations, situation
 
-from plogic.engine import Text, through
-from plogic.errors import InconsistentError
-from plogic.live import LiveScene, scene_answers
-from plogic.names import names_of
-from plogic.program.text import program_text
-from plogic.proof.relevant import relevant
-from plogic.query import answers
-from plogic.safety.serve import serve
-from plogic.spatial import BodyFact, Space
+from plogic.base.errors import InconsistentError
+from plogic.facts.names import names_of
+from plogic.facts.spatial import BodyFact, Space
+from plogic.logic.served.engine import Text, through
+from plogic.logic.served.serve import serve
+from plogic.scene.asking.live import LiveScene, scene_answers
+from plogic.scene.asking.query import answers
+from plogic.scene.asking.relevant import relevant
+from plogic.scene.text.program_text import program_text
 
 QUICK = settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 GOALS = (
@@ -57,7 +57,7 @@ def stock(subject, goal):
     from problog import get_evaluatable
     from problog.program import PrologString
 
-    from plogic.program.mapping import shown
+    from plogic.logic.safety.mapping import shown
 
     results = get_evaluatable("ddnnf").create_from(PrologString(f"{program_text(subject)}\nquery({goal}).\n")).evaluate()
     names = names_of(subject)

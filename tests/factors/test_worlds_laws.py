@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from situations import feature, hypothesis, random_situations, situation
 from tangles import tangle
 
-from plogic.errors import InconsistentError, LimitError
-from plogic.factors import ranking
-from plogic.factors.scene import scene_graph
-from plogic.inference.clock import Clock
-from plogic.situation import AppearanceFact
-from plogic.worlds import ranked_worlds
+from plogic.base.clock import Clock
+from plogic.base.errors import InconsistentError, LimitError
+from plogic.facts.situation import AppearanceFact
+from plogic.scene.factors import summed_ranking as ranking
+from plogic.scene.factors.scene_graph import scene_graph
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 QUICK = settings(max_examples=80, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 
@@ -132,7 +132,7 @@ def test_a_ranking_that_gives_up_keeps_what_it_has_only_under_a_deadline(monkeyp
         yield next(every)
         raise LimitError("the queue is full")
 
-    monkeypatch.setattr("plogic.worlds.weighed", two_and_no_more)
+    monkeypatch.setattr("plogic.scene.worlds.ranked_worlds.weighed", two_and_no_more)
     assert ranked_worlds(chain(4), 9, seconds=60).worlds == whole.worlds
     with pytest.raises(LimitError):
         ranked_worlds(chain(4), 9)

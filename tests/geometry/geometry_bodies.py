@@ -4,8 +4,8 @@ import numpy as np
 
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
-from geometry.occlusion import PosedSurface
-from geometry.rays import RayMesh
+from geometry.visibility.occlusion import PosedSurface
+from geometry.visibility.rays import RayMesh
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 320], [0, 600, 240], [0, 0, 1]]))
 LENS = Camera(

@@ -4,7 +4,7 @@ import numpy as np
 from geometry_bodies import random_rotations
 
 from geometry.frames import from_rotation_translation, pose_error, rotation_from_quat_xyzw, transform_points
-from geometry.softposit import Annealing
+from geometry.poses.softposit import Annealing
 
 NEAR = Annealing(beta=2e-3)  # as a refiner: the points are some 20 px off
 PIXEL = 1 / 600

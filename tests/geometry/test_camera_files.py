@@ -5,8 +5,8 @@ import pytest
 from geometry_bodies import LENS
 
 from geometry.camera import camera_to_dict
-from geometry.camera_files import read_camera
 from geometry.errors import CameraError
+from geometry.files.camera_files import read_camera
 
 PLAIN = camera_to_dict(LENS)
 ROS = """

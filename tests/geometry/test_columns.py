@@ -10,10 +10,10 @@ from geometry_bodies import at, box, bracket, posed, prism, random_rotations, we
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geometry.columns import above, body_of, centre_of_mass, stands, steady
+from geometry.bodies.columns import above, body_of, centre_of_mass, stands, steady
+from geometry.bodies.gap import gap
+from geometry.bodies.overlap import Solid
 from geometry.frames import from_rotation_translation
-from geometry.gap import gap
-from geometry.overlap import Solid
 
 QUICK = settings(max_examples=40, deadline=None, derandomize=True)
 TOLERANCE = 0.01

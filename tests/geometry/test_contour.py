@@ -8,9 +8,9 @@ from geometry_bodies import CAMERA, random_rotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geometry.contour import _inside, contour, union_by_contour, winding
 from geometry.frames import from_rotation_translation, transform_points
-from geometry.outline import outline
+from geometry.visibility.contour import _inside, contour, union_by_contour, winding
+from geometry.visibility.outline import outline
 
 BODIES = {
     "ball": lambda: trimesh.creation.icosphere(3),

@@ -7,9 +7,9 @@ from geometry_bodies import at, box, bracket, prism, random_rotations, wedge
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geometry.depth import parts_of, penetration
+from geometry.bodies.depth import parts_of, penetration
+from geometry.bodies.overlap import Solid, solid_overlap
 from geometry.frames import from_rotation_translation
-from geometry.overlap import Solid, solid_overlap
 
 ELL = prism([(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)], 1.0)
 CUBE, BRICK, WEDGE, YOU, EL = Solid(*box()), Solid(*box(0.8, 0.6, 1.3)), Solid(*wedge()), Solid(*bracket()), Solid(*ELL)

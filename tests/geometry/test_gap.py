@@ -7,10 +7,10 @@ from geometry_bodies import at, bodies, box, posed, random_rotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geometry.bodies.gap import _followed, distance, gap
+from geometry.bodies.nearest import nearest_places
+from geometry.bodies.overlap import Solid
 from geometry.frames import from_rotation_translation, transform_points
-from geometry.gap import _followed, distance, gap
-from geometry.nearest import nearest_places
-from geometry.overlap import Solid
 
 QUICK = settings(max_examples=40, deadline=None, derandomize=True)
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from geometry.errors import GeometryError
+from geometry.files.move_files import read_moves
 from geometry.frames import inverse, look_at
-from geometry.move_files import read_moves
 
 WORLD = inverse(look_at((3.0, 1.0, 2.0), (0.0, 0.0, 0.5)))
 MOVED = inverse(look_at((0.5, 0.2, 0.1), (0.0, 0.0, 4.0), (0, -1, 0)))

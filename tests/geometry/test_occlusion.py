@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from geometry_bodies import CAMERA, LENS, at, bodies, box, bracket, posed, random_rotations, wedge
 
-from geometry.behind import behind
+from geometry.bodies.overlap import overlap_volume
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation
-from geometry.occlusion import PosedSurface, drawn, occlusion
-from geometry.overlap import overlap_volume
-from geometry.rays import RayMesh
-from geometry.roc import coarse, coarse_converse, converse
-from geometry.visible import visible_fraction
+from geometry.visibility.behind import behind
+from geometry.visibility.occlusion import PosedSurface, drawn, occlusion
+from geometry.visibility.rays import RayMesh
+from geometry.visibility.roc import coarse, coarse_converse, converse
+from geometry.visibility.visible import visible_fraction
 
 
 def coarse_relation(*args, **options):

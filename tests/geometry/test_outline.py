@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw, transform_points
-from geometry.outline import image_area, is_closed, outline
+from geometry.visibility.outline import image_area, is_closed, outline
 
 
 @pytest.mark.parametrize("camera", [CAMERA, LENS])

@@ -4,10 +4,10 @@ from geometry_bodies import at, bodies, box, bracket, random_rotations, wedge
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geometry.bodies.overlap import Solid, overlap_volume, solid_overlap
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, inverse, transform_points
-from geometry.overlap import Solid, overlap_volume, solid_overlap
-from geometry.rays import RayMesh
+from geometry.visibility.rays import RayMesh
 
 CUBE = Solid(*box())
 shifts = st.floats(-1.5, 1.5)

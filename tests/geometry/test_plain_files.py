@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from geometry.plain_files import fault_of, is_there
+from geometry.files.plain_files import fault_of, is_there
 
 
 @pytest.fixture

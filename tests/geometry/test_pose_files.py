@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geometry.errors import CameraError
-from geometry.pose_files import read_poses
+from geometry.files.pose_files import read_poses
 
 POSE = np.array([[0.0, -1.0, 0.0, 1.5], [1.0, 0.0, 0.0, -2.0], [0.0, 0.0, 1.0, 0.25], [0.0, 0.0, 0.0, 1.0]])
 

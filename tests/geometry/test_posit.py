@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, pose_error, transform_points
-from geometry.posit import posit
+from geometry.poses.posit import posit
 
 
 def scene(seed, count, points=4, spread=0.6, nearest=4.0):

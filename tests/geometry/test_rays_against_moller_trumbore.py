@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from geometry_bodies import at, bodies, box, bracket, random_rotations, wedge
 
-from geometry.behind import behind
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, inverse, look_at, transform_points
-from geometry.rays import RayMesh
+from geometry.visibility.behind import behind
+from geometry.visibility.rays import RayMesh
 
 
 def moller_trumbore(vertices, triangles, origins, directions):

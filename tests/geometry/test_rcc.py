@@ -5,8 +5,8 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from geometry.rcc import rcc8, related
-from geometry.roc import RCC8, rcc_converse
+from geometry.visibility.rcc import rcc8, related
+from geometry.visibility.roc import RCC8, rcc_converse
 
 T = 0.25
 WHOLE = shapely.box(0, 0, 10, 10)

@@ -4,7 +4,7 @@ from geometry_bodies import CAMERA, LENS, random_rotations
 
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, is_rigid, pose_error, rotation_from_quat_xyzw, transform_points
-from geometry.refine import Steps, refine_poses, refined_poses
+from geometry.poses.refine import Steps, refine_poses, refined_poses
 
 
 def scene(seed, count=40, *, camera=CAMERA, noise=0.5, start=0.1):

@@ -4,8 +4,8 @@ from softposit_scenes import right, scene
 
 from geometry.errors import GeometryError
 from geometry.frames import transform_points
-from geometry.restarts import random_starts, softposit_restarts
-from geometry.softposit import softposit
+from geometry.poses.restarts import random_starts, softposit_restarts
+from geometry.poses.softposit import softposit
 
 
 def test_with_types_most_random_starts_find_the_pose():

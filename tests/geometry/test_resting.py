@@ -6,10 +6,10 @@ from geometry_bodies import CAMERA, box, prism, random_rotations, wedge
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geometry.bodies.resting import Plane, resting_faces
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, pose_error, transform_points
-from geometry.refine import Steps, refine_poses, refined_poses
-from geometry.resting import Plane, resting_faces
+from geometry.poses.refine import Steps, refine_poses, refined_poses
 
 BODIES = {"brick": box(0.2, 0.1, 0.06)[0], "wedge": wedge()[0], "triangle": prism([(0, 0), (0.3, 0), (0.1, 0.2)], 0.15)[0]}
 seeds = st.integers(0, 9999)

@@ -4,7 +4,18 @@ from collections import Counter
 
 import pytest
 
-from geometry.roc import COARSE, RCC8, ROC20, coarse, coarse_converse, converse, los14, parts_of, rcc_converse, roc
+from geometry.visibility.roc import (
+    COARSE,
+    RCC8,
+    ROC20,
+    coarse,
+    coarse_converse,
+    converse,
+    los14,
+    parts_of,
+    rcc_converse,
+    roc,
+)
 
 
 def test_there_are_twenty_and_each_is_an_image_and_an_order():

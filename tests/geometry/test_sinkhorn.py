@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from geometry.errors import GeometryError
-from geometry.sinkhorn import Pairs, pairs_of, sinkhorn, sums_per_model
+from geometry.poses.sinkhorn import Pairs, pairs_of, sinkhorn, sums_per_model
 
 SLACK = 0.05
 

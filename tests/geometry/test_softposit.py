@@ -6,8 +6,8 @@ from softposit_scenes import NEAR, off, right, scene
 
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, is_rigid, pose_error, transform_points
-from geometry.restarts import random_starts
-from geometry.softposit import Annealing, softposit
+from geometry.poses.restarts import random_starts
+from geometry.poses.softposit import Annealing, softposit
 
 
 def from_near(seed, degrees=10.0, *, typed=False, **kwargs):
@@ -93,7 +93,7 @@ def test_blocks_change_nothing(monkeypatch):
     model, xy, pose, equal, _, rng = scene(5, points=20, types=3)
     starts = off(pose, rng, 30, 0.05, 7)
     whole = softposit(model, xy, starts, allowed=equal)
-    monkeypatch.setattr("geometry.softposit.BLOCK", 2 * int(equal.sum()))
+    monkeypatch.setattr("geometry.poses.softposit.BLOCK", 2 * int(equal.sum()))
     parts = softposit(model, xy, starts, allowed=equal)
     np.testing.assert_allclose(whole.camera_from_object, parts.camera_from_object, atol=1e-9)
     assert np.array_equal(whole.matches, parts.matches)

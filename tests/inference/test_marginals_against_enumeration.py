@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.errors import WidthError
+from plogic.base.errors import WidthError
 from plogic.inference import exact, tree
 from plogic.inference.graph import Factor, FactorGraph
 from plogic.inference.marginals import beliefs, summed_out

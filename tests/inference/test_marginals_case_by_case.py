@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.errors import WidthError
+from plogic.base.clock import Clock, OutOfTimeError
+from plogic.base.errors import WidthError
 from plogic.inference import bounded
-from plogic.inference.clock import Clock, OutOfTimeError
 from plogic.inference.conditioning import conditioned
 from plogic.inference.cutset import cutset
 from plogic.inference.exact import planned, solve

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.inference.clock import Clock, OutOfTimeError
+from plogic.base.clock import Clock, OutOfTimeError
 from plogic.inference.merge import Stream, product, reach, sums
 
 LAW = settings(derandomize=True, deadline=None, max_examples=200)

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from plogic.errors import LimitError
+from plogic.base.errors import LimitError
 from plogic.inference import ranked as ranking
 from plogic.inference import ranked_wide
 from plogic.inference.graph import Factor, FactorGraph

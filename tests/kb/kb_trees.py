@@ -3,8 +3,8 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from kb.cloud import Lobe
-from kb.tree import Branch
+from kb.clouds.cloud import Lobe
+from kb.clouds.tree import Branch
 
 
 def turn(axis: int, angle: float):

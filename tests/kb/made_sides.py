@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 from random_cloud import unit
 
-from kb.cones import even_directions
+from geometry.cones import even_directions
 from kb.learning.observations import Observations
 from kb.learning.sides import BYTES, LOOKS
 

@@ -10,14 +10,14 @@ import numpy as np
 from made_meshes import QUADS, obj_text, split_box
 
 from geometry.camera import Camera
+from geometry.cones import even_directions
 from geometry.frames import look_at
-from kb.cones import even_directions
+from kb.clouds.learnt import cloud_bytes
+from kb.clouds.words import words_bytes
 from kb.learning import features, observations
 from kb.learning.views import AWAY, MARGIN
 from kb.learning.words import worded
-from kb.learnt import cloud_bytes
-from kb.words import words_bytes
-from sensing.keypoint_detector import described
+from sensing.detectors.keypoint_detector import described
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Sensor, render
 from sensing.simulated.lighting import Light

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from kb.learnt import LearntCloud
-from kb.words import Words
+from kb.clouds.learnt import LearntCloud
+from kb.clouds.words import Words
 
 
 def random_words(seed=0, count=7, width=128):

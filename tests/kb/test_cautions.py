@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from made_meshes import write_box
 
-from kb.cautions import cautions
-from kb.read import read_kb
-from kb.shipped import shipped
+from kb.files.read import read_kb
+from kb.files.shipped import shipped
+from kb.shown.cautions import cautions
 
 KB = "name: k\nappearance_types: [spot, dot]\n"
 FACES = {"left": ([0, 0.5, 0.5], [-1, 0, 0]), "right": ([1, 0.5, 0.5], [1, 0, 0]), "top": ([0.5, 0.5, 1], [0, 0, 1])}

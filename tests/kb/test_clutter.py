@@ -2,9 +2,9 @@
 
 import pytest
 
-from kb.clutter import LAMBDA, clutter_prior
-from kb.read import read_kb
-from kb.shipped import shipped
+from kb.clouds.clutter import LAMBDA, clutter_prior
+from kb.files.read import read_kb
+from kb.files.shipped import shipped
 
 
 @pytest.fixture(scope="module")

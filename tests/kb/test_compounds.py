@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kb.clouds.learnt import numbered
 from kb.learning.compounds import BY_CHANCE, OF_SIZE, OFTEN, bar, grouped, linked, together, within_parts
-from kb.learnt import numbered
 
 WIDTH, PAIRS, LONE, PICTURES = 0.01, 12, 60, 160
 

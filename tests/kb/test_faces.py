@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from kb.author_towers import t1, t2
-from kb.faces import Face, faces, normals_of
-from kb.surface import Surface, check_closed, welded
+from kb.intake.author_towers import t1, t2
+from kb.surfaces.faces import Face, faces, normals_of
+from kb.surfaces.surface import Surface, check_closed, welded
 
 
 def cuboid(steps: int = 0) -> Surface:

@@ -3,12 +3,12 @@
 import pytest
 from small_kb import KB, write_small
 
-from kb.cloud import UNKNOWN_SUPPORT
+from kb.clouds.cloud import UNKNOWN_SUPPORT
 from kb.errors import KBErrors
-from kb.read import read_kb
-from kb.schema import json_schema
-from kb.show import tree_document
-from kb.write import kb_text, write_kb
+from kb.files.read import read_kb
+from kb.files.schema import json_schema
+from kb.files.write import kb_text, write_kb
+from kb.shown.show import tree_document
 
 
 def test_left_out_it_is_not_said_to_hold(tmp_path):

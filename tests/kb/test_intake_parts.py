@@ -8,7 +8,7 @@ from made_meshes import CORNERS, box_triangles, split_box
 from twin_cubes import APART, cubes
 
 from kb.intake.parts import MOST, pieces_of
-from kb.surface import Surface, welded
+from kb.surfaces.surface import Surface, welded
 
 
 def boxes(*rows):

@@ -6,13 +6,13 @@ import trimesh
 from made_meshes import CORNERS, box_triangles, split_box
 
 from kb.errors import IntakeError
-from kb.intake.holes import rims
-from kb.intake.limits import DEVIATIONS, FEW
-from kb.intake.nearness import Nearness, spread
-from kb.intake.orient import turned_outward
-from kb.intake.repair import repaired
 from kb.intake.shape_symmetries import turns_of
-from kb.surface import Surface, check_closed
+from kb.surfaces.holes import rims
+from kb.surfaces.limits import DEVIATIONS, FEW
+from kb.surfaces.nearness import Nearness, spread
+from kb.surfaces.orient import turned_outward
+from kb.surfaces.repair import repaired
+from kb.surfaces.surface import Surface, check_closed
 
 
 def test_seams_are_welded():

@@ -8,10 +8,10 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kb.author_towers import t2
-from kb.cones import enclosing_cone, even_directions, spacing
-from kb.junctions import arms, junction_kinds, junctions
-from kb.surface import Surface, welded
+from geometry.cones import enclosing_cone, even_directions, spacing
+from kb.intake.author_towers import t2
+from kb.surfaces.junctions import arms, junction_kinds, junctions
+from kb.surfaces.surface import Surface, welded
 
 
 @pytest.fixture(scope="module")

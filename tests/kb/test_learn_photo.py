@@ -12,14 +12,14 @@ from made_meshes import write_box
 
 from cli import cli
 from geometry.frames import inverse, look_at, transform_points
-from geometry.register import centred_camera
+from geometry.poses.register import centred_camera
 from kb.errors import IntakeError, KBErrors
+from kb.files.read import read_kb
 from kb.learning.observations import STEEP
 from kb.learning.photo import on_shown, painted, registered
 from kb.learning.points import read_points
 from kb.learning.sides import INSIDE
-from kb.read import read_kb
-from kb.surface import surface_from_mesh
+from kb.surfaces.surface import surface_from_mesh
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import render
 from sensing.simulated.patterns import pattern
@@ -89,7 +89,7 @@ class Here:
 
 
 def test_command_learns_what_the_photo_shows(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr("plogic.commands.kb_learn_look.ProcessPoolExecutor", Here)
+    monkeypatch.setattr("plogic.face.authoring.kb_learn_look.ProcessPoolExecutor", Here)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr("kb.learning.views.DIRECTIONS", 16)
     monkeypatch.setattr("kb.learning.views.PIXELS", (230.0, 160.0))

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from painted_cube import CORNER, COUNT, F_REF, PIXELS, SIDE, cloud, cube, facing, seen, seen_of, sizes
 
-from kb.cones import even_directions, spacing
+from geometry.cones import even_directions, spacing
+from kb.clouds.learnt import cloud_bytes, read_cloud
 from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of, reaches
 from kb.learning.observations import EDGE, OFTEN, joined
 from kb.learning.variants import variants
 from kb.learning.views import AWAY, MARGIN, distance
-from kb.learnt import cloud_bytes, read_cloud
 from sensing.simulated.turntable import turned
 
 FEW = facing(CORNER, 25.0)

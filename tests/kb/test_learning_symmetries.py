@@ -9,15 +9,15 @@ import pytest
 from made_meshes import CORNERS, box_triangles
 from random_cloud import random_cloud, unit
 
-from kb.cones import even_directions
+from geometry.cones import even_directions
+from kb.files.schema import SymmetryModel
 from kb.intake.shape_symmetries import Turn
 from kb.learning import symmetries
 from kb.learning.counterparts import counterparts, reach_of, share
 from kb.learning.observations import Observations
 from kb.learning.symmetries import HOLDS, LIKELY, Trial, entries, judged, trials
-from kb.schema import SymmetryModel
-from kb.surface import Surface
-from kb.symmetries import motions
+from kb.surfaces.surface import Surface
+from kb.surfaces.symmetries import motions
 
 SIDES = np.array([0.1, 0.1, 0.16])
 MIDDLE = np.array([0.3, -0.2, 0.5])

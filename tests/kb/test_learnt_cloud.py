@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_cloud import random_cloud
 
-from kb import learnt
+from kb.clouds import learnt
+from kb.clouds.learnt import _SHAPES, cloud_bytes, read_cloud
 from kb.errors import CloudError
-from kb.learnt import _SHAPES, cloud_bytes, read_cloud
 
 
 class Booby:

@@ -14,14 +14,14 @@ from random_cloud import random_cloud, random_words
 from test_learnt_cloud import packed, with_member
 from test_learnt_parts import kind_of, spread_cloud, write
 
+from kb.clouds.learnt import FORMAT, cloud_bytes, numbered, read_cloud
 from kb.errors import CloudError
+from kb.files.learnt_reading import learnt_features, with_compounds
+from kb.files.read import read_kb
 from kb.learning.parts import with_parts
 from kb.learning.words import worded
-from kb.learnt import FORMAT, cloud_bytes, numbered, read_cloud
-from kb.learnt_reading import learnt_features, with_compounds
-from kb.learnt_summary import learnt_summary
-from kb.read import read_kb
-from kb.show import check_report, part_rows, tree_document, tree_text
+from kb.shown.learnt_summary import learnt_summary
+from kb.shown.show import check_report, part_rows, tree_document, tree_text
 from plogic.measures.distinctiveness import instance_counts
 
 GROUPS = [0, 1, 1, 0, 2, 2, 1, 0]

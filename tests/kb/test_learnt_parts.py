@@ -13,15 +13,15 @@ from random_cloud import random_cloud
 from test_learnt_cloud import packed, with_member
 from twin_cubes import APART, SIDE, write_twins
 
+from kb.clouds.learnt import cloud_bytes, read_cloud
+from kb.clouds.mereology import dr, pp
+from kb.clouds.words import words_bytes
 from kb.errors import CloudError, KBErrors
+from kb.files.read import read_kb
 from kb.learning.parts import with_parts
 from kb.learning.words import worded
-from kb.learnt import cloud_bytes, read_cloud
-from kb.mereology import dr, pp
-from kb.read import read_kb
-from kb.show import check_report, part_of_features, part_rows, tree_document, tree_text
-from kb.words import words_bytes
-from plogic.parts import part_facts
+from kb.shown.show import check_report, part_of_features, part_rows, tree_document, tree_text
+from plogic.facts.part_facts import part_facts
 
 PARTS = "parts:\n  - {part: lower, at: [0, 0, 0]}\n  - {part: upper, at: [0, 0, 0.12]}\n"
 OBJECT = "object: twins\nmesh: {file: %s, units: m}\n%scloud: {file: cloud.npz}\n"

@@ -8,13 +8,13 @@ import pytest
 from painted_cube import write_knowledge
 from random_cloud import random_cloud, unit
 
-from kb.cones import even_directions
+from geometry.cones import even_directions
+from kb.clouds.lobes import in_lobe
 from kb.errors import KBErrors
-from kb.learnt_summary import MANY, learnt_summary
-from kb.lobes import in_lobe
-from kb.read import read_kb
-from kb.show import check_report, tree_document, tree_text
-from plogic.commands.kb import measures_command, show_command
+from kb.files.read import read_kb
+from kb.shown.learnt_summary import MANY, learnt_summary
+from kb.shown.show import check_report, tree_document, tree_text
+from plogic.face.authoring.kb import measures_command, show_command
 
 
 def many(seed, axis=(0.0, 0, 1), features=300, spread=0.1):

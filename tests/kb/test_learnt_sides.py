@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 from made_sides import COLOURS, CONTRAST, COUNT, DIAMETER, F_REF, PIXEL, an_edge, keypoints, some_of, towards
 from random_cloud import random_cloud
 
-from kb.cones import even_directions, spacing
+from geometry.cones import even_directions, spacing
+from kb.clouds.learnt import LearntCloud, cloud_bytes, read_cloud
 from kb.learning.features import BEYOND, LEAST_SEEN, MOST_SIDES, SIDES_SEEN, cloud_of
 from kb.learning.observations import joined
 from kb.learning.sides import LOOKS, STRETCH, VARIED, WIDE
-from kb.learnt import LearntCloud, cloud_bytes, read_cloud
 
 SEEDS = st.integers(0, 9999)
 REACH = 0.4 * STRETCH * DIAMETER

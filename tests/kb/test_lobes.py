@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kb.cloud import Feature, FeatureAppearance, Lobe
-from kb.lobes import converge, feature_in_lobe, in_lobe, lobe_table, vector_pencil
+from kb.clouds.cloud import Feature, FeatureAppearance, Lobe
+from kb.clouds.lobes import converge, feature_in_lobe, in_lobe, lobe_table, vector_pencil
 
 UP = np.array([0.0, 0, 1])
 

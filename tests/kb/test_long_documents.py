@@ -3,11 +3,11 @@
 import pytest
 from small_kb import KB, write_small
 
-from kb.branches import held, path_to
 from kb.errors import KBErrors
-from kb.model_mistakes import without
-from kb.read import read_kb
-from kb.yaml_text import load
+from kb.files.branches import held, path_to
+from kb.files.model_mistakes import without
+from kb.files.read import read_kb
+from kb.files.yaml_text import load
 
 MANY = 30_000
 

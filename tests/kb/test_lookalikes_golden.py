@@ -1,12 +1,12 @@
-"""The shipped look-alikes are what `python -m kb.author_lookalikes` writes: two towers that differ on one wall, and one like neither."""
+"""The shipped look-alikes are what `python -m kb.intake.author_lookalikes` writes: two towers that differ on one wall, and one like neither."""
 
 from pathlib import Path
 
 import numpy as np
 
 import kb
-from kb.author_lookalikes import author
-from kb.read import read_kb
+from kb.files.read import read_kb
+from kb.intake.author_lookalikes import author
 
 SHIPPED = Path(kb.__file__).parent / "lookalikes"
 

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from kb_trees import feature, part, trees
 
+from kb.clouds.mereology import dr, o, p, pp
+from kb.clouds.tree import build_tree
 from kb.errors import TreeError
-from kb.mereology import dr, o, p, pp
-from kb.tree import build_tree
 
 
 def things(tree):

@@ -3,10 +3,10 @@ import json
 import pytest
 from small_kb import OBJECT, write_small
 
-from kb.read import read_kb
-from kb.schema import json_schema
-from kb.shipped import shipped
-from kb.show import check_report, tree_document, tree_text
+from kb.files.read import read_kb
+from kb.files.schema import json_schema
+from kb.files.shipped import shipped
+from kb.shown.show import check_report, tree_document, tree_text
 
 
 @pytest.fixture

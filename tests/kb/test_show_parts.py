@@ -6,9 +6,9 @@ from collections import Counter
 
 from small_kb import write_small
 
-from kb.read import read_kb
-from kb.shipped import shipped
-from kb.show import part_of_features, part_rows
+from kb.files.read import read_kb
+from kb.files.shipped import shipped
+from kb.shown.show import part_of_features, part_rows
 
 
 def test_compound_features_and_their_parts_count_in_their_part(tmp_path):

@@ -14,11 +14,23 @@ from painted_cube import PIXELS, sizes
 
 from geometry.camera import Camera
 from geometry.frames import look_at
+from kb.clouds.words import COLOURS, SIDE
 from kb.learning.observations import ALWAYS, PICTURES_OF_SIDES, joined, observed
-from kb.learning.sides import ACROSS, ALONG, PIXELS_WIDE, SAME_WAY, STRETCH, TINTED, TURNED, VARIED, WIDE, side_places, sides_again
-from kb.words import COLOURS, SIDE
-from sensing.edge_sides import edge_sides
-from sensing.keypoint_detector import described
+from kb.learning.sides import (
+    ACROSS,
+    ALONG,
+    PIXELS_WIDE,
+    SAME_WAY,
+    STRETCH,
+    TINTED,
+    TURNED,
+    VARIED,
+    WIDE,
+    side_places,
+    sides_again,
+)
+from sensing.detectors.edge_sides import edge_sides
+from sensing.detectors.keypoint_detector import described
 
 SEEDS = st.integers(0, 9999)
 RED = (40, 50, 190)

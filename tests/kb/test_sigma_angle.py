@@ -5,10 +5,10 @@ import pytest
 from small_kb import KB, write_small
 
 from kb.errors import KBErrors
-from kb.read import read_kb
-from kb.schema import json_schema
-from kb.show import tree_document
-from kb.write import kb_text, write_kb
+from kb.files.read import read_kb
+from kb.files.schema import json_schema
+from kb.files.write import kb_text, write_kb
+from kb.shown.show import tree_document
 
 
 def with_angle(text):

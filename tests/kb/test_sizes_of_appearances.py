@@ -6,9 +6,9 @@ import pytest
 from small_kb import write_small
 
 from kb.errors import KBErrors
-from kb.read import read_kb
-from kb.show import tree_document
-from kb.write import write_kb
+from kb.files.read import read_kb
+from kb.files.write import write_kb
+from kb.shown.show import tree_document
 
 
 def with_size(folder, size):

@@ -5,9 +5,9 @@ import pytest
 import trimesh
 from small_kb import MESH, write_small
 
-from kb.cautions import cautions
-from kb.read import read_kb
-from kb.surface import Surface
+from kb.files.read import read_kb
+from kb.shown.cautions import cautions
+from kb.surfaces.surface import Surface
 
 
 def ball():

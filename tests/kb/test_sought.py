@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_cloud import random_cloud, random_words
 
-from kb.cloud import KnowledgeBase, ObjectType, Rates
-from kb.learnt_reading import learnt_features, learnt_lobes
-from kb.read import read_kb
-from kb.shipped import shipped
+from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
+from kb.files.learnt_reading import learnt_features, learnt_lobes
+from kb.files.read import read_kb
+from kb.files.shipped import shipped
 
 
 @cache

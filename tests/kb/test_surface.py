@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kb.author_towers import author, t1, t2
 from kb.errors import SurfaceError
-from kb.surface import Surface, check_closed, surface_from_mesh, welded
+from kb.intake.author_towers import author, t1, t2
+from kb.surfaces.surface import Surface, check_closed, surface_from_mesh, welded
 
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 FACETS = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])

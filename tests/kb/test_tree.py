@@ -7,8 +7,18 @@ from hypothesis import given, settings
 from kb_trees import feature, part, seen, trees, turn
 
 from geometry.frames import compose, is_rigid
+from kb.clouds.tree import (
+    Branch,
+    build_tree,
+    check_tree,
+    features_of,
+    is_atom,
+    maximal_objects,
+    place,
+    schema,
+    tree_mistakes,
+)
 from kb.errors import TreeError
-from kb.tree import Branch, build_tree, check_tree, features_of, is_atom, maximal_objects, place, schema, tree_mistakes
 
 
 def tower(*more: Branch) -> Branch:

@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_cloud import random_cloud, random_words
 
-from kb import words as module
-from kb.clutter import KEYPOINTS, word_clutter
+from kb.clouds import words as module
+from kb.clouds.clutter import KEYPOINTS, word_clutter
+from kb.clouds.words import MOST, PER_WORD, Words, learn_words, read_words, words_bytes
 from kb.errors import CloudError
+from kb.files.learnt_reading import learnt_features, learnt_lobes
 from kb.learning.words import worded
-from kb.learnt_reading import learnt_features, learnt_lobes
-from kb.words import MOST, PER_WORD, Words, learn_words, read_words, words_bytes
 
 
 def far(one, other):

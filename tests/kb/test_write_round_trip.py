@@ -4,12 +4,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_kb import OBJECT, write_small
 
-from kb.read import read_kb
-from kb.schema import SymmetryModel
-from kb.shipped import shipped
-from kb.symmetries import motions, symmetry_entries
-from kb.write import flow, kb_files, write_kb
-from kb.yaml_text import load
+from kb.files.read import read_kb
+from kb.files.schema import SymmetryModel
+from kb.files.shipped import shipped
+from kb.files.write import flow, kb_files, write_kb
+from kb.files.yaml_text import load
+from kb.surfaces.symmetries import motions, symmetry_entries
 
 
 def assert_same_type(first, second):

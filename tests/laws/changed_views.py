@@ -7,9 +7,9 @@ from random import Random
 
 import numpy as np
 
+from benchmarks.clutter.types import made
+from benchmarks.many.types import with_rates
 from geometry.camera import Camera
-from plogic.bench.clutter_types import made
-from plogic.bench.many_types import with_rates
 from sensing.appearance import Appearance, Gamma
 
 WHOLE = 2.0 * np.pi
@@ -27,7 +27,7 @@ def other_names(names, letter):
 
 
 def renamed(kb, types, looks):
-    """A knowledge base of ``plogic.bench.many_types`` by other names of its types, and of its appearance types."""
+    """A knowledge base of ``benchmarks.many.types`` by other names of its types, and of its appearance types."""
 
     def told(kind):
         at, frames = np.array([f.at for f in kind.features]), np.array([f.rotation for f in kind.features])

@@ -8,14 +8,14 @@ from functools import cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from benchmarks.clutter.scenes import random_pose
+from benchmarks.clutter.types import type_names
+from benchmarks.many.placing import Placed, depth_of, meet
+from benchmarks.many.scenes import scene, scene_of
+from benchmarks.many.types import LOOKS, polyhedron, with_rates
 from geometry.frames import from_rotation_translation, inverse, rotation_from_quat_xyzw
-from plogic.bench.clutter_scenes import random_pose
-from plogic.bench.clutter_types import type_names
-from plogic.bench.many_placing import Placed, depth_of, meet
-from plogic.bench.many_scenes import scene, scene_of
-from plogic.bench.many_types import LOOKS, polyhedron, with_rates
-from plogic.delta import Options
-from plogic.perceive import Perceiver
+from plogic.cycle.delta import Options
+from plogic.run.perceive import Perceiver
 
 TYPES = 8
 

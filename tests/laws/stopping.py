@@ -7,8 +7,8 @@ from contextlib import contextmanager
 
 import pytest
 
+from plogic.base.clock import Clock, OutOfTimeError
 from plogic.inference import cache, marginals
-from plogic.inference.clock import Clock, OutOfTimeError
 
 LONG = 3600.0
 """Seconds: a limit that a test does not reach, so that only ``stopped`` ends what it limits."""

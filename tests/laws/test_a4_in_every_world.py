@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from many_objects import camera, touching, twins
 
-from plogic.bench.many_score import depth
-from plogic.delta import Options
-from plogic.disjoint import DEEP
-from plogic.perceive import Perceiver
-from plogic.views.document import panorama_document
-from plogic.views.panorama import Panorama
-from plogic.views.view import View
+from benchmarks.many.score import depth
+from plogic.cycle.delta import Options
+from plogic.match.judged.disjoint import DEEP
+from plogic.run.panorama_document import panorama_document
+from plogic.run.perceive import Perceiver
+from plogic.sequence.views.panorama import Panorama
+from plogic.sequence.views.view import View
 
 
 def deepest(document, kb, frame="T_camera_object"):

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from many_objects import accepted_rows, few_kb, few_types
 
-from plogic.bench.many_placing import CROWD
-from plogic.bench.many_scenes import scene
-from plogic.bench.many_score import deepest, verdict
-from plogic.bench.recognition_score import Found
-from plogic.delta import Options
-from plogic.disjoint import DEEP
+from benchmarks.many.placing import CROWD
+from benchmarks.many.scenes import scene
+from benchmarks.many.score import deepest, verdict
+from benchmarks.recognition.score import Found
+from plogic.cycle.delta import Options
+from plogic.match.judged.disjoint import DEEP
 
 
 @pytest.mark.parametrize("seed", [7005, 7006, 7008])

@@ -6,10 +6,10 @@ import pytest
 from situations import towers
 from tangles import tangle
 
-from plogic import live, query
-from plogic.errors import LimitError
-from plogic.live import LiveScene
-from plogic.worlds import ranked_worlds
+from plogic.base.errors import LimitError
+from plogic.scene.asking import live, query
+from plogic.scene.asking.live import LiveScene
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 
 @pytest.mark.parametrize("count", [22, 60])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from many_objects import accepted_rows, few_kb, scene_of_seed, twins
 
-from plogic.delta import Options
-from plogic.perceive import Perceiver
+from plogic.cycle.delta import Options
+from plogic.run.perceive import Perceiver
 from sensing.appearance import Gamma
 
 SEED = 5400

@@ -10,13 +10,13 @@ from drawn_programs import programs
 from hypothesis import HealthCheck, assume, given, settings
 from situations import random_situations, towers
 
-from plogic.engine import Text, through
-from plogic.errors import InconsistentError
-from plogic.program.text import program_text
-from plogic.programs.ranking import ranked
-from plogic.programs.worlds import program_worlds
-from plogic.safety.serve import serve
-from plogic.worlds import ranked_worlds
+from plogic.base.errors import InconsistentError
+from plogic.logic.answers.state_ranking import ranked
+from plogic.logic.served.engine import Text, through
+from plogic.logic.served.program_worlds import program_worlds
+from plogic.logic.served.serve import serve
+from plogic.scene.text.program_text import program_text
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 QUICK = settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 EVIDENCE = re.compile(r"^evidence\((.*)\)\.$", re.MULTILINE)

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 from situations import random_situations
 from stopping import LONG, stopped
 
-from plogic.errors import InconsistentError
-from plogic.factors.scene import scene_graph
-from plogic.live import LiveScene
-from plogic.worlds import ranked_worlds
+from plogic.base.errors import InconsistentError
+from plogic.scene.asking.live import LiveScene
+from plogic.scene.factors.scene_graph import scene_graph
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 KINDS = [("score", "to_B"), ("score", "drop"), ("score", "reassign"), ("posterior", "to_B")]

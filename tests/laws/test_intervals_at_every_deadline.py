@@ -17,12 +17,14 @@ from situations import random_situations
 from stopping import LONG, stopped
 from tangles import tangle
 
-from plogic.engine import through
-from plogic.errors import InconsistentError
-from plogic.live import LiveScene
-from plogic.programs import anytime, bounds, ranking
-from plogic.safety.serve import serve
-from plogic.worlds import ranked_worlds
+from plogic.base.errors import InconsistentError
+from plogic.logic.answers import anytime_answers as anytime
+from plogic.logic.answers import intervals as bounds
+from plogic.logic.answers import state_ranking as ranking
+from plogic.logic.served.engine import through
+from plogic.logic.served.serve import serve
+from plogic.scene.asking.live import LiveScene
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 QUICK = settings(max_examples=80, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 ROUNDING = 1e-10

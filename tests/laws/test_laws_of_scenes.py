@@ -15,16 +15,16 @@ from many_objects import accepted_rows, alike, few_kb, few_types, scene_of_seed,
 from synthetic import one_before_the_other, perceiver, scene, towers
 
 from geometry.frames import pose_error
-from kb.read import read_kb
-from kb.shipped import shipped
-from plogic.delta import Options
-from plogic.disjoint import DEEP
-from plogic.expectation import hidden_by
-from plogic.perceive import Perceiver
-from plogic.rivals import claims
-from plogic.search.data import data_of
-from plogic.search.indices import settle
-from plogic.stopwatch import Stopwatch
+from kb.files.read import read_kb
+from kb.files.shipped import shipped
+from plogic.base.stopwatch import Stopwatch
+from plogic.cycle.delta import Options
+from plogic.match.gamma.data import data_of
+from plogic.match.indices import settle
+from plogic.match.judged.disjoint import DEEP
+from plogic.match.judged.expectation import hidden_by
+from plogic.match.judged.rivals import claims
+from plogic.run.perceive import Perceiver
 
 POSTERIOR = Options(reading="posterior")
 MANY, TOWERS = 5111, 9501

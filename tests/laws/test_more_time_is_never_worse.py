@@ -1,4 +1,4 @@
-"""Anytime (``plogic.anytime``): wherever the cycle is stopped, it answers with a stable Δi, and more time never makes its weight less."""
+"""Anytime (``plogic.cycle.anytime``): wherever the cycle is stopped, it answers with a stable Δi, and more time never makes its weight less."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from many_objects import accepted_rows, few_types, scene_of_seed
 from stopping import stopped
 from synthetic import one_before_the_other, perceiver, scene
 
-from plogic.delta import Options
-from plogic.interpretation import situation_of, text_of
-from plogic.search.alike import same_place
-from plogic.worlds import ranked_worlds
+from plogic.cycle.delta import Options
+from plogic.facts.interpretation import situation_of, text_of
+from plogic.match.judged.alike import same_place
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 STOPS = 10
 """Looks at the time at which one scene is stopped, the first and the last ones among them."""

@@ -9,15 +9,15 @@ import pytest
 import trimesh
 from many_objects import accepted_rows
 
+from benchmarks.clutter.types import body_frames, made, scattered, type_names
+from benchmarks.many.bench import all_told
+from benchmarks.many.placing import Placed, depth_of, meet
+from benchmarks.many.scenes import scene_of
+from benchmarks.many.types import HALF_ANGLE, LOOKS, with_rates
 from geometry.frames import from_rotation_translation, pose_error, rotation_from_quat_xyzw
-from kb.surface import Surface
-from plogic.bench.clutter_types import body_frames, made, scattered, type_names
-from plogic.bench.many import all_told
-from plogic.bench.many_placing import Placed, depth_of, meet
-from plogic.bench.many_scenes import scene_of
-from plogic.bench.many_types import HALF_ANGLE, LOOKS, with_rates
-from plogic.delta import Options
-from plogic.perceive import Perceiver
+from kb.surfaces.surface import Surface
+from plogic.cycle.delta import Options
+from plogic.run.perceive import Perceiver
 
 FEATURES = 300
 SHOWN = 0.75

@@ -12,9 +12,9 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from situations import random_situations
 
-from plogic.errors import InconsistentError
-from plogic.programs.ranking import ranked
-from plogic.worlds import ranked_worlds
+from plogic.base.errors import InconsistentError
+from plogic.logic.answers.state_ranking import ranked
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 QUICK = settings(max_examples=50, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 KINDS = [("score", "to_B"), ("score", "drop"), ("score", "reassign"), ("posterior", "to_B")]

@@ -11,12 +11,12 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from situations import feature, hypothesis, random_situations, situation
 
-from plogic.engine import Text, through
-from plogic.errors import InconsistentError
-from plogic.live import LiveScene
-from plogic.safety.serve import serve
-from plogic.session import Session
-from plogic.talk.process import Process
+from plogic.base.errors import InconsistentError
+from plogic.face.session.session import Session
+from plogic.logic.served.engine import Text, through
+from plogic.logic.served.serve import serve
+from plogic.logic.served.staying_process import Process
+from plogic.scene.asking.live import LiveScene
 
 QUICK = settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 EVIDENCE = ("present(h1)", "\\+ present(h2)", "noise(a0)", "\\+ noise(a1)", "case(H, F, a)", "present(h1) ; noise(a2)")

@@ -6,8 +6,8 @@ from hypothesis import HealthCheck, assume, given, settings
 from situations import random_situations
 from test_worlds_against_problog import assert_same_worlds
 
-from plogic.dependence import Scene, dependence
-from plogic.errors import InconsistentError
+from plogic.base.errors import InconsistentError
+from plogic.facts.dependence import Scene, dependence
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from synthetic import cycle_of, scene, side_by_side
 
-from plogic import anytime, cycle
-from plogic.belief import same_hypothesis
-from plogic.rivals import claims
+from plogic.cycle.belief import same_hypothesis
+from plogic.cycle.perception import anytime
+from plogic.cycle.perception import perception as cycle
+from plogic.match.judged.rivals import claims
 
 
 @pytest.mark.parametrize("seed", [6300, 6301])

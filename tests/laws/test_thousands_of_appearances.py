@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from situations import feature, hypothesis, situation
 
-from plogic.live import LiveScene
-from plogic.situation import AppearanceFact
-from plogic.worlds import ranked_worlds
+from plogic.facts.situation import AppearanceFact
+from plogic.scene.asking.live import LiveScene
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 COUNT = 3000
 CLUTTER = 1e-3

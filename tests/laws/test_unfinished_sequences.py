@@ -7,11 +7,11 @@ import pytest
 from interrupted import LATE, stopped_after
 from synthetic import one_before_the_other, perceiver, scene
 
-from plogic.delta import Options
-from plogic.lookahead.of_sequence import of_last_view
-from plogic.views.document import panorama_document
-from plogic.views.panorama import Panorama
-from plogic.views.view import View
+from plogic.cycle.delta import Options
+from plogic.run.panorama_document import panorama_document
+from plogic.sequence.next_view.of_sequence import of_last_view
+from plogic.sequence.views.panorama import Panorama
+from plogic.sequence.views.view import View
 
 
 def seen_twice(looks):

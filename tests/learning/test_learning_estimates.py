@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kb.cloud import Counts, Rates
-from plogic.learning.em import expected_counts, presence
-from plogic.learning.estimates import added, counted, learnt, mean, open_slots, share
-from plogic.learning.records import Record, Sighting, Slot
+from kb.clouds.cloud import Counts, Rates
+from plogic.rates.em import expected_counts, presence
+from plogic.rates.estimates import added, counted, learnt, mean, open_slots, share
+from plogic.rates.records import Record, Sighting, Slot
 
 QUICK = settings(max_examples=100, deadline=None, derandomize=True)
 RATES = Rates(hit={"apex": 0.9, "corner": 0.7}, clutter={"l": 8.0}, prior={"t1": 0.5, "t2": 0.5})

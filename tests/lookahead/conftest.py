@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from plogic.program.author import load_problog
+from plogic.logic.safety.author import load_problog
 
 load_problog()

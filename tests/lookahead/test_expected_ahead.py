@@ -7,9 +7,9 @@ import pytest
 from made_prospects import CAMERA, body, camera_at, prospect, towers
 
 from geometry.frames import inverse
-from plogic.expectation import hidden_by, pose_of
-from plogic.lookahead.expected import sightings
-from plogic.search.data import data_of
+from plogic.match.gamma.data import data_of
+from plogic.match.judged.expectation import hidden_by, pose_of
+from plogic.sequence.next_view.expected import sightings
 
 VIEWS = [camera_at(5, 0), camera_at(-4, 3), camera_at(1, -6, 4), camera_at(0.5, 4, 0.3)]
 

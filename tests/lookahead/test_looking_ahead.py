@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from made_prospects import CAMERA, body, camera_at, prospect
 
-from plogic.lookahead.candidates import Candidate, ring, standing, turned_to, within
-from plogic.lookahead.gain import entropy
-from plogic.lookahead.look import looked_ahead
+from plogic.sequence.next_view.gain import entropy
+from plogic.sequence.next_view.look import looked_ahead
+from plogic.sequence.next_view.moves import Candidate, ring, standing, turned_to, within
 
 WORLD = np.eye(4)
 RING = [Candidate(f"at {a}°", camera_at(6 * np.cos(np.radians(a)), 6 * np.sin(np.radians(a)), 1.5)) for a in range(0, 360, 45)]

@@ -14,15 +14,15 @@ from cli import cli
 from geometry.camera import Camera
 from geometry.errors import PlogicError
 from geometry.frames import inverse
-from kb.read import read_kb
-from kb.shipped import shipped
-from plogic.commands.next_view import looked
-from plogic.delta import Options
-from plogic.interpretation import situation_of, text_of
-from plogic.lookahead.goal import answers_in
-from plogic.lookahead.reading import prospect_of
-from plogic.perceive import Perceiver
-from plogic.query import answers
+from kb.files.read import read_kb
+from kb.files.shipped import shipped
+from plogic.cycle.delta import Options
+from plogic.face.commands.next_view import looked
+from plogic.facts.interpretation import situation_of, text_of
+from plogic.run.perceive import Perceiver
+from plogic.scene.asking.query import answers
+from plogic.sequence.next_view.goal import answers_in
+from plogic.sequence.next_view.reading import prospect_of
 from sensing.appearance import Appearance, Gamma
 
 NOTHING = {"about": None, "ring": None, "moves": None, "within": None, "reading": None}
@@ -32,8 +32,8 @@ WORLD = camera_at(0.6, -4.0, 1.8)
 @cache
 def document():
     """A tower of which the north wall would tell which it is, seen from the south; six of seven features that show are reported, without noise."""
-    from plogic.expectation import pose_of
-    from plogic.search.data import data_of
+    from plogic.match.gamma.data import data_of
+    from plogic.match.judged.expectation import pose_of
 
     kb, camera = read_kb(shipped("lookalikes")), Camera(CAMERA.width, CAMERA.height, CAMERA.K, world_from_camera=WORLD)
     kind = kb.type("open_tower")

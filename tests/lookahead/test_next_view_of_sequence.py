@@ -15,13 +15,13 @@ from cli import cli
 from geometry.camera import Camera
 from geometry.errors import PlogicError
 from geometry.frames import inverse
-from kb.read import read_kb
-from kb.shipped import shipped
-from plogic.delta import Options
-from plogic.perceive import Perceiver
-from plogic.views.document import panorama_document
-from plogic.views.panorama import Panorama
-from plogic.views.view import View
+from kb.files.read import read_kb
+from kb.files.shipped import shipped
+from plogic.cycle.delta import Options
+from plogic.run.panorama_document import panorama_document
+from plogic.run.perceive import Perceiver
+from plogic.sequence.views.panorama import Panorama
+from plogic.sequence.views.view import View
 from sensing.appearance import Appearance, Gamma
 
 SOUTH, SOUTH_TOO, NORTH = camera_at(0.6, -4.0, 1.8), camera_at(-0.3, -4.1, 1.8), camera_at(-0.6, 4.0, 1.8)
@@ -30,8 +30,8 @@ SOUTH, SOUTH_TOO, NORTH = camera_at(0.6, -4.0, 1.8), camera_at(-0.3, -4.1, 1.8),
 @cache
 def sequence(*places):
     """An open tower at the origin, which is a blind tower's twin from the south: six of seven features that show are reported, without noise."""
-    from plogic.expectation import pose_of
-    from plogic.search.data import data_of
+    from plogic.match.gamma.data import data_of
+    from plogic.match.judged.expectation import pose_of
 
     kb = read_kb(shipped("lookalikes"))
     kind, known, looks = kb.type("open_tower"), Panorama(Perceiver(kb), Options(reading="posterior")), []

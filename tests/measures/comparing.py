@@ -8,10 +8,10 @@ import numpy as np
 from synthetic import belief_at, cycle_of, data, perceiver, scene, towers
 
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
-from plogic.delta import Options, delta_of
+from plogic.cycle.delta import Options, delta_of
 from plogic.measures.explanatory import explanatory_value
 from plogic.measures.shanahan import shanahan_values
-from plogic.worlds import ranked_worlds
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 NOISE = 0.02
 """Prior of "this appearance is noise", an abducible of Shanahan's measure."""

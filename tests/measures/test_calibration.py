@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.measures.calibration import (
+from benchmarks.calibration.reliability import (
     Bin,
     bootstrap_interval,
     brier,

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.measures.calibration import reliability
-from plogic.measures.calibration_diagram import SIDE, TENTHS, TOP, Panel, diagram
+from benchmarks.calibration.diagram import SIDE, TENTHS, TOP, Panel, diagram
+from benchmarks.calibration.reliability import reliability
 
 SVG = "{http://www.w3.org/2000/svg}"
 ROWS = st.lists(st.tuples(st.floats(0, 1), st.booleans()), min_size=1, max_size=40)

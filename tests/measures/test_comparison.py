@@ -24,15 +24,15 @@ from synthetic import (
     towers,
 )
 
-from plogic.belief import considered
-from plogic.delta import Options, delta_of
-from plogic.expectation import hidden_by, matched, pose_of
+from plogic.cycle.belief import considered
+from plogic.cycle.delta import Options, delta_of
+from plogic.match.gamma.data import data_of
+from plogic.match.hand.type_index import type_index
+from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from plogic.measures.distinctiveness import distinctiveness, distinctiveness_over_delta, instance_counts
 from plogic.measures.explanatory import explanatory_value
 from plogic.measures.shanahan import shanahan_values
-from plogic.search.data import data_of
-from plogic.search.type_index import type_index
-from plogic.worlds import ranked_worlds
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 TRUTHS = [("t1", 8000), ("t2", 8001), ("t1", 8002), ("t2", 8003)]
 OTHER = {"t1": "t2", "t2": "t1"}

@@ -12,11 +12,11 @@ from comparing import turned
 from situations import feature, hypothesis, situation
 from synthetic import belief_at, cycle_of, data, one_before_the_other, perceiver, scene, side_by_side, towers
 
-from plogic.delta import Delta, Options, delta_of
-from plogic.errors import InconsistentError
+from plogic.base.errors import InconsistentError
+from plogic.cycle.delta import Delta, Options, delta_of
 from plogic.measures.explanatory import Cells, explanatory_value, probability_of_ev
-from plogic.perceive import SMOOTHED, ranked
-from plogic.worlds import ranked_worlds
+from plogic.run.perceive import SMOOTHED, ranked
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 TESTS = Path(__file__).parent.parent
 PROGRAM, CYCLE, HERE = "plogic_program/test_traps_of_section_8.py", "cycle/test_cycle.py", "measures/test_traps.py"

@@ -7,10 +7,10 @@ from random import Random
 
 from hypothesis import strategies as st
 
-from geometry.roc import ROC20
-from plogic.gravity import Foot, Gravity
-from plogic.pair_facts import pair_facts
-from plogic.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Situation
+from geometry.visibility.roc import ROC20
+from plogic.facts.gravity import Foot, Gravity
+from plogic.facts.pair_facts import pair_facts
+from plogic.facts.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Situation
 
 POSE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 5.0), (0.0, 0.0, 0.0, 1.0))
 INSTANCES = {"apex": 1, "corner": 16, "other": 95}

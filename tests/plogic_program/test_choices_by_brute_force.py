@@ -10,8 +10,8 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from situations import random_situations
 
-from plogic.dependence import Scene, dependence
-from plogic.worlds import ranked_worlds
+from plogic.facts.dependence import Scene, dependence
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 TINY = settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 

@@ -7,8 +7,8 @@ import math
 import pytest
 from situations import feature, hypothesis, situation
 
-from plogic.contributions import contributions
-from plogic.worlds import ranked_worlds
+from plogic.scene.readings.contributions import contributions
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 
 def test_they_sum_to_the_bayes_factor():

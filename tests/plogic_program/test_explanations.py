@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from situations import towers
 
-from plogic.engine import Text
-from plogic.explain import explain
+from plogic.logic.served.engine import Text
+from plogic.scene.asking.explanations import explain
 
 WET = Text("0.3::rain. 0.5::sprinkler. wet :- rain. wet :- sprinkler, \\+ rain. 0.9::slip(X) :- wet, p(X). p(a). p(b).")
 

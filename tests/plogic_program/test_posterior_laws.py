@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from situations import feature, hypothesis, random_situations, situation
 
-from plogic.errors import InconsistentError
-from plogic.worlds import ranked_worlds
+from plogic.base.errors import InconsistentError
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 QUICK = settings(max_examples=50, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 CLUTTER = 2e-5

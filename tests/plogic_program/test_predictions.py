@@ -3,10 +3,10 @@
 import pytest
 from situations import feature, hypothesis, situation, towers
 
-from geometry.roc import ROC20
-from plogic.pair_facts import pair_facts
-from plogic.predictions import doubts, said
-from plogic.situation import PairFact
+from geometry.visibility.roc import ROC20
+from plogic.facts.pair_facts import pair_facts
+from plogic.facts.situation import PairFact
+from plogic.scene.worlds.predictions import doubts, said
 
 MODES = ("to_B", "drop", "reassign")
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from plogic.errors import (
+from plogic.base.errors import (
     InconsistentError,
     NegativeCycleError,
     NonGroundError,
     ProgramError,
     UnknownPredicateError,
 )
-from plogic.safety.serve import serve
+from plogic.logic.served.serve import serve
 
 
 def asked(*texts, goals=()):

@@ -14,11 +14,11 @@ from pathlib import Path
 import pytest
 from situations import feature, hypothesis, situation
 
-from plogic.errors import SituationError
-from plogic.program.text import left_out, program_text, query_lines
-from plogic.situation import AppearanceFact, PairFact, PartFact
-from plogic.spatial import BodyFact, SharedFact, Space
-from plogic.worlds import ranked_worlds
+from plogic.base.errors import SituationError
+from plogic.facts.situation import AppearanceFact, PairFact, PartFact
+from plogic.facts.spatial import BodyFact, SharedFact, Space
+from plogic.scene.text.program_text import left_out, program_text, query_lines
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 GOLDEN = Path(__file__).parent / "golden"
 

@@ -5,12 +5,19 @@ from __future__ import annotations
 import pytest
 from situations import feature, hypothesis, situation, towers
 
-from plogic.engine import Text, run
-from plogic.errors import InconsistentError, NegativeCycleError, NonGroundError, PlogicError, ProgramError, UnknownPredicateError
-from plogic.query import answers, answers_to_all
-from plogic.situation import PairFact, PartFact
-from plogic.vocabulary import VOCABULARY, entries, table
-from plogic.worlds import ranked_worlds
+from plogic.base.errors import (
+    InconsistentError,
+    NegativeCycleError,
+    NonGroundError,
+    PlogicError,
+    ProgramError,
+    UnknownPredicateError,
+)
+from plogic.facts.situation import PairFact, PartFact
+from plogic.facts.vocabulary import VOCABULARY, entries, table
+from plogic.logic.served.engine import Text, run
+from plogic.scene.asking.query import answers, answers_to_all
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 
 def asked(subject, goal, **options):

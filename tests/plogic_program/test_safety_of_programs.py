@@ -6,11 +6,11 @@ import contextlib
 
 import pytest
 
-from plogic.engine import Limits, Text, run
-from plogic.errors import LimitError, PlogicError, ProgramError, UnsafeProgramError
-from plogic.safety.allowlist import GOALS, LIBRARIES, LOADERS, TRUSTED
-from plogic.safety.check import check_goal, check_source, parse
-from plogic.safety.engine import RefusedError, SafeEngine, engine_for
+from plogic.base.errors import LimitError, PlogicError, ProgramError, UnsafeProgramError
+from plogic.logic.safety.allowlist import GOALS, LIBRARIES, LOADERS, TRUSTED
+from plogic.logic.safety.check import check_goal, check_source, parse
+from plogic.logic.safety.guarded_engine import RefusedError, SafeEngine, engine_for
+from plogic.logic.served.engine import Limits, Text, run
 
 PYTHON, PROLOG, OWNED = "evil.py", "evil.pl", "owned"
 
@@ -164,7 +164,7 @@ def test_second_layer_alone_refuses(trick, bait):
 
 @pytest.mark.parametrize("trick", ATTACKS)
 def test_both_layers_refuse_as_they_are_served(trick, bait, capfd):
-    from plogic.safety.serve import serve
+    from plogic.logic.served.serve import serve
 
     with pytest.raises(UnsafeProgramError, match=r"user\.pl"):
         serve({"texts": [{"text": baited(trick, bait), "file": "user.pl"}], "goals": [], "given": [], "names": None})
@@ -334,9 +334,9 @@ ENTRIES = ["query", "query of a goal", "worlds", "explain", "why not", "given"]
 @pytest.mark.parametrize("trick", ["goal", "stored goal, tried", "directive from data", "query from data"])
 def test_every_entry_passes_both_layers(entry, trick, bait):
     """Each command and verb on a program goes one of these ways; one that never calls the trick must leave no trace either."""
-    from plogic.explain import explain
-    from plogic.programs.worlds import program_worlds
-    from plogic.query import answers
+    from plogic.logic.served.program_worlds import program_worlds
+    from plogic.scene.asking.explanations import explain
+    from plogic.scene.asking.query import answers
 
     program = Text(baited(trick, bait), "user.pl")
     ways = {

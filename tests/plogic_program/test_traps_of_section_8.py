@@ -9,9 +9,9 @@ import pytest
 from situations import feature, hypothesis, situation
 from test_worlds_against_problog import assert_same_worlds, stock
 
-from plogic.errors import InconsistentError
-from plogic.program.text import program_text, query_lines
-from plogic.worlds import ranked_worlds
+from plogic.base.errors import InconsistentError
+from plogic.scene.text.program_text import program_text, query_lines
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 
 def logit(p):

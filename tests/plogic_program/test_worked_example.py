@@ -6,8 +6,8 @@ import pytest
 from situations import towers
 from test_worlds_against_problog import stock
 
-from plogic.program.text import program_text, query_lines
-from plogic.worlds import ranked_worlds
+from plogic.scene.text.program_text import program_text, query_lines
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 WORLDS = [
     ("drop", {("t1", "t2"): 0.961, ("t1",): 0.029, ("t1", "t2_distorted"): 0.010}),

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from situations import random_situations, situation, towers
 
-from plogic.errors import InconsistentError
-from plogic.names import names_of
-from plogic.program.text import program_text
-from plogic.worlds import ranked_worlds
+from plogic.base.errors import InconsistentError
+from plogic.facts.names import names_of
+from plogic.scene.text.program_text import program_text
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 

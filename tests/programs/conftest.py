@@ -1,5 +1,5 @@
 """ProbLog ships an old pyparsing: imported once, quietly."""
 
-from plogic.program.author import load_problog
+from plogic.logic.safety.author import load_problog
 
 load_problog()

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from plogic import errors
-from plogic.engine import Text
-from plogic.query import answers
-from plogic.safety.serve import serve
+from plogic.base import errors
+from plogic.logic.served.engine import Text
+from plogic.logic.served.serve import serve
+from plogic.scene.asking.query import answers
 
 pytestmark = pytest.mark.filterwarnings("ignore:The use of '")  # ProbLog's parser doubts that one means it
 FILES = sorted(Path(__file__).parent.glob("*.pl"))

@@ -6,11 +6,11 @@ import pytest
 from drawn_programs import programs
 from hypothesis import given, settings
 
-from plogic.errors import InconsistentError
-from plogic.programs import compilers
-from plogic.programs.answer import answers_of_text
-from plogic.programs.compiled import compiled
-from plogic.programs.load import by_problog, ground, quickly, request_from
+from plogic.base.errors import InconsistentError
+from plogic.logic.answers.answer import answers_of_text
+from plogic.logic.dnnf import compilers
+from plogic.logic.dnnf.compiled import compiled
+from plogic.logic.grounding.load import by_problog, ground, quickly, request_from
 
 
 def stock(text, *, sdd=False):

@@ -6,9 +6,9 @@ import json
 
 import pytest
 
-from plogic.commands.query import query_command
-from plogic.commands.worlds import worlds_command
-from plogic.errors import InconsistentError, UnsafeProgramError
+from plogic.base.errors import InconsistentError, UnsafeProgramError
+from plogic.face.commands.query_command import query_command
+from plogic.face.commands.worlds_command import worlds_command
 
 PROGRAM = """0.1::burglary. 0.2::earthquake.
 0.7::alarm :- burglary.

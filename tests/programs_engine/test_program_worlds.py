@@ -9,10 +9,10 @@ import pytest
 from drawn_programs import programs
 from hypothesis import assume, given, settings
 
-from plogic.engine import Text
-from plogic.errors import InconsistentError
-from plogic.programs.ranking import ranked
-from plogic.programs.worlds import program_worlds
+from plogic.base.errors import InconsistentError
+from plogic.logic.answers.state_ranking import ranked
+from plogic.logic.served.engine import Text
+from plogic.logic.served.program_worlds import program_worlds
 
 
 def worlds(text, number=10_000, **options):

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from plogic.programs.answer import answers_of_text
-from plogic.programs.compiled import compiled
-from plogic.programs.load import ground, request_from
+from plogic.logic.answers.answer import answers_of_text
+from plogic.logic.dnnf.compiled import compiled
+from plogic.logic.grounding.load import ground, request_from
 
 
 def test_thousands_of_weak_facts_as_evidence():

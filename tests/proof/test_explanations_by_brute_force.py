@@ -10,8 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from random_programs import ATOMS, explanations, programs, worlds
 
-from plogic.errors import InconsistentError
-from plogic.program.author import load_problog
+from plogic.base.errors import InconsistentError
+from plogic.logic.safety.author import load_problog
 
 load_problog()
 
@@ -19,10 +19,10 @@ from problog.engine import DefaultEngine  # noqa: E402 - ProbLog is loaded first
 from problog.eval_nodes import NegativeCycle  # noqa: E402
 from problog.program import PrologString  # noqa: E402
 
-from plogic.proof.account import Accountant, Asked, Options  # noqa: E402
-from plogic.proof.compiling import numbers_of  # noqa: E402
-from plogic.proof.cone import Steps  # noqa: E402
-from plogic.safety.prove import ground_goal  # noqa: E402
+from plogic.logic.proof.cone import Steps  # noqa: E402
+from plogic.logic.proof.goal_account import Accountant, Asked, Options  # noqa: E402
+from plogic.logic.proof.relevant_evidence import numbers_of  # noqa: E402
+from plogic.logic.served.prove import ground_goal  # noqa: E402
 
 LAW = settings(derandomize=True, deadline=None, max_examples=60)
 

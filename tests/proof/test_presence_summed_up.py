@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from situations import towers
 
-from plogic.commands.account import account_text
-from plogic.contributions import contributions
-from plogic.explain import explain, present
-from plogic.worlds import ranked_worlds
+from plogic.face.session.account_text import account_text
+from plogic.scene.asking.explanations import explain, present
+from plogic.scene.readings.contributions import contributions
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 
 def test_the_score_reading_counts_concordant_features_and_names_who_hides_what():

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from plogic.engine import Text, run
-from plogic.explain import explain
+from plogic.logic.served.engine import Text, run
+from plogic.scene.asking.explanations import explain
 
 ALARM = """
 0.1::burglary. 0.2::earthquake.

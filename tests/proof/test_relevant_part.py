@@ -8,9 +8,9 @@ import pytest
 from hypothesis import assume, given, settings
 from situations import random_situations, towers
 
-from plogic.errors import InconsistentError
-from plogic.proof.relevant import relevant
-from plogic.worlds import ranked_worlds
+from plogic.base.errors import InconsistentError
+from plogic.scene.asking.relevant import relevant
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 
 def marginals(situation):

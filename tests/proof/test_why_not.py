@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from plogic.commands.account import account_text
-from plogic.engine import Text
-from plogic.errors import InconsistentError, UnknownPredicateError
-from plogic.explain import explain
+from plogic.base.errors import InconsistentError, UnknownPredicateError
+from plogic.face.session.account_text import account_text
+from plogic.logic.served.engine import Text
+from plogic.scene.asking.explanations import explain
 
 SHOP = Text("""
 open(X) :- shop(X), \\+ holiday, staff(X, S), awake(S).

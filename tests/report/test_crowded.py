@@ -9,8 +9,8 @@ import pytest
 from page_checks import COUNT, complaints, shown_as
 from towers_scene import HEIGHT, WIDTH
 
-from plogic.overlay import PALETTE, bgr, crowded, overlay
-from plogic.report.page import page
+from plogic.face.pages.report import page
+from plogic.face.shown.overlay import PALETTE, bgr, crowded, overlay
 
 INK = """const c = document.querySelector('.dots'); const p = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
 let n = 0; for (let i = 3; i < p.length; i += 4) if (p[i]) n += 1; return n"""

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from towers_scene import HEIGHT, WIDTH, photograph
 
-from plogic.overlay import PALETTE, bgr, overlay
-from plogic.pencil import Pencil, free_place, meet
+from plogic.face.shown.overlay import PALETTE, bgr, overlay
+from plogic.face.shown.pencil import Pencil, free_place, meet
 
 
 def _plain(towers, **changes):

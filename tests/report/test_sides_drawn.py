@@ -10,9 +10,9 @@ import pytest
 from page_checks import COUNT, complaints, shown_as
 from towers_scene import HEIGHT
 
-from plogic.overlay import PALETTE, bgr, overlay, sides_of
-from plogic.pencil import Pencil
-from plogic.report.page import page
+from plogic.face.pages.report import page
+from plogic.face.shown.overlay import PALETTE, bgr, overlay, sides_of
+from plogic.face.shown.pencil import Pencil
 
 OTHERS = {"id": "(others)", "type": "(others)", "case": "B", "expected": False, "detected": False, "match": None, "in_lobe": False}
 OTHERS |= {"in_image": True, "hidden_by": [], "stands_for": 1000}

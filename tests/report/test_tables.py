@@ -7,7 +7,7 @@ import io
 import pytest
 from rich.console import Console
 
-from plogic import tables
+from plogic.face.shown import tables
 
 
 def printed(table):

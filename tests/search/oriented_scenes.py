@@ -7,20 +7,20 @@ from functools import cache, cached_property
 
 import numpy as np
 
+from benchmarks.clutter.scenes import trial
+from benchmarks.clutter.types import Detector, knowledge_base, made, random_types, type_names
+from benchmarks.recognition.score import Found, errors_of
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, transform_points
-from kb.cloud import Feature, FeatureAppearance, Lobe
-from plogic.bench.clutter_scenes import trial
-from plogic.bench.clutter_types import Detector, knowledge_base, made, random_types, type_names
-from plogic.bench.recognition_score import Found, errors_of
+from kb.clouds.cloud import Feature, FeatureAppearance, Lobe
+from plogic.match.gamma.data import data_of
+from plogic.match.hand.view_cells import DISTANCE
+from plogic.match.indices import generate_together, indices_of, search_of
+from plogic.match.oriented.angle_refinement import Noise
+from plogic.match.oriented.asked import Asked, chances_of
+from plogic.match.oriented.oriented_search import Search
+from plogic.match.oriented.pair_index import pair_index
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
-from plogic.search.data import data_of
-from plogic.search.indices import generate_together, indices_of, search_of
-from plogic.search.oriented.asked import Asked, chances_of
-from plogic.search.oriented.generate import Search
-from plogic.search.oriented.pair_index import pair_index
-from plogic.search.oriented.refinement import Noise
-from plogic.search.view_cells import DISTANCE
 from sensing.appearance import Appearance
 
 EASY = Detector("easy", 0.6, 1.0, float(np.radians(5.0)))

@@ -5,12 +5,12 @@ from functools import cache
 
 import numpy as np
 
+from benchmarks.clutter.scenes import CAMERA, trial
+from benchmarks.clutter.types import Detector, random_types
 from geometry.frames import pose_error
-from plogic.bench.clutter_scenes import CAMERA, trial
-from plogic.bench.clutter_types import Detector, random_types
-from plogic.delta import Options
-from plogic.perceive import Perceiver
-from plogic.stopwatch import Stopwatch
+from plogic.base.stopwatch import Stopwatch
+from plogic.cycle.delta import Options
+from plogic.run.perceive import Perceiver
 from sensing.appearance import Gamma
 
 SHARP = Detector("sharp", 0.9, 0.5, float(np.radians(3.0)))

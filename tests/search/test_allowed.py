@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from oriented_scenes import STRAIGHT, clouds, datum, kb_of, with_other_look
 
-from plogic.search.data import data_of
+from plogic.match.gamma.data import data_of
 
 
 @pytest.mark.parametrize("count", [0, 1, 40])

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from synthetic import CAMERA, perceiver
 
-from plogic.inference.clock import OutOfTimeError
-from plogic.search import blocks, links, open_pairs
-from plogic.search.angles import wrapped
-from plogic.search.data import data_of
-from plogic.search.indices import generate
-from plogic.search.links import ALONG_ONE_ARM, POINTING, data_links, linked_pairs
-from plogic.search.triples import NEIGHBOURS, image_triples
+from plogic.base.clock import OutOfTimeError
+from plogic.match.gamma import row_blocks as blocks
+from plogic.match.gamma.data import data_of
+from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.hand import links, open_pairs
+from plogic.match.hand.links import ALONG_ONE_ARM, POINTING, data_links, linked_pairs
+from plogic.match.hand.triples import NEIGHBOURS, image_triples
+from plogic.match.indices import generate
 from sensing.appearance import Appearance
 
 SCALES = (10.0, 2000.0)

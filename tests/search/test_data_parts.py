@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from learnt_scenes import CAMERA
 
-from plogic.search.data import data_of
-from plogic.search.grid import CELL
+from plogic.match.gamma.data import data_of
+from plogic.match.gamma.grid import CELL
 from sensing.appearance import Appearance
 
 ARRAYS = ("uv", "ideal", "arms", "angle", "scale", "descriptors", "described")

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from learnt_scenes import CAMERA
 
-from plogic.search.data import data_of
-from plogic.search.grid import CELL, TURNS, grid_of
-from plogic.search.learnt.side_pairs import TURNED
+from plogic.match.gamma.data import data_of
+from plogic.match.gamma.grid import CELL, TURNS, grid_of
+from plogic.match.learned.side_pairs import TURNED
 from sensing.appearance import Appearance
 
 SIZES = st.tuples(st.integers(1, 200), st.integers(1, 200))

@@ -10,11 +10,11 @@ from learnt_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before,
 from random_cloud import random_cloud
 
 from geometry.frames import transform_points
-from plogic.search.angles import screen_angle
-from plogic.search.data import centre_of, data_of
-from plogic.search.indices import generate
-from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, held_by, votes
-from plogic.search.learnt.pairs import Pairs, pairs_of
+from plogic.match.gamma.data import centre_of, data_of
+from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.indices import generate
+from plogic.match.learned.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, held_by, votes
+from plogic.match.learned.keypoint_pairs import Pairs, pairs_of
 
 SINGLE = 5e-4
 """Pixels: a place in the image, of some hundred pixels, in single precision after a rotation and a division."""

@@ -6,12 +6,12 @@ import pytest
 from painted_cube import CAMERA, CORNER, cloud, paint, picture, pose_towards, seen, write_knowledge
 
 from geometry.frames import pose_error
-from kb.learnt import LearntCloud
-from kb.read import read_kb
-from plogic.interpretation import text_of
-from plogic.perceive import Perceiver
+from kb.clouds.learnt import LearntCloud
+from kb.files.read import read_kb
+from plogic.facts.interpretation import text_of
+from plogic.run.perceive import Perceiver
 from sensing.appearance import Gamma
-from sensing.detector import detect
+from sensing.detectors.detector import detect
 
 
 @pytest.fixture(scope="module")

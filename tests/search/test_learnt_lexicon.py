@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from learnt_scenes import CAMERA, ready
 from random_cloud import random_cloud, random_words
 
-from plogic.search.data import data_of
-from plogic.search.indices import indices_of
-from plogic.search.learnt.lexicon import FARTHEST, FARTHEST_BITS, NTH, WORDS, lexicon_of, spread
+from plogic.match.gamma.data import data_of
+from plogic.match.indices import indices_of
+from plogic.match.learned.lexicon import FARTHEST, FARTHEST_BITS, NTH, WORDS, lexicon_of, spread
 from sensing.appearance import Appearance
 
 WIDTHS = pytest.mark.parametrize("width", [32, 128, 138])

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from learnt_scenes import one_sided, pose_before, ready, viewpoint, with_sides
 from random_cloud import random_cloud, unit
 
-from plogic.search.learnt import lobes as lobes_module
-from plogic.search.learnt.agreement import ASIDE, GRAZING
-from plogic.search.learnt.lobes import first_held, held_from, lobes_about
+from plogic.match.learned import held_lobes as lobes_module
+from plogic.match.learned.agreement import ASIDE, GRAZING
+from plogic.match.learned.held_lobes import first_held, held_from, lobes_about
 
 SEEDS = st.integers(0, 9999)
 RIM = 1e-4

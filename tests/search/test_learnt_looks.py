@@ -12,13 +12,14 @@ from hypothesis import strategies as st
 from learnt_scenes import gamma_at, keypoint_of, one_sided, pose_before, ready, viewpoint
 from random_cloud import random_cloud
 
-from plogic.evidence import clutter_density
-from plogic.search.angles import screen_angle
-from plogic.search.data import data_of
-from plogic.search.learnt.agreement import ANGLES, ASIDE, GRAZING, SIZES
-from plogic.search.learnt.lexicon import FARTHEST, NTH
-from plogic.search.learnt.lobes import lobes_about
-from plogic.search.learnt.looks import (
+from plogic.match.gamma.data import data_of
+from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.judged.evidence import clutter_density
+from plogic.match.learned.agreement import ANGLES, ASIDE, GRAZING, SIZES
+from plogic.match.learned.held_lobes import lobes_about
+from plogic.match.learned.learned_match import pose_of
+from plogic.match.learned.lexicon import FARTHEST, NTH
+from plogic.match.learned.looks import (
     AROUND,
     AS_RIGHT,
     BY_CHANCE,
@@ -31,7 +32,6 @@ from plogic.search.learnt.looks import (
     likeness,
     right_pairs,
 )
-from plogic.search.learnt.settle import pose_of
 
 FEATURES = 8
 

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from learnt_scenes import gamma_at, pose_before, ready
 from random_cloud import random_cloud
 
-from plogic.search.learnt import pairs as pairs_module
-from plogic.search.learnt.lexicon import FARTHEST, FARTHEST_BITS, NTH
-from plogic.search.learnt.lexicon import spread as spread_out
-from plogic.search.learnt.pairs import CELL, CLOSE, EACH, OFF, pairs_of
+from plogic.match.learned import keypoint_pairs as pairs_module
+from plogic.match.learned.keypoint_pairs import CELL, CLOSE, EACH, OFF, pairs_of
+from plogic.match.learned.lexicon import FARTHEST, FARTHEST_BITS, NTH
+from plogic.match.learned.lexicon import spread as spread_out
 from sensing.fairness import fairly
 
 FIELDS = ("datum", "lobe", "weight")

@@ -11,15 +11,15 @@ from learnt_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before,
 from random_cloud import random_cloud
 
 from geometry.frames import pose_error, transform_points
-from kb.lobes import in_lobe
-from plogic.search.angles import screen_angle
-from plogic.search.data import data_of
-from plogic.search.indices import generate, settle
-from plogic.search.learnt.agreement import ANGLES, ASIDE, SIZES
-from plogic.search.learnt.lexicon import FARTHEST
-from plogic.search.learnt.lobes import lobes_held
-from plogic.search.learnt.looks import LOOSER
-from plogic.search.learnt.settle import FEWEST, NOISE, WIDE, blur, matched, pose_of
+from kb.clouds.lobes import in_lobe
+from plogic.match.gamma.data import data_of
+from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.indices import generate, settle
+from plogic.match.learned.agreement import ANGLES, ASIDE, SIZES
+from plogic.match.learned.held_lobes import lobes_held
+from plogic.match.learned.learned_match import FEWEST, NOISE, WIDE, blur, matched, pose_of
+from plogic.match.learned.lexicon import FARTHEST
+from plogic.match.learned.looks import LOOSER
 
 
 def posed_of(thing, pose, data):

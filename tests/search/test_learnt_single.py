@@ -8,9 +8,9 @@ from learnt_scenes import CAMERA, gamma_at, keypoint_of, pose_on_axis, ready
 from random_cloud import random_cloud
 
 from geometry.frames import is_rigid
-from plogic.search.data import data_of
-from plogic.search.learnt.pairs import Pairs
-from plogic.search.learnt.single import FARTHEST, NEAREST, plausible, single_poses
+from plogic.match.gamma.data import data_of
+from plogic.match.learned.keypoint_pairs import Pairs
+from plogic.match.learned.single_poses import FARTHEST, NEAREST, plausible, single_poses
 
 
 def pairs(lobes):

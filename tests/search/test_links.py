@@ -5,11 +5,11 @@ import pytest
 from synthetic import CAMERA, camera_pose, perceiver, scene
 
 from geometry.frames import pose_error
-from plogic.search.angles import wrapped
-from plogic.search.data import data_of
-from plogic.search.extend import coarse_poses
-from plogic.search.links import data_links, feature_links, linked_pairs
-from plogic.search.pairs import MOST_PAIRS
+from plogic.match.gamma.data import data_of
+from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.hand.coarse_pairs import MOST_PAIRS
+from plogic.match.hand.extend import coarse_poses
+from plogic.match.hand.links import data_links, feature_links, linked_pairs
 from sensing.appearance import Appearance
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])

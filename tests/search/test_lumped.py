@@ -8,18 +8,19 @@ import numpy as np
 import pytest
 from painted_cube import CAMERA, CORNER, cloud, picture, pose_towards, seen, write_knowledge
 
-import plogic.delta
-import plogic.document
-from kb.read import read_kb
-from plogic.delta import Options
-from plogic.explain import present
-from plogic.interpretation import situation_of, text_of
-from plogic.lumped import OTHERS, left_out, looked_at, told
-from plogic.perceive import Perceiver
-from plogic.program.text import program_text
-from plogic.stopwatch import Stopwatch
-from plogic.worlds import ranked_worlds
-from sensing.detector import detect
+import plogic.cycle.delta
+import plogic.run.document
+from kb.files.read import read_kb
+from plogic.base.stopwatch import Stopwatch
+from plogic.cycle.delta import Options
+from plogic.cycle.lumped import left_out, looked_at, told
+from plogic.facts.interpretation import situation_of, text_of
+from plogic.facts.situation import OTHERS
+from plogic.run.perceive import Perceiver
+from plogic.scene.asking.explanations import present
+from plogic.scene.text.program_text import program_text
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
+from sensing.detectors.detector import detect
 
 WAYS = [("score", "to_B"), ("score", "drop"), ("score", "reassign"), ("posterior", "to_B")]
 
@@ -41,9 +42,9 @@ def document(perceiver, gamma):
 
 
 def _in_full(monkeypatch):
-    for module in (plogic.delta, plogic.document):
+    for module in (plogic.cycle.delta, plogic.run.document):
         monkeypatch.setattr(module, "told", lambda posed: list(range(len(posed.uv))))
-    monkeypatch.setattr(plogic.delta, "lumped", lambda _posed, _dv: ())
+    monkeypatch.setattr(plogic.cycle.delta, "lumped", lambda _posed, _dv: ())
 
 
 @pytest.mark.parametrize(("reading", "reconsider"), WAYS)
@@ -51,7 +52,7 @@ def test_telling_them_as_one_changes_no_probability(perceiver, gamma, monkeypatc
     options = Options(reading, reconsider)
     short = perceiver(gamma, options)
     _in_full(monkeypatch)
-    monkeypatch.setattr("plogic.document.OTHERS", "no such feature")
+    monkeypatch.setattr("plogic.run.document.OTHERS", "no such feature")
     full = perceiver(gamma, options)
     assert len(full["hypotheses"][0]["features"]) > len(short["hypotheses"][0]["features"]) + 20
     assert [w["present"] for w in full["worlds"]] == [w["present"] for w in short["worlds"]]

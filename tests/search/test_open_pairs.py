@@ -6,12 +6,12 @@ import numpy as np
 from synthetic import CAMERA, camera_pose, is_right, perceiver, scene, towers
 
 from geometry.frames import pose_error
-from plogic.search.data import data_of
-from plogic.search.extend import coarse_poses
-from plogic.search.generate import generate
-from plogic.search.open_pairs import open_pairs
-from plogic.search.pairs import MOST_PAIRS
-from plogic.search.triples import plane_triples
+from plogic.match.gamma.data import data_of
+from plogic.match.hand.coarse_pairs import MOST_PAIRS
+from plogic.match.hand.extend import coarse_poses
+from plogic.match.hand.generate import generate
+from plogic.match.hand.open_pairs import open_pairs
+from plogic.match.hand.triples import plane_triples
 
 
 def view(name, seed, clutter=6, distance=(3.0, 6.0), **options):

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from oriented_scenes import EASY, HARD, a_trial, clouds
 
+from benchmarks.recognition.score import Found, errors_of
 from geometry.frames import is_rigid
-from plogic.bench.recognition_score import Found, errors_of
-from plogic.delta import Options
-from plogic.perceive import Perceiver
-from plogic.search.oriented import generate, single_votes
-from plogic.search.oriented.pair_votes import REACH
-from plogic.stopwatch import Stopwatch
+from plogic.base.stopwatch import Stopwatch
+from plogic.cycle.delta import Options
+from plogic.match.oriented import oriented_search as generate
+from plogic.match.oriented import single_votes
+from plogic.match.oriented.pair_votes import REACH
+from plogic.run.perceive import Perceiver
 from sensing.appearance import Gamma
 
 

@@ -8,18 +8,18 @@ from oriented_scenes import EASY, HARD, STRAIGHT, a_trial, clouds, kb_of, pictur
 
 from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
-from kb.lobes import in_lobe
-from plogic.evidence import evidence
-from plogic.search.angles import screen_angle
-from plogic.search.data import data_of
-from plogic.search.indices import settle
-from plogic.search.oriented.asked import chances_of
-from plogic.search.oriented.climb import AS_GOOD, climbed
-from plogic.search.oriented.drawn import DEVIATIONS, MATCHED, WITHIN, drawn
-from plogic.search.oriented.fours import by_fours
-from plogic.search.oriented.generate import turned_about
-from plogic.search.oriented.pair_votes import BENT
-from plogic.search.oriented.shown import NEAR, shown
+from kb.clouds.lobes import in_lobe
+from plogic.match.gamma.data import data_of
+from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.indices import settle
+from plogic.match.judged.evidence import evidence
+from plogic.match.oriented.asked import chances_of
+from plogic.match.oriented.climb import AS_GOOD, climbed
+from plogic.match.oriented.drawn import DEVIATIONS, MATCHED, WITHIN, drawn
+from plogic.match.oriented.fours import by_fours
+from plogic.match.oriented.oriented_search import turned_about
+from plogic.match.oriented.pair_votes import BENT
+from plogic.match.oriented.shown import NEAR, shown
 
 
 def posed(seed, detector=EASY):
@@ -79,7 +79,7 @@ def one_by_one(asked, which, pose, share):
 @pytest.mark.parametrize("seed", range(4))
 def test_the_evidence_is_that_of_all_sights_one_by_one(seed, share, monkeypatch):
     asked, which, pose = posed(seed)
-    monkeypatch.setattr("plogic.search.oriented.drawn._freedom", lambda *_: 0.0)
+    monkeypatch.setattr("plogic.match.oriented.drawn._freedom", lambda *_: 0.0)
     poses = np.concatenate([pose[None], turned_about(asked.index, np.array([which]), pose[None], 0.1)[:2]])
     got = drawn(asked, np.full(3, which), poses, share)
     for row, one in enumerate(poses):
@@ -102,7 +102,7 @@ def test_at_the_noise_of_the_detector_it_is_the_evidence_of_the_cycle(detector):
 
 
 def test_what_is_found_how_often_is_told_by_the_type_of_the_feature_not_by_what_it_looks_like():
-    """As the evidence takes it (``plogic.evidence.hit_rates``)."""
+    """As the evidence takes it (``plogic.match.judged.evidence.hit_rates``)."""
     kind = clouds().kb.types[0]
     features = tuple(replace(f, type=("often", "rarely", "at_times")[i % 3]) for i, f in enumerate(kind.features))
     ready = kb_of(replace(kind, features=features, all_features=features))

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from oriented_scenes import STRAIGHT, Ready, a_trial, clouds, datum, off, picture_of, seen_from
 
+from benchmarks.clutter.scenes import CAMERA
+from benchmarks.clutter.types import HARD
 from geometry.camera import Camera
 from geometry.frames import is_rigid, pose_error
-from plogic.bench.clutter_scenes import CAMERA
-from plogic.bench.clutter_types import HARD
-from plogic.search.data import data_of
-from plogic.search.oriented.generate import Search
-from plogic.search.oriented.pair_index import pair_index
+from plogic.match.gamma.data import data_of
+from plogic.match.oriented.oriented_search import Search
+from plogic.match.oriented.pair_index import pair_index
 
 QUARTER = np.array([[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """A quarter turn clockwise on the screen: x to y."""

@@ -10,14 +10,14 @@ import pytest
 from oriented_scenes import EASY, HARD, a_trial, clouds
 from scipy.spatial.transform import Rotation
 
-from geometry.information import information
-from plogic.evidence import as_counted, clutter_density, evidence
-from plogic.fitted import as_fitted
-from plogic.freedom import DEPTHS, log_share, share_of
-from plogic.known import known, sigmas
-from plogic.search.angles import screen_angle
-from plogic.search.data import data_of
-from plogic.search.indices import SURE, search_of, settle, significant
+from geometry.poses.information import information
+from plogic.match.gamma.data import data_of
+from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.indices import SURE, search_of, settle, significant
+from plogic.match.judged.evidence import as_counted, clutter_density, evidence
+from plogic.match.judged.fitted import as_fitted
+from plogic.match.judged.freedom import DEPTHS, log_share, share_of
+from plogic.match.judged.pose_information import known, sigmas
 
 
 def stood(seed, detector=EASY):

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oriented_scenes import clouds
 
-from plogic.search.angles import wrapped
-from plogic.search.oriented.pair_index import BINS, FINE, NEIGHBOURS, SHORTEST, STEP, pair_index, said
+from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.oriented.pair_index import BINS, FINE, NEIGHBOURS, SHORTEST, STEP, pair_index, said
 
 SMALL = {"count": 3, "features": 40, "looks": 6, "seed": 4}
 """So many features that a cell shows more than eight, and so few looks that pairs of equal ones are common."""

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from oriented_scenes import a_trial, clouds
 
-from plogic.delta import Options
-from plogic.perceive import Perceiver
-from plogic.search.oriented.generate import Search
-from plogic.search.oriented.ready import MANY, ready
-from plogic.stopwatch import Stopwatch
+from plogic.base.stopwatch import Stopwatch
+from plogic.cycle.delta import Options
+from plogic.match.oriented.oriented_search import Search
+from plogic.match.oriented.ready import MANY, ready
+from plogic.run.perceive import Perceiver
 
 LITTLE = {"count": MANY, "features": 12, "looks": 12}
 MORE = LITTLE | {"count": MANY + 2}

@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 from oriented_scenes import about_x, clouds
 
-from kb.cloud import FeatureAppearance
-from kb.surface import Surface
-from plogic.bench.clutter_types import random_types
-from plogic.remembered import ROOT, sources, sources_in
-from plogic.search.oriented import ready_key
-from plogic.search.oriented.pair_index import pair_index
-from plogic.search.oriented.ready import _arrays
-from plogic.search.oriented.ready_key import SOURCES, key_of
-from plogic.search.type_index import type_index
+from benchmarks.clutter.types import random_types
+from kb.clouds.cloud import FeatureAppearance
+from kb.surfaces.surface import Surface
+from plogic.base.remembered import ROOT, sources, sources_in
+from plogic.match.hand.type_index import type_index
+from plogic.match.oriented import ready_key
+from plogic.match.oriented.pair_index import pair_index
+from plogic.match.oriented.ready import _arrays
+from plogic.match.oriented.ready_key import SOURCES, key_of
 
-READY = "plogic/search/oriented/ready.py"
+READY = "plogic/match/oriented/ready.py"
 
 
 def types():
@@ -113,12 +113,12 @@ def test_every_source_file_that_runs_while_an_index_is_made_is_hashed():
     finally:
         sys.setprofile(former)
     ours = {Path(name).relative_to(ROOT).as_posix() for name in ran if Path(name).is_relative_to(ROOT) and name != __file__}
-    assert {READY, "geometry/rays.py", "kb/surface.py", "kb/cloud.py", "kb/lobes.py", "plogic/search/type_index.py"} <= ours
+    assert {READY, "geometry/visibility/rays.py", "kb/surfaces/surface.py", "kb/clouds/cloud.py", "kb/clouds/lobes.py", "plogic/match/hand/type_index.py"} <= ours
     assert ours <= sources_in(ROOT, SOURCES)
 
 
 def test_so_is_all_that_makes_the_types_and_all_that_is_imported():
     found = sources_in(ROOT, SOURCES)
-    assert {"kb/read.py", "kb/cloud.py", "geometry/rays.py", "plogic/search/oriented/ready_key.py"} | sources(ROOT, READY) <= found
+    assert {"kb/files/read.py", "kb/clouds/cloud.py", "geometry/visibility/rays.py", "plogic/match/oriented/ready_key.py"} | sources(ROOT, READY) <= found
     assert {name.split("/")[0] for name in found} == {"geometry", "kb", "plogic"}, "the wheel holds them"
     assert not any("__pycache__" in name for name in found)

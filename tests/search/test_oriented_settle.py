@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from oriented_scenes import EASY, STRAIGHT, clouds, datum, flat_cap, picture_of, seen_from
 
 from geometry.frames import from_rotation_translation, is_rigid, pose_error, rotation_angle, rotation_from_quat_xyzw
-from geometry.refine import refine_poses
-from plogic.expectation import pose_of
-from plogic.search.data import data_of
-from plogic.search.indices import settle as settle_any
-from plogic.search.oriented.refinement import Held, Noise, refined
-from plogic.search.oriented.settle import DEVIATIONS, matched_at, polished, settle, verified
+from geometry.poses.refine import refine_poses
+from plogic.match.gamma.data import data_of
+from plogic.match.indices import settle as settle_any
+from plogic.match.judged.expectation import pose_of
+from plogic.match.oriented.angle_refinement import Held, Noise, refined
+from plogic.match.oriented.oriented_match import DEVIATIONS, matched_at, polished, settle, verified
 
 SIGMA, NOISE = EASY.turn, 2.0
 

@@ -9,10 +9,10 @@ from synthetic import perceiver
 
 from geometry.camera import Camera
 from geometry.frames import transform_points
-from kb.lobes import in_lobe
-from plogic.search.angles import wrapped
-from plogic.search.oriented.sights import sights_of
-from plogic.search.view_cells import DISTANCE
+from kb.clouds.lobes import in_lobe
+from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.hand.view_cells import DISTANCE
+from plogic.match.oriented.sights import sights_of
 
 CELLS = (0, 17, 60, 99, 161)
 

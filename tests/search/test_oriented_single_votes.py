@@ -9,13 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oriented_scenes import STRAIGHT, a_trial, clouds, datum, picture_of, seen_from
 
-from plogic.inference.clock import OutOfTimeError, unhurried
-from plogic.search.data import centre_of, data_of
-from plogic.search.oriented import single_votes as module
-from plogic.search.oriented.generate import Search, coarse_poses
-from plogic.search.oriented.single_votes import CELL, FEWEST, SCALE, TURNS, single_votes
-from plogic.search.oriented.typed_data import typed_data
-from plogic.search.view_cells import DISTANCE
+from plogic.base.clock import OutOfTimeError, unhurried
+from plogic.match.gamma.data import centre_of, data_of
+from plogic.match.hand.view_cells import DISTANCE
+from plogic.match.oriented import single_votes as module
+from plogic.match.oriented.oriented_search import Search, coarse_poses
+from plogic.match.oriented.single_votes import CELL, FEWEST, SCALE, TURNS, single_votes
+from plogic.match.oriented.typed_data import typed_data
 
 
 def votes_of(ready, data, most=2000, kinds=None, check=unhurried):

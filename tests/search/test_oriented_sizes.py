@@ -9,9 +9,9 @@ import pytest
 from oriented_scenes import EASY, Ready, a_trial, clouds
 
 from geometry.frames import transform_points
-from plogic.search.data import data_of
-from plogic.search.oriented.pair_votes import AS_WIDE, raw_votes
-from plogic.search.oriented.ready_key import key_of
+from plogic.match.gamma.data import data_of
+from plogic.match.oriented.pair_votes import AS_WIDE, raw_votes
+from plogic.match.oriented.ready_key import key_of
 
 WIDTH = 0.02
 

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oriented_scenes import STRAIGHT, datum
 
-from plogic.search.data import data_of
-from plogic.search.oriented.typed_data import typed_data
+from plogic.match.gamma.data import data_of
+from plogic.match.oriented.typed_data import typed_data
 
 NAMES = ("a", "b", "c")
 

@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 from oriented_scenes import STRAIGHT, a_trial, clouds, datum, picture_of, seen_from
 
 from geometry.frames import pose_error
-from plogic.search.angles import wrapped
-from plogic.search.data import centre_of, data_of
-from plogic.search.oriented.generate import coarse_poses
-from plogic.search.oriented.pair_index import FINE, STEP
-from plogic.search.oriented.pair_votes import BENT, NEAREST, REACH, WHOLE, counted, raw_votes
-from plogic.search.oriented.typed_data import typed_data
-from plogic.search.view_cells import DISTANCE
+from plogic.match.gamma.data import centre_of, data_of
+from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.hand.view_cells import DISTANCE
+from plogic.match.oriented.oriented_search import coarse_poses
+from plogic.match.oriented.pair_index import FINE, STEP
+from plogic.match.oriented.pair_votes import BENT, NEAREST, REACH, WHOLE, counted, raw_votes
+from plogic.match.oriented.typed_data import typed_data
 
 SIGMA = float(np.radians(5.0))
 FIELDS = ("kind", "cell", "centre", "roll", "scale", "weight")

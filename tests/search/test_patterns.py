@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.camera import Camera
-from plogic.search.data import data_of
-from plogic.search.learnt.patterns import AWAY, CELL, OTHERS, SOME, share_elsewhere
-from plogic.search.learnt.side_pairs import TURNED
+from plogic.match.gamma.data import data_of
+from plogic.match.learned.patterns import AWAY, CELL, OTHERS, SOME, share_elsewhere
+from plogic.match.learned.side_pairs import TURNED
 from sensing.appearance import Appearance
 
 SEEDS = st.integers(0, 9999)

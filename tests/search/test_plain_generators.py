@@ -8,16 +8,16 @@ import pytest
 from plain_scenes import ANGLES, interpreted, world
 
 from geometry.frames import pose_error
-from plogic.delta import Options
-from plogic.errors import InputError
-from plogic.inference.clock import OutOfTimeError
-from plogic.perceive import Perceiver
-from plogic.search.data import data_of
-from plogic.search.indices import PLAIN, generate_plainly
-from plogic.search.plain import quadruples
-from plogic.search.plain.extended import scene_of
-from plogic.search.plain.pairs import off, pairs_of
-from plogic.search.plain.sets_of_four import drawn, every, how_many
+from plogic.base.clock import OutOfTimeError
+from plogic.base.errors import InputError
+from plogic.cycle.delta import Options
+from plogic.match.gamma.data import data_of
+from plogic.match.indices import PLAIN, generate_plainly
+from plogic.match.plain import quadruples
+from plogic.match.plain.extended import scene_of
+from plogic.match.plain.sets_of_four import drawn, every, how_many
+from plogic.match.plain.typed_pairs import off, pairs_of
+from plogic.run.perceive import Perceiver
 
 SCENE = (1, 9, ANGLES)
 

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from learnt_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before, ready, with_sides
 
 from geometry.frames import from_rotation_translation, pose_error
-from plogic.search.data import data_of
-from plogic.search.indices import settle
-from plogic.search.learnt.lobes import lobes_held
-from plogic.search.learnt.settle import matched, pose_of
+from plogic.match.gamma.data import data_of
+from plogic.match.indices import settle
+from plogic.match.learned.held_lobes import lobes_held
+from plogic.match.learned.learned_match import matched, pose_of
 
 COUNT = 30
 SIDES = np.arange(0, COUNT, 2)

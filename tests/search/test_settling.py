@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.search.settling import settled
+from plogic.match.judged.settling import settled
 
 LISTS = st.lists(st.integers(0, 4), min_size=1, max_size=8)
 

@@ -12,14 +12,14 @@ from learnt_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before,
 from random_cloud import random_cloud, unit
 
 from geometry.frames import transform_points
-from kb.words import COLOURS, SIDE
-from plogic.search.angles import screen_angle
-from plogic.search.data import data_of
-from plogic.search.learnt.lobes import lobes_held
-from plogic.search.learnt.side_fit import side_fit
-from plogic.search.learnt.side_looks import OFF
-from plogic.search.learnt.side_pairs import TURNED
-from plogic.search.learnt.sides import ALONG
+from kb.clouds.words import COLOURS, SIDE
+from plogic.match.gamma.data import data_of
+from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.side_looks import OFF
+from plogic.match.learned.held_lobes import lobes_held
+from plogic.match.learned.side_fit import side_fit
+from plogic.match.learned.side_pairs import TURNED
+from plogic.match.learned.sides import ALONG
 from sensing.appearance import Appearance
 
 SEEDS = st.integers(0, 9999)

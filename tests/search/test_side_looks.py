@@ -7,8 +7,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kb.words import COLOURS, SIDE
-from plogic.search.learnt.side_looks import BRIGHT, EDGES, FEW, LEAST, LESS, NEAREST, OFF, USUAL, WILD, colours_off, contrasts_of, looks_fit
+from kb.clouds.words import COLOURS, SIDE
+from plogic.match.gamma.side_looks import (
+    BRIGHT,
+    EDGES,
+    FEW,
+    LEAST,
+    LESS,
+    NEAREST,
+    OFF,
+    USUAL,
+    WILD,
+    colours_off,
+    contrasts_of,
+    looks_fit,
+)
 
 LOOKS = st.lists(st.integers(0, 255), min_size=SIDE, max_size=SIDE)
 CONTRASTS = st.integers(0, 255)

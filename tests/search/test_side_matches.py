@@ -12,14 +12,14 @@ from learnt_scenes import CAMERA, keypoint_of, one_sided, pose_before, ready, wi
 from random_cloud import random_cloud, unit
 
 from geometry.frames import transform_points
-from kb.words import COLOURS
-from plogic.search.angles import screen_angle
-from plogic.search.data import data_of
-from plogic.search.learnt.lobes import lobes_held
-from plogic.search.learnt.settle import pose_of
-from plogic.search.learnt.side_looks import OFF, looks_fit
-from plogic.search.learnt.side_pairs import AROUND, FEW, TURNED
-from plogic.search.learnt.sides import ALONG, _one_to_one, side_matches
+from kb.clouds.words import COLOURS
+from plogic.match.gamma.data import data_of
+from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.side_looks import OFF, looks_fit
+from plogic.match.learned.held_lobes import lobes_held
+from plogic.match.learned.learned_match import pose_of
+from plogic.match.learned.side_pairs import AROUND, FEW, TURNED
+from plogic.match.learned.sides import ALONG, _one_to_one, side_matches
 from sensing.appearance import Appearance
 
 SEEDS = st.integers(0, 9999)

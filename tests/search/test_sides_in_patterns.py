@@ -10,10 +10,10 @@ from learnt_scenes import ready, with_sides
 from random_cloud import random_cloud
 from test_patterns import BRIGHT, CAMERA, MIDDLE, checkered, gamma, square
 
-from plogic.evidence import clutter_density, evidence, hit_rates, match_density
-from plogic.search.learnt.lobes import lobes_held
-from plogic.search.learnt.settle import SIDES_NOISE, matched, pose_of
-from plogic.search.learnt.sides import FEW_SIDES, MANY, ORDERED, side_likeness, side_matches
+from plogic.match.judged.evidence import clutter_density, evidence, hit_rates, match_density
+from plogic.match.learned.held_lobes import lobes_held
+from plogic.match.learned.learned_match import SIDES_NOISE, matched, pose_of
+from plogic.match.learned.sides import FEW_SIDES, MANY, ORDERED, side_likeness, side_matches
 
 SIZE = 60.0
 POSE = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.9], [0, 0, 0, 1]])

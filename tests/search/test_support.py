@@ -8,15 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from painted_cube import CAMERA, SIDE, cloud, picture, seen, write_knowledge
 
+from geometry.bodies.resting import Plane
 from geometry.frames import from_rotation_translation, inverse, look_at, pose_error, transform_points
-from geometry.resting import Plane
-from kb.read import read_kb
-from plogic.perceive import Perceiver
-from plogic.search.data import data_of
-from plogic.search.learnt.pairs import pairs_of
-from plogic.search.learnt.resting import resting, set_down
-from plogic.support import support_of
-from sensing.detector import detect
+from kb.files.read import read_kb
+from plogic.cycle.support import support_of
+from plogic.match.gamma.data import data_of
+from plogic.match.learned.keypoint_pairs import pairs_of
+from plogic.match.learned.resting_poses import resting, set_down
+from plogic.run.perceive import Perceiver
+from sensing.detectors.detector import detect
 
 EYE = look_at(np.array([0.42, 0.34, 0.38]), np.zeros(3))
 """camera_from_table: the table's plane is z = 0."""
@@ -150,7 +150,7 @@ def test_where_gravity_is_not_said_to_hold_nothing_is_asked_of_planes(perceiver,
     truths = [standing(*PLACES[0]), standing(*PLACES[1], 12.0)]
     told = looked(perceiver, truths)
     assert steps(told)
-    monkeypatch.setattr("plogic.cycle.supported", None)  # would not be callable
+    monkeypatch.setattr("plogic.cycle.perception.supported", None)  # would not be callable
     untold = looked(Perceiver(replace(perceiver.kb, gravity=False)), truths)
     assert not steps(untold)
     plain = [{**step, "step": 0} for step in untold["trace"]]

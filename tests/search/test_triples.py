@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from synthetic import CAMERA, camera_pose, perceiver, scene, towers
 
 from geometry.frames import rotation_angle, transform_points
-from plogic.search.data import data_of
-from plogic.search.triples import ImageTriples, PlaneTriples, image_triples, plane_triples, triple_poses, turn_z_to
+from plogic.match.gamma.data import data_of
+from plogic.match.hand.triples import ImageTriples, PlaneTriples, image_triples, plane_triples, triple_poses, turn_z_to
 from sensing.appearance import Appearance
 
 WIDE = (1.0, 1e6)

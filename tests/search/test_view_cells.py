@@ -6,8 +6,8 @@ from synthetic import perceiver, towers
 
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, transform_points
-from kb.lobes import converge
-from plogic.search.view_cells import DISTANCE, fibonacci_sphere, looking_back, view_cells
+from kb.clouds.lobes import converge
+from plogic.match.hand.view_cells import DISTANCE, fibonacci_sphere, looking_back, view_cells
 
 NAMES = ("t1", "t2")
 

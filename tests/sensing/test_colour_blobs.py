@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from sensing.colour_blobs import HUES, TYPES, ColourBlobDetector
+from sensing.detectors.colour_blobs import HUES, TYPES, ColourBlobDetector
 
 COLOURS = {
     "red": (170, 30, 35), "orange": (185, 100, 25), "yellow": (180, 165, 30), "green": (40, 150, 60),

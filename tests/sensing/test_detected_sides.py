@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from test_edge_sides import texture
 
 from geometry.camera import Camera
-from kb.words import POINT, SIDE, Words
+from kb.clouds.words import POINT, SIDE, Words
 from sensing.appearance import Appearance, Gamma
-from sensing.detector import detect
-from sensing.edge_sides import WIDTH, edge_sides
+from sensing.detectors.detector import detect
+from sensing.detectors.edge_sides import WIDTH, edge_sides
+from sensing.detectors.keypoint_detector import CELL, KeypointDetector
 from sensing.errors import GammaError
-from sensing.gamma_files import gamma_from_dict, gamma_from_text, gamma_to_dict
-from sensing.keypoint_detector import CELL, KeypointDetector
+from sensing.files.gamma_files import gamma_from_dict, gamma_from_text, gamma_to_dict
 
 CAMERA = Camera(90, 75, np.array([[100.0, 0, 44.5], [0, 100, 37], [0, 0, 1]]), np.zeros(0))
 PLACE = {"uv": (3.0, 4.0), "detector": "sift"}

@@ -8,9 +8,9 @@ from drawn import quads, sectors
 
 from geometry.camera import Camera
 from sensing.appearance import Appearance
-from sensing.detector import detect, detectors, register, unregister
+from sensing.detectors.detector import detect, detectors, register, unregister
+from sensing.detectors.junctions import TYPES
 from sensing.errors import DetectorError, ImageError
-from sensing.junctions import TYPES
 
 EVERY = {"patch", *TYPES}
 
@@ -82,7 +82,7 @@ def test_an_entry_point_that_does_not_load_is_named(monkeypatch):
     from importlib.metadata import EntryPoint
 
     broken = EntryPoint("broken", "no_such_module_anywhere:Factory", "plogic.detectors")
-    monkeypatch.setattr("sensing.detector.entry_points", lambda group: [broken] if group == "plogic.detectors" else [])
+    monkeypatch.setattr("sensing.detectors.detector.entry_points", lambda group: [broken] if group == "plogic.detectors" else [])
     with pytest.raises(DetectorError, match="'broken' of no_such_module_anywhere:Factory does not load"):
         detectors()
 
@@ -91,7 +91,7 @@ def test_an_installed_detector_is_known(monkeypatch):
     from importlib.metadata import EntryPoint
 
     point = EntryPoint("other", "test_detector:Middle", "plogic.detectors")
-    monkeypatch.setattr("sensing.detector.entry_points", lambda **_: [point])
+    monkeypatch.setattr("sensing.detectors.detector.entry_points", lambda **_: [point])
     monkeypatch.setattr(EntryPoint, "load", lambda _: Middle)
     image = np.full((100, 200, 3), 120, np.uint8)
     assert [a.detector for a in detect(image, camera(image), {"dash"}).appearances] == ["middle"]

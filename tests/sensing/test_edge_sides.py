@@ -11,10 +11,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.special import ndtr
 
-from kb.words import COLOURS as OWN
-from sensing.colour import DARK, ratios
-from sensing.edge_points import LEAST, edge_points
-from sensing.edge_sides import BLOCK, BROAD, DEPTHS, GAIN, MOST, NOISY, WIDTH, edge_sides, noise
+from kb.clouds.words import COLOURS as OWN
+from sensing.detectors.colour import DARK, ratios
+from sensing.detectors.edge_points import LEAST, edge_points
+from sensing.detectors.edge_sides import BLOCK, BROAD, DEPTHS, GAIN, MOST, NOISY, WIDTH, edge_sides, noise
 from sensing.fairness import fairly
 
 SIZE = 64

@@ -18,7 +18,15 @@ from hypothesis import strategies as st
 from geometry.camera import Camera
 from sensing.appearance import Appearance, Gamma
 from sensing.errors import GammaError, SensingError
-from sensing.gamma_files import MAX_APPEARANCES, appearance_to_dict, gamma_from_dict, gamma_from_text, gamma_to_dict, read_gamma, write_gamma
+from sensing.files.gamma_files import (
+    MAX_APPEARANCES,
+    appearance_to_dict,
+    gamma_from_dict,
+    gamma_from_text,
+    gamma_to_dict,
+    read_gamma,
+    write_gamma,
+)
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 320], [0, 600, 240], [0, 0, 1]]), np.zeros(0))
 GOOD = {

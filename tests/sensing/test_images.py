@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from sensing.errors import ImageError
-from sensing.images import read_image
+from sensing.files.images import read_image
 
 PIXELS = np.random.default_rng(0).integers(0, 256, (24, 32, 3)).astype(np.uint8)
 

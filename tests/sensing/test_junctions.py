@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from drawn import sectors
 
-from sensing.junctions import TYPES, JunctionDetector, kind
+from sensing.detectors.junctions import TYPES, JunctionDetector, kind
 
 KINDS = {
     "l_junction": ([0, 100], [200, 90]),

@@ -8,11 +8,11 @@ import pytest
 
 from geometry.camera import Camera
 from sensing.appearance import Gamma
-from sensing.detector import detect
+from sensing.detectors.detector import detect
+from sensing.detectors.keypoint_detector import KeypointDetector
+from sensing.detectors.keypoints import LEAST_SIDE, MOST, WIDTHS, keypoints
 from sensing.errors import DetectorError
-from sensing.gamma_files import gamma_from_dict, gamma_to_dict
-from sensing.keypoint_detector import KeypointDetector
-from sensing.keypoints import LEAST_SIDE, MOST, WIDTHS, keypoints
+from sensing.files.gamma_files import gamma_from_dict, gamma_to_dict
 
 BOTH = pytest.mark.parametrize("name", ["sift", "orb"])
 
@@ -208,7 +208,7 @@ def test_a_kb_without_keypoints_does_not_run_them(monkeypatch):
     def never(*_args, **_keys):
         raise AssertionError
 
-    monkeypatch.setattr("sensing.keypoints.keypoints", never)
+    monkeypatch.setattr("sensing.detectors.keypoints.keypoints", never)
     image = coloured()
     assert all(a.type == "patch" for a in detect(image, camera(image), {"patch"}).appearances)
     assert detect(image, camera(image), {"other"}, Halves()).appearances == ()

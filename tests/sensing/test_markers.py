@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from geometry.camera import Camera
-from sensing.detector import detect
+from sensing.detectors.detector import detect
+from sensing.detectors.markers import DICTIONARIES, LEAST_SIDE, MarkerDetector
 from sensing.errors import DetectorError
-from sensing.markers import DICTIONARIES, LEAST_SIDE, MarkerDetector
 
 FINE, DRAWN, RIM = 4, 400, 100
 SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from drawn import quads
 
-from sensing.junctions import JunctionDetector
-from sensing.patches import PatchDetector, find_patches
+from sensing.detectors.junctions import JunctionDetector
+from sensing.detectors.patches import PatchDetector, find_patches
 
 ANGLES = np.radians([0.0, 17.0, 40.0, 63.0, 85.0])
 

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kb.learning.features import ALIKE
-from sensing.colour import ratios
-from sensing.keypoint_detector import described
-from sensing.regions import TURNS, regions
+from sensing.detectors.colour import ratios
+from sensing.detectors.keypoint_detector import described
+from sensing.detectors.regions import TURNS, regions
 
 YELLOW, RED, BLUE = (30, 190, 220), (30, 30, 200), (190, 70, 20)
 SHAPES = {

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 import pytest
 
+from geometry.files.pose_files import read_poses
 from geometry.frames import inverse, look_at
-from geometry.pose_files import read_poses
 from sensing.errors import SceneError
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Sensor

@@ -11,8 +11,8 @@ from geometry.camera import Camera
 from geometry.errors import CameraError
 from geometry.frames import look_at, transform_points
 from sensing.appearance import Appearance, Gamma
-from sensing.stereo import Pair, fused
-from sensing.stereo_files import read_stereo
+from sensing.files.stereo import Pair, fused
+from sensing.files.stereo_files import read_stereo
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]), np.array([0.1, -0.05, 0.001, 0.002, 0.01]))
 ASIDE = np.eye(4)
@@ -83,7 +83,7 @@ def test_nothing_has_depth_of_other_types_behind_the_camera_or_alone():
 
 
 def test_more_than_can_be_compared_is_refused(monkeypatch):
-    monkeypatch.setattr("sensing.stereo.MOST", 8)
+    monkeypatch.setattr("sensing.files.stereo.MOST", 8)
     some = gamma(points_of(3), ["a", "b", "c"])
     with pytest.raises(CameraError, match="3 and 3 appearances are more"):
         fused(some, some, Pair(ASIDE))

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from painted_cube import SIDE, cube
 
+from geometry.cones import even_directions
 from geometry.frames import inverse, transform_points
-from geometry.rays import RayMesh
-from kb.cones import even_directions
+from geometry.visibility.rays import RayMesh
 from sensing.simulated.body import TexturedMesh
 from sensing.simulated.turntable import FINER, extent, turned
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from plogic.program.author import load_problog
+from plogic.logic.safety.author import load_problog
 
 load_problog()
 HERE = Path(__file__).parent
@@ -34,7 +34,7 @@ def towers_file(tmp_path_factory):
     """The interpretation of the worked example of §8 as a file."""
     from scene_file import towers_document
 
-    from plogic.interpretation import text_of
+    from plogic.facts.interpretation import text_of
 
     path = tmp_path_factory.mktemp("towers") / "interpretation.json"
     path.write_text(text_of(towers_document()))

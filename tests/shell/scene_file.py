@@ -6,7 +6,7 @@ from typing import Any
 
 from situations import towers
 
-from plogic.interpretation import FORMAT, facts_of, hypothesis_document
+from plogic.facts.interpretation import FORMAT, facts_of, hypothesis_document
 
 
 def towers_document() -> dict[str, Any]:

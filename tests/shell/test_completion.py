@@ -7,9 +7,9 @@ from prompt_toolkit.completion import CompleteEvent
 from prompt_toolkit.document import Document
 from situations import towers
 
-from plogic.engine import Text
-from plogic.session import Session
-from plogic.shell.completion import GoalCompleter
+from plogic.face.session.completion import GoalCompleter
+from plogic.face.session.session import Session
+from plogic.logic.served.engine import Text
 
 
 @pytest.fixture(scope="module")

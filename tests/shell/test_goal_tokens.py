@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from plogic.errors import InputError
-from plogic.talk.tokens import one_line, quoted, tokens
-from plogic.talk.verbs import VERBS, is_end, verb_of
+from plogic.base.errors import InputError
+from plogic.face.session.verbs import VERBS, is_end, verb_of
+from plogic.logic.safety.tokens import one_line, quoted, tokens
 
 SAME = [
     ("present(h1)", " present( h1 ) . "),

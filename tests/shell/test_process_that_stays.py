@@ -7,10 +7,10 @@ import os
 
 import pytest
 
-from plogic.engine import Limits, Text, request_of, through
-from plogic.errors import LimitError
-from plogic.query import answers
-from plogic.talk.process import Process
+from plogic.base.errors import LimitError
+from plogic.logic.served.engine import Limits, Text, request_of, through
+from plogic.logic.served.staying_process import Process
+from plogic.scene.asking.query import answers
 
 PROGRAM = Text(
     "0.3::a. 0.4::b(1). 0.5::b(2). c(X) :- a, b(X). c(3) :- \\+ b(2).\n"

@@ -7,10 +7,10 @@ from html.parser import HTMLParser
 
 import pytest
 
-from plogic.engine import Answer
-from plogic.explain import Account
-from plogic.talk import results
-from plogic.talk.blocks import visible
+from plogic.face.session import results
+from plogic.face.session.blocks import visible
+from plogic.logic.served.engine import Answer
+from plogic.scene.asking.explanations import Account
 
 EVIL = "<script>alert('&\"')</script>\x1b[2J\n\u202etxt"
 ANSWER = Answer(EVIL, 0.25, (0.25, 0.25))

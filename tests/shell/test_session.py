@@ -8,10 +8,10 @@ import math
 import pytest
 from situations import towers
 
-from plogic.engine import Limits, Text
-from plogic.errors import InconsistentError, InputError, LimitError, ProgramError
-from plogic.query import answers
-from plogic.session import Session
+from plogic.base.errors import InconsistentError, InputError, LimitError, ProgramError
+from plogic.face.session.session import Session
+from plogic.logic.served.engine import Limits, Text
+from plogic.scene.asking.query import answers
 
 PROGRAM = """0.3::rain.
 0.5::sprinkler(front); 0.2::sprinkler('Back yard').

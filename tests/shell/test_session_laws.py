@@ -7,9 +7,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from situations import random_situations
 
-from plogic.errors import InconsistentError
-from plogic.query import answers
-from plogic.session import Session
+from plogic.base.errors import InconsistentError
+from plogic.face.session.session import Session
+from plogic.scene.asking.query import answers
 
 
 def shown(session):

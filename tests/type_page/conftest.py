@@ -13,8 +13,8 @@ sys.path[:0] = [str(HERE), *(str(HERE.parent / folder) for folder in ("report", 
 from made_types import write_learnt  # noqa: E402 - found by the line above
 from one_browser import chromium, flat_chromium  # noqa: E402 - as above
 
-from kb.read import read_kb  # noqa: E402 - as above
-from kb.shipped import shipped  # noqa: E402 - as above
+from kb.files.read import read_kb  # noqa: E402 - as above
+from kb.files.shipped import shipped  # noqa: E402 - as above
 
 __all__ = ["chromium", "flat_chromium", "learnt_kb", "tower_kb"]
 

@@ -9,8 +9,8 @@ import numpy as np
 from made_meshes import obj_text, split_box
 from random_cloud import random_cloud, random_words
 
-from kb.learnt import cloud_bytes
-from kb.words import words_bytes
+from kb.clouds.learnt import cloud_bytes
+from kb.clouds.words import words_bytes
 
 HOSTILE = "</script><img src=x onerror=document.title='pwned'><!--<script>"
 KB = "name: learnt\nappearance_types: []\nf_ref: 600\nwords: {file: words.npz}\n"

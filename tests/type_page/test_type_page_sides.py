@@ -11,9 +11,9 @@ from made_types import write_learnt
 from page_checks import COLOURS, COUNT, complaints, shown_as
 from random_cloud import random_cloud
 
-from kb.read import read_kb
-from plogic.type_page.content import type_document
-from plogic.type_page.page import type_page
+from kb.files.read import read_kb
+from plogic.face.pages.type_content import type_document
+from plogic.face.pages.type_page import type_page
 
 SIDES = 30
 TEXT = "return document.querySelector(arguments[0]).innerText"

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from plogic.type_page.packed import floats, shorts
-from plogic.type_page.surface import LARGEST_PICTURE, MOST_TRIANGLES, Drawn, _picture, coarser
+from plogic.face.pages.packed import floats, shorts
+from plogic.face.pages.type_surface import LARGEST_PICTURE, MOST_TRIANGLES, Drawn, _picture, coarser
 
 
 def tube(n, *, painted):

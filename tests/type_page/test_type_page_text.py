@@ -12,11 +12,11 @@ from made_types import HOSTILE, bare, hostile, write_learnt
 from page_checks import check_harmless, check_policy, data_text, element
 from random_cloud import random_cloud
 
-from kb.read import read_kb
+from kb.files.read import read_kb
+from plogic.face.pages.type_content import MOST_FEATURES, MOST_LOBES, chosen, type_document
+from plogic.face.pages.type_page import type_page
+from plogic.face.pages.type_surface import LARGEST_PICTURE, MOST_TRIANGLES
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
-from plogic.type_page.content import MOST_FEATURES, MOST_LOBES, chosen, type_document
-from plogic.type_page.page import type_page
-from plogic.type_page.surface import LARGEST_PICTURE, MOST_TRIANGLES
 
 SMALL = 3_000_000
 """Bytes that a page is to stay below."""

@@ -8,11 +8,11 @@ from sequences import BESIDE, POSTERIOR, turned, view
 from synthetic import perceiver, towers
 
 from geometry.frames import pose_error
-from plogic.search.data import data_of
-from plogic.stopwatch import Stopwatch
-from plogic.views.joint import joint
-from plogic.views.standing import Seen, Standing, seen_alone, standing_of
-from plogic.worlds import ranked_worlds
+from plogic.base.stopwatch import Stopwatch
+from plogic.match.gamma.data import data_of
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
+from plogic.sequence.views.joint import joint
+from plogic.sequence.views.standing import Seen, Standing, seen_alone, standing_of
 
 
 def seen(*views):

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.look_again.episode import tour
+from benchmarks.look_again.scenes import scene
+from benchmarks.look_again.types import look_alikes
 from geometry.frames import inverse, pose_error
-from plogic.bench.look_again_episode import tour
-from plogic.bench.look_again_scenes import scene
-from plogic.bench.look_again_types import look_alikes
-from plogic.perceive import Perceiver
-from plogic.views.merging import merged
+from plogic.run.perceive import Perceiver
+from plogic.sequence.views.merging import merged
 
 SEED = 11
 

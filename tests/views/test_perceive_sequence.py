@@ -10,7 +10,7 @@ import pytest
 from console import document, good, plogic
 from sequences import turned, view
 
-from sensing.gamma_files import write_gamma
+from sensing.files.gamma_files import write_gamma
 
 ANGLES = [0.0, 15.0, 80.0, 1.0]
 

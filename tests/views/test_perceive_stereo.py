@@ -11,7 +11,7 @@ from sequences import BESIDE, turned, view
 from synthetic import towers
 
 from geometry.frames import inverse, pose_error
-from sensing.gamma_files import write_gamma
+from sensing.files.gamma_files import write_gamma
 
 ASIDE = np.eye(4)
 ASIDE[0, 3] = -0.8

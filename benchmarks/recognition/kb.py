@@ -1,0 +1,65 @@
+"""Our side of ``plogic bench recognition``: a knowledge base of the types is learnt from their meshes, and asked what a picture shows.
+
+``Ours`` is all that the benchmark needs of it; tests hand in one of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from benchmarks.recognition.score import Found
+from plogic.base.errors import InputError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from benchmarks.recognition.peer import Learnt
+    from geometry.camera import Camera
+
+LEARNING: Mapping[str, Any] = {"detector": "sift", "jobs": 2, "as_json": False}
+"""What ``kb learn`` is asked for besides the seed."""
+Recognise = Callable[["NDArray[np.uint8]", "Camera"], list[Found]]
+"""(H, W, 3) uint8 image, blue first, and its camera without a pose in, accepted objects out."""
+
+
+@dataclass(frozen=True)
+class Ours:
+    """What recognises, and per type the keypoints that were learnt, which the peer is given too."""
+
+    recognise: Recognise
+    learnt: Mapping[str, Learnt]
+
+
+def ours(meshes: Mapping[str, Path], folder: Path, say: Callable[[str], None]) -> Ours:
+    """Learn the types into a new knowledge base in ``folder``. Raises InputError where it cannot be learnt."""
+    from kb.files.read import read_kb
+    from plogic.face.commands.bop import look_of
+
+    learn_into(folder, meshes, say)
+    kb = replace(read_kb(folder), gravity=True)  # what stands on a table: `gravity: true` in a user's kb.yaml
+    clouds = {t.name: t.learnt.keypoints for t in kb.types if t.learnt is not None}
+    missing = [t.name for t in kb.types if t.learnt is None]
+    if missing:
+        raise InputError(f"bench recognition: nothing was learnt of {', '.join(missing)}")
+    look = look_of(kb)
+    return Ours(lambda image, camera: [Found(name, np.array(pose), sure) for name, pose, sure in look(image, camera)], clouds)
+
+
+def learn_into(folder: Path, meshes: Mapping[str, Path], say: Callable[[str], None], seed: int = 0) -> None:
+    """``plogic kb new``, and ``kb add`` and ``kb learn`` of every mesh (metres), if any: the newcomer's path."""
+    from plogic.face.authoring.kb_add import add_command
+    from plogic.face.authoring.kb_learn import learn_command
+    from plogic.face.authoring.kb_new import new_command
+
+    new_command(folder, None)
+    for name, mesh in meshes.items():
+        say(f"adding {name}")
+        add_command(name, mesh, "m", folder, as_json=False)
+    if meshes:
+        learn_command(str(folder), list(meshes), {**LEARNING, "seed": seed}, say=say)

@@ -1,0 +1,1 @@
+"""What every benchmark uses: claims, and the time of processors."""

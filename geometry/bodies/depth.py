@@ -1,0 +1,160 @@
+"""Penetration depth of two solids (A4, §3.1): the shortest move, without a turn, after which the one shares no volume with the other.
+
+Of convex bodies it is the distance of the origin to the boundary of their Minkowski difference, exactly. Of concave ones, cut into convex
+parts, it is the shortest move out of all differences of two parts: found by trying, at the shortest move so far, the facets of a difference
+that still holds it, best first. What is too dented to be cut is known within bounds.
+
+* ``Depth(low=0.03, high=0.03, way=array([1.0, 0.0, 0.0]))``: the second, moved by 3 cm along x, is free of the first
+"""
+
+import heapq
+from functools import lru_cache
+from itertools import count
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geometry.arrays import Floats, last_axes
+from geometry.bodies.convex_parts import ConvexParts, convex_parts
+from geometry.bodies.inscribed import inscribed_radius
+from geometry.bodies.overlap import Solid
+from geometry.frames import inverse, transform_points
+
+MOST_TRIED = 300
+"""Moves that are tried for concave bodies; then the shortest still open is the lower bound."""
+MOST_CORNERS = 60_000
+"""Corners of a Minkowski difference that is built as a whole; of more, only those near the way out are asked for."""
+EXACT = 1e-9
+"""Metres between two bounds that count as one number."""
+_IMPOSSIBLE = 1e-10  # residual of the least-distance problem below which its rows contradict each other
+
+
+class Depth(NamedTuple):
+    """``low`` to ``high`` m contain the depth; moved by ``high`` along ``way`` (3,), unit, common frame, the second is free of the first."""
+
+    low: float
+    high: float
+    way: Floats
+
+    @property
+    def value(self) -> float:
+        """The depth in one number, m: what is sure to suffice, ``high``."""
+        return self.high
+
+
+class _Difference(NamedTuple):
+    """Moves p of the second that leave it in the first: normals (F, 3) · p < reach (F,) m, the convex polytope of ``corners`` (V, 3) m."""
+
+    normals: Floats
+    reach: Floats
+    corners: Floats
+
+
+class _Tried(NamedTuple):
+    """The shortest ``move`` (3,) m that is ``outside`` of so many facets, a unit normal and reach each; ordered by its length, then ``number``."""
+
+    length: float
+    number: int
+    outside: Floats
+    move: Floats
+
+
+def penetration(a: Solid, T_a: ArrayLike, b: Solid, T_b: ArrayLike) -> Depth | None:
+    """Of the solids `a` and `b`, posed by `T_a` and `T_b` (4, 4) into one common frame; None where they share no volume."""
+    own_from_other = inverse(T_a) @ last_axes(T_b, (4, 4), "T_b")
+    if not a.shared(own_from_other, b) > 0.0:
+        return None
+    first, second = parts_of(a), parts_of(b)
+    pairs = [(p, transform_points(own_from_other, q)) for p in first.parts for q in second.parts]
+    differences = [one for p, q in pairs if (one := _difference(p, q, whole=len(pairs) > 1)) is not None]
+    low, move = _way_out(differences)
+    high = float(np.linalg.norm(move))
+    if not (first.exact and second.exact):
+        low = min(high, 2.0 * inscribed_radius(a.meet(own_from_other, b)))
+    low = high if high - low < EXACT else low
+    return Depth(low, high, last_axes(T_a, (4, 4), "T_a")[:3, :3] @ move / max(high, 1e-300))
+
+
+@lru_cache(maxsize=256)
+def parts_of(solid: Solid) -> ConvexParts:
+    """The convex parts of a solid, cut once."""
+    return convex_parts(solid.body)
+
+
+def _difference(p: Floats, q: Floats, *, whole: bool) -> _Difference | None:
+    """The moves of the convex body of corners q (N, 3) that leave it in that of p (M, 3); None where rounding leaves them no volume."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    few = whole or len(p) * len(q) <= MOST_CORNERS
+    try:
+        points = (p[:, None] - q[None]).reshape(-1, 3) if few else _near_the_origin(p, q)
+        hull = ConvexHull(points)
+    except QhullError:
+        return None
+    facets = hull.equations[np.unique(hull.equations.round(9), axis=0, return_index=True)[1]]
+    return _Difference(facets[:, :3], -facets[:, 3], points[hull.vertices])
+
+
+def _near_the_origin(p: Floats, q: Floats) -> Floats:
+    """Corners (N, 3) of the difference, enough to tell where its boundary is nearest: a polytope that grows there till it reaches it (EPA)."""
+    from scipy.spatial import ConvexHull
+
+    hull = ConvexHull(_supports(p, q, np.concatenate([np.eye(3), -np.eye(3)])), incremental=True)
+    while True:
+        reach = -hull.equations[:, 3]
+        nearest = hull.equations[reach <= reach.min() + EXACT, :3]
+        more = _supports(p, q, nearest)
+        if ((more * nearest).sum(axis=1) - reach.min() <= 2.0 * EXACT).all():
+            return np.asarray(hull.points)
+        hull.add_points(more)
+
+
+def _supports(p: Floats, q: Floats, ways: Floats) -> Floats:
+    """The corners (N, 3) of the difference that are farthest along `ways` (N, 3)."""
+    return np.asarray(p[(p @ ways.T).argmax(axis=0)] - q[(q @ ways.T).argmin(axis=0)])
+
+
+def _way_out(differences: list[_Difference]) -> tuple[float, Floats]:
+    """A lower bound, m, of the shortest move out of all these polytopes, and the shortest (3,) that was found."""
+    best, number = _straight_out(differences), count()
+    queue = [_Tried(0.0, next(number), np.zeros((0, 4)), np.zeros(3))]
+    for _ in range(MOST_TRIED):
+        most = float(np.linalg.norm(best))
+        if not queue or queue[0].length >= most - EXACT:
+            return most, best
+        tried = heapq.heappop(queue)
+        inside = _holding(tried.move, differences)
+        if inside is None:
+            return tried.length, tried.move
+        for facet in np.column_stack([inside.normals, inside.reach])[inside.reach < most]:
+            outside = np.vstack([tried.outside, facet])
+            move = _shortest(outside)
+            if move is not None and (length := float(np.linalg.norm(move))) < most:
+                heapq.heappush(queue, _Tried(length, next(number), outside, move))
+    return (queue[0].length if queue else float(np.linalg.norm(best))), best
+
+
+def _straight_out(differences: list[_Difference]) -> Floats:
+    """The shortest move (3,) along one facet's normal that leaves all the polytopes behind it: an upper bound, the depth itself for one polytope."""
+    ways = np.concatenate([one.normals for one in differences])
+    reach = np.max([(one.corners @ ways.T).max(axis=0) for one in differences], axis=0)
+    shortest = int(reach.argmin())
+    return np.asarray(ways[shortest] * reach[shortest])
+
+
+def _holding(move: Floats, differences: list[_Difference]) -> _Difference | None:
+    """That of the polytopes which holds a move (3,) deepest inside; None where none does."""
+    deep = [float((one.reach - one.normals @ move).min()) for one in differences]
+    deepest = int(np.argmax(deep))
+    return differences[deepest] if deep[deepest] > EXACT else None
+
+
+def _shortest(outside: Floats) -> Floats | None:
+    """The shortest move (3,) with normal · move >= reach for rows (K, 4) of normal and reach: Lawson and Hanson's LDP. None where there is none."""
+    from scipy.optimize import nnls
+
+    size = float(np.abs(outside[:, 3]).max())
+    force, _ = nnls(np.vstack([outside[:, :3].T, outside[:, 3] / size]), np.array([0.0, 0.0, 0.0, 1.0]))
+    left = np.concatenate([outside[:, :3].T @ force, [outside[:, 3] @ force / size - 1.0]])
+    return None if abs(left[3]) < _IMPOSSIBLE else np.asarray(-left[:3] / left[3] * size)

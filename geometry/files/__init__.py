@@ -1,0 +1,1 @@
+"""Files of cameras, poses, moves and meshes, read with care."""

@@ -1,0 +1,114 @@
+"""Where a moving camera stood: our ``poses/1``, or the lines of a TUM trajectory, ``name tx ty tz qx qy qz qw``.
+
+``{"format": "poses/1", "frames": [{"frame": "f1.png", "T_world_camera": [[...], ...]}, {"frame": null, "T_world_camera": ...}]}``; of a pose
+without a frame nothing was seen (yet): what is known is told for it.
+
+* ``Placed``: one pose, ``Placed("f1.png", world_from_camera)``
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from geometry.arrays import Floats, frozen
+from geometry.errors import CameraError
+from geometry.files.json_files import JsonError, json_of
+from geometry.files.plain_files import fault_of
+from geometry.frames import from_rotation_translation, is_rigid, rotation_from_quat_xyzw
+from geometry.mistakes import told
+
+LARGEST = 16 * 2**20
+"""Bytes of a file of poses that is read."""
+ROUNDED = 1e-3
+"""How far a matrix may be from a rotation by the rounding of what wrote it; the nearest rotation is taken."""
+EXACT = 1e-12
+"""How far it may be and is left as it is."""
+HOLDS = 'should be {"format": "poses/1", "frames": [{"frame": FILE or null, "T_world_camera": 4x4}, ...]}'
+
+
+class Placed(NamedTuple):
+    """``frame``: the name of the image or Γ that was taken there, None for none; ``world_from_camera`` (4, 4), metres."""
+
+    frame: str | None
+    world_from_camera: Floats
+
+
+def read_poses(path: Path | str) -> list[Placed]:
+    """The poses of a file, in its order: JSON where it begins with a brace, else lines. Raises CameraError, a line a mistake."""
+    where = Path(path)
+    fault = fault_of(where, LARGEST)
+    if fault is not None:
+        raise CameraError(f"{path}: {fault}")
+    with where.open("rb") as file:
+        start = file.read(200).lstrip(b"\xef\xbb\xbf \t\r\n")
+    poses = _of_json(where) if start.startswith((b"{", b"[")) else _of_lines(where)
+    if not poses:
+        raise CameraError(f"{path}: holds no pose: {HOLDS}, or lines 'name tx ty tz qx qy qz qw'")
+    return poses
+
+
+def _of_json(path: Path) -> list[Placed]:
+    try:
+        document = json_of(path, LARGEST, HOLDS)
+    except JsonError as error:
+        raise CameraError(str(error)) from None
+    frames = document.get("frames") if isinstance(document, dict) and document.get("format") == "poses/1" else None
+    if not isinstance(frames, list):
+        raise CameraError(f"{path}: {HOLDS}")
+    return _sound([_entry(f"{path}: frames.{i}", frame) for i, frame in enumerate(frames)])
+
+
+def _entry(where: str, frame: Any) -> Placed | str:  # noqa: ANN401 - parsed JSON
+    if not isinstance(frame, dict) or not set(frame) <= {"frame", "T_world_camera"} or "T_world_camera" not in frame:
+        return f"{where}: must have the keys frame and T_world_camera, and no other"
+    name = frame.get("frame")
+    if name is not None and not isinstance(name, str):
+        return f"{where}.frame: must be a file's name or null, not {name!r:.60}"
+    try:
+        pose = np.array(frame["T_world_camera"], np.float64)
+    except (TypeError, ValueError):
+        pose = np.zeros(0)
+    nearest = nearest_rigid(pose)
+    return f"{where}.T_world_camera: must be a rigid 4x4 matrix (row-major, metres)" if nearest is None else Placed(name, nearest)
+
+
+def nearest_rigid(pose: Floats) -> Floats | None:
+    """The rigid pose that a matrix is but for rounding; None where it is none."""
+    if pose.shape != (4, 4) or not np.isfinite(pose).all() or not is_rigid(pose, ROUNDED):
+        return None
+    if is_rigid(pose, EXACT):
+        return frozen(pose)
+    u, _, v = np.linalg.svd(pose[:3, :3])
+    return frozen(from_rotation_translation(u @ v, pose[:3, 3]))
+
+
+def _of_lines(path: Path) -> list[Placed]:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise CameraError(f"{path}: is no text: byte {error.start} is no UTF-8") from None
+    lines = [(i, line.split("#")[0].split()) for i, line in enumerate(text.splitlines(), 1)]
+    return _sound([_line(f"{path}:{i}", words) for i, words in lines if words])
+
+
+def _line(where: str, words: list[str]) -> Placed | str:
+    rule = f"{where}: must be 'name tx ty tz qx qy qz qw', eight words, the quaternion of length 1"
+    try:
+        numbers = np.array([float(word) for word in words[1:]])
+    except ValueError:
+        return rule
+    if len(numbers) != 7 or not np.isfinite(numbers).all() or abs(np.linalg.norm(numbers[3:]) - 1.0) > ROUNDED:
+        return rule
+    quat_xyzw = numbers[3:] / np.linalg.norm(numbers[3:])
+    return Placed(words[0], frozen(from_rotation_translation(rotation_from_quat_xyzw(quat_xyzw), numbers[:3])))
+
+
+def _sound(entries: list[Placed | str]) -> list[Placed]:
+    """The poses. Raises CameraError with all mistakes."""
+    mistakes = [entry for entry in entries if isinstance(entry, str)]
+    if mistakes:
+        raise CameraError(told(mistakes))
+    return [entry for entry in entries if not isinstance(entry, str)]

@@ -1,0 +1,220 @@
+"""Σo: object types as feature clouds (§2).
+
+Vocabulary, each with an example value:
+
+* ``Lobe``, from where an appearance is seen: ``Lobe(axis=(0, 0, 1), half_angle=1.7, r_min=0.2, r_max=30.0)``
+* ``FeatureAppearance``, one way that a feature looks: ``FeatureAppearance("arrow_junction", lobe)``
+* ``Feature``: ``Feature("roof/apex", "apex", at=(0, 0, 3), ...)``
+* ``ObjectType``: ``ObjectType("t2", tree, features, ...)``, the tree being a ``networkx.DiGraph`` with frames on its edges
+* ``KnowledgeBase``: ``KnowledgeBase("towers", types=(t1, t2), ...)``
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kb.clouds.lobes import LobeTable, lobe_table
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import networkx as nx
+    from numpy.typing import NDArray
+
+    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.words import Words
+    from kb.surfaces.surface import Surface
+
+UNKNOWN_SUPPORT = 0.1
+"""Chance that something which the KB does not know holds what floats, where `gravity` does not say: one in ten things that seem to float."""
+
+
+def _freeze(holder: object, **shapes: tuple[int, ...]) -> None:
+    """Turn the named fields into read-only float arrays of the given shapes."""
+    for name, shape in shapes.items():
+        array = np.array(getattr(holder, name), dtype=float).reshape(shape)
+        array.setflags(write=False)
+        object.__setattr__(holder, name, array)
+
+
+@dataclass(frozen=True, eq=False)
+class Lobe:
+    """What the detector can see of an appearance (§2.7): unit ``axis`` (3,) in the feature's frame, ``half_angle`` rad, range in m.
+
+    ``size``: how wide it is that the detector reports, m, by which a datum's ``scale`` tells the distance; NaN where nobody said.
+    """
+
+    axis: NDArray[np.float64]
+    half_angle: float
+    r_min: float
+    r_max: float
+    size: float = float("nan")
+
+    def __post_init__(self) -> None:
+        _freeze(self, axis=(3,))
+
+
+@dataclass(frozen=True, eq=False)
+class FeatureAppearance:
+    """One appearance of a feature: what detectors report, and its viewpoints (the second slot of Φ, §2.1)."""
+
+    type: str
+    lobe: Lobe
+
+
+@dataclass(frozen=True, eq=False)
+class Feature:
+    """One feature. ``at`` (3,) m and ``rotation`` (3, 3) = object_from_feature, object frame; ``name`` is its path in the tree.
+
+    ``arms`` (K, 3): unit directions, object frame, of the surface's edges that meet here. ``parts`` names the features of a compound.
+    """
+
+    name: str
+    type: str
+    at: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    appearances: tuple[FeatureAppearance, ...]
+    arms: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    parts: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        _freeze(self, at=(3,), rotation=(3, 3), arms=(-1, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectType:
+    """One type of maximal object (D3).
+
+    ``features`` are the maximal features: valuation and ev score a compound once and not its parts again (A1). ``all_features`` is every
+    Feature node, which S of §5.1 counts. ``symmetries`` (S, 4, 4): rigid motions of the object's frame that change nothing, the identity
+    among them. A type without a mesh has no ``surface`` and hides nothing. ``mesh_file`` is what is rendered, the
+    textured mesh where there is one; ``mesh_scale`` is metres per unit of it. ``learnt``: the
+    cloud of a type whose features were learnt; ``learnt_features`` are then the same in the same order, but their appearances are
+    ``learnt_lobes``. Those that make up a compound are its parts, and no maximal features.
+    """
+
+    name: str
+    tree: nx.DiGraph
+    features: tuple[Feature, ...]
+    all_features: tuple[Feature, ...]
+    surface: Surface | None
+    opaque: bool
+    symmetries: NDArray[np.float64]
+    mesh_file: Path | None = None
+    mesh_scale: float = 1.0
+    learnt: LearntCloud | None = None
+    learnt_lobes: LobeTable | None = None
+    learnt_features: tuple[Feature, ...] | None = None
+
+    def __post_init__(self) -> None:
+        _freeze(self, symmetries=(-1, 4, 4))
+
+    @property
+    def seen_features(self) -> tuple[Feature, ...]:
+        """F features that appearances are matched to, and that ``lobes`` are of: ``features``, but of a learnt compound its parts."""
+        return self.features if self.learnt_features is None else self.learnt_features
+
+    @cached_property
+    def whole(self) -> NDArray[np.intp]:
+        """(F,) which of ``features`` each of ``seen_features`` is, or is a part of."""
+        if self.learnt_features is None:
+            return np.arange(len(self.features))
+        place = {name: i for i, feature in enumerate(self.features) for name in (feature.name, *feature.parts)}
+        return np.array([place[feature.name] for feature in self.learnt_features], np.intp)
+
+    @cached_property
+    def kind_codes(self) -> tuple[tuple[str, ...], NDArray[np.intp]]:
+        """The different feature types of ``features`` in alphabetical order, and (F,) which of them each has."""
+        names = tuple(sorted({feature.type for feature in self.features}))
+        place = {name: i for i, name in enumerate(names)}
+        return names, np.array([place[feature.type] for feature in self.features], np.intp)
+
+    @cached_property
+    def part_bodies(self) -> dict[str, Surface]:
+        """What of the surface belongs to which part that is an object, by the part's path in the tree."""
+        from kb.clouds.part_bodies import part_bodies
+
+        return part_bodies(self)
+
+    @cached_property
+    def lobes(self) -> LobeTable:
+        """The lobes of ``seen_features`` as arrays."""
+        return self.learnt_lobes or lobe_table(self.features)
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What rates were learnt from: [n, of] per name, expected counts where not everything was observed.
+
+    ``hit``: detected, of the expected, per feature type. ``clutter``: appearances of noise, of so many images, per appearance type.
+    ``prior``: present, of so many instances and empty images, per object type.
+    """
+
+    hit: dict[str, tuple[float, float]] = field(default_factory=dict)
+    clutter: dict[str, tuple[float, float]] = field(default_factory=dict)
+    prior: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    def __bool__(self) -> bool:
+        return bool(self.hit or self.clutter or self.prior)
+
+
+@dataclass(frozen=True)
+class Rates:
+    """Detector statistics and priors of a KB.
+
+    ``hit``: h_F per feature type. ``clutter``: expected clutter appearances an image per appearance type. ``prior`` per object type.
+    ``sigma``: location noise, pixels; ``sigmas`` per feature type where it differs. ``match_tolerance``: pixels (D8). ``counts``: what
+    was learnt from scenes (``plogic kb learn-rates``). ``sigma_angle``: noise, radians, of a datum's angle, which is how the x axis of its
+    feature's frame lies on the screen; None where angles say nothing.
+    """
+
+    hit: dict[str, float]
+    clutter: dict[str, float]
+    prior: dict[str, float]
+    sigma: float = 1.0
+    match_tolerance: float = 4.0
+    sigmas: dict[str, float] = field(default_factory=dict)
+    counts: Counts = field(default_factory=Counts)
+    sigma_angle: float | None = None
+
+    def sigma_of(self, feature_type: str) -> float:
+        """Location noise of a feature type, pixels."""
+        return self.sigmas.get(feature_type, self.sigma)
+
+
+@dataclass(frozen=True, eq=False)
+class KnowledgeBase:
+    """Σ. ``f_ref`` pixels: the focal length that lobes' ranges hold for. ``digest``: SHA-256 over the folder's contents.
+
+    ``words``: the visual words of learnt clouds; their names are among ``appearance_types``. ``gravity``: whether things rest on what is below;
+    then ``unknown_support`` is the chance that something unknown holds what floats, and ``ground`` the ground's height, world z in m, None where
+    it is not told.
+    """
+
+    name: str
+    types: tuple[ObjectType, ...]
+    appearance_types: tuple[str, ...]
+    rates: Rates
+    f_ref: float
+    rules: str
+    digest: str
+    folder: Path | None = None
+    words: Words | None = None
+    gravity: bool = False
+    unknown_support: float = UNKNOWN_SUPPORT
+    ground: float | None = None
+
+    @cached_property
+    def sought(self) -> tuple[str, ...]:
+        """Those of ``appearance_types`` that some feature may look like, and all words: what a detector is asked for. Others would be noise."""
+        used = {name for kind in self.types for name in kind.lobes.types}
+        used.update(self.words.names if self.words is not None else ())
+        return tuple(name for name in self.appearance_types if name in used)
+
+    def type(self, name: str) -> ObjectType:
+        """The type of a name; raises KeyError."""
+        return {t.name: t for t in self.types}[name]

@@ -1,0 +1,214 @@
+"""Learnt clouds: features that a keypoint detector was measured to see, as arrays, and their file ``cloud.npz``.
+
+* ``LearntCloud``: F features and the L appearances of them, each with its lobe: from where it is seen, how often, and how it looks there.
+  One appearance fixes a whole pose: its lobe gives the direction of view, its ``up`` the roll, its ``size`` the distance.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kb.clouds.packed_arrays import read_arrays
+from kb.errors import CloudError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+MAX_BYTES = 100_000_000
+"""Largest ``cloud.npz``, packed and unpacked."""
+MAX_LOBES = 200_000
+"""Most appearances of one type."""
+_SHAPES: dict[str, tuple[str, tuple[int, ...], str]] = {
+    "at": ("F", (3,), "f"), "sigma": ("F", (), "f"), "normal": ("F", (3,), "f"), "word": ("F", (), "i"),
+    "feature": ("L", (), "i"), "lobe_word": ("L", (), "i"), "descriptor": ("L", (-1,), "u"), "axis": ("L", (3,), "f"),
+    "half_angle": ("L", (), "f"), "r_min": ("L", (), "f"), "r_max": ("L", (), "f"), "hit": ("L", (), "f"), "up": ("L", (3,), "f"),
+    "size": ("L", (), "f"),
+}  # fmt: skip
+_OPTIONAL: dict[str, tuple[str, tuple[int, ...], str]] = {"part": ("F", (), "i"), "compound": ("F", (), "i")}
+"""What files of types without parts, or without compounds, do not have."""
+FORMAT = 2
+"""Of files with compounds, which say so; those without, as all were once, say nothing."""
+_KINDS = {"f": np.float64, "i": np.int64, "u": np.uint8}
+
+
+@dataclass(frozen=True, eq=False)
+class LearntCloud:
+    """All in metres, radians and the object's frame.
+
+    Attributes:
+        at: (F, 3) places of the features.
+        sigma: (F,) standard deviation of a place along one axis.
+        normal: (F, 3) unit outward normal of the surface there.
+        word: (F,) index of the feature's dominant visual word.
+        feature: (L,) whose appearance it is; in order.
+        lobe_word: (L,) index of the appearance's visual word.
+        descriptor: (L, D) uint8, 128 of SIFT, or 138 with its colours, or 32 of ORB: its mean over the views of the lobe.
+        axis: (L, 3) unit axis of the lobe, from the feature to the viewpoint.
+        half_angle: (L,) of the lobe.
+        r_min: (L,) least distance at the reference focal length.
+        r_max: (L,) greatest.
+        hit: (L,) how often the detector reported it within the lobe, measured.
+        up: (L, 3) unit, perpendicular to the axis: what the keypoint's angle is on the screen, as a direction in space.
+        size: (L,) the keypoint's diameter in space; 0 of the side of an edge (``sensing.detectors.edge_sides``), whose ``up`` is across the edge towards
+            the side, and of whose descriptor bytes 128 to 132 are its looks, and 133 how much the last of them varied.
+        part: (F,) which object of its type's tree the feature belongs to (``kb.clouds.tree.object_nodes``); 0, the whole, where there are no parts.
+        compound: (F,) which compound feature it is a part of (A1; ``kb.learning.compounds``), counted from 1; 0 of those that are in none.
+    """
+
+    at: Floats
+    sigma: Floats
+    normal: Floats
+    word: NDArray[np.int64]
+    feature: NDArray[np.int64]
+    lobe_word: NDArray[np.int64]
+    descriptor: NDArray[np.uint8]
+    axis: Floats
+    half_angle: Floats
+    r_min: Floats
+    r_max: Floats
+    hit: Floats
+    up: Floats
+    size: Floats
+    part: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    compound: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+
+    def __post_init__(self) -> None:
+        counts = {"F": len(self.at), "L": len(self.feature)}
+        for name in _OPTIONAL:
+            if not len(getattr(self, name)):
+                object.__setattr__(self, name, np.zeros(counts["F"], np.int64))
+        for name, (rows, shape, kind) in (_SHAPES | _OPTIONAL).items():
+            array = np.array(getattr(self, name), dtype=_KINDS[kind])
+            if array.size or -1 not in shape:
+                array = array.reshape(counts[rows], *shape)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    @cached_property
+    def sided(self) -> NDArray[np.bool_]:
+        """(L,) which are sides of edges."""
+        return np.asarray(self.size == 0.0)
+
+    @property
+    def keypoints(self) -> LearntCloud:
+        """The same without the sides of edges."""
+        lobes = np.flatnonzero(~self.sided)
+        used, feature = np.unique(self.feature[lobes], return_inverse=True)
+        features = {name: getattr(self, name)[used] for name, (rows, _, _) in (_SHAPES | _OPTIONAL).items() if rows == "F"}
+        appearances = {name: getattr(self, name)[lobes] for name, (rows, _, _) in _SHAPES.items() if rows == "L"}
+        return LearntCloud(**features | appearances | {"feature": feature, "compound": numbered(features["compound"])})
+
+    @property
+    def compounds(self) -> int:
+        """How many compound features there are."""
+        return int(self.compound.max(initial=0))
+
+    @property
+    def detector(self) -> str:
+        """Whose descriptors these are."""
+        return "orb" if self.descriptor.shape[1] == 32 else "sift"
+
+
+def numbered(groups: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(F,) the groups of F features counted from 1 in the order of their first members; 0 of those whose group, or 0, has no other."""
+    _, first, which, size = np.unique(groups, return_index=True, return_inverse=True, return_counts=True)
+    real = (size > 1) & (groups[first] > 0)
+    place = np.zeros(len(first), np.int64)
+    place[np.flatnonzero(real)[np.argsort(first[real])]] = np.arange(1, real.sum() + 1)
+    return np.asarray(place[which.ravel()], np.int64)
+
+
+def cloud_bytes(cloud: LearntCloud) -> bytes:
+    """The file's contents, the same for the same cloud. Floats are kept in single precision, indices in 32 bits; no parts, no array of them."""
+    memory = io.BytesIO()
+    arrays = {name: getattr(cloud, name) for name in (*_SHAPES, *(name for name in _OPTIONAL if getattr(cloud, name).any()))}
+    if cloud.compounds:
+        arrays["format"] = np.array(FORMAT)
+    with zipfile.ZipFile(memory, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, array in arrays.items():
+            packed = io.BytesIO()
+            np.save(packed, array.astype({"f": "<f4", "i": "<i4", "u": "u1"}[array.dtype.kind]), allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0)), packed.getvalue(), zipfile.ZIP_DEFLATED)
+    return memory.getvalue()
+
+
+def read_cloud(content: bytes) -> LearntCloud:
+    """The cloud of a file; nothing in it is run.
+
+    Raises:
+        CloudError: It is not a learnt cloud, or a number in it cannot be.
+    """
+    try:
+        arrays = read_arrays(content, _SHAPES, MAX_BYTES, (*_OPTIONAL, "format"))
+    except CloudError as error:
+        raise CloudError(f"is no learnt cloud: {error}") from None
+    _check_format(arrays.pop("format", np.array(1)))
+    _check(arrays)
+    return LearntCloud(**arrays)
+
+
+def _check_format(stated: NDArray[Any]) -> None:
+    if stated.shape or stated.dtype.kind != "i" or stated < 1:
+        raise CloudError(f"format: has shape {stated.shape} of {stated.dtype}, not a number from 1")
+    if stated > FORMAT:
+        raise CloudError(f"is of format {int(stated)}, of a newer plogic: this one reads up to {FORMAT}")
+
+
+def _check(arrays: dict[str, NDArray[Any]]) -> None:
+    counts = {"F": len(np.atleast_1d(arrays["at"])), "L": len(np.atleast_1d(arrays["feature"]))}
+    if counts["L"] > MAX_LOBES:
+        raise CloudError(f"has {counts['L']} appearances; {MAX_LOBES} are the most")
+    for name, (rows, shape, kind) in (_SHAPES | {name: _OPTIONAL[name] for name in _OPTIONAL if name in arrays}).items():
+        array = arrays[name]
+        right = array.ndim == 1 + len(shape) and array.shape[0] == counts[rows] and (not shape or shape[0] in (-1, array.shape[1]))
+        if not right or array.dtype.kind != kind or (kind == "u" and array.dtype != np.uint8):
+            raise CloudError(f"{name}: has shape {array.shape} of {array.dtype}")
+        if kind == "f" and not np.isfinite(array.astype(np.float64)).all():
+            raise CloudError(f"{name}: has a number that is not finite")
+    _check_indices(arrays, counts["F"])
+    _check_numbers({name: np.asarray(arrays[name], np.float64) for name, (_, _, kind) in _SHAPES.items() if kind == "f"})
+    if arrays["descriptor"].shape[1] not in (32, 128, 138):
+        raise CloudError(f"descriptor: has {arrays['descriptor'].shape[1]} bytes, not 128 or 138 (SIFT) or 32 (ORB)")
+
+
+def _check_indices(arrays: dict[str, NDArray[Any]], features: int) -> None:
+    feature = np.asarray(arrays["feature"], np.int64)
+    if len(feature) and not (feature.min() >= 0 and feature.max() < features and (np.diff(feature) >= 0).all()):
+        raise CloudError(f"feature: must be in order and below {features}")
+    for name in ("word", "lobe_word", *(name for name in _OPTIONAL if name in arrays)):
+        if np.asarray(arrays[name], np.int64).min(initial=0) < 0:
+            raise CloudError(f"{name}: must not be below 0")
+    _check_compounds(*(np.asarray(arrays.get(name, np.zeros(features)), np.int64) for name in _OPTIONAL))
+
+
+def _check_compounds(part: NDArray[np.int64], compound: NDArray[np.int64]) -> None:
+    if not np.array_equal(numbered(compound), compound):
+        raise CloudError("compound: must be counted from 1 in order, each of two features or more")
+    owners = np.unique(np.column_stack([compound, part])[compound > 0], axis=0)
+    if len(owners) > compound.max(initial=0):
+        raise CloudError("compound: must be of one part of the type each")
+
+
+def _check_numbers(arrays: dict[str, Floats]) -> None:
+    for name in ("axis", "up", "normal"):
+        if np.abs(np.linalg.norm(arrays[name], axis=1) - 1.0).max(initial=0.0) > 1e-3:
+            raise CloudError(f"{name}: must be of length 1")
+    if np.abs((arrays["axis"] * arrays["up"]).sum(axis=1)).max(initial=0.0) > 1e-3:
+        raise CloudError("up: must be perpendicular to axis")
+    if arrays["size"].min(initial=0.0) < 0.0:
+        raise CloudError("size: must be at least 0")
+    for name in ("half_angle", "r_max", "sigma"):
+        if arrays[name].min(initial=1.0) <= 0.0:
+            raise CloudError(f"{name}: must be above 0")
+    if arrays["hit"].min(initial=0.0) < 0.0 or arrays["hit"].max(initial=0.0) > 1.0:
+        raise CloudError("hit: must be in [0, 1]")
+    if arrays["r_min"].min(initial=0.0) < 0.0 or (arrays["r_min"] > arrays["r_max"]).any():
+        raise CloudError("r_min: must be at least 0 and at most r_max")

@@ -1,0 +1,241 @@
+"""Read a KB's folder, or say everything that is wrong with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
+from kb.clouds.cloud import UNKNOWN_SUPPORT, Counts, KnowledgeBase, ObjectType, Rates
+from kb.clouds.clutter import clutter_prior, word_clutter
+from kb.clouds.tree import build_tree, features_of, object_nodes, tree_mistakes
+from kb.errors import KBErrors, Mistake, SurfaceError
+from kb.files.branches import branch_of, misplaced, outline, path_to
+from kb.files.cross import cross_mistakes
+from kb.files.folder import MAX_MESH_BYTES, Folder
+from kb.files.learnt_reading import (
+    check_parts,
+    check_words,
+    learnt_features,
+    learnt_lobes,
+    learnt_of,
+    with_compounds,
+    words_of,
+)
+from kb.files.model_mistakes import checked, without
+from kb.files.schema import KBModel, ObjectModel
+from kb.quantities import LENGTHS
+from kb.surfaces.surface import Surface, surface_from_mesh
+from kb.surfaces.symmetries import motions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.words import Words
+    from kb.files.schema import CountsModel
+    from kb.files.yaml_text import Document
+
+MAX_RULES_BYTES = 1_000_000
+"""Largest ``rules.pl``."""
+PAINT = {".mtl", ".png", ".jpg", ".jpeg"}
+"""What paints a mesh, beside it."""
+HIT, PRIOR = 0.8, 0.5
+"""What holds for types that ``kb.yaml`` says nothing about."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Object:
+    """One ``object.yaml``: its document, and what could be made of it."""
+
+    document: Document
+    model: ObjectModel | None
+    surface: Surface | None
+    rendered: Path | None
+    scale: float
+    learnt: LearntCloud | None
+
+
+def read_kb(folder: Path | str) -> KnowledgeBase:
+    """The knowledge base of a folder: ``kb.yaml``, ``objects/NAME/object.yaml`` with its mesh, ``rules.pl``.
+
+    Raises:
+        KBErrors: with every mistake of every file.
+    """
+    place = Folder(Path(folder))
+    _check_folder(place.root)
+    document = place.document(place.root / "kb.yaml")
+    if document is None:
+        raise KBErrors(place.mistakes)
+    model, wrong = checked(KBModel, document)
+    before = len(place.mistakes)
+    files = _object_files(place)
+    complete = len(place.mistakes) == before
+    objects = [item for path in files if (item := _object(place, path)) is not None]
+    rules, words = _rules(place), words_of(place, document)
+    for item in objects:
+        check_words(place, item.document, item.learnt, words)
+        check_parts(place, item.document, item.learnt)
+    wrong += cross_mistakes(document, model, [item.document for item in objects], complete=complete and len(objects) == len(files))
+    mistakes = list(dict.fromkeys(place.mistakes + wrong))
+    if mistakes or model is None:
+        raise KBErrors(mistakes)
+    types = tuple(_type(item.model, item, words) for item in objects if item.model is not None)
+    return _knowledge_base(place, model, types, rules, words)
+
+
+def _check_folder(root: Path) -> None:
+    if not is_there(root / "kb.yaml"):
+        what = {IS_FOLDER: "the folder holds no kb.yaml", IS_MISSING: "there is no such folder"}
+        fault = fault_of(root) or "is a file, not a folder"
+        raise KBErrors([Mistake(str(root), 0, 0, "", f"{what.get(fault, fault)}; a knowledge base is a folder with a kb.yaml in it")])
+
+
+def _object_files(place: Folder) -> list[Path]:
+    """One file per folder of ``objects``, hidden ones excepted."""
+    folder = place.root / "objects"
+    if not is_there(folder):
+        return []
+    inside = sorted(folder.iterdir()) if fault_of(folder) == IS_FOLDER else [folder]
+    lost = [path for path in inside if path == folder or (path.is_symlink() and fault_of(path) not in (IS_FOLDER, None))]
+    place.mistakes += [Mistake(place.name(path), 0, 0, "", f"must be a folder, but it {fault_of(path) or 'is a file'}") for path in lost]
+    return [path / "object.yaml" for path in inside if fault_of(path) == IS_FOLDER and not path.name.startswith(".")]
+
+
+def _object(place: Folder, path: Path) -> _Object | None:
+    document = place.document(path)
+    if document is None:
+        return None
+    model, wrong = checked(ObjectModel, document)
+    place.mistakes.extend(without(wrong, misplaced(document.data)))
+    if not isinstance(document.data, dict):
+        return None
+    place.mistakes.extend(_tree_mistakes(document))
+    place.mistakes.extend(_symmetry_mistakes(document, model) if model is not None else ())
+    mesh = document.data.get("mesh")
+    mesh = mesh if isinstance(mesh, dict) else {}
+    units = mesh.get("units")
+    scale = LENGTHS.get(units, 1.0) if isinstance(units, str) else 1.0
+    mesh_file, surface = _surface(place, document, path.parent, mesh.get("file"), scale)
+    rendered = _textured(place, document, path.parent, mesh.get("textured")) or mesh_file
+    return _Object(document, model, surface, rendered, scale, learnt_of(place, document, path.parent))
+
+
+def _tree_mistakes(document: Document) -> Iterator[Mistake]:
+    for where, message in tree_mistakes(outline(document.data)):
+        yield document.mistake(path_to(document.data, where), message)
+
+
+def _symmetry_mistakes(document: Document, model: ObjectModel) -> Iterator[Mistake]:
+    try:
+        motions(model.symmetries)
+    except ValueError as error:
+        yield document.mistake(("symmetries",), str(error))
+
+
+def _surface(place: Folder, document: Document, folder: Path, file: object, scale: float) -> tuple[Path | None, Surface | None]:
+    """The mesh of a document, sought even where the document has other mistakes."""
+    path = _mesh_file(place, document, folder, file, "file")
+    if path is not None and place.content(path, MAX_MESH_BYTES) is not None:
+        try:
+            return path, surface_from_mesh(path, scale)
+        except SurfaceError as error:
+            place.mistakes.append(document.mistake(("mesh", "file"), str(error)))
+    return None, None
+
+
+def _textured(place: Folder, document: Document, folder: Path, file: object) -> Path | None:
+    """The mesh that is rendered; it, its material and its pictures are among what the digest is over."""
+    path = _mesh_file(place, document, folder, file, "textured")
+    if path is None:
+        return None
+    for beside in sorted(path.parent.iterdir()):
+        if beside == path or (beside.suffix.lower() in PAINT and beside.is_file()):
+            place.content(beside, MAX_MESH_BYTES)
+    return path
+
+
+def _mesh_file(place: Folder, document: Document, folder: Path, file: object, key: str) -> Path | None:
+    """A file that a document names, if it may be read."""
+    if not isinstance(file, str) or not file or "\0" in file:
+        return None
+    fault = place.fault(folder / file, MAX_MESH_BYTES)
+    if fault is not None:
+        place.mistakes.append(document.mistake(("mesh", key), f"the mesh {file!r:.100} {fault}"))
+        return None
+    return folder / file
+
+
+def _rules(place: Folder) -> str:
+    path = place.root / "rules.pl"
+    content = place.content(path, MAX_RULES_BYTES) if is_there(path) else b""
+    try:
+        return (content or b"").decode()
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        place.mistakes.append(Mistake("rules.pl", line, 1, "", f"must be UTF-8: {error.reason}"))
+        return ""
+
+
+def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
+    tree = build_tree(branch_of(model))
+    features, all_features = features_of(tree)
+    seen = features
+    lobes = None
+    if item.learnt is not None and words is not None:
+        seen = learnt_features(item.learnt, words, object_nodes(tree))
+        features, all_features = with_compounds(seen, item.learnt, words)
+        lobes = learnt_lobes(item.learnt, words)
+    return ObjectType(
+        name=model.object,
+        tree=tree,
+        features=features,
+        all_features=all_features,
+        surface=item.surface,
+        opaque=model.opaque,
+        symmetries=motions(model.symmetries),
+        mesh_file=item.rendered,
+        mesh_scale=item.scale,
+        learnt=item.learnt,
+        learnt_lobes=lobes,
+        learnt_features=seen if item.learnt is not None else None,
+    )
+
+
+def _knowledge_base(place: Folder, model: KBModel, types: tuple[ObjectType, ...], rules: str, words: Words | None) -> KnowledgeBase:
+    named, gravity = words.names if words is not None else (), model.gravity
+    return KnowledgeBase(
+        name=model.name,
+        types=types,
+        appearance_types=(*model.appearance_types, *named),
+        rates=_rates(model, types, named),
+        f_ref=model.f_ref,
+        rules=rules,
+        digest=place.digest(),
+        folder=place.root,
+        words=words,
+        gravity=gravity is not None,
+        unknown_support=UNKNOWN_SUPPORT if gravity is None else gravity.unknown_support,
+        ground=None if gravity is None else gravity.ground,
+    )
+
+
+def _rates(model: KBModel, types: tuple[ObjectType, ...], words: tuple[str, ...]) -> Rates:
+    detector = model.detector
+    kinds = sorted({feature.type for kind in types for feature in kind.all_features})
+    return Rates(
+        hit={name: detector.hit.get(name, HIT) for name in kinds},
+        clutter=clutter_prior(types, model.appearance_types) | word_clutter(types, words) | dict(detector.clutter),
+        prior={kind.name: model.priors.get(kind.name, PRIOR) for kind in types},
+        sigma=detector.sigma,
+        sigmas=dict(detector.sigmas),
+        match_tolerance=detector.match_tolerance,
+        sigma_angle=detector.sigma_angle,
+        counts=_counts(model.counts),
+    )
+
+
+def _counts(model: CountsModel) -> Counts:
+    tables = ({name: (pair[0], pair[1]) for name, pair in table.items()} for table in (model.hit, model.clutter, model.prior))
+    return Counts(*tables)

@@ -1,1 +1,0 @@
-"""Object types from what others made: robot descriptions (URDF, SDF) and the model folders of BOP."""

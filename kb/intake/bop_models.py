@@ -1,0 +1,124 @@
+"""A BOP ``models`` folder: ``obj_000001.ply`` and so on in millimetres, and ``models_info.json`` with their symmetries.
+
+The format: https://github.com/thodan/bop_toolkit/blob/master/docs/bop_datasets_format.md
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.files.json_files import JsonError, json_of
+from geometry.files.plain_files import fault_of, is_there
+from geometry.frames import quat_xyzw_from_rotation
+from kb.errors import IntakeError
+from kb.files.schema import SymmetryModel
+from kb.files.write import flow
+from kb.quantities import LENGTHS
+from kb.surfaces.symmetries import motions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+RIGID = 1e-2
+"""How far a listed rotation may be from one."""
+MAX_BYTES = 16_000_000
+"""Largest models_info.json."""
+LARGEST = 1e9
+"""What every number in it stays below, mm."""
+_MODEL = re.compile(r"obj_(\d+)\.ply")
+
+
+def bop_models(folder: Path) -> list[tuple[str, Path, dict[str, Any]]]:
+    """(name, mesh file, its entry of ``models_info.json``) of every model, in the order of their numbers.
+
+    Raises:
+        IntakeError: no such folder, no models, a ``models_info.json`` that is none.
+    """
+    files = sorted((path for path in folder.iterdir() if _MODEL.fullmatch(path.name)), key=_number)
+    if not files:
+        raise IntakeError(f"{folder}: holds no obj_000001.ply and so on, as a BOP models folder does")
+    info = _info(folder / "models_info.json")
+    return [(path.stem, path, info.get(str(_number(path)), {})) for path in files]
+
+
+def _number(path: Path) -> int:
+    found = _MODEL.fullmatch(path.name)
+    return int(found[1]) if found else 0
+
+
+def _info(path: Path) -> dict[str, Any]:
+    if not is_there(path):
+        return {}
+    fault = fault_of(path, MAX_BYTES)
+    if fault is not None:
+        raise IntakeError(f"{path}: {fault}")
+    try:
+        info = json_of(path, MAX_BYTES, "models' numbers, their properties, and lists of numbers are all it may hold")
+    except JsonError as error:
+        raise IntakeError(str(error)) from None
+    if not isinstance(info, dict) or not all(isinstance(row, dict) for row in info.values()):
+        raise IntakeError(f"{path}: must map the models' numbers to their properties")
+    return info
+
+
+def bop_symmetries(entry: dict[str, Any], units: str, where: str) -> list[str]:
+    """Entries of object.yaml's ``symmetries`` for a model's ``symmetries_discrete`` and ``symmetries_continuous``.
+
+    Raises:
+        IntakeError: for anything that is no rigid motion, or no axis, and for motions that make no small group.
+    """
+    scale = LENGTHS[units]
+    found = [_motion(row, scale, f"{where}: symmetries_discrete") for row in _rows(entry, "symmetries_discrete", where)]
+    found += [_axis(row, scale, f"{where}: symmetries_continuous") for row in _rows(entry, "symmetries_continuous", where)]
+    try:
+        motions([SymmetryModel.model_validate(row) for row in found])
+    except ValueError as error:
+        raise IntakeError(f"{where}: its symmetries cannot be used: {error}") from None
+    return [flow(row) for row in found]
+
+
+def _rows(entry: dict[str, Any], key: str, where: str) -> list[Any]:
+    rows = entry.get(key, [])
+    if not isinstance(rows, list):
+        raise IntakeError(f"{where}: {key} must be a list")
+    return rows
+
+
+def _motion(row: object, scale: float, where: str) -> dict[str, Any]:
+    """One motion, sixteen numbers by rows, its rotation made exact."""
+    motion = _numbers(row, 16, where).reshape(4, 4)
+    turn = motion[:3, :3]
+    if np.abs(turn @ turn.T - np.eye(3)).max() > RIGID or np.linalg.det(turn) < 0:
+        raise IntakeError(f"{where}: must be a rigid motion, not {row!r:.100}")
+    u, _, v = np.linalg.svd(turn)
+    quat = np.asarray(quat_xyzw_from_rotation(u @ v))
+    return {"quat_xyzw": _rounded(quat), "at": _rounded(motion[:3, 3] * scale)}
+
+
+def _axis(row: object, scale: float, where: str) -> dict[str, Any]:
+    if not isinstance(row, dict):
+        raise IntakeError(f"{where}: must be an axis with an offset, not {row!r:.100}")
+    axis, offset = _numbers(row.get("axis"), 3, where), _numbers(row.get("offset", [0, 0, 0]), 3, where)
+    size = math.hypot(*axis)
+    if not size > 0:
+        raise IntakeError(f"{where}: an axis must have a direction, not {row!r:.100}")
+    return {"axis": _rounded(axis / size), "continuous": True, "at": _rounded(offset * scale)}
+
+
+def _numbers(value: object, count: int, where: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    try:
+        raw = np.array(value)
+    except ValueError:
+        raw = np.zeros(0)
+    found = raw.ravel().astype(float) if raw.dtype.kind in "iuf" else np.zeros(0)
+    if found.shape != (count,) or not (np.abs(found) < LARGEST).all():
+        raise IntakeError(f"{where}: must be {count} finite numbers below {LARGEST:g}, not {value!r:.100}")
+    return found
+
+
+def _rounded(values: np.ndarray[Any, np.dtype[np.float64]]) -> list[float]:
+    return [float(f"{value + 0.0:.9g}") for value in values]

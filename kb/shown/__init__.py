@@ -1,0 +1,1 @@
+"""What a knowledge base holds, for people and for programs, with cautions."""

@@ -1,0 +1,236 @@
+"""What a knowledge base holds, for people and for programs, and what in it may be meant otherwise."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import asdict
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.frames import transform_points
+from kb.clouds.tree import object_nodes
+from kb.shown.cautions import MOST_NAMED, cautions
+from kb.shown.learnt_summary import learnt_summary
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    import networkx as nx
+
+    from kb.clouds.cloud import Feature, KnowledgeBase, Lobe, ObjectType
+
+CLOSE = 0.01
+"""A symmetry may move the surface's vertices by this share of its diameter."""
+
+
+def check_report(kb: KnowledgeBase) -> list[str]:
+    """A line about the KB, one about each type, and one for each thing that matters (``warning:``) or may be meant otherwise (``note:``)."""
+    words = f", {_count(len(kb.words.names), 'visual word')}" if kb.words is not None else ""
+    own = len(kb.appearance_types) - (len(kb.words.names) if kb.words is not None else 0)
+    head = f"{kb.name}: {_count(len(kb.types), 'type')}, {_count(own, 'appearance type')}{words}, no mistakes"
+    summaries = (line for kind in kb.types for line in _summary(kind))
+    warnings = (f"warning: {caution}" for caution in cautions(kb))
+    return [head, *summaries, *warnings, *(f"note: {note}" for note in _notes(kb))]
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
+def _summary(kind: ObjectType) -> Iterator[str]:
+    body = f"{len(kind.surface.triangles)} facets, {kind.surface.volume:.4g} m3" if kind.surface else "no surface"
+    symmetries = _count(len(kind.symmetries), "symmetry").replace("symmetrys", "symmetries")
+    body += f", {'opaque' if kind.opaque else 'not opaque'}, {symmetries}"
+    if kind.learnt is not None:
+        first, second = learnt_summary(kind).lines
+        yield f"{kind.name}: {first}, {body}"
+        yield f"  {second}"
+        return
+    counts = ", ".join(f"{name} {number}" for name, number in sorted(feature_counts(kind).items()))
+    yield f"{kind.name}: {_count(len(kind.features), 'feature')}{f' ({counts})' if counts else ''}, {_count(len(kind.lobes.types), 'lobe')}, {body}"
+
+
+def feature_counts(kind: ObjectType) -> dict[str, int]:
+    """How many features of each feature type: S of §5.1 counts every Feature node."""
+    return dict(Counter(feature.type for feature in kind.all_features))
+
+
+def _notes(kb: KnowledgeBase) -> Iterator[str]:
+    if not kb.types:
+        yield "there is no type: nothing can be perceived"
+    seen = {name for kind in kb.types for name in kind.lobes.types} | set(kb.words.names if kb.words is not None else ())
+    unused = [repr(name) for name in kb.appearance_types if name not in seen]
+    if unused and kb.types:
+        yield f"no feature looks like {', '.join(unused[:MOST_NAMED])}{_more(len(unused))}"
+    for kind in kb.types:
+        yield from (f"{kind.name}: {note}" for note in _type_notes(kind))
+
+
+def _more(number: int) -> str:
+    return f" and {number - MOST_NAMED} more" if number > MOST_NAMED else ""
+
+
+def _type_notes(kind: ObjectType) -> Iterator[str]:
+    if kind.surface is None:
+        yield "has no mesh, so it hides nothing"
+    if len(object_nodes(kind.tree)) > 1 and "" in learnt_counts(kind):
+        yield "its learnt features belong to none of its parts: learn it again"
+    for feature in kind.features if kind.learnt is None else ():
+        if not feature.appearances:
+            yield f"{feature.name} has no appearance, so it is never expected"
+    for index, moved in enumerate(_moved(kind)):
+        if moved > CLOSE:
+            yield f"symmetry {index} moves the mesh's vertices by up to {moved:.0%} of its size"
+
+
+def _moved(kind: ObjectType) -> list[float]:
+    """How far each symmetry takes a vertex from the nearest one, as a share of the diameter."""
+    if kind.surface is None or len(kind.symmetries) == 1:
+        return []
+    from scipy.spatial import cKDTree
+
+    places = cKDTree(kind.surface.vertices)
+    moved = [places.query(transform_points(motion, kind.surface.vertices))[0].max() for motion in kind.symmetries]
+    return [float(distance) / kind.surface.diameter for distance in moved]
+
+
+def tree_text(kb: KnowledgeBase) -> str:
+    """The trees of all types: a line for each object and feature, one for all the appearances of a feature."""
+    return "\n".join(line for kind in kb.types for line in (*_tree_lines(kind, "", kind.name, ""), *_learnt_lines(kind))) + "\n"
+
+
+def _learnt_lines(kind: ObjectType) -> list[str]:
+    """What stands for the features of a learnt type: there are too many to list."""
+    return [f"  {line}" for line in learnt_summary(kind).lines] if kind.learnt is not None else []
+
+
+def _tree_lines(kind: ObjectType, node: str, label: str, indent: str) -> Iterator[str]:
+    tree, row = kind.tree, kind.tree.nodes[node]
+    place = f" at {_row(row['at'])}" if node else ""
+    sort = "" if row["type"] == label else f": {row['type']}"
+    yield f"{indent}{row['kind']} {label}{sort}{place}{_looks(tree, node)}{_learnt_count(kind, node)}"
+    for part in tree.successors(node):
+        if tree.nodes[part]["kind"] != "appearance":
+            yield from _tree_lines(kind, part, part.rsplit("/", 1)[-1], f"{indent}  ")
+
+
+def _learnt_count(kind: ObjectType, node: str) -> str:
+    number = learnt_counts(kind).get(node, 0)
+    return f", {_count(number, 'learnt feature')}" if node and number else ""
+
+
+def learnt_counts(kind: ObjectType) -> dict[str, int]:
+    """How many learnt features each object of a type's tree has for its own, by the objects' paths."""
+    if kind.learnt is None:
+        return {}
+    nodes = object_nodes(kind.tree)
+    return {nodes[part]: number for part, number in sorted(Counter(kind.learnt.part.tolist()).items())}
+
+
+def _looks(tree: nx.DiGraph, node: str) -> str:
+    types = Counter(tree.nodes[part]["type"] for part in tree.successors(node) if tree.nodes[part]["kind"] == "appearance")
+    looks = ", ".join(name if number == 1 else f"{name} x{number}" for name, number in types.items())
+    return f", looks like {looks}" if looks else ""
+
+
+def _row(values: Iterable[float]) -> str:
+    return "[" + ", ".join(f"{value + 0.0:.4g}" for value in values) + "]"
+
+
+def part_rows(kind: ObjectType) -> list[dict[str, Any]]:
+    """The whole and each object that is a part of it: ``{"name": "roof", "under": 0, "counts": {"apex": 1}}``.
+
+    ``under`` is the index of the part above, None for the whole; ``counts`` the Feature nodes of each type, those of its own parts left out.
+    """
+    objects = _objects(kind)
+    counts: list[Counter[str]] = [Counter() for _ in objects]
+    for part, feature in zip(_parts_of(kind, kind.all_features), kind.all_features, strict=True):
+        counts[part][feature.type] += 1
+    return [
+        {"name": node.rsplit("/", 1)[-1] or kind.name, "under": _above(kind, node, objects), "counts": dict(sorted(own.items()))}
+        for node, own in zip(objects, counts, strict=True)
+    ]
+
+
+def part_of_features(kind: ObjectType) -> list[int]:
+    """The index in ``part_rows`` of the part that each of ``kind.seen_features`` belongs to."""
+    return _parts_of(kind, kind.seen_features)
+
+
+def _objects(kind: ObjectType) -> dict[str, int]:
+    return {node: index for index, node in enumerate(object_nodes(kind.tree))}
+
+
+def _above(kind: ObjectType, node: str, objects: dict[str, int]) -> int | None:
+    return next((objects[above] for above in kind.tree.predecessors(node)), None)
+
+
+def _parts_of(kind: ObjectType, features: Iterable[Feature]) -> list[int]:
+    """A learnt feature is in no tree: its path names its part, or nothing, the whole."""
+    objects = _objects(kind)
+
+    def part(node: str) -> int:
+        above = next(iter(kind.tree.predecessors(node)), "") if node in kind.tree else node.rpartition("/")[0]
+        return objects[above] if above in objects else part(above)
+
+    return [part(feature.name) for feature in features]
+
+
+def tree_document(kb: KnowledgeBase) -> dict[str, Any]:
+    """The whole KB but its surfaces, as plain data for JSON: ``{"format": "kb/1", "name": ..., "types": [...]}``; m and rad."""
+    rates = kb.rates
+    return {
+        "format": "kb/1",
+        "name": kb.name,
+        "digest": kb.digest,
+        "f_ref": kb.f_ref,
+        "gravity": kb.gravity,
+        **({"unknown_support": kb.unknown_support, "ground": kb.ground} if kb.gravity else {}),
+        "appearance_types": list(kb.appearance_types),
+        "detector": {
+            "hit": rates.hit,
+            "clutter": rates.clutter,
+            "sigma": rates.sigma,
+            "sigmas": rates.sigmas,
+            "match_tolerance": rates.match_tolerance,
+            "sigma_angle": rates.sigma_angle,
+        },
+        "priors": rates.prior,
+        "types": [_type_document(kind) for kind in kb.types],
+    }
+
+
+def _type_document(kind: ObjectType) -> dict[str, Any]:
+    surface = kind.surface
+    return {
+        "name": kind.name,
+        "opaque": kind.opaque,
+        "symmetries": np.asarray(kind.symmetries).tolist(),
+        "surface": {"facets": len(surface.triangles), "volume": surface.volume} if surface else None,
+        "features": feature_counts(kind),
+        "learnt": asdict(learnt_summary(kind)) if kind.learnt is not None else None,
+        "nodes": [_node_document(kind.tree, node) | _own_features(kind, node) for node in kind.tree],
+    }
+
+
+def _own_features(kind: ObjectType, node: str) -> dict[str, int]:
+    return {} if kind.learnt is None else {"learnt_features": learnt_counts(kind).get(node, 0)}
+
+
+def _node_document(tree: nx.DiGraph, node: str) -> dict[str, Any]:
+    row, above = tree.nodes[node], list(tree.predecessors(node))
+    head = {"id": node, "parent": above[0] if above else None, "kind": row["kind"], "type": row["type"]}
+    if row["kind"] == "appearance":
+        return head | {"lobe": _lobe_document(row["viewpoint"])}
+    frame = tree.edges[above[0], node]["parent_from_child"] if above else np.eye(4)
+    arms = {"arms": row["arms"].tolist()} if row["kind"] == "feature" else {}
+    return head | {"parent_from_node": np.asarray(frame).tolist()} | arms
+
+
+def _lobe_document(lobe: Lobe | None) -> dict[str, Any] | None:
+    if lobe is None:
+        return None
+    size = {"size": lobe.size} if isfinite(lobe.size) else {}
+    return {"axis": lobe.axis.tolist(), "half_angle": lobe.half_angle, "range": [lobe.r_min, lobe.r_max]} | size

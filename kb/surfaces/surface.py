@@ -1,0 +1,184 @@
+"""Surfaces: Surface(surface(x), BoundingSurface, facets), of triangles, closed and manifold where it can be (§2.8).
+
+Vocabulary: ``Surface``, a tetrahedron having 4 vertices and 4 triangles; its edges lie each in exactly two facets. A surface that is
+not closed hides what is behind it all the same, for that is a matter of rays; for A4 it is repaired, or refused as a ``solid``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.errors import GeometryError
+from geometry.files.mesh_files import meshes_of, reason, triangles_of
+from geometry.visibility.outline import is_closed
+from geometry.visibility.rays import RayMesh, checked_mesh
+from kb.errors import SurfaceError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from kb.surfaces.solid import Mended
+
+WELD = 1e-6
+"""Vertices nearer than this, as a share of the diameter, are one: a texture's seam splits them."""
+FLAT = 1e-9
+"""A facet is degenerate whose height is less than this, as a share of its longest side."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """``vertices`` (V, 3) m, object frame, and ``triangles`` (T, 3), counterclockwise from outside; both read-only."""
+
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        try:
+            vertices, triangles = checked_mesh(self.vertices, self.triangles)
+        except GeometryError as error:
+            raise SurfaceError(str(error)) from error
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "triangles", triangles)
+
+    @cached_property
+    def rays(self) -> RayMesh:
+        """The surface ready to be shot at."""
+        return RayMesh(self.vertices, self.triangles)
+
+    @cached_property
+    def volume(self) -> float:
+        """The volume enclosed, m³; positive where the triangles face outward."""
+        a, b, c = np.moveaxis(self.vertices[self.triangles] - self.centre, 1, 0)
+        return float(np.einsum("ti,ti->", a, np.cross(b, c)) / 6)
+
+    @cached_property
+    def faults(self) -> str:
+        """What breaks §2.8, in words and numbers: edges in one facet only and the like; '' for a closed, manifold surface."""
+        faults = {"degenerate facets": int(degenerate(self).sum())} | _edge_faults(self.triangles)
+        return ", ".join(f"{count} {fault}" for fault, count in faults.items() if count)
+
+    @cached_property
+    def closed(self) -> bool:
+        """Whether each edge is run along as often one way as the other: an inside and an outside, and so a volume (§2.8).
+
+        Weaker than ``check_closed``: two bodies that touch along an edge, four facets meeting there, enclose a volume all the same.
+        """
+        return is_closed(self.triangles)
+
+    @property
+    def solid(self) -> Surface | None:
+        """The closed surface whose volume A4 is about: this one, or it repaired; None where it is refused, and shares no volume with anything."""
+        return self.mended.surface
+
+    @cached_property
+    def mended(self) -> Mended:
+        """What of it is a solid, and what was repaired for that, or why it is refused (``kb.surfaces.solid``)."""
+        from kb.surfaces.solid import mended
+
+        return mended(self)
+
+    @cached_property
+    def diameter(self) -> float:
+        """The diagonal of the bounding box, m."""
+        return float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
+
+    @cached_property
+    def centre(self) -> NDArray[np.float64]:
+        """The middle (3,) of the bounding box, m."""
+        middle: NDArray[np.float64] = (self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2
+        middle.setflags(write=False)
+        return middle
+
+
+def surface_from_mesh(path: Path, scale: float = 1.0) -> Surface:
+    """The surface of a mesh file, closed or not; ``scale`` takes the file's unit to metres.
+
+    Raises:
+        SurfaceError: for a file that is no mesh, and for a mesh with a coordinate that is not finite or without an extent.
+    """
+    vertices, triangles = _read(path)
+    surface = welded(vertices * scale, triangles)
+    return surface if surface.volume >= 0 else Surface(surface.vertices, surface.triangles[:, ::-1])
+
+
+def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    try:
+        parts = [triangles_of(mesh, placed) for mesh, placed in meshes_of(path)]
+    except Exception as error:  # - trimesh's readers raise whatever their parsers do
+        raise SurfaceError(f"{path.name} is no mesh that can be read: {reason(path, error)}") from error
+    if not sum(len(triangles) for _, triangles in parts):
+        raise SurfaceError(f"{path.name} holds no facets")
+    starts = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
+    facets = [triangles + start for (_, triangles), start in zip(parts, starts, strict=False)]
+    return np.concatenate([vertices for vertices, _ in parts]), np.concatenate(facets)
+
+
+def welded(vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> Surface:
+    """The surface whose vertices at one place are one, without degenerate facets and without vertices that none uses.
+
+    Raises:
+        SurfaceError: where nothing is left, or a coordinate is not finite.
+    """
+    rough = Surface(vertices, triangles)
+    first, same = _same_place(rough.vertices, WELD * rough.diameter)
+    joined = Surface(rough.vertices[first], same[rough.triangles])
+    kept = joined.triangles[~degenerate(joined)]
+    if not len(kept):
+        raise SurfaceError(f"all {len(triangles)} facets are degenerate")
+    used, index = np.unique(kept, return_inverse=True)
+    return Surface(joined.vertices[used], index.reshape(-1, 3))
+
+
+def _same_place(vertices: NDArray[np.float64], grain: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The first vertex of each place, and each vertex's place: vertices within ``grain``, linked in chains.
+
+    Those in one cell of a grid of ``grain`` are one first, so that the work is bounded however many stand at one place.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    if not grain > 0:
+        return np.zeros(1, dtype=np.intp), np.zeros(len(vertices), dtype=np.intp)
+    cells = np.floor((vertices - vertices.min(axis=0)) / grain).astype(np.int64)
+    _, some, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    pairs = cKDTree(vertices[some]).query_pairs(grain, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(some), len(some)))
+    label = np.asarray(connected_components(links, directed=False)[1])[cell.ravel()]
+    _, first, place = np.unique(label, return_index=True, return_inverse=True)
+    return first, place
+
+
+def degenerate(surface: Surface) -> NDArray[np.bool_]:
+    """(T,) which facets have collinear points, or one point twice (§2.8)."""
+    a, b, c = np.moveaxis(surface.vertices[surface.triangles], 1, 0)
+    longest = np.max([np.linalg.norm(side, axis=1) for side in (b - a, c - b, a - c)], axis=0)
+    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) <= FLAT * longest**2)
+
+
+def check_closed(surface: Surface) -> None:
+    """Hold the surface to §2.8: each edge in exactly two facets, which run along it opposite ways; none degenerate.
+
+    Raises:
+        SurfaceError: with the numbers of edges and facets that break it.
+    """
+    if surface.faults:
+        raise SurfaceError(f"no closed surface: {surface.faults} of {len(surface.triangles)} facets")
+
+
+def _edge_faults(triangles: NDArray[np.int64]) -> dict[str, int]:
+    directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    edges, index = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True)
+    uses = np.bincount(index.ravel(), minlength=len(edges))
+    sense = np.bincount(index.ravel(), weights=np.where(directed[:, 0] < directed[:, 1], 1, -1), minlength=len(edges))
+    return {
+        "edges in one facet only": int((uses == 1).sum()),
+        "edges in more than two facets": int((uses > 2).sum()),
+        "edges whose two facets face opposite ways": int(((uses == 2) & (sense != 0)).sum()),
+    }

@@ -1,0 +1,86 @@
+"""Symmetries of a type: the group (S, 4, 4) of rigid motions that the author's list means, and the list that a group is written as."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.frames import from_rotation_translation, quat_xyzw_from_rotation, rotation_angle, rotation_from_quat_xyzw
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from kb.files.schema import SymmetryModel
+
+CONTINUOUS = 72
+"""Turns that stand for any turn about an axis: one every 5 deg."""
+MOST = 400
+"""A group of more motions is a mistake: turns that do not close."""
+SAME = 1e-6
+"""Motions whose entries differ by less are one, where a group is written."""
+CLOSES = 1e-3
+"""The same of products of what an author listed, whose six digits do not close any better (rad, m); fold 360 turns by 0.017."""
+
+
+def motions(symmetries: Sequence[SymmetryModel]) -> NDArray[np.float64]:
+    """The group (S, 4, 4) of all products of the motions listed, the identity first.
+
+    Raises:
+        ValueError: for a list that makes more than ``MOST`` motions.
+    """
+    group = [np.eye(4)]
+    steps = [_generator(symmetry) for symmetry in symmetries]
+    for made in group:  # it grows while we go through it
+        for step in steps:
+            motion = step @ made
+            if np.abs(np.array(group) - motion).max(axis=(1, 2)).min() > CLOSES:
+                group.append(motion)
+        if len(group) > MOST:
+            raise ValueError(f"these make more than {MOST} motions: their turns do not close")
+    return np.array(group)
+
+
+def _generator(symmetry: SymmetryModel) -> NDArray[np.float64]:
+    at = np.array(symmetry.at)
+    if symmetry.axis is None:
+        return np.asarray(from_rotation_translation(rotation_from_quat_xyzw(symmetry.quat_xyzw or (0, 0, 0, 1)), at))
+    half = math.pi / (symmetry.fold or CONTINUOUS)
+    turn = rotation_from_quat_xyzw([*(math.sin(half) * np.array(symmetry.axis)), math.cos(half)])
+    return np.asarray(from_rotation_translation(turn, at - turn @ at))
+
+
+def symmetry_entries(group: ArrayLike) -> list[dict[str, Any]]:
+    """What an author would list for ``group`` (S, 4, 4): nothing, one axis with its fold, or every motion but the identity."""
+    moves = [motion for motion in np.asarray(group, dtype=float) if np.abs(motion - np.eye(4)).max() > SAME]
+    return _turns(moves) or [_motion(motion) for motion in moves]
+
+
+def _turns(moves: Sequence[NDArray[np.float64]]) -> list[dict[str, Any]]:
+    """One axis through the origin, where all motions are turns about it by multiples of one angle."""
+    smallest = min(moves, key=lambda motion: float(rotation_angle(motion[:3, :3])), default=None)
+    if smallest is None:
+        return []
+    fold, quat = len(moves) + 1, np.asarray(quat_xyzw_from_rotation(smallest[:3, :3]))
+    size = float(np.linalg.norm(quat[:3]))
+    if size < SAME or not 2 <= fold <= 360:
+        return []
+    axis, half = quat[:3] / size, math.pi / fold
+    axis = axis * (np.sign(axis[np.abs(axis) > SAME][-1]))
+    turn = rotation_from_quat_xyzw([*(math.sin(half) * axis), math.cos(half)])
+    wanted = _powers(from_rotation_translation(turn, np.zeros(3)), fold)
+    if all(min(np.abs(motion - power).max() for power in wanted) < SAME for motion in moves):
+        return [{"axis": [float(x) for x in axis], "fold": fold}]
+    return []
+
+
+def _powers(turn: NDArray[np.float64], fold: int) -> Iterable[NDArray[np.float64]]:
+    return [np.linalg.matrix_power(turn, power) for power in range(1, fold)]
+
+
+def _motion(motion: NDArray[np.float64]) -> dict[str, Any]:
+    quat = np.asarray(quat_xyzw_from_rotation(motion[:3, :3]))
+    return {"quat_xyzw": [float(x) for x in quat], "at": [float(x) for x in motion[:3, 3]]}

@@ -1,0 +1,148 @@
+"""What was computed before, on disk, by all that decides it: its input, our own source, the libraries.
+
+Nobody has to remember to change a version: what other code made is not found, and made anew.
+
+* ``arrays_of(place, names, make)``: arrays that are mapped from files, or made and put there
+* ``source_digest(root, files)``: what code it is, of all of some folders (``sources_in``), or of what one file imports (``sources``)
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import json
+import os
+import shutil
+import tempfile
+from contextlib import suppress
+from mmap import ACCESS_READ, mmap
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from zlib import crc32
+
+import numpy as np
+
+from plogic.base.forgotten import discard, forget_beside
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping
+
+    from numpy.typing import NDArray
+
+ROOT = Path(__file__).parents[2]
+"""The folder that our packages lie in."""
+MANIFEST = "manifest.json"
+"""The file beside kept arrays that says what they are."""
+
+
+def cache_folder(what: str) -> Path | None:
+    """Where such things are kept; None where nobody knows the user's home."""
+    home = os.environ.get("XDG_CACHE_HOME")
+    try:
+        return (Path(home) if home else Path.home() / ".cache") / "plogic" / what
+    except RuntimeError:
+        return None
+
+
+def arrays_of(place: Path, names: Iterable[str], make: Callable[[], Mapping[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
+    """The arrays ``names`` in the folder ``place``, mapped and read-only; else those that ``make`` gives, which are put there if that can be done.
+
+    A folder is written whole or not at all; one that is not, to the byte, what its manifest says was written is made anew. Of its siblings those
+    used last are kept (``plogic.base.forgotten``).
+    """
+    with suppress(Exception):  # whatever is wrong with what is kept, it can be made anew
+        return _kept(place, tuple(names))
+    made = dict(make())
+    _write(place, made)
+    return made
+
+
+def _kept(place: Path, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+    """What is kept; raises where anything is missing, or is not as it was written."""
+    arrays: dict[str, NDArray[Any]] = {name: np.lib.format.open_memmap(_file(place, name), mode="r") for name in names}
+    if (place / MANIFEST).read_bytes() != _manifest(place, place.name, arrays):
+        raise ValueError(f"{place}: is not what was written")
+    with suppress(OSError):  # who may only read it uses it all the same
+        os.utime(place)
+    return arrays
+
+
+def _file(place: Path, name: str) -> Path:
+    return place / f"{name}.npy"
+
+
+def _manifest(place: Path, key: str, arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """What the files in ``place`` are, as JSON: whose key, and of each its type, shape, length and checksum."""
+    said = {name: {"dtype": a.dtype.str, "shape": a.shape, **_measured(_file(place, name))} for name, a in sorted(arrays.items())}
+    return json.dumps({"key": key, "arrays": said}, indent=1).encode()
+
+
+def _measured(file: Path) -> dict[str, int]:
+    """Against damage, not malice: of the checksums at hand CRC-32 takes least, 0.4 s a gigabyte."""
+    with file.open("rb") as opened, mmap(opened.fileno(), 0, access=ACCESS_READ) as content:
+        return {"bytes": len(content), "crc32": crc32(content)}
+
+
+def _write(place: Path, made: Mapping[str, NDArray[Any]]) -> None:
+    """Beside its place first; where that fails, nothing is remembered, and nothing is left."""
+    beside = None
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        beside = Path(tempfile.mkdtemp(prefix=f".{place.name}-", dir=place.parent))
+        for name, array in made.items():
+            np.save(_file(beside, name), array, allow_pickle=False)
+        (beside / MANIFEST).write_bytes(_manifest(beside, place.name, made))
+        discard(place)
+        beside.rename(place)
+    except OSError:
+        if beside is not None:
+            shutil.rmtree(beside, ignore_errors=True)
+    else:
+        forget_beside(place)
+
+
+def sources_in(root: Path, places: Iterable[str]) -> set[str]:
+    """All source files below ``root`` in some folders of it, and those that are named themselves."""
+    found = {file for place in places for file in ([root / place] if place.endswith(".py") else (root / place).rglob("*.py"))}
+    return {file.relative_to(root).as_posix() for file in found}
+
+
+def source_digest(root: Path, files: Iterable[str]) -> bytes:
+    """SHA-256 over the names and the bytes of files below ``root``, in whatever order they come."""
+    total = hashlib.sha256()
+    for name in sorted(files):
+        total.update(name.encode() + b"\0" + hashlib.sha256((root / name).read_bytes()).digest())
+    return total.digest()
+
+
+def sources(root: Path, first: str) -> set[str]:
+    """A source file below ``root`` and all others there that it imports, at its top or in a function, directly or by way of others.
+
+    What is imported for the type checker alone is left out. So is the code of objects that are made elsewhere and handed in: for those all sources
+    count (``sources_in``), or what they hold is hashed.
+    """
+    found, left = {first}, [first]
+    while left:
+        tree = ast.parse((root / left.pop()).read_bytes())
+        names = (name.replace(".", "/") for node in _run(tree) for name in _imported(node))
+        new = {file for name in names for file in (f"{name}.py", f"{name}/__init__.py") if (root / file).is_file()} - found
+        found |= new
+        left += new
+    return found
+
+
+def _run(node: ast.AST) -> Iterator[ast.AST]:
+    """All nodes below one but those of ``if TYPE_CHECKING:``."""
+    for child in ast.iter_child_nodes(node):
+        if not (isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"):
+            yield child
+            yield from _run(child)
+
+
+def _imported(node: ast.AST) -> list[str]:
+    """The modules that an import may name: of ``from kb import words`` both ``kb`` and ``kb.words``."""
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    if isinstance(node, ast.ImportFrom) and node.module is not None:
+        return [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return []

@@ -1,0 +1,1 @@
+"""The perceptual cycle (figure 1): attention, judging, accepting and releasing, its trace, and the facts that a run leaves."""

@@ -1,0 +1,68 @@
+"""What the perceptual cycle holds of a hypothesis, and what a run came to (§7).
+
+Vocabulary: ``Belief``, one hypothesis under consideration with its verdict; ``Cycle``, what a run came to: Δh, Δi and the trace.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from plogic.match.judged.alike import same_place
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from plogic.cycle.attention import Attention
+    from plogic.cycle.trace import Trace
+    from plogic.match.indices import Index
+    from plogic.match.judged.expectation import Posed
+
+
+@dataclass(frozen=True)
+class Belief:
+    """One hypothesis: its geometry and matching, its evidence, ev before and after reconsideration, and a verdict.
+
+    ``worth`` is its log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
+    """
+
+    posed: Posed
+    index: Index
+    worth: float
+    surplus: float
+    ev: float | None
+    ev_reconsidered: float | None
+    status: str = "open"
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """``accepted`` is Δi in the order of acceptance; ``considered`` the rest of Δh; ``rejected`` what was tried and dropped."""
+
+    accepted: tuple[Belief, ...]
+    considered: tuple[Belief, ...]
+    rejected: tuple[Belief, ...]
+    attention: tuple[Attention, ...]
+    trace: Trace
+
+
+def same_hypothesis(one: Posed, other: Posed) -> bool:
+    """Whether two hypotheses are near-duplicates: one type, one place up to symmetry (§8)."""
+    return one.object_type.name == other.object_type.name and same_place(
+        one.object_type, one.camera_from_object, other.camera_from_object
+    )
+
+
+MOST_RIVALS = 2
+"""Rivals of an accepted hypothesis that enter Δh with it."""
+
+
+def considered(rivals: Sequence[Belief], accepted: Sequence[Belief]) -> list[Belief]:
+    """At most ``MOST_RIVALS`` rivals an accepted hypothesis, near-duplicates merged, best first."""
+    kept: list[Belief] = []
+    for rival in sorted(rivals, key=lambda b: -b.worth):
+        twin = any(same_hypothesis(rival.posed, b.posed) for b in [*kept, *accepted])
+        if not twin and len(kept) < MOST_RIVALS * len(accepted):
+            kept.append(rival)
+    return kept

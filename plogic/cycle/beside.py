@@ -1,0 +1,145 @@
+"""How a hypothesis is judged beside Δi, what was accepted so far: on the data left free, with hidden features not expected (§5.5, §7)."""
+
+from __future__ import annotations
+
+from dataclasses import InitVar, dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.base.deadline import Deadline
+from plogic.cycle.belief import Belief, same_hypothesis
+from plogic.match.indices import FAST, search_of, settle, significant
+from plogic.match.judged.evidence import evidence
+from plogic.match.judged.expectation import hidden_by
+from plogic.match.judged.rivals import SHARED_CLAIMS, claims, hidden_among, overlap, shared_claims
+from plogic.match.learned.learned_index import LearntIndex
+from plogic.measures.explanatory import explanatory_value
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.match.gamma.data import Data
+    from plogic.match.indices import Index
+    from plogic.match.judged.expectation import Posed
+    from plogic.match.oriented.oriented_search import Search
+    from plogic.match.oriented.pair_index import PairIndex
+
+FEWEST = 4
+"""Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8, trap b)."""
+
+
+@dataclass(eq=False)
+class Beside:
+    """Δi over one Γ, and what can be said of a hypothesis beside it.
+
+    ``end``: a moment of ``time.monotonic`` at which a search stops, None for never; ``shared``: the index of the types that are searched for
+    together, if there is one; ``processes``: how many search for the others, this one and copies of it; ``generator``: who proposes poses of types
+    written by hand, one of ``plogic.match.indices.GENERATORS``.
+    """
+
+    data: Data
+    kb: KnowledgeBase
+    indices: Mapping[str, Index]
+    dv: Mapping[str, float]
+    end: float | None = None
+    shared: InitVar[PairIndex | None] = None
+    processes: int = 1
+    generator: str = FAST
+
+    def __post_init__(self, shared: PairIndex | None) -> None:
+        self.deadline = Deadline(self.end)
+        self.together = search_of(shared, self.data, self.kb, self.deadline.check)
+        self.accepted: list[Belief] = []
+        self.refused: list[Posed] = []
+
+    def free(self, without: Belief | None = None) -> NDArray[np.bool_]:
+        """(A,) the data that no accepted hypothesis claims, ``without`` aside."""
+        mask = np.ones(len(self.data.ids), dtype=bool)
+        for belief in self.accepted:
+            if belief is not without:
+                mask[list(claims(belief.posed))] = False
+        return mask
+
+    def _search_for(self, posed: Posed) -> Search | None:
+        """The search for its type together with others, if there is one."""
+        return self.together if posed.object_type.learnt is None else None
+
+    def _is_accepted(self, posed: Posed) -> bool:
+        return any(same_hypothesis(posed, belief.posed) for belief in self.accepted)
+
+    def _judge(self, posed: Posed, free: NDArray[np.bool_], rounds: int, skip: Belief | None = None) -> Belief:
+        """A hypothesis beside Δi, matched on ``free`` data; or, by that many ``rounds``, refined, if it is matched so already."""
+        index = self.indices[posed.object_type.name]
+        hidden = self._hidden(posed, skip)
+        if rounds or self.accepted or not isinstance(index, LearntIndex):  # else it was matched so when it was found
+            start = posed if rounds else posed.camera_from_object
+            posed = settle(index, start, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
+        return self._believed(posed, index, self._hidden(posed, skip) if rounds else hidden)
+
+    def _believed(self, posed: Posed, index: Index, hidden: NDArray[np.bool_]) -> Belief:
+        """What Γ says of a hypothesis of which the ``hidden`` features (F,) are not expected."""
+        ev, again = explanatory_value(posed.support(), self.dv), explanatory_value(posed.support(hidden), self.dv)
+        found = evidence(posed, self.data, self.kb, hidden)
+        return Belief(posed, index, found.ratio, found.surplus, ev, again)
+
+    def _hidden(self, posed: Posed, skip: Belief | None = None) -> NDArray[np.bool_]:
+        """(F,) what accepted opaque objects hide; those that A4 excludes beside it are rivals and hide nothing (D7)."""
+        return hidden_among(posed, [belief.posed for belief in self.accepted if belief is not skip])
+
+    def _refusal(self, belief: Belief) -> str | None:
+        """Why a hypothesis is not accepted beside Δi, or None."""
+        return self._unsupported(belief) or self._excluded(belief.posed)
+
+    def _unsupported(self, belief: Belief) -> str | None:
+        """Why its own evidence, beside Δi, does not carry it: what is hidden there is not expected."""
+        posed = belief.posed
+        found = posed.candidate & posed.detected & ~self._hidden(posed)
+        if found.sum() < FEWEST:
+            number = int(found.sum())
+            return f"{f'only {number}' if number else 'none'} of its expected features detected; {FEWEST} are demanded"
+        if posed.axes is None and not found[belief.index.anchors].any():  # where angles count, any features start it
+            return "none of its most distinctive features was detected"
+        if belief.ev_reconsidered is None or belief.ev_reconsidered <= 0.0:
+            return f"ev {rounded(belief.ev_reconsidered)} is not above 0"
+        surplus = belief.surplus + self._harm(posed)
+        demanded = significant(posed)
+        if surplus <= demanded:
+            return f"log-likelihood ratio {surplus:.1f} beyond what any pose has; {demanded:.1f} is demanded"
+        return None
+
+    def _excluded(self, posed: Posed) -> str | None:
+        """Which constraint keeps it out of Δi."""
+        if any(same_hypothesis(posed, refused) for refused in self.refused):
+            return "was accepted before, and did not hold beside the others"
+        for other in self.accepted:
+            if overlap(posed, other.posed):
+                return "shares volume with an accepted object (A4)"
+            if shared_claims(posed, other.posed)[1] > SHARED_CLAIMS:
+                return "explains the same appearances as an accepted object"
+        return None
+
+    def _harm(self, posed: Posed) -> float:
+        """What the accepted ones would lose if this stood before them: at most 0, for to hide a detected feature is counter-evidence."""
+        if not posed.object_type.opaque:
+            return 0.0
+        change = 0.0
+        for other in self.accepted:
+            before = self._hidden(other.posed, other)
+            after = before | hidden_by(other.posed, posed)
+            if (after != before).any() and not overlap(posed, other.posed):
+                change += evidence(other.posed, self.data, self.kb, after).ratio - evidence(other.posed, self.data, self.kb, before).ratio
+        return min(0.0, change)
+
+
+def name_of(belief: Belief) -> str:
+    """Of its type."""
+    return str(belief.posed.object_type.name)
+
+
+def rounded(value: float | None) -> float | None:
+    """An ev as the trace tells it."""
+    return None if value is None else round(value, 3)

@@ -1,0 +1,202 @@
+"""From the cycle's beliefs to the typed ``Situation``: ids, facts between hypotheses, groups of rivals (§8)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import networkx as nx
+import numpy as np
+
+from plogic.cycle.belief import Belief, Cycle
+from plogic.cycle.holding import gravity_of_view
+from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, types_told
+from plogic.cycle.placing import space_of_view
+from plogic.cycle.relations import part_relations_of, relations_of
+from plogic.cycle.trace import Trace
+from plogic.facts.part_facts import part_facts
+from plogic.facts.situation import AppearanceFact, FeatureFact, HypothesisFact, Reading, Reconsider, Situation
+from plogic.facts.spatial import Space
+from plogic.match.indices import generate
+from plogic.match.judged.disjoint import reaches_into
+from plogic.match.judged.evidence import clutter_density, evidence
+from plogic.match.judged.expectation import hidden_by
+from plogic.match.judged.fitted import as_fitted
+from plogic.match.judged.rivals import SHARED_CLAIMS, overlap, shared_claims
+from plogic.measures.explanatory import explanatory_value
+from sensing.uncollected import uncollected
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.match.gamma.data import Data
+    from plogic.match.indices import Index
+    from plogic.match.judged.expectation import Posed
+
+    Rated = tuple[NDArray[np.float64], NDArray[np.float64]]
+    Fitted = Callable[[Posed, Data, KnowledgeBase, NDArray[np.bool_] | None], Rated]
+
+EVERY = 1000
+"""Poses a type that ``unpruned`` refines and verifies: more than the search tells apart in one image."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a user can choose of one interpretation; ``end`` is the moment of ``time.monotonic`` at which the search stops."""
+
+    reading: Reading = "score"
+    reconsider: Reconsider = "to_B"
+    smoothing: float = 0.0
+    end: float | None = None
+
+
+@dataclass(frozen=True)
+class Delta:
+    """Δh with its ids: ``beliefs`` by id in the order h1, h2, ..., accepted ones first."""
+
+    beliefs: dict[str, Belief]
+    situation: Situation
+
+
+@uncollected()
+def delta_of(
+    cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], options: Options, fitted: Fitted = as_fitted, *, related: bool = True
+) -> Delta:
+    """Name the hypotheses that were not rejected and collect the facts that decide their probabilities.
+
+    ``fitted(posed, data, kb, hidden)`` gives the hit rates (F,) and densities (F,) that the program is told. ``related``: whether relations and
+    space, which decide no probability of a world, are worked out as well.
+    """
+    beliefs = {f"h{i}": belief for i, belief in enumerate((*cycle.accepted, *cycle.considered), 1)}
+    names = list(beliefs)
+    posed = {name: belief.posed for name, belief in beliefs.items()}
+    pairs = list(combinations(names, 2))
+    overlaps = frozenset(pair for pair in pairs if _share_volume(*(beliefs[name] for name in pair)))
+    shared = {pair: shared_claims(posed[pair[0]], posed[pair[1]])[1] for pair in pairs if pair not in overlaps}
+    exclusive = overlaps | {pair for pair, share in shared.items() if share > SHARED_CLAIMS}
+    together = [pair for pair in pairs if pair not in exclusive] if related else []
+    rivals = exclusive | {pair for pair, share in shared.items() if share > 0.0}
+    hiding = {(x, y): hidden_by(posed[x], posed[y]) for x in names for y in names if x != y}
+    group = instances({name: p.object_type.name for name, p in posed.items()}, exclusive)
+    rates = {name: fitted(belief.posed, data, kb, _hidden(name, beliefs, hiding, exclusive)) for name, belief in beliefs.items()}
+    hypotheses = tuple(_hypothesis(name, posed[name], group[name], hiding, rates[name], data, dv) for name in names)
+    return Delta(
+        beliefs,
+        Situation(
+            reading=options.reading,
+            reconsider=options.reconsider,
+            smoothing=options.smoothing,
+            hypotheses=hypotheses,
+            appearances=_appearances(data, kb),
+            overlaps=overlaps,
+            rivals=rivals,
+            exclusive=exclusive,
+            space=space_of_view(beliefs, overlaps, data.camera, kb) if related else Space(),
+            gravity=gravity_of_view(posed, overlaps, data.camera, kb),
+            relations=relations_of(posed, together, data.camera),
+            part_relations=part_relations_of(posed, together, data.camera),
+            priors={t.name: kb.rates.prior.get(t.name, 0.5) for t in kb.types},
+            dv=types_told(dv, kb, hypotheses),
+            rank={row.type: row.rank for row in cycle.attention},
+            rules=kb.rules or "",
+        ),
+    )
+
+
+def _share_volume(one: Belief, other: Belief) -> bool:
+    """A4: what the cycle told apart, and moved apart where it could be, to a millimetre; open hypotheses as far as estimated poses go."""
+    told = one.status != "open" and other.status != "open"
+    return overlap(one.posed, other.posed) or (told and reaches_into(one.posed, other.posed))
+
+
+def unpruned(data: Data, kb: KnowledgeBase, indices: Sequence[Index], dv: Mapping[str, float], options: Options, most: int) -> Delta:
+    """Δh before anything is accepted or rejected: every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth."""
+    found = [_open_belief(posed, index, data, kb, dv) for index in indices for _, posed in generate(index, data, kb, refined=EVERY, verified=EVERY)]
+    best = sorted(found, key=lambda b: -b.worth)[:most]
+    return delta_of(Cycle((), tuple(best), (), (), Trace()), data, kb, dv, options)
+
+
+def _open_belief(posed: Posed, index: Index, data: Data, kb: KnowledgeBase, dv: Mapping[str, float]) -> Belief:
+    found, ev = evidence(posed, data, kb), explanatory_value(posed.support(), dv)
+    return Belief(posed, index, found.ratio, found.surplus, ev, ev)
+
+
+def _appearances(data: Data, kb: KnowledgeBase) -> tuple[AppearanceFact, ...]:
+    rows = zip(data.ids, data.types, data.uv.tolist(), clutter_density(kb, data).tolist(), strict=True)
+    return tuple(AppearanceFact(name, kind, (uv[0], uv[1]), f) for name, kind, uv, f in rows)
+
+
+def instances(types: Mapping[str, str], exclusive: frozenset[tuple[str, str]]) -> dict[str, str]:
+    """The instance that each hypothesis competes for, ``types`` by id: same type, connected by exclusion."""
+    graph = nx.Graph()
+    graph.add_nodes_from(types)
+    graph.add_edges_from((x, y) for x, y in exclusive if types[x] == types[y])
+    components = sorted(nx.connected_components(graph), key=lambda members: min(list(types).index(m) for m in members))
+    return {name: f"i{i}" for i, members in enumerate(components, 1) for name in members}
+
+
+def _hidden(
+    name: str,
+    beliefs: Mapping[str, Belief],
+    hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
+    exclusive: frozenset[tuple[str, str]],
+) -> NDArray[np.bool_]:
+    """(F,) the features that accepted opaque hypotheses hide, those aside that cannot be present together with this one.
+
+    So the cycle judges an accepted one: what it does not expect is no sign that the image is unclear.
+    """
+    mask = np.zeros(len(beliefs[name].posed.uv), dtype=bool)
+    for other, belief in beliefs.items():
+        together = other != name and (name, other) not in exclusive and (other, name) not in exclusive
+        if together and belief.status == "accepted" and belief.posed.object_type.opaque:
+            mask |= hiding[name, other]
+    return mask
+
+
+def _hypothesis(
+    name: str,
+    posed: Posed,
+    group: str,
+    hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
+    rates: tuple[NDArray[np.float64], NDArray[np.float64]],
+    data: Data,
+    dv: Mapping[str, float],
+) -> HypothesisFact:
+    others = [y for x, y in hiding if x == name]
+    hits, near = rates
+    features = tuple(
+        FeatureFact(
+            id=feature.name,
+            type=feature.type,
+            at=_triple(posed.at[f]),
+            uv=(float(posed.uv[f, 0]), float(posed.uv[f, 1])),
+            dv=float(dv[feature.type]) * counts(posed, f),
+            in_image=bool(posed.in_image[f]),
+            in_lobe=bool(posed.in_lobe[f]),
+            self_hidden=bool(posed.self_hidden[f]),
+            hidden_by=tuple(y for y in others if hiding[name, y][f]),
+            match=data.ids[posed.matches[f]] if posed.matches[f] >= 0 else None,
+            residual=float(posed.residual[f]) if posed.matches[f] >= 0 else None,
+            density=float(near[f]),
+            hit_rate=float(hits[f]),
+            stands_for=counts(posed, f),
+        )
+        for f, feature in ((f, told_as(posed, f)) for f in told(posed))
+    )
+    return HypothesisFact(
+        id=name,
+        type=posed.object_type.name,
+        camera_from_object=tuple(tuple(float(v) for v in row) for row in posed.camera_from_object),
+        opaque=posed.object_type.opaque,
+        group=group,
+        features=features + lumped(posed, dv),
+        parts=part_facts(posed.object_type) + compound_parts(posed),
+    )
+
+
+def _triple(row: NDArray[np.float64]) -> tuple[float, float, float]:
+    return float(row[0]), float(row[1]), float(row[2])

@@ -1,0 +1,127 @@
+"""What an interpretation need not tell feature by feature: the many features of a learnt type that this view leads nobody to expect.
+
+A type learnt from a mesh has up to 4,000 features, of which one view shows a hundred. The others are case B in every world: not expected, since
+the hypothesis alone does not lead to expect them, and not detected, since nothing is matched to them. To P(ev) they give the sum of their
+dv, to the posterior nothing; so one feature named ``OTHERS`` that carries their sum stands for all of them, and every probability stays.
+Features outside the image count nowhere and are left out. Types written by hand are told in full.
+
+A learnt compound is told, and counts, once: by the part that stands for it (``Posed.stands``). Its other parts are told for the data that they
+explain, and have no dv.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from plogic.facts.situation import OTHERS, FeatureFact, PartFact
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import Feature, KnowledgeBase
+    from plogic.facts.situation import HypothesisFact
+    from plogic.match.judged.expectation import Posed
+
+CELLS = {"A": "expected_detected", "C": "expected_missed", "B": "hidden_missed", "D": "hidden_detected"}
+
+
+def told(posed: Posed) -> list[int]:
+    """The features that are told one by one: all of a type written by hand; of a learnt one what is expected alone, or matched."""
+    if posed.object_type.learnt is None:
+        return list(range(len(posed.object_type.features)))
+    return np.flatnonzero(_notable(posed)).tolist()
+
+
+def told_as(posed: Posed, f: int) -> Feature:
+    """What the seen feature ``f`` is told as: a learnt compound by the part that stands for it, its other parts as themselves."""
+    kind = posed.object_type
+    return kind.features[kind.whole[f]] if posed.stands[f] else kind.seen_features[f]
+
+
+def counts(posed: Posed, f: int) -> int:
+    """For how many maximal features the seen feature ``f`` stands: one, or, as a part of a compound that another part stands for, none."""
+    return int(posed.stands[f])
+
+
+def compound_parts(posed: Posed) -> tuple[PartFact, ...]:
+    """The learnt compounds of which something is told, as nodes of the part-whole tree (A1)."""
+    kind = posed.object_type
+    whole = [kind.features[w] for w in np.unique(kind.whole[told(posed)])] if len(kind.features) < len(kind.seen_features) else []
+    return tuple(PartFact(f.name, f.name.rpartition("/")[0], "feature", f.type) for f in whole if f.parts)
+
+
+def lumped(posed: Posed, dv: Mapping[str, float]) -> tuple[FeatureFact, ...]:
+    """The one feature that stands for the others in the image; none where there are none."""
+    rest = np.flatnonzero(_rest(posed))
+    if not len(rest):
+        return ()
+    u, v = posed.uv[rest].mean(axis=0).tolist()
+    x, y, z = posed.at[rest].mean(axis=0).tolist()
+    weight = float(np.sum([dv[told_as(posed, f).type] for f in rest.tolist()]))
+    return (FeatureFact(OTHERS, OTHERS, (x, y, z), (u, v), weight, in_image=True, in_lobe=False, self_hidden=False, stands_for=len(rest)),)
+
+
+def left_out(posed: Posed) -> dict[str, int] | None:
+    """How many features are not told: those that ``OTHERS`` stands for, and those outside the image; None of a type written by hand."""
+    if posed.object_type.learnt is None:
+        return None
+    return {"in_image": int(_rest(posed).sum()), "outside_image": int((posed.stands & ~_notable(posed) & ~posed.in_image).sum())}
+
+
+def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[HypothesisFact]) -> dict[str, float]:
+    """The table of dv without the visual words that no told feature has."""
+    if kb.words is None:
+        return dict(dv)
+    used = {f.type for h in hypotheses for f in h.features}
+    silent = set(kb.words.names) - used
+    return {name: value for name, value in dv.items() if name not in silent}
+
+
+def support_document(posed: Posed, dv: Mapping[str, float]) -> dict[str, Any]:
+    """The four cells for each feature type; of a learnt type one row for all its visual words, with the sums of their dv as ``weights``.
+
+    The rows are those of the hypothesis alone (``Posed.support``): counts and weights give its ev.
+    """
+    rows = posed.support()
+    if posed.object_type.learnt is None:
+        return {name: {cell: getattr(count, letter) for letter, cell in CELLS.items()} for name, count in rows.items()}
+    counts = {cell: sum(getattr(c, letter) for c in rows.values()) for letter, cell in CELLS.items()}
+    weights = {cell: float(sum(getattr(c, letter) * dv[name] for name, c in rows.items())) for letter, cell in CELLS.items()}
+    return {"visual words": {**counts, "weights": weights}}
+
+
+def looked_at(posed: Posed, ids: Sequence[str], dv: Mapping[str, float]) -> list[dict[str, Any]]:
+    """Of a rejected hypothesis of a learnt type, where its features were expected or found: to be looked at, nothing is computed from them."""
+    if posed.object_type.learnt is None:
+        return []
+    return [
+        {
+            "id": told_as(posed, f).name,
+            "type": told_as(posed, f).type,
+            "uv": np.round(posed.uv[f], 2).tolist(),
+            "in_image": bool(posed.in_image[f]),
+            "in_lobe": bool(posed.in_lobe[f]),
+            "self_hidden": bool(posed.self_hidden[f]),
+            "hidden_by": [],
+            "match": ids[posed.matches[f]] if posed.matches[f] >= 0 else None,
+            "expected": bool(posed.candidate[f]),
+            "detected": bool(posed.detected[f]),
+        }
+        | ({} if posed.stands[f] else {"stands_for": 0})
+        for f in told(posed)
+    ] + [asdict(rest) | {"expected": False, "detected": False, "case": "B"} for rest in lumped(posed, dv)]
+
+
+def _notable(posed: Posed) -> NDArray[np.bool_]:
+    return np.asarray(posed.candidate | (posed.matches >= 0))
+
+
+def _rest(posed: Posed) -> NDArray[np.bool_]:
+    if posed.object_type.learnt is None:
+        return np.zeros(len(posed.uv), dtype=bool)
+    return np.asarray(posed.stands & ~_notable(posed) & posed.in_image)

@@ -1,0 +1,177 @@
+"""From posed hypotheses to the facts of space (``plogic.facts.spatial``): which way is up, who is above and on whom, and what A4 says of two in numbers.
+
+Up is the world's z where the camera knows its place in the world; else, where the knowledge base says that gravity holds, away from the plane
+that two accepted objects or more stand on (``plogic.cycle.support``); else nobody knows, and nothing is above or on anything.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import shapely
+
+from geometry.bodies.columns import Body, Contact, above, body_of, stands, steady
+from geometry.bodies.depth import penetration
+from geometry.bodies.gap import distance, gap
+from geometry.bodies.overlap import solid_overlap
+from geometry.visibility.occlusion import PosedSurface
+from geometry.visibility.outline import image_area, outline
+from plogic.cycle.support import support_of
+from plogic.facts.spatial import BodyFact, SharedFact, Space, View
+from plogic.match.judged.rivals import solid_of
+from plogic.match.learned.learned_index import LearntIndex
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from numpy.typing import NDArray
+
+    from geometry.bodies.overlap import Solid
+    from geometry.camera import Camera
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.cycle.belief import Belief
+    from plogic.match.judged.expectation import Posed
+
+    Floats = NDArray[np.float64]
+    Pair = tuple[str, str]
+
+CONTACT = 0.01
+"""Share of the distance from the camera, up to which a gap, or a depth, between two bodies is what pose errors make of contact."""
+MOST = 60
+"""Hypotheses whose bodies are compared, in the order of Δh; the others are told of by themselves."""
+ROUND = 6
+"""Decimals of the metres that are written: micrometres."""
+
+
+class _Placed(NamedTuple):
+    """A posed body, ``solid`` where it encloses a volume; ``reach``: distance of its middle, m."""
+
+    name: str
+    posed: Posed
+    surface: PosedSurface | None
+    solid: Solid | None
+    reach: float
+
+
+def space_of_view(
+    beliefs: Mapping[str, Belief], overlaps: Iterable[tuple[str, str]], camera: Camera, kb: KnowledgeBase
+) -> Space:
+    """Of Δh, its hypotheses by id; ``overlaps``: the pairs that A4 excludes from one world."""
+    placed = {name: _placed(name, belief.posed) for name, belief in beliefs.items()}
+    up, up_from = upward(beliefs.values(), camera, gravity=kb.gravity)
+    apart = {frozenset(pair) for pair in overlaps}
+    pairs = [(x, y) for x, y in combinations(list(placed.values())[:MOST], 2) if frozenset((x.name, y.name)) not in apart]
+    over, on, on_both = ((), (), ()) if up is None else _stacked(pairs, up)
+    return Space(
+        up=None if up is None else _triple(up),
+        up_from=up_from,
+        bodies=tuple(_body(one, camera) for one in placed.values()),
+        gaps=tuple((x.name, y.name, round(_gap(x, y), ROUND)) for x, y in pairs),
+        above=over,
+        on=on,
+        on_both=on_both,
+        shared=tuple(fact for x, y in sorted(overlaps) if (fact := _shared(placed[x], placed[y])) is not None),
+    )
+
+
+def upward(beliefs: Iterable[Belief], camera: Camera, *, gravity: bool) -> tuple[Floats | None, str]:
+    """The unit vector (3,), camera frame, against gravity, and what says so; None and '' where nothing does."""
+    if camera.world_from_camera is not None:
+        return np.asarray(camera.world_from_camera[2, :3]), "T_world_camera"
+    if not gravity:
+        return None, ""
+    accepted = [belief for belief in beliefs if belief.status == "accepted"]
+    support = support_of([(b.index, b.posed.camera_from_object) for b in accepted if isinstance(b.index, LearntIndex)])
+    return (None, "") if support is None else (support.plane.up, "support plane")
+
+
+def _placed(name: str, posed: Posed) -> _Placed:
+    surface, reach = posed.object_type.surface, float(np.linalg.norm(posed.middle))
+    if surface is None:
+        return _Placed(name, posed, None, None, reach)
+    solid = None if surface.solid is None else solid_of(surface.solid)
+    return _Placed(name, posed, PosedSurface(surface.vertices, surface.triangles, surface.rays, posed.camera_from_object), solid, reach)
+
+
+def _body(one: _Placed, camera: Camera) -> BodyFact:
+    middle = one.posed.middle
+    nearest = float(np.linalg.norm(middle)) if one.surface is None else distance(one.surface)
+    return BodyFact(one.name, _triple(middle), round(nearest, ROUND), _view(one, camera))
+
+
+def _view(one: _Placed, camera: Camera) -> View:
+    """Whether its outline is in the image: wholly, in part, or not at all. What reaches behind the camera is not wholly in it."""
+    if one.surface is None:
+        return "inside" if bool(camera.contains(camera.project(one.posed.middle))) else "outside"
+    shown, image = outline(one.surface.vertices, one.surface.triangles, one.posed.camera_from_object, camera), image_area(camera)
+    if shown.is_empty or not shapely.intersects(image, shown):
+        return "outside"
+    ahead = one.surface.vertices @ one.posed.camera_from_object[2, :3] + one.posed.camera_from_object[2, 3] > 0.0
+    return "inside" if bool(ahead.all()) and bool(image.covers(shown)) else "cut"
+
+
+def _gap(x: _Placed, y: _Placed) -> float:
+    """Metres between two bodies; what has no mesh is a point, the middle of its features."""
+    if x.surface is not None and y.surface is not None:
+        return gap(x.surface, y.surface, (x.solid, y.solid))
+    if x.surface is None and y.surface is None:
+        return float(np.linalg.norm(x.posed.middle - y.posed.middle))
+    point, body = (x, y) if x.surface is None else (y, x)
+    assert body.surface is not None  # noqa: S101 - one of the two has one
+    return distance(body.surface, point.posed.middle)
+
+
+def _stacked(pairs: Iterable[tuple[_Placed, _Placed]], up: Floats) -> tuple[tuple[Pair, ...], tuple[Pair, ...], tuple[tuple[str, str, str], ...]]:
+    """Who is above whom; who stands on one alone; who stands on two together, and on neither alone."""
+    seen: dict[str, Body] = {}
+
+    def bodies(name: str, surface: PosedSurface) -> Body:
+        return seen.get(name) or seen.setdefault(name, body_of(surface, up))
+
+    over: list[Pair] = []
+    under: dict[str, dict[str, Contact]] = {}
+    slack: dict[str, float] = {}
+    for pair in pairs:
+        for x, y in (pair, pair[::-1]):
+            if x.surface is None or y.surface is None or _aside(x, y, up):
+                continue
+            upper, lower = bodies(x.name, x.surface), bodies(y.name, y.surface)
+            tolerance = CONTACT * min(x.reach, y.reach)
+            if not above(upper, lower, tolerance):
+                continue
+            over.append((x.name, y.name))
+            contact = stands(upper, lower, tolerance)
+            if contact is not None:
+                under.setdefault(x.name, {})[y.name] = contact
+                slack[x.name] = max(tolerance, slack.get(x.name, 0.0))
+    on = [(x, y) for x, below in under.items() for y, contact in below.items() if steady([contact], slack[x])]
+    leaning = {x: [y for y in below if (x, y) not in on] for x, below in under.items()}
+    both = [(x, y, z) for x, some in leaning.items() for y, z in combinations(some, 2) if steady([under[x][y], under[x][z]], slack[x])]
+    return tuple(over), tuple(on), tuple(both)
+
+
+def _aside(x: _Placed, y: _Placed, up: Floats) -> bool:
+    """Whether no plumb line can meet both, by the balls around them."""
+    way = x.posed.middle - y.posed.middle
+    level = way - (way @ up) * up
+    sizes = [one.posed.object_type.surface.diameter for one in (x, y) if one.posed.object_type.surface is not None]
+    return bool(np.linalg.norm(level) >= 0.5 * sum(sizes))
+
+
+def _shared(x: _Placed, y: _Placed) -> SharedFact | None:
+    """The volume and the depth of two bodies; None where they share nothing, or either has no volume."""
+    if x.solid is None or y.solid is None:
+        return None
+    poses = x.posed.camera_from_object, y.posed.camera_from_object
+    found = penetration(x.solid, poses[0], y.solid, poses[1])
+    if found is None:
+        return None
+    volume = solid_overlap(x.solid, poses[0], y.solid, poses[1])
+    return SharedFact(x.name, y.name, float(f"{volume:.6g}"), (round(found.low, ROUND), round(found.high, ROUND)))
+
+
+def _triple(row: Floats) -> tuple[float, float, float]:
+    x, y, z = (round(float(value), ROUND) + 0.0 for value in row)
+    return x, y, z

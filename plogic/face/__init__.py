@@ -1,0 +1,1 @@
+"""What people meet: commands, the session, tables, pictures and pages."""

@@ -1,0 +1,1 @@
+"""The commands of ``plogic kb``: object types made, learned, shown and checked."""

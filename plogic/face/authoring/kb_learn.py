@@ -1,0 +1,147 @@
+"""``plogic kb learn``: object types from their textured meshes, by rendering them and looking with the detectors of run time."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from plogic.base.errors import InputError
+from plogic.run.sources import kb_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from pathlib import Path
+
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.words import Words
+
+BY_HAND = "its features were written by hand; learning would replace them: take them out of object.yaml first"
+
+
+def learn_command(kb_folder: str, names: Sequence[str], options: Mapping[str, Any], *, say: Callable[[str], None]) -> str:
+    """Learn the types that are named, or all that have a texture and no features; ``options``: detector, jobs, seed, as_json."""
+    from kb.learning.parts import with_parts
+    from kb.learning.words import worded
+    from plogic.face.authoring.kb_learn_cache import learnt_of
+    from plogic.face.authoring.kb_learn_symmetries import stated, symmetries_of, symmetry_rows, written
+    from plogic.face.authoring.kb_types import check_own, type_folders
+    from sensing.files.whole_files import write_files
+
+    kb = kb_of(kb_folder)
+    folder = check_own(kb_folder)
+    chosen = _chosen(kb, names)
+    check_detector(kb_folder, kb, options["detector"], [kind.name for kind in chosen])
+    rows, clouds = [], {kind.name: kind.learnt for kind in kb.types if kind.learnt is not None}
+    places, found = type_folders(folder), {}
+    for kind in chosen:
+        file = places[kind.name] / "object.yaml"
+        clouds[kind.name] = with_parts(kind, learnt_of(kind, kb, options, say))
+        rows.append(row_of(kind.name, clouds[kind.name]))
+        if not stated(file):
+            found[file] = symmetries_of(kind, clouds[kind.name], options, say)
+        rows[-1]["symmetries"] = symmetry_rows(found[file]) if file in found else None
+    words, clouds = worded(clouds, options["seed"])
+    write_files(written(files_of(folder, words, clouds), found))
+    if options["as_json"]:
+        return json.dumps({"format": "kb_learn/1", "kb": kb.name, "words": len(words.centroids), "types": rows})
+    return _text(f"learnt into {kb_folder}: {len(words.centroids)} words in all", rows)
+
+
+def _text(title: str, rows: list[dict[str, Any]]) -> str:
+    """For people: a table of the types, and a line on each symmetry that holds or may hold."""
+    from plogic.face.authoring.kb_learn_symmetries import symmetry_lines
+    from plogic.face.shown.printing import plain_table
+
+    table = plain_table(title, [{name: value for name, value in row.items() if name != "symmetries"} for row in rows])
+    return "\n".join([table.rstrip("\n"), *(line for row in rows for line in symmetry_lines(row["type"], row["symmetries"]))])
+
+
+def _chosen(kb: KnowledgeBase, names: Sequence[str]) -> list[ObjectType]:
+    """The types to learn, each once; everything that is wrong with them is told at once."""
+    known = {kind.name: kind for kind in kb.types}
+    names = list(dict.fromkeys(names))
+    wrong = [f"{name}: no such object type; there are: {', '.join(known) or 'none (plogic kb add)'}" for name in names if name not in known]
+    some = [known[name] for name in names if name in known] if names else [kind for kind in kb.types if not kind.features]
+    wrong += [f"{kind.name}: {fault}" for kind in some if (fault := _fault(kind)) is not None]
+    if wrong:
+        raise InputError("\n".join(wrong))
+    if not some:
+        raise InputError("every type has features already; name those that are to be learnt again")
+    return some
+
+
+def _fault(kind: ObjectType) -> str | None:
+    """Why a type cannot be learnt."""
+    from sensing.errors import SensingError
+    from sensing.simulated.camera import MAX_TRIANGLES
+    from sensing.simulated.meshes import read_mesh
+
+    if kind.features and kind.learnt is None:
+        return BY_HAND
+    if kind.mesh_file is None:
+        return "has no mesh to render"
+    try:
+        mesh = read_mesh(kind.mesh_file, kind.mesh_scale)
+    except SensingError as error:
+        return str(error)
+    if mesh.texture is None:
+        return "its mesh has no texture, so keypoints see nothing of it; junctions, patches, markers and colour blobs can be written by hand"
+    if len(mesh.triangles) > MAX_TRIANGLES:
+        what = f"{kind.mesh_file.name} has {len(mesh.triangles)} triangles, more than the {MAX_TRIANGLES} that can be rendered"
+        return f"{what}: simplify the mesh with its texture kept (as Blender's Decimate does), and put it in place of the one that is there"
+    return None
+
+
+def check_detector(kb_folder: str, kb: KnowledgeBase, detector: str, fresh: Iterable[str]) -> None:
+    """Raise InputError where clouds that stay, those of types that are not ``fresh``, were learnt with another detector."""
+    mixed = sorted({detector, *(kind.learnt.detector for kind in kb.types if kind.learnt is not None and kind.name not in fresh)})
+    if len(mixed) > 1:
+        raise InputError(f"{kb_folder}: clouds of {' and '.join(mixed)} cannot share one vocabulary: learn all types with one detector")
+
+
+def row_of(name: str, cloud: LearntCloud) -> dict[str, Any]:
+    """What is printed of a type that was learnt."""
+    import numpy as np
+
+    return {
+        "type": name,
+        "features": len(cloud.at),
+        "compounds": cloud.compounds,
+        "appearances": len(cloud.feature),
+        "hit rate": round(float(np.median(cloud.hit)), 3),
+        "σ mm": round(1000.0 * float(np.median(cloud.sigma)), 2),
+    }
+
+
+def files_of(folder: Path, words: Words, clouds: Mapping[str, LearntCloud]) -> dict[Path, bytes]:
+    """All that is written into a KB's folder: words, every cloud (its words are new), and the lines that name them, where none does yet.
+
+    Raises:
+        InputError: two types name one file for their clouds, or a YAML file is written so that no line can be added.
+    """
+    from kb.clouds.learnt import cloud_bytes
+    from kb.clouds.words import words_bytes
+    from plogic.face.authoring.kb_types import type_folders
+
+    files = _named(folder / "kb.yaml", "words", words_bytes(words))
+    for name, place in type_folders(folder).items():
+        if name in clouds:
+            own = _named(place / "object.yaml", "cloud", cloud_bytes(clouds[name]))
+            shared = [path for path in own if path.resolve() in {other.resolve() for other in files}]
+            if shared:
+                raise InputError(f"{place / 'object.yaml'}: names {shared[0]} for its cloud, which another file names too: give it one of its own")
+            files |= own
+    return files
+
+
+def _named(file: Path, key: str, data: bytes) -> dict[Path, bytes]:
+    """The data under the name that a YAML file gives them; where it gives none, under the usual one, and the file with a line that does."""
+    from kb.files.yaml_text import load
+    from plogic.face.authoring.kb_learn_lines import with_entry
+
+    content = file.read_bytes()
+    entry = load(str(file), content).data.get(key)
+    if entry:
+        return {file.parent / entry["file"]: data}
+    return {file.parent / f"{key}.npz": data, file: with_entry(file, content, key, {"file": f"{key}.npz"})}

@@ -1,0 +1,223 @@
+"""``plogic kb learn NAME --photo FILE --points FILE``: an object type from one photo, laid onto its mesh by a few clicked points."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from plogic.base.errors import InputError
+from plogic.run.sources import kb_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from geometry.poses.register import Registration
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from kb.clouds.learnt import LearntCloud
+    from kb.intake.new_type import NewType
+    from kb.learning.photo import PaintedMesh
+
+BY_PHOTO = "# painted with a photo by plogic kb learn --photo\n"
+"""The first line of a material that may be replaced by a better photo's."""
+PAINT = ("textured.obj", "textured.mtl", "texture.png")
+
+
+@dataclass(frozen=True)
+class Sources:
+    """``photo`` and ``points`` files; ``camera`` file, where its intrinsics are known; ``mesh`` file and ``units``, where the type is new."""
+
+    photo: Path
+    points: Path
+    camera: Path | None = None
+    mesh: Path | None = None
+    units: str | None = None
+
+
+def sources_of(options: dict[str, Any]) -> Sources | None:
+    """Take the options of a photo out of a command's; None without a photo. Raises InputError where some are given without the others."""
+    names = ("photo", "points", "camera", "mesh", "units")
+    given = {name: options.pop(name, None) for name in names}
+    if given["photo"] is None:
+        idle = [f"--{name}" for name in names if given[name] is not None]
+        if idle:
+            raise InputError(f"{', '.join(idle)}: only with --photo")
+        return None
+    if given["points"] is None:
+        raise InputError("--photo needs --points, a file of clicked correspondences: u, v in pixels, x, y, z of the object")
+    return Sources(**given)
+
+
+def learn_photo_command(kb_folder: str, names: Sequence[str], sources: Sources, options: dict[str, Any], *, say: Callable[[str], None]) -> str:
+    """Register, paint, learn, and only then write: the type (where it is new), its texture, its cloud and the words.
+
+    Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
+    """
+    from kb.learning.parts import with_parts
+    from plogic.face.authoring.kb_learn_cache import learnt_of
+
+    kb, new, kind = _the_type(kb_folder, names, sources, options["detector"], say)
+    found, mesh = _registered(kind, sources)
+    say(_told(kind, found, mesh))
+    with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:
+        files = _paint_files(mesh, sources.photo.name, kind.mesh_scale)
+        for name, data in files.items():
+            (Path(folder) / name).write_bytes(data)
+        cloud = with_parts(kind, learnt_of(replace(kind, mesh_file=Path(folder) / PAINT[0]), kb, options, say, mesh))
+    count = _write(Path(kb_folder), new, kind.name, files, cloud, options["seed"])
+    return _answer(kb_folder, kind, found, mesh, cloud, count, as_json=options["as_json"])
+
+
+def _the_type(
+    kb_folder: str, names: Sequence[str], sources: Sources, detector: str, say: Callable[[str], None]
+) -> tuple[KnowledgeBase, NewType | None, ObjectType]:
+    """The KB, the new type's files where it is new, and the type with its surface."""
+    from plogic.face.authoring.kb_learn import check_detector
+    from plogic.face.authoring.kb_types import check_own, type_folders
+
+    if len(names) != 1:
+        raise InputError(f"--photo: name the one type that it shows, not {len(names)}")
+    kb = kb_of(kb_folder)
+    folder = check_own(kb_folder)
+    check_detector(kb_folder, kb, detector, names)
+    kind = next((kind for kind in kb.types if kind.name == names[0]), None)
+    if kind is None:
+        return (kb, *_new(folder, names[0], sources))
+    if sources.mesh is not None:
+        say(f"{kind.name}: is there already, so --mesh is not read")
+    fault = _fault(kind, type_folders(folder)[kind.name])
+    if fault is not None:
+        raise InputError(f"{kind.name}: {fault}")
+    return kb, None, kind
+
+
+def _fault(kind: ObjectType, folder: Path) -> str | None:
+    """Why a type, described in ``folder``, cannot be learnt from a photo."""
+    from plogic.face.authoring.kb_learn import BY_HAND
+    from sensing.simulated.meshes import read_mesh
+
+    if kind.surface is None or kind.mesh_file is None:
+        return "has no mesh to lay the photo on"
+    if kind.features and kind.learnt is None:
+        return BY_HAND
+    material = folder / PAINT[1]
+    if material.is_file() and material.read_text(encoding="utf-8", errors="replace").startswith(BY_PHOTO):
+        return None
+    if material.exists() or read_mesh(kind.mesh_file).texture is not None:
+        return "has a texture of its own, which shows more of it than a photo: plogic kb learn without --photo"
+    return None
+
+
+def _new(kb_folder: Path, name: str, sources: Sources) -> tuple[NewType, ObjectType]:
+    from kb.intake.new_type import check_name, new_type
+    from kb.intake.source import read_source
+    from plogic.face.authoring.kb_new import new_command
+    from plogic.face.authoring.kb_types import check_places
+
+    if sources.mesh is None:
+        raise InputError(f"{name}: no such object type; add it with plogic kb add, or give --mesh and --units")
+    check_name(name)
+    check_places(kb_folder, [name])
+    new = new_type(name, read_source(sources.mesh), sources.units, sources.mesh)
+    if PAINT[0] in new.files:
+        raise InputError(f"{name}: {sources.mesh} has a texture of its own, which shows more than a photo: plogic kb add, then kb learn")
+    with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:
+        draft = Path(folder) / "kb"
+        new_command(draft, "draft")
+        place = draft / "objects" / name
+        place.mkdir(parents=True)
+        for file, data in new.files.items():
+            (place / file).write_bytes(data)
+        return new, kb_of(str(draft)).type(name)
+
+
+def _registered(kind: ObjectType, sources: Sources) -> tuple[Registration, PaintedMesh]:
+    from geometry.files.camera_files import read_camera
+    from kb.learning.photo import painted, registered
+    from kb.learning.points import read_points
+    from sensing.files.images import read_image
+    from sensing.simulated.camera import MAX_TRIANGLES
+
+    assert kind.surface is not None  # noqa: S101 - _fault looked
+    points = read_points(sources.points)
+    photo = read_image(sources.photo)
+    size = photo.shape[1], photo.shape[0]
+    camera = None if sources.camera is None else read_camera(sources.camera, size=size)
+    if camera is not None and (camera.width, camera.height) != size:
+        raise InputError(f"{sources.camera}: is of {camera.width} x {camera.height} pixels, but {sources.photo} of {size[0]} x {size[1]}")
+    found = registered(points, size, kind.surface, camera)
+    mesh = painted(kind.surface, photo, found.camera, found.camera_from_object)
+    if len(mesh.triangles) > MAX_TRIANGLES:
+        what = f"cut as finely as a photo needs, its mesh has {len(mesh.triangles)} triangles, more than the {MAX_TRIANGLES} that can be rendered"
+        raise InputError(f"{kind.name}: {what}: simplify the mesh, as plogic kb add does")
+    return found, mesh
+
+
+def _told(kind: ObjectType, found: Registration, mesh: PaintedMesh) -> str:
+    f = f"f = {found.camera.f:.0f} px" + (f" ± {found.f_error:.0f}" if found.f_error else "")
+    return f"{kind.name}: {f}, rms of the points {found.rms:.2f} px, the photo shows {_share(mesh):.0%} of the surface"
+
+
+def _share(mesh: PaintedMesh) -> float:
+    import numpy as np
+
+    corners = mesh.vertices[mesh.triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return float(area[mesh.shown].sum() / area.sum())
+
+
+def _paint_files(mesh: PaintedMesh, photo: str, metres_per_unit: float) -> dict[str, bytes]:
+    """The textured mesh in the unit of the type's own, its material and its picture."""
+    from kb.intake.picture import png
+
+    lines = ["mtllib textured.mtl", "usemtl painted"]
+    lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in (mesh.vertices / metres_per_unit).tolist()]
+    lines += [f"vt {u:.7g} {v:.7g}" for u, v in mesh.uv.tolist()]
+    lines += [f"f {a}/{a} {b}/{b} {c}/{c}" for a, b, c in (mesh.triangles + 1).tolist()]
+    named = photo.encode("ascii", "replace").decode().replace("\n", " ")
+    material = f"{BY_PHOTO}# {named}\nnewmtl painted\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {PAINT[2]}\n"
+    return {PAINT[0]: ("\n".join(lines) + "\n").encode(), PAINT[1]: material.encode(), PAINT[2]: png(mesh.texture).data}
+
+
+def _write(kb_folder: Path, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearntCloud, seed: int) -> int:
+    """Everything, and how many words there are now."""
+    from kb.files.yaml_text import load
+    from kb.learning.words import worded
+    from plogic.face.authoring.kb_learn import files_of
+    from plogic.face.authoring.kb_learn_lines import with_entry
+    from plogic.face.authoring.kb_types import type_folders, write_types
+    from sensing.files.whole_files import write_files
+
+    clouds = {kind.name: kind.learnt for kind in kb_of(str(kb_folder)).types if kind.learnt is not None} | {name: cloud}
+    words, clouds = worded(clouds, seed)
+    if new is not None:
+        write_types(kb_folder, [new])
+    files = files_of(kb_folder, words, clouds)
+    folder = type_folders(kb_folder)[name]
+    file = folder / "object.yaml"
+    content = files.get(file) or file.read_bytes()
+    mesh = load(str(file), content).data["mesh"] | {"textured": PAINT[0]}
+    files[file] = with_entry(file, content, "mesh", mesh)
+    write_files(files | {folder / own: data for own, data in paint.items()})
+    return len(words.centroids)
+
+
+def _answer(
+    kb_folder: str, kind: ObjectType, found: Registration, mesh: PaintedMesh, cloud: LearntCloud, words: int, *, as_json: bool
+) -> str:
+    from geometry.camera import camera_to_dict
+    from plogic.face.authoring.kb_learn import row_of
+    from plogic.face.shown.printing import plain_table
+
+    row = row_of(kind.name, cloud) | {"shown": round(_share(mesh), 3), "f px": round(found.camera.f, 1), "± px": round(found.f_error, 1)}
+    row |= {"rms px": round(found.rms, 2)}
+    if not as_json:
+        return plain_table(f"learnt into {kb_folder}: {words} words in all", [row])
+    photo = {
+        "camera": camera_to_dict(found.camera),
+        "T_camera_object": found.camera_from_object.tolist(),
+        "residuals_px": [round(float(off), 3) for off in found.residuals],
+    }
+    return json.dumps({"format": "kb_learn/1", "kb": kb_folder, "words": words, "types": [row | {"photo": photo}]})

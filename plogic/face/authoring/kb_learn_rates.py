@@ -1,0 +1,102 @@
+"""``plogic kb learn-rates``: priors, hit rates and clutter from scenes with ground truth, back into ``kb.yaml``."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from plogic.base.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from kb.clouds.cloud import Counts, KnowledgeBase, Rates
+    from plogic.rates.records import Record
+
+KINDS = ("hit", "clutter", "prior")
+"""Rates that are learnt: the fields that ``Rates`` and ``Counts`` have in common."""
+
+
+def learn_rates_command(
+    scenes: Sequence[str], kb_folder: str, options: dict[str, Any], *, say: Callable[[str], None], as_json: bool
+) -> str:
+    """Learn, and write unless ``dry_run``. ``options``: dry_run, add (to the counts that the KB has)."""
+    from kb.clouds.cloud import Counts
+    from plogic.face.authoring.kb_types import check_own
+    from plogic.rates.em import expected_counts
+    from plogic.rates.estimates import added, counted, learnt, open_slots, without
+    from plogic.rates.scene_records import scene_folders
+    from plogic.run.sources import kb_of
+
+    kb = kb_of(kb_folder)
+    file = None if options["dry_run"] else check_own(kb_folder) / "kb.yaml"
+    records = _records(scene_folders(scenes), kb, say)
+    words = frozenset(kb.words.names if kb.words is not None else ())
+    observed = without(added(kb.rates.counts if options["add"] else Counts(), counted(records)), words)
+    unknown = open_slots(records)
+    counts = without(expected_counts(unknown, observed, learnt(observed, kb.rates)), words)
+    rates = learnt(counts, kb.rates)
+    if file is not None:
+        _write(file, rates)
+        say(f"wrote {file}")
+    if unknown:
+        say(f"{len(unknown)} instances of unknown presence were weighed by EM")
+    return _document(kb, rates, counts, len(records)) if as_json else _table(kb, rates, counts)
+
+
+def _records(folders: Sequence[Path], kb: KnowledgeBase, say: Callable[[str], None]) -> list[Record]:
+    """Every scene's record; what is wrong with any of them is told at once."""
+    from geometry.errors import PlogicError
+    from plogic.base.forked import processors
+    from plogic.base.remembered import cache_folder
+    from plogic.rates.scene_records import record_of
+    from plogic.run.perceive import Perceiver
+
+    perceiver = Perceiver(kb, cache_folder("indices"), processors())
+    records, wrong = [], []
+    for i, folder in enumerate(folders, start=1):
+        try:
+            records.append(record_of(folder, kb, perceiver))
+            say(f"{i}/{len(folders)} {folder}: {len(records[-1].slots)} slots")
+        except PlogicError as error:
+            wrong += str(error).splitlines()
+    if wrong:
+        raise InputError("\n".join(wrong))
+    return records
+
+
+def _write(file: Path, rates: Rates) -> None:
+    from kb.files.rates_text import with_rates
+    from sensing.files.whole_files import write_whole
+
+    write_whole(file, with_rates(file.read_text(encoding="utf-8"), rates).encode())
+
+
+def _rows(kb: KnowledgeBase, rates: Rates, counts: Counts) -> list[dict[str, Any]]:
+    from kb.files.rates_text import rounded
+
+    return [
+        {
+            "rate": rate,
+            "of": name,
+            "before": getattr(kb.rates, rate)[name],
+            "learnt": rounded(getattr(rates, rate)[name]),
+            "count": round(pair[0], 2),
+            "in": round(pair[1], 2),
+        }
+        for rate in KINDS
+        for name, pair in getattr(counts, rate).items()
+    ]
+
+
+def _table(kb: KnowledgeBase, rates: Rates, counts: Counts) -> str:
+    from plogic.face.shown.printing import plain_table
+
+    return plain_table(f"rates of {kb.name}", _rows(kb, rates, counts))
+
+
+def _document(kb: KnowledgeBase, rates: Rates, counts: Counts, scenes: int) -> str:
+    return json.dumps({"format": "rates/1", "kb": kb.name, "scenes": scenes, "rates": _rows(kb, rates, counts)})
+
+

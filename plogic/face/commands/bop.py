@@ -1,0 +1,169 @@
+"""``plogic bop``: a BOP dataset to the challenge's results file, with its scores where the truth is known."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from plogic.face.shown.options import AS_JSON, KB
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.run.bop.dataset import Dataset
+    from plogic.run.bop.dataset_run import Look, Run
+    from plogic.run.bop.recalls import Recalls, Scores
+
+NOTE = "AR_VSD is not computed: the mean of the two is not the challenge's AR, and is not to be compared with one"
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+@click.argument("dataset", metavar="DATASET")
+@KB
+@click.option("-o", "--out", required=True, help="Results file (CSV) to write; `-` is stdout, and scores then go to stderr.")
+@click.option("--ids", type=click.Path(), help='BOP numbers of the types as JSON, {"003_cracker_box": 2}; obj_000002 needs none.')
+@click.option("--times", "timed", is_flag=True, help="Write each image's seconds; else -1, so that the same input gives the same bytes.")
+@AS_JSON
+def bop(dataset: str, kb_folder: str, out: str, ids: str | None, timed: bool, as_json: bool) -> None:  # noqa: FBT001 - click's flags
+    """Perceive every image of a BOP dataset, write the challenge's results file, and score it where there is ground truth.
+
+    DATASET is a dataset's folder, one of its splits, or one scene. A name by the challenge's convention is METHOD_DATASET-SPLIT.csv.
+    """
+    options = {"ids": ids, "timed": timed, "as_json": as_json}
+    text = bop_command(dataset, kb_folder, out, options, say=lambda line: click.echo(line, err=True), write=click.echo)
+    if text:
+        click.echo(text)
+
+
+def bop_command(
+    folder: str,
+    kb_folder: str,
+    out: str,
+    options: Mapping[str, Any],
+    *,
+    say: Callable[[str], None],
+    write: Callable[[str], None],
+    look: Look | None = None,
+) -> str:
+    """Read, look, write the CSV whole, and give the text of the scores. ``look`` takes the place of the KB's own perceiver.
+
+    Raises:
+        PlogicError: What is wrong with the dataset, the KB or the places, before any work; nothing is written then.
+    """
+    from plogic.base.errors import InputError
+    from plogic.run.bop.dataset_run import run
+    from plogic.run.bop.folders import open_dataset
+    from plogic.run.bop.results_file import results_text
+    from plogic.run.sources import kb_of
+    from sensing.files.whole_files import check_places, write_whole
+
+    if out == "-" and options["as_json"]:
+        raise InputError("-o -: the results and --json cannot both be on stdout")
+    if out != "-":
+        check_places([Path(out)])
+    dataset = open_dataset(folder)
+    kb = kb_of(kb_folder)
+    ids = _ids(kb, options["ids"], dataset, say)
+    done = run(dataset, look or look_of(kb), ids, say, timed=options["timed"])
+    if not done.cameras:
+        raise InputError("\n".join([f"{folder}: none of its {done.frames} images could be perceived", *done.wrong[:3]]))
+    scores, why = _scored(dataset, done, say)
+    if out == "-":
+        write(results_text(done.estimates).removesuffix("\n"))
+        say(_text(scores, why))
+        return ""
+    write_whole(Path(out), results_text(done.estimates).encode())
+    say(f"wrote {out}")
+    return json.dumps(_document(out, done, scores, why), indent=1) if options["as_json"] else _text(scores, why)
+
+
+def look_of(kb: KnowledgeBase) -> Look:
+    """The KB's own perceiver: what it accepts, scored by its probability. Raises InputError where no detector reports a type of the KB."""
+    from plogic.base.errors import InputError
+    from plogic.base.forked import processors
+    from plogic.base.remembered import cache_folder
+    from plogic.run.gamma_source import detectable
+    from plogic.run.perceive import Perceiver
+    from sensing.detectors.detector import detect
+
+    if not detectable(kb):
+        raise InputError(f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types[:8])})")
+    perceiver = Perceiver(kb, cache_folder("indices"), processors())
+
+    def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
+        accepted = perceiver.accepted(detect(image, camera, kb.sought, kb.words))
+        return [(belief.posed.object_type.name, belief.posed.camera_from_object, probability) for belief, probability in accepted]
+
+    return look
+
+
+def _ids(kb: KnowledgeBase, path: str | None, dataset: Dataset, say: Callable[[str], None]) -> dict[str, int]:
+    """BOP's numbers of the KB's types; what leads nowhere is said, and that nothing leads anywhere is an error."""
+    from plogic.base.errors import InputError
+    from plogic.run.bop.ids import ids_of, read_ids, unknown
+    from plogic.run.bop.models import model_ids
+
+    names, stated = [kind.name for kind in kb.types], read_ids(path)
+    ids = ids_of(names, stated)
+    lines = unknown(names, ids, stated, None if dataset.models is None else model_ids(dataset.models))
+    if not ids:
+        raise InputError("\n".join([f"{kb.name}: none of its types has a BOP number", *lines]))
+    for line in lines:
+        say(line)
+    return ids
+
+
+def _scored(dataset: Dataset, done: Run, say: Callable[[str], None]) -> tuple[Scores | None, str]:
+    """The scores, or None and why there are none."""
+    from plogic.base.errors import InputError
+    from plogic.run.bop.dataset_run import views_of
+    from plogic.run.bop.matching import targets_of
+    from plogic.run.bop.models import read_models
+    from plogic.run.bop.recalls import score
+
+    views, wrong = views_of(dataset, done)
+    for line in wrong:
+        say(line)
+    if not views:
+        return None, "not scored: no image has ground truth (scene_gt.json)"
+    if dataset.models is None:
+        return None, "not scored: there are no models (models/models_info.json)"
+    try:
+        models = read_models(dataset.models, {obj_id for view in views for obj_id in targets_of(view)})
+    except InputError as error:
+        return None, f"not scored: {error}"
+    return score(views, models), NOTE
+
+
+def _row(name: str, recalls: Recalls) -> dict[str, Any]:
+    return {
+        "object": name,
+        "targets": recalls.targets,
+        "AR_MSSD": recalls.ar_mssd,
+        "AR_MSPD": recalls.ar_mspd,
+        "mean of the two": recalls.mean_of_the_two,
+        "ADD(-S) recall": recalls.add,
+    }
+
+
+def _rows(scores: Scores) -> list[dict[str, Any]]:
+    return [_row("all", scores.together), *(_row(str(obj_id), recalls) for obj_id, recalls in scores.objects.items())]
+
+
+def _text(scores: Scores | None, why: str) -> str:
+    from plogic.face.shown.printing import plain_table
+
+    if scores is None:
+        return why
+    counts = f"{scores.images} images, {scores.estimates} estimates, {scores.absent} of them of objects that are not in their image"
+    return f"{plain_table('recall against the ground truth', _rows(scores))}\n{counts}\n{why}"
+
+
+def _document(out: str, done: Run, scores: Scores | None, why: str) -> dict[str, Any]:
+    table = None if scores is None else {"images": scores.images, "absent": scores.absent, "recalls": _rows(scores)}
+    counts = {"frames": done.frames, "perceived": len(done.cameras), "estimates": len(done.estimates)}
+    return {"format": "bop/1", "results": out, **counts, "wrong": list(done.wrong), "scores": table, "note": why}

@@ -1,0 +1,45 @@
+"""``plogic query``: P(goal) of an interpretation or of any program."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from plogic.run.sources import rules_from, subject_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+LATE = 3
+"""Exit status where a deadline was reached."""
+
+
+def query_command(source: str, goal: str | None, given: Sequence[str], options: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
+    """P(goal) of an interpretation or a program; exit 3 where the deadline was reached, answers then being intervals.
+
+    ``options``: rules, reading, deadline, trust.
+    """
+    from plogic.face.shown import tables
+    from plogic.face.shown.printing import text_of_table
+    from plogic.logic.served.engine import Limits
+    from plogic.scene.asking.query import answers, answers_until
+    from plogic.scene.readings.unfinished import marks, stopped_of, with_notice
+
+    subject, deadline = subject_of(source, options["reading"]), options["deadline"]
+    asked: dict[str, Any] = {"given": list(given), "rules": rules_from(options["rules"]), "limits": Limits(trust=bool(options["trust"]))}
+    if deadline is None:
+        found, exact = answers(subject, goal, **asked), True
+    else:
+        found, exact = answers_until(subject, goal, seconds=deadline, **asked)
+    rows = [{"goal": a.goal, "probability": a.probability, "interval": list(a.interval)} for a in found]
+    document: dict[str, Any] = {"format": "answers/1", "answers": rows, **marks(stopped_of(subject))}
+    if not exact:
+        document["deadline"] = "reached"
+    text = json.dumps(document) if as_json else with_notice(text_of_table(tables.answers(document)), stopped_of(subject))
+    return text if exact or as_json else f"{text.rstrip()}\n{_said(rows)}", 0 if exact else LATE
+
+
+def _said(rows: list[dict[str, Any]]) -> str:
+    if not rows:
+        return "The deadline was reached before any answer was known."
+    return "The deadline was reached: each interval contains the exact probability; further answers may not be known yet."

@@ -1,0 +1,106 @@
+"""``plogic simulate``: a settled scene, rendered, with its ground truth; and such scenes as a BOP dataset."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from plogic.face.shown.simulated_scenes import shapes_of
+from plogic.run.sources import kb_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kb.clouds.cloud import KnowledgeBase
+    from sensing.simulated.body import TexturedMesh
+    from sensing.simulated.scene import Scene
+
+BOP = click.option("--bop", type=click.Path(path_type=Path), help="New folder for scenes as a BOP dataset as well.")
+BOP_IMAGES = click.option(
+    "--bop-images", type=click.IntRange(1, 1000), default=1, show_default=True, help="Its images: scenes of this seed and the next."
+)
+ROBOT = click.option(
+    "--robot", metavar="MOVES.json|ring:N", help="Look again from elsewhere: a moves/1 or poses/1 file, or N places around; frames and poses.json."
+)
+RING = "ring:"
+MOST_VIEWS = 360
+"""Of a ring."""
+
+
+def simulate_command(
+    kb_folder: str, number: int, decoys: int, seed: int, out: Path, bop: Path | None = None, bop_images: int = 1, robot: str | None = None
+) -> None:
+    """Write image.png, camera.json and truth.json into a new folder; the types are drawn by the seed, every type once before any twice.
+
+    With ``bop``, the scenes of this seed and the next become a BOP dataset in a folder of its own; the first is the same. With ``robot``,
+    the camera moves: a folder a frame, the first from where the scene's camera is, and ``poses.json``.
+    """
+    from sensing.files.whole_files import check_new_folder
+    from sensing.simulated.scene_files import write_scene
+
+    check_new_folder(out)
+    if bop is not None:
+        _check_apart(out, bop)
+    kb = kb_of(kb_folder)
+    shapes = shapes_of(kb)
+    if bop is not None:
+        _write_bop(kb, shapes, [seed + i for i in range(bop_images)], number, decoys, bop)
+    if robot is None:
+        write_scene(_scene(shapes, number, decoys, seed), out)
+    else:
+        _tour(_scene(shapes, number, decoys, seed), robot, out)
+
+
+def _tour(scene: Scene, moves: str, out: Path) -> None:
+    """The frames of a robot that goes where ``moves`` says."""
+    from geometry.files.move_files import read_moves
+    from sensing.simulated.robot import Robot
+    from sensing.simulated.robot_files import write_tour
+
+    robot = Robot(scene)
+    start = robot.world_from_camera
+    others = robot.ring(_views(moves))[1:] if moves.startswith(RING) else [move.world(start) for move in read_moves(Path(moves))]
+    write_tour(robot, [start, *others], out)
+
+
+def _views(moves: str) -> int:
+    """N of ``ring:N``. Raises InputError."""
+    from plogic.base.errors import InputError
+
+    text = moves.removeprefix(RING)
+    if text.isascii() and text.isdecimal() and 1 <= len(text) <= len(str(MOST_VIEWS)) and 1 <= int(text) <= MOST_VIEWS:
+        return int(text)
+    raise InputError(f"--robot {moves}: should be a file of moves, or ring:N with N from 1 to {MOST_VIEWS}")
+
+
+def _scene(shapes: Sequence[tuple[str, TexturedMesh]], number: int, decoys: int, seed: int) -> Scene:
+    import numpy as np
+
+    from sensing.simulated.scene import random_scene
+
+    rng = np.random.default_rng([seed, 1])
+    order = [i for _ in range(number) for i in rng.permutation(len(shapes))][:number]
+    return random_scene([shapes[i] for i in order], seed, decoys=decoys)
+
+
+def _write_bop(
+    kb: KnowledgeBase, shapes: Sequence[tuple[str, TexturedMesh]], seeds: Sequence[int], number: int, decoys: int, folder: Path
+) -> None:
+    from plogic.run.bop.model_files import Kind
+    from plogic.run.bop.write import write_dataset
+
+    kinds = [Kind(label, mesh, kb.type(label).symmetries) for label, mesh in shapes]
+    write_dataset((_scene(shapes, number, decoys, seed) for seed in seeds), kinds, folder)
+
+
+def _check_apart(out: Path, bop: Path) -> None:
+    """Both are new folders, and neither lies in the other."""
+    from plogic.base.errors import InputError
+    from sensing.files.whole_files import check_new_folder
+
+    a, b = out.resolve(), bop.resolve()
+    if a == b or a in b.parents or b in a.parents:
+        raise InputError(f"{bop}: is named for two outputs, or lies in the other")
+    check_new_folder(bop)

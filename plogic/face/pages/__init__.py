@@ -1,0 +1,1 @@
+"""Pages in one HTML file that work offline: of an interpretation, and of an object type."""

@@ -1,0 +1,80 @@
+"""A document as one HTML file that works offline under a strict content security policy.
+
+The policy allows nothing by default, images only as ``data:``, and of scripts and styles only the two whose SHA-256 it
+names: the page's own. The document travels as JSON in a data block, so no name in it is ever read as markup or script.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+import json
+from dataclasses import dataclass
+from importlib.resources import files
+from string import Template
+from typing import Any
+
+from plogic.face.pages.page_errors import PageError
+
+KIT = "kit"
+"""The folder of what every page shares."""
+SHARED = ("elements.js", "vectors.js", "stage.js", "webgl.js", "canvas.js")
+"""The parts of the script that every page has, in the order in which they build on each other; a page's own come after them."""
+
+
+@dataclass(frozen=True)
+class PageParts:
+    """What a kind of page has of its own: ``main.html``, ``page.css`` and scripts in a folder of ``assets``."""
+
+    folder: str
+    scripts: tuple[str, ...]
+    """In the order in which they build on each other."""
+    first: str
+    """The section that a keyboard skips to, by its id, such as ``worlds``."""
+    unscripted: str
+    """Where the numbers are for a reader whose browser runs no script: a sentence, as markup."""
+
+
+def one_file(parts: PageParts, title: str, document: dict[str, Any]) -> str:
+    """Return the page of the document. The same document gives the same bytes.
+
+    Raises:
+        PageError: the document holds NaN, an infinity or a value that is no JSON.
+    """
+    style = _asset(KIT, "page.css") + _asset(parts.folder, "page.css")
+    script = _script(parts)
+    return Template(_asset(KIT, "page.html")).substitute(
+        title=html.escape(f"{title} – plogic"),
+        first=parts.first,
+        unscripted=parts.unscripted,
+        main=_asset(parts.folder, "main.html"),
+        style=style,
+        style_hash=content_hash(style),
+        script=script,
+        script_hash=content_hash(script),
+        data=embedded(document),
+    )
+
+
+def embedded(document: dict[str, Any]) -> str:
+    """Return the document as JSON that is safe inside a ``<script>``: ``<``, ``>`` and ``&`` only as escapes."""
+    try:
+        text = json.dumps(document, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    except (TypeError, ValueError) as mistake:
+        raise PageError(f"{document.get('format', 'the document')}: cannot be written as JSON: {mistake}") from mistake
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def content_hash(text: str) -> str:
+    """Return the source expression ``sha256-...`` by which a content security policy names the text."""
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+
+
+def _script(parts: PageParts) -> str:
+    body = "\n".join([*(_asset(KIT, name) for name in SHARED), *(_asset(parts.folder, name) for name in parts.scripts)])
+    return f"\n(() => {{\n'use strict';\n{body}}})();\n"
+
+
+def _asset(folder: str, name: str) -> str:
+    return (files(__package__) / "assets" / folder / name).read_text(encoding="utf-8")

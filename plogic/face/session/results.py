@@ -1,0 +1,292 @@
+"""What each verb answers: plain data, which prints as the shell shows it and shows itself as a tidy table in a notebook.
+
+``str(result)`` is the text, the same bytes each time; ``result.text(width=80, styled=True)`` is the text for a terminal. Vocabulary:
+
+* ``Answers`` of ``ask``, ``Predictions`` of ``predict`` with rows such as ``Prediction("present(h1)", Answer(...), Answer(...))``
+* ``Observed`` of ``observe``, ``Released`` of ``unobserve``
+* ``Worlds`` of ``worlds``, with rows such as ``WorldRow(0.96, ("t1 h1", "t2 h2"), {"a1": "h1/roof/apex"})``
+* ``Explained`` of ``why`` and ``whynot``, ``Listing`` of ``listing``, ``Saved`` of ``save``, ``Replayed`` of ``load``
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from plogic.face.session.blocks import Column, Lines, Note, Table, html_of, text_of
+from plogic.scene.readings.unfinished import notice, proved
+
+if TYPE_CHECKING:
+    from plogic.face.session.blocks import Block
+    from plogic.facts.stopped import Stopped
+    from plogic.logic.served.engine import Answer
+    from plogic.scene.asking.explanations import Account
+
+PROBABILITY = Column("probability", right=True)
+
+
+class Result:
+    """Anything that a verb answers; the subclasses are frozen dataclasses."""
+
+    def blocks(self) -> tuple[Block, ...]:
+        """What there is to show, in order."""
+        raise NotImplementedError
+
+    def text(self, *, width: int = 118, styled: bool = False) -> str:
+        """The text for a terminal of so many columns."""
+        return text_of(self.blocks(), width=width, styled=styled)
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def _repr_html_(self) -> str:
+        return html_of(self.blocks())
+
+
+@dataclass(frozen=True)
+class Answers(Result):
+    """P(goal) without what the session observed: every answer, most probable first."""
+
+    goal: str | None
+    answers: tuple[Answer, ...]
+    stopped: Stopped = ""
+
+    def blocks(self) -> tuple[Block, ...]:
+        """The table of ``plogic query``."""
+        rows = tuple((*_chances(a, self.stopped), a.goal) for a in self.answers)
+        return (Table("answers", (PROBABILITY, *_between(self.stopped), Column("goal")), rows), *_unfinished(self.stopped))
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """One answer: P(goal) ``before`` anything was observed, and ``now``."""
+
+    goal: str
+    before: Answer
+    now: Answer
+
+
+@dataclass(frozen=True)
+class Predictions(Result):
+    """P(goal | everything observed) beside P(goal), most probable now first."""
+
+    goal: str | None
+    rows: tuple[Prediction, ...]
+    observed: tuple[str, ...]
+    stopped: Stopped = ""
+
+    def blocks(self) -> tuple[Block, ...]:
+        """The table of the answers, two columns of probabilities."""
+        columns = (PROBABILITY, *_between(self.stopped), Column("before", right=True), Column("goal"))
+        rows = tuple((*_chances(row.now, self.stopped), _chances(row.before, self.stopped)[0], row.goal) for row in self.rows)
+        return (Table(f"answers {_given(self.observed)}", columns, rows), *_unfinished(self.stopped))
+
+
+@dataclass(frozen=True)
+class Observed(Result):
+    """``literal`` is observed from now on; it had the ``probability`` given what was ``observed`` up to then."""
+
+    literal: str
+    probability: float
+    observed: tuple[str, ...]
+    stopped: Stopped = ""
+
+    @property
+    def surprise(self) -> float:
+        """The surprise in bits, −log2 of the probability: 0 of what was certain."""
+        return -math.log2(self.probability) + 0.0
+
+    def blocks(self) -> tuple[Block, ...]:
+        """One sentence."""
+        from plogic.face.shown.tables import chance
+
+        if self.literal in self.observed:
+            return (Note(f"{self.literal} is observed already"),)
+        beside = "it was certain, so that nothing changes" if self.probability == 1 else f"{self.surprise:.3g} bits of surprise"
+        return (Note(f"observed {self.literal}: its probability was {chance(self.probability)} ({beside})"), *_unfinished(self.stopped))
+
+
+@dataclass(frozen=True)
+class Released(Result):
+    """The ``literals`` are no longer observed; these still are."""
+
+    literals: tuple[str, ...]
+    observed: tuple[str, ...]
+
+    def blocks(self) -> tuple[Block, ...]:
+        """One sentence."""
+        if not self.literals:
+            return (Note("nothing was observed"),)
+        rest = f"; still observed: {'; '.join(self.observed)}" if self.observed else "; nothing is observed now"
+        return (Note(f"no longer observed: {'; '.join(self.literals)}{rest}"),)
+
+
+@dataclass(frozen=True)
+class WorldRow:
+    """One possible world: what ``holds`` in it; of a scene, the cause of each appearance.
+
+    Of a program, the worlds in which the queries come to the same are one row, with the most probable total choice among them.
+    """
+
+    probability: tuple[float, float]
+    holds: tuple[str, ...]
+    causes: dict[str, str] | None
+    choices: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Worlds(Result):
+    """The most probable worlds given what was ``observed``, and the interval of the mass that is not listed."""
+
+    worlds: tuple[WorldRow, ...]
+    unlisted: tuple[float, float]
+    observed: tuple[str, ...]
+    scene: bool
+    stopped: Stopped = ""
+
+    def blocks(self) -> tuple[Block, ...]:
+        """The table of ``plogic worlds``."""
+        from plogic.face.shown.tables import interval
+
+        more = (Column("explained", right=True), Column("noise", right=True)) if self.scene else (Column("most probable choices"),)
+        between = _between(self.stopped)
+        columns = (Column("rank", right=True), PROBABILITY, *between, Column("present" if self.scene else "holds"), *more)
+        rows = [_world(i, row, self.stopped, scene=self.scene) for i, row in enumerate(self.worlds, 1)]
+        if self.unlisted[1] > 0:
+            rows.append(("", *("" for _ in between), interval(*self.unlisted), "not listed", *("" for _ in more)))
+        title = "possible worlds" + (f" {_given(self.observed)}" if self.observed else "")
+        return (Table(title, columns, tuple(rows)), *_unfinished(self.stopped))
+
+
+@dataclass(frozen=True)
+class Explained(Result):
+    """The account of a goal given what was ``observed``: why it holds, or (``against``) why it does not.
+
+    ``brief``: where the account has a summary, that is shown, and the explanations one by one are only in the data.
+    """
+
+    account: Account
+    against: bool
+    observed: tuple[str, ...]
+    brief: bool = False
+    stopped: Stopped = ""
+
+    def blocks(self) -> tuple[Block, ...]:
+        """The probability, then a tree for every explanation, or the condition that fails."""
+        from plogic.face.session.account_text import account_text
+
+        account = _against(self.account) if self.against else _for(self.account)
+        hidden = self.brief and bool(account.summary) and bool(account.why or account.why_not)
+        if hidden:
+            account = replace(account, why=(), why_not=())
+        (head, *beside), *sections = (section.splitlines() for section in account_text(account).split("\n\n"))
+        given = f" {_given(self.observed)}" if self.observed else ""
+        first: list[Block] = [Note(head + given), *([Lines("", tuple(beside))] if beside else [])]
+        if hidden:
+            sections.append([f"(its explanations, choice by choice: `{'whynot' if self.against else 'why'} 5 {self.account.goal}`)"])
+        if not sections:
+            sections = [["there is no explanation: it holds in every world" if self.against else "there is no explanation"]]
+        return (*first, *(block for section in sections if section for block in _section(section)), *_unfinished(self.stopped))
+
+
+@dataclass(frozen=True)
+class Listing(Result):
+    """Clauses under a title, or what there is to list; and what is ``observed`` where that was asked for."""
+
+    title: str
+    clauses: tuple[str, ...]
+    observed: tuple[str, ...]
+    contents: tuple[tuple[str, str], ...] = ()
+
+    def blocks(self) -> tuple[Block, ...]:
+        """The clauses as they can be read again; else what is observed and the contents of the program."""
+        if self.clauses:
+            return (Lines(f"% {self.title}", self.clauses),)
+        rows = tuple((literal,) for literal in self.observed)
+        observed = Table("observed", (Column("literal"),), rows) if rows else Note("nothing is observed")
+        return (observed, Table(self.title, (Column("name"), Column("meaning")), self.contents)) if self.contents else (observed,)
+
+
+@dataclass(frozen=True)
+class Help(Result):
+    """What verbs or predicates mean: (usage, meaning)."""
+
+    title: str
+    rows: tuple[tuple[str, str], ...]
+
+    def blocks(self) -> tuple[Block, ...]:
+        """One table."""
+        return (Table(self.title, (Column("usage"), Column("meaning")), self.rows),)
+
+
+@dataclass(frozen=True)
+class Saved(Result):
+    """The session's ``lines`` are in the ``file``."""
+
+    file: str
+    lines: tuple[str, ...]
+
+    def blocks(self) -> tuple[Block, ...]:
+        """One sentence."""
+        return (Note(f"saved {len(self.lines)} lines to {self.file}"),)
+
+
+@dataclass(frozen=True)
+class Replayed(Result):
+    """What each line of a saved session came to."""
+
+    results: tuple[Result, ...]
+
+    def blocks(self) -> tuple[Block, ...]:
+        """Everything that they show."""
+        return tuple(block for result in self.results for block in result.blocks())
+
+
+def _for(account: Account) -> Account:
+    """What speaks for the goal; of one that has no explanation, what lacked."""
+    return replace(account, why_not=(), covered_not=type(account.covered_not)(), misses=() if account.why else account.misses)
+
+
+def _against(account: Account) -> Account:
+    return replace(account, why=(), covered=type(account.covered)())
+
+
+def _chances(answer: Answer, stopped: Stopped) -> tuple[str, ...]:
+    """Its probability, or within what bounds it is known; of what is unfinished both."""
+    from plogic.face.shown.tables import chance, interval
+
+    return (chance(answer.probability), interval(*answer.interval)) if stopped else (interval(*answer.interval),)
+
+
+def _between(stopped: Stopped) -> tuple[Column, ...]:
+    return (Column("interval", right=True),) if stopped else ()
+
+
+def _unfinished(stopped: Stopped) -> tuple[Block, ...]:
+    """One line below what is told of an unfinished interpretation."""
+    return (Note(notice(stopped)),) if stopped else ()
+
+
+def _given(observed: tuple[str, ...]) -> str:
+    return f"given {'; '.join(observed)}" if observed else "with nothing observed"
+
+
+def _world(rank: int, row: WorldRow, stopped: Stopped, *, scene: bool) -> tuple[str, ...]:
+    from plogic.face.shown.tables import NONE, interval
+
+    within = (interval(*proved(stopped, row.probability)),) if stopped else ()
+    shown = (str(rank), interval(*row.probability), *within, ", ".join(row.holds) or ("nothing known" if scene else NONE))
+    if not scene:
+        return (*shown, ", ".join(row.choices) or NONE)
+    if row.causes is None:
+        return (*shown, NONE, NONE)
+    noise = list(row.causes.values()).count("noise")
+    return (*shown, str(len(row.causes) - noise), str(noise))
+
+
+def _section(section: list[str]) -> tuple[Block, ...]:
+    """A heading with what is indented below it; lines without a heading stand alone."""
+    if section[0].startswith(" "):
+        return Note(""), Lines("", tuple(section))
+    return Note(""), Lines(section[0], tuple(section[1:])) if section[1:] else Note(section[0])

@@ -1,0 +1,1 @@
+"""Tables, pictures and options that several commands share."""

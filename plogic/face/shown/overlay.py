@@ -1,0 +1,249 @@
+"""``overlay``: the picture of the paper's figure 5, what was detected and what each accepted hypothesis expects.
+
+Small images are drawn at twice their scale. Circles stand where features are Expected (D7), squares where they are
+not; filled when Detected (D8), dashed when not, so the four cases of §4.2 look different: A filled circle, B dashed
+square, C dashed circle, D filled square. One colour per hypothesis (Okabe and Ito's palette, told apart by colour-blind
+eyes); a strip below explains the marks.
+
+Where an accepted type is learnt, or Γ has more than ``MANY`` appearances, the same four cases are drawn as dots: a
+filled dot found, a hollow one missed, a small square unexpected, nothing where neither; and appearances that nothing
+claims, thousands in a photo, are left out. Of the sides of edges a found one is a stroke along its edge with a tick towards
+its side, and a missed one, of which no angle is known, a small cross.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import cv2
+import numpy as np
+
+from plogic.face.shown.pencil import Box, Colour, Pencil, Place, free_place
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+PALETTE = ("#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#F0E442", "#D55E00", "#0072B2")
+"""Okabe and Ito's colours without black, as the page uses them."""
+LARGE = 1000
+"""Images at least so wide (pixels) keep their size; smaller ones are drawn twice as large."""
+LINE = 34
+"""Height of one line of the legend, in pixels of the result."""
+NOTABLE = 6
+"""At most so many features of one hypothesis are named: the rarest of its types, then cases D and C."""
+MANY = 500
+"""Appearances of a photo: of more than so many, none is drawn that nothing claims, and all marks are dots."""
+CASES = (
+    ("A", "expected, detected", True, True),
+    ("C", "expected, missed", True, False),
+    ("B", "neither", False, False),
+    ("D", "detected, not expected", False, True),
+)
+GREY: Colour = (170, 170, 170)
+Draw = Callable[[Pencil, Place], None]
+Entry = tuple[str, Draw]
+"""A text of the legend and what draws the mark before it."""
+
+
+def overlay(document: dict[str, Any], image: NDArray[np.uint8] | None) -> NDArray[np.uint8]:
+    """Return the interpretation drawn over its image.
+
+    Args:
+        document: an ``interpretation/1`` document.
+        image: (H, W, 3) BGR, or None for a plain ground; stretched to the camera's size if it is another.
+
+    Returns:
+        (s H + legend, s W, 3) BGR, s = 2 below ``LARGE`` and else 1; the legend is as high as its lines need.
+    """
+    camera = document["camera"]
+    ground = np.full((int(camera["height"]), int(camera["width"]), 3), 205, np.uint8) if image is None else image
+    scale = 1 if int(camera["width"]) >= LARGE else 2
+    size = (int(camera["width"]) * scale, int(camera["height"]) * scale)
+    picture = np.asarray(cv2.resize(ground, size, interpolation=cv2.INTER_CUBIC), np.uint8)
+    pencil = Pencil(picture, scale)
+    accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
+    if crowded(document):
+        sides = sides_of(document)
+        draw_dots(pencil, accepted, sides)
+        return np.concatenate([picture, _legend(picture.shape[1], accepted, [], sides)])
+    _draw_hypotheses(pencil, accepted)
+    kinds = sorted({a["type"] for a in document.get("appearances", [])})
+    for a in document.get("appearances", []):
+        pencil.sign(a["uv"], a["type"], kinds)
+    _draw_names(pencil, accepted, [a["uv"] for a in document.get("appearances", [])])
+    return np.concatenate([picture, _legend(picture.shape[1], accepted, kinds)])
+
+
+def crowded(document: dict[str, Any]) -> bool:
+    """Whether full marks would cover the picture: an accepted type is learnt, or Γ is a photo's."""
+    accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
+    return len(document.get("appearances", [])) > MANY or any(f.get("stands_for", 1) > 1 for h in accepted for f in h.get("features", []))
+
+
+@dataclass(frozen=True)
+class Sides:
+    """The sides of edges of a document: the ``angle`` of each appearance that is one, by its id, and their ``types``."""
+
+    angle: dict[str, float]
+    types: frozenset[str]
+
+    def case(self, feature: dict[str, Any]) -> str | None:
+        """Case A or C of a feature that is the side of an edge, as its match or else its type tells; None of any other."""
+        match = feature.get("match")
+        own = feature["type"] in self.types if match is None else match in self.angle
+        return feature["case"] if own and feature.get("case") in ("A", "C") else None
+
+
+def sides_of(document: dict[str, Any]) -> Sides:
+    """Of SIFT's appearances those that have an angle and no scale."""
+    rows = [a for a in document.get("appearances", []) if a.get("detector") == "sift" and "angle" in a and "scale" not in a]
+    return Sides({a["id"]: a["angle"] for a in rows}, frozenset(a["type"] for a in rows))
+
+
+def draw_dots(pencil: Pencil, accepted: list[dict[str, Any]], sides: Sides) -> None:
+    """Outlines, then a mark for each feature by its case, then the names with their probabilities."""
+    for i, h in enumerate(accepted):
+        for ring in h.get("outline", []):
+            pencil.polygon(ring, colour_of(i), width=2)
+    for wanted in ("D", "C", "A"):
+        for i, h in enumerate(accepted):
+            for f in h.get("features", []):
+                if f.get("case") == wanted:
+                    _draw_small(pencil, f, colour_of(i), sides)
+    taken: list[Box] = []
+    for i, h in enumerate(accepted):
+        _write_name(pencil, h, i, taken, f"{_name(h)}{_chance(h)}")
+
+
+def _draw_small(pencil: Pencil, f: dict[str, Any], colour: Colour, sides: Sides) -> None:
+    case = sides.case(f)
+    if case == "A":
+        pencil.side(f["uv"], sides.angle[f["match"]], colour)
+    elif case == "C":
+        pencil.cross(f["uv"], colour)
+    else:
+        pencil.dot(f["uv"], colour, circle=bool(f["expected"]), filled=f["case"] == "A")
+
+
+def bgr(colour: str) -> Colour:
+    """Return '#rrggbb' as OpenCV's (blue, green, red)."""
+    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return blue, green, red
+
+
+def colour_of(index: int) -> Colour:
+    """Return the colour of the accepted hypothesis of that index."""
+    return bgr(PALETTE[index % len(PALETTE)])
+
+
+def _draw_hypotheses(pencil: Pencil, accepted: list[dict[str, Any]]) -> None:
+    for i, h in enumerate(accepted):
+        for ring in h.get("outline", []):
+            pencil.polygon(ring, colour_of(i))
+    for wanted in ("B", "D", "A", "C"):  # what speaks loudest is drawn last
+        for i, h in enumerate(accepted):
+            for f in h.get("features", []):
+                if f.get("case") == wanted:
+                    pencil.feature(f["uv"], colour_of(i), circle=bool(f["expected"]), filled=bool(f["detected"]))
+
+
+def _draw_names(pencil: Pencil, accepted: list[dict[str, Any]], signs: list[list[float]]) -> None:
+    """Write the hypotheses' names, then the notable features', each only where it covers no other name and no mark."""
+    taken: list[Box] = []
+    for i, h in enumerate(accepted):
+        _write_name(pencil, h, i, taken)
+    taken += [
+        pencil.mark_box(f["uv"]) for h in accepted for f in h.get("features", []) if f.get("case") in ("A", "C", "D")
+    ]
+    taken += [pencil.mark_box(uv) for uv in signs]
+    for i, h in enumerate(accepted):
+        for f in _notable(h.get("features", [])):
+            _write(pencil, f["id"].rsplit("/", 1)[-1], tuple(f["uv"]), colour_of(i), (taken, 0.55, False))
+
+
+def _write_name(pencil: Pencil, h: dict[str, Any], i: int, taken: list[Box], text: str = "") -> None:
+    points = [p for ring in h.get("outline", []) for p in ring] or [f["uv"] for f in h.get("features", [])]
+    if points:
+        us, v = [p[0] for p in points], min(p[1] for p in points)
+        _write(pencil, text or _name(h), ((min(us) + max(us)) / 2, v), colour_of(i), (taken, 0.75, True))
+
+
+def _name(h: dict[str, Any]) -> str:
+    return f"{h.get('label') or h['type']} {h['id']}"
+
+
+def _write(
+    pencil: Pencil, text: str, near: tuple[float, ...], colour: Colour, how: tuple[list[Box], float, bool]
+) -> None:
+    taken, size, needed = how
+    box = free_place(pencil.size(text, size), (near[0], near[1]), taken, pencil, needed=needed)
+    if box is not None:
+        taken.append(box)
+        pencil.text(text, box, size, colour)
+
+
+def _notable(features: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the few features worth a name: of a type that occurs once, then what wants explaining (cases D and C)."""
+    types = [f["type"] for f in features]
+    order = {"D": 1, "C": 2}
+    keyed = [
+        (0 if types.count(f["type"]) == 1 and f.get("case") == "A" else order.get(f.get("case") or "", 9), f["id"], f)
+        for f in features
+    ]
+    return [f for rank, _, f in sorted(keyed, key=lambda k: k[:2]) if rank < 9][:NOTABLE]
+
+
+def _chance(h: dict[str, Any]) -> str:
+    p = h.get("probability")
+    return "" if p is None else f" {'>0.999' if 0.9995 < p < 1 else f'{p:.3f}'}"
+
+
+def _legend(width: int, accepted: list[dict[str, Any]], kinds: list[str], sides: Sides | None = None) -> NDArray[np.uint8]:
+    """Return the strip (lines, width, 3) that explains colours, cases and signs; it wraps. ``sides``: of the small marks of many features."""
+    entries = _case_entries(accepted, sides)
+    entries += [(f"{_name(h)}{'' if sides is None else _chance(h)}", _swatch(colour_of(i))) for i, h in enumerate(accepted)]
+    entries += [(k.replace("_", " "), partial(Pencil.sign, kind=k, kinds=kinds)) for k in kinds]
+    strip = np.full((LINE * (3 + len(entries)), width, 3), 34, np.uint8)
+    pencil, x, y = Pencil(strip, 1), 14.0, 12 + LINE / 2
+    for text, draw in entries:
+        wide, high = pencil.size(text, 0.55)
+        if x + wide + 62 > width and x > 14:
+            x, y = 14.0, y + LINE
+        draw(pencil, (x + 10, y))
+        pencil.text(text, (x + 28, y - high / 2, x + 28 + wide, y + high / 2), 0.55, (235, 235, 235))
+        x += wide + 62
+    return strip[: int(y + LINE / 2 + 12)]
+
+
+def _case_entries(accepted: list[dict[str, Any]], sides: Sides | None) -> list[Entry]:
+    """The four cases with their counts, and how many of them are sides of edges where there are any."""
+    features = [f for h in accepted for f in h.get("features", [])]
+    counts = Counter({letter: 0 for letter, *_ in CASES})
+    for f in features:
+        counts[f.get("case")] += f.get("stands_for", 1)
+    entries: list[Entry] = []
+    for letter, name, circle, filled in CASES:
+        full = partial(Pencil.feature, colour=GREY, circle=circle, filled=filled)
+        small = partial(Pencil.dot, colour=GREY, circle=circle, filled=letter == "A") if letter != "B" else _nothing
+        entries.append((f"{letter} {name}: {counts[letter]}", full if sides is None else small))
+    along = Counter(sides.case(f) for f in features) if sides is not None else Counter()
+    if along["A"] + along["C"]:
+        entries.append((f"A, sides of edges: {along['A']}", partial(Pencil.side, angle=np.pi / 2, colour=GREY)))
+        entries.append((f"C, sides of edges: {along['C']}", partial(Pencil.cross, colour=GREY)))
+    return entries
+
+
+def _swatch(colour: Colour) -> Draw:
+    def draw(pencil: Pencil, at: Place) -> None:
+        x, y = int(at[0]), int(at[1])
+        cv2.rectangle(pencil.picture, (x - 8, y - 8), (x + 8, y + 8), colour, -1)
+
+    return draw
+
+
+def _nothing(_pencil: Pencil, _at: Place) -> None:
+    """Case B of a photo has no mark."""

@@ -1,0 +1,106 @@
+"""The terminal's tables: worlds, answers and measures of an interpretation, as ``rich`` tables that the CLI prints.
+
+``worlds`` and ``measures`` take an ``interpretation/1`` document, ``answers`` an ``answers/1`` document.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from plogic.scene.readings.unfinished import unlisted_beyond
+
+CELLS = ("expected_detected", "expected_missed", "hidden_missed", "hidden_detected")
+"""The four cases in the paper's column order: A, C, B, D."""
+NONE = "–"
+
+
+def chance(p: float | None) -> str:
+    """Return a probability to three places; what rounds to 0 or 1 without being it says so."""
+    if p is None:
+        return NONE
+    if 0 < p < 0.0005:
+        return "<0.001"
+    return ">0.999" if 0.9995 < p < 1 else f"{float(f'{p:.12g}'):.3f}"  # so that noise in the last digits decides no tie
+
+
+def signed(value: float | None) -> str:
+    """Return an explanatory value to two places, or a dash where it is undefined."""
+    return NONE if value is None else f"{value:+.2f}"
+
+
+def worlds(document: dict[str, Any], limit: int = 10) -> Table:
+    """Return the ranked possible worlds, most probable first, with the mass of those that are not in the table; intervals where they are told."""
+    names = {h["id"]: f"{h.get('label') or h['type']} {h['id']}" for h in document.get("hypotheses", [])}
+    listed = document.get("worlds", [])
+    bounded = any("interval" in world for world in listed[:limit])
+    between = [("interval", "right")] * bounded
+    columns = [("rank", "right"), ("probability", "right"), *between, ("present", "left"), ("explained", "right"), ("noise", "right")]
+    table = _table("possible worlds", *columns)
+    data = [a["id"] for a in document.get("appearances", [])] if document.get("causes_else") == "noise" else []
+    for i, world in enumerate(listed[:limit], 1):
+        causes = list(world.get("causes", {}).values())
+        causes += ["noise"] * sum(a not in world.get("causes", {}) for a in data)
+        noise = causes.count("noise")
+        who = ", ".join(names.get(h, h) for h in world["present"]) or "nothing known"
+        within = [interval(*world["interval"])] if bounded else []
+        table.add_row(str(i), chance(world["probability"]), *within, Text(who), str(len(causes) - noise), str(noise))
+    low, high = unlisted_beyond(document, limit)
+    if high > 0:
+        table.add_row("", *[""] * bounded, interval(low, high), Text("not listed", style="dim"), "", "")
+    return table
+
+
+def interval(low: float, high: float) -> str:
+    """Return one probability, or both bounds where they print differently."""
+    return chance(low) if chance(low) == chance(high) else f"{chance(low)}..{chance(high)}"
+
+
+def answers(document: dict[str, Any]) -> Table:
+    """Return the answers, in the order given; one known only within bounds prints both, and those of what is unfinished their probability too."""
+    apart = bool(document.get("unfinished"))
+    table = _table("answers", ("probability", "right"), *[("interval", "right")] * apart, ("goal", "left"))
+    for answer in document.get("answers", []):
+        low, high = answer.get("interval") or (answer["probability"],) * 2
+        shown = chance(answer["probability"]) if low == high or apart else interval(low, high)
+        table.add_row(shown, *[interval(low, high)] * apart, Text(str(answer["goal"])))
+    return table
+
+
+def measures(document: dict[str, Any]) -> Table:
+    """Return the support of every hypothesis per feature type and its explanatory values (§7.2.4, Table 1)."""
+    right = [(n, "right") for n in ("dv", "A", "C", "B", "D", "ev", "P(ev)", "reconsidered", "probability")]
+    table = _table("measures", ("hypothesis", "left"), ("status", "left"), ("feature type", "left"), *right)
+    dv = document.get("measures", {}).get("dv", {})
+    for h in document.get("hypotheses", []):
+        head: tuple[Any, ...] = (Text(f"{h.get('label') or h['type']} {h['id']}"), h["status"])
+        tail = (
+            signed(h.get("ev")),
+            chance(h.get("p_ev")),
+            signed(h.get("ev_reconsidered")),
+            chance(h.get("probability")),
+        )
+        types = sorted(h.get("support", {}), key=lambda t: (-dv.get(t, 0.0), t)) or [None]
+        for i, kind in enumerate(types):
+            cells = h["support"][kind] if kind is not None else {}
+            row: tuple[Any, ...] = (
+                Text(kind or NONE),
+                f"{dv[kind]:.3f}" if kind in dv else NONE,
+                *(str(cells.get(c, 0)) for c in CELLS),
+            )
+            table.add_row(
+                *(head if i == 0 else ("", "")), *row, *(tail if i == 0 else ("",) * 4), end_section=i == len(types) - 1
+            )
+    return table
+
+
+def _table(title: str, *columns: tuple[str, str]) -> Table:
+    table = Table(
+        title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, header_style="dim", pad_edge=False
+    )
+    for name, justify in columns:
+        table.add_column(name, justify="right" if justify == "right" else "left", overflow="fold")
+    return table

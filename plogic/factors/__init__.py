@@ -1,1 +1,0 @@
-"""From a situation to a factor graph over its alternatives: ``plogic.factors.scene.scene_graph``."""

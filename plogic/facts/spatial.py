@@ -1,0 +1,143 @@
+"""Where the bodies of one view are, qualitatively: what the rules of ``left_of``, ``above``, ``on``, ``near`` and the like read.
+
+* ``BodyFact``: one hypothesis' body, ``BodyFact("h1", middle=(0.1, 0.0, 0.9), nearest=0.85, view="inside")``
+* ``SharedFact``: two bodies that A4 keeps apart, ``SharedFact("h1", "h3", volume=2.1e-5, depth=(0.012, 0.012))``
+* ``Space``: all of it. A hypothesis that it does not know is a point at its origin: so is everything in a file that was written without.
+
+Everything here is plain data, of metres in the camera frame; ``plogic.cycle.placing`` makes it, and it comes back from ``interpretation.json``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+View = Literal["inside", "cut", "outside"]
+Pair = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class BodyFact:
+    """``middle`` (3) of its bounding box, ``nearest``: from the camera's centre to its surface; ``view``: its outline, in the image or not."""
+
+    id: str
+    middle: tuple[float, float, float]
+    nearest: float
+    view: View
+
+
+@dataclass(frozen=True)
+class SharedFact:
+    """``volume`` m³ that ``x`` and ``y`` share; ``depth`` low and high, m: how far one must be moved to be free of the other."""
+
+    x: str
+    y: str
+    volume: float
+    depth: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Space:
+    """``up`` (3): against gravity, ``up_from`` what says so; None where nothing does, and then nothing is above anything.
+
+    ``gaps``: metres between the surfaces of two bodies, each unordered pair once. ``above``: ordered pairs; ``on``: ordered pairs, the first
+    standing on the second alone; ``on_both``: the first on the other two together, not on either alone. ``shared``: of ``Situation.overlaps``.
+    """
+
+    up: tuple[float, float, float] | None = None
+    up_from: str = ""
+    bodies: tuple[BodyFact, ...] = ()
+    gaps: tuple[tuple[str, str, float], ...] = ()
+    above: tuple[Pair, ...] = ()
+    on: tuple[Pair, ...] = ()
+    on_both: tuple[tuple[str, str, str], ...] = ()
+    shared: tuple[SharedFact, ...] = ()
+
+    def among(self, kept: Iterable[str]) -> Space:
+        """What it says of these hypotheses alone."""
+        ids = frozenset(kept)
+        return replace(
+            self,
+            bodies=tuple(b for b in self.bodies if b.id in ids),
+            gaps=tuple(g for g in self.gaps if ids.issuperset(g[:2])),
+            above=tuple(p for p in self.above if ids.issuperset(p)),
+            on=tuple(p for p in self.on if ids.issuperset(p)),
+            on_both=tuple(t for t in self.on_both if ids.issuperset(t)),
+            shared=tuple(s for s in self.shared if ids.issuperset((s.x, s.y))),
+        )
+
+    def names(self) -> frozenset[str]:
+        """Whom it speaks of."""
+        rows = [(b.id,) for b in self.bodies] + [g[:2] for g in self.gaps] + [(s.x, s.y) for s in self.shared]
+        return frozenset(name for row in (*rows, *self.above, *self.on, *self.on_both) for name in row)
+
+    def sharing(self, x: str, y: str) -> SharedFact | None:
+        """What is known of the volume that two share, in either order."""
+        return next((s for s in self.shared if {s.x, s.y} == {x, y}), None)
+
+
+def space_document(space: Space) -> dict[str, Any]:
+    """``space`` of ``interpretation.json``, without ``shared``, which its overlap facts carry."""
+    return {
+        "up": None if space.up is None else list(space.up),
+        "up_from": space.up_from,
+        "bodies": [{"id": b.id, "middle": list(b.middle), "nearest": b.nearest, "view": b.view} for b in space.bodies],
+        "gaps": [list(row) for row in space.gaps],
+        "above": [list(row) for row in space.above],
+        "on": [list(row) for row in space.on],
+        "on_both": [list(row) for row in space.on_both],
+    }
+
+
+def overlap_document(fact: Mapping[str, Any], space: Space) -> dict[str, Any]:
+    """An overlap fact with its volume, m³, and depth, m, where they are known; ``depth_interval`` where it is known within bounds only."""
+    found = space.sharing(*fact["args"])
+    if found is None:
+        return dict(fact)
+    low, high = found.depth
+    told = {**fact, "volume": found.volume, "depth": high}
+    return told if low == high else {**told, "depth_interval": [low, high]}
+
+
+def space_of(document: Mapping[str, Any] | None, facts: Iterable[Mapping[str, Any]]) -> Space:
+    """The typed space of an interpretation's ``space`` and ``facts``; without the one, and without volumes, an empty one."""
+    shared = tuple(_shared(f) for f in facts if f["fact"] == "overlap" and "volume" in f)
+    if document is None:
+        return Space(shared=shared)
+    up = document["up"]
+    return Space(
+        up=None if up is None else _triple(up),
+        up_from=str(document["up_from"]),
+        bodies=tuple(_body(b) for b in document["bodies"]),
+        gaps=tuple((str(x), str(y), float(gap)) for x, y, gap in document["gaps"]),
+        above=tuple((str(x), str(y)) for x, y in document["above"]),
+        on=tuple((str(x), str(y)) for x, y in document["on"]),
+        on_both=tuple((str(x), str(y), str(z)) for x, y, z in document["on_both"]),
+        shared=shared,
+    )
+
+
+def _shared(fact: Mapping[str, Any]) -> SharedFact:
+    x, y = fact["args"]
+    low, high = fact.get("depth_interval") or (fact["depth"], fact["depth"])
+    return SharedFact(str(x), str(y), float(fact["volume"]), (float(low), float(high)))
+
+
+def _body(b: Mapping[str, Any]) -> BodyFact:
+    if b["view"] not in ("inside", "cut", "outside"):
+        raise ValueError(f"space: view: {b['view']!r:.60} should be inside, cut or outside")
+    return BodyFact(str(b["id"]), _triple(b["middle"]), float(b["nearest"]), b["view"])
+
+
+def _triple(row: Iterable[float]) -> tuple[float, float, float]:
+    x, y, z = row
+    return float(x), float(y), float(z)
+
+
+def words_of_shared(fact: SharedFact) -> str:
+    """``2.1e-05 m3, 12 mm deep``; a depth that is known within bounds has both."""
+    low, high = (f"{1000.0 * depth:.3g}" for depth in fact.depth)
+    return f"{fact.volume:.3g} m3, {high if low == high else f'{low} to {high}'} mm deep"

@@ -1,0 +1,171 @@
+"""The vocabulary of queries: one table, from which the program's rules and the documentation are both made (contract).
+
+Every predicate holds *in a world*: of hypotheses that are not present nothing is true, except ``opaque``, ``dv`` and
+``rank``, which speak of types. ``H`` is a hypothesis (``h1``), ``F`` a feature (``'roof/apex'``), ``A`` an appearance
+(``a1``); a *node* of the part-whole tree is a hypothesis, or ``H/P`` for a part or a feature of it.
+
+``Entry("present", 1, "the hypothesis H is in the world", "present(H)", "")``; an entry without a clause is defined by the choices.
+"""
+
+from __future__ import annotations
+
+from plogic.facts.vocabulary_entry import Entry
+from plogic.facts.vocabulary_space import SPACE
+
+
+def _coarse(name: str, meaning: str) -> Entry:
+    """One of the coarse occlusion relations (§3.6), of whole hypotheses or of parts that are objects."""
+    clause = (
+        f"{name}(X, Y) :- outline_relation({name}, X, Y), present(X), present(Y).\n"
+        f"{name}(X, Y) :- part_relation({name}, X, Y), node(X), node(Y)."
+    )
+    return Entry(name, 2, meaning, f"{name}(X, Y)", clause)
+
+
+VOCABULARY: tuple[Entry, ...] = (
+    Entry("present", 1, "hypothesis H is in the world", "present(H)", ""),
+    Entry("object", 2, "H is present and is of the type", "object(H, Type)", "object(H, T) :- hypothesis(H, T), present(H)."),
+    Entry("node", 1, "X is a node of the part-whole tree of a present hypothesis", "node(X)", "node(X) :- belongs(X, H), present(H)."),
+    Entry(
+        "part", 2, "P is a direct or indirect part of the present hypothesis H", "part(P, H)", "part(P, H) :- hypothesis(H, _), pp(P, H)."
+    ),
+    Entry("pp", 2, "X is a proper part of Y (A3)", "pp(X, Y)", "pp(X, Y) :- belongs(X, H), present(H), proper_part(X, Y)."),
+    Entry("p", 2, "X is a part of Y: the same, or a proper part", "p(X, Y)", "p(X, X) :- node(X).\np(X, Y) :- pp(X, Y)."),
+    Entry("o", 2, "X and Y have a part in common", "o(X, Y)", "o(X, Y) :- p(X, Y).\no(X, Y) :- pp(Y, X)."),
+    Entry(
+        "dr",
+        2,
+        "X and Y are discrete: no part in common",
+        "dr(X, Y)",
+        "dr(X, Y) :- belongs(X, G), belongs(Y, H), G \\= H, present(G), present(H).\n"
+        "dr(X, Y) :- belongs(X, H), belongs(Y, H), X \\= Y, \\+ proper_part(X, Y), \\+ proper_part(Y, X), present(H).",
+    ),
+    Entry(
+        "max_object",
+        1,
+        "H is a present object that is part of no other (D3)",
+        "max_object(H)",
+        "max_object(H) :- hypothesis(H, _), present(H).",
+    ),
+    Entry(
+        "atom_node",
+        1,
+        "X is a node without proper parts (D2); users write atom(X)",
+        "atom(X)",
+        "atom_node(X) :- node(X), \\+ proper_part(_, X).",
+    ),
+    Entry(
+        "feature",
+        3,
+        "F is a feature of the present hypothesis H, of the type",
+        "feature(H, F, Type)",
+        "feature(H, F, T) :- feature_of(H, F, T), present(H).",
+    ),
+    Entry(
+        "expected",
+        2,
+        "F of the present H should be seen: in the image, in a lobe, behind nothing opaque (D7)",
+        "expected(H, F)",
+        "expected(H, F) :- feature_of(H, F, _), present(H), in_view(H, F).",
+    ),
+    Entry(
+        "detected",
+        2,
+        "F of the present H is matched to an appearance (D8)",
+        "detected(H, F)",
+        "detected(H, F) :- feature_of(H, F, _), present(H), found(H, F).",
+    ),
+    Entry(
+        "case",
+        3,
+        "F of the present H is in case a (E∧D), b (¬E∧¬D), c (E∧¬D) or d (¬E∧D) of §4",
+        "case(H, F, Case)",
+        "case(H, F, a) :- in_image(H, F), present(H), in_view(H, F), found(H, F).\n"
+        "case(H, F, b) :- in_image(H, F), present(H), \\+ in_view(H, F), \\+ found(H, F).\n"
+        "case(H, F, c) :- in_image(H, F), present(H), in_view(H, F), \\+ found(H, F).\n"
+        "case(H, F, d) :- in_image(H, F), present(H), \\+ in_view(H, F), found(H, F).",
+    ),
+    Entry(
+        "cause",
+        3,
+        "appearance A is caused by F of H: the present, expected claimant with the least residual",
+        "cause(A, H, F)",
+        "cause(A, H, F) :- claims(H, F, A), \\+ outbid(A, H, F).\noutbid(A, H, F) :- preferred(A, G/E, H/F), claims(G, E, A).",
+        "score",
+    ),
+    Entry(
+        "cause",
+        3,
+        "appearance A is caused by F of H",
+        "cause(A, H, F)",
+        "cause(A, H, F) :- match(H, F, A), chosen(A, H/F), hitting(A, H, F).",
+        "posterior",
+    ),
+    Entry(
+        "noise",
+        1,
+        "no feature of a present hypothesis causes appearance A",
+        "noise(A)",
+        "noise(A) :- datum(A, _), \\+ caused(A).\ncaused(A) :- cause(A, _, _).",
+    ),
+    Entry(
+        "behind",
+        2,
+        "the line of sight to Y meets X first; Y is a feature H/F, or an object all of whose self-visible features are",
+        "behind(Y, X)",
+        "behind(H/F, G) :- behind_surface(H, F, G), present(H), present(G).\n"
+        "behind(H, G) :- hypothesis(H, _), hypothesis(G, _), all_behind(H, G), present(H), present(G).",
+    ),
+    Entry(
+        "hides_all_features",
+        2,
+        "opaque X hides every self-visible feature of Y, and there is one (D5, feature form)",
+        "hides_all_features(X, Y)",
+        "hides_all_features(X, Y) :- hypothesis(Y, _), opaque(X), behind(Y, X).",
+    ),
+    Entry(
+        "roc",
+        3,
+        "the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); X and Y are hypotheses, of which exactly one holds, "
+        "or parts that are objects",
+        "roc(Relation, X, Y)",
+        "roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).\nroc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).",
+    ),
+    Entry(
+        "occludes",
+        2,
+        "some part of X totally occludes some part of Y (§3.6)",
+        "occludes(X, Y)",
+        "occludes(X, Y) :- partially_occludes(X, Y).\noccludes(X, Y) :- totally_occludes(X, Y).\n"
+        "occludes(X, Y) :- mutually_occludes(X, Y).",
+    ),
+    _coarse("totally_occludes", "X covers Y, in front everywhere (D5, by outlines)"),
+    _coarse("partially_occludes", "X is in front of a part of Y (D6, by outlines)"),
+    _coarse("mutually_occludes", "each is in front of a part of the other, or they coincide"),
+    _coarse("non_occludes", "neither is in front of a part of the other"),
+    Entry("opaque", 1, "H's surface is opaque (A5, A6)", "opaque(H)", "opaque(H) :- opaque_surface(H)."),
+    Entry("dv", 2, "V is the distinctiveness of the feature type (§5.1)", "dv(Type, V)", ""),
+    Entry("rank", 2, "V is the rank of the object type (§5.3)", "rank(Type, V)", ""),
+    Entry(
+        "ev",
+        2,
+        "V is the explanatory value of the present H, given which of its occluders are present (§5.4, §5.5)",
+        "ev(H, V)",
+        "ev(H, V) :- hypothesis(H, _), present(H), context(H, C), ev_given(H, C, V).",
+    ),
+    *SPACE,
+)
+
+
+def entries(reading: str) -> tuple[Entry, ...]:
+    """The entries of one reading, in the order of the table."""
+    return tuple(entry for entry in VOCABULARY if entry.reading in ("", reading))
+
+
+def table() -> str:
+    """The table as Markdown, for the documentation."""
+    seen: dict[str, Entry] = {}
+    for entry in VOCABULARY:
+        seen.setdefault(entry.usage, entry)
+    rows = [f"| `{usage}` | {entry.meaning} |" for usage, entry in seen.items()]
+    return "\n".join(["| query | is true if |", "|---|---|", *rows])

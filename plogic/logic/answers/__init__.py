@@ -1,0 +1,1 @@
+"""Answers from the circuit: probabilities, intervals by a deadline, ranked states."""

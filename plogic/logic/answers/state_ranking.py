@@ -1,0 +1,148 @@
+"""The possible worlds of a program, most probable first, grouped by what its queries come to (in the child process).
+
+A possible world is a total choice. Worlds in which the same query atoms hold are told as one, with their probability together and the most
+probable total choice among them: of the choices that the queries and the evidence depend on, every other being free.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+from problog.logic import AnnotatedDisjunction, Clause
+
+from plogic.logic.answers.answer import grouped, prepared
+from plogic.logic.answers.independent_factors import bucket, factors_of
+from plogic.logic.answers.streams import merged
+from plogic.logic.grounding.load import line_of
+from plogic.logic.safety.check import heads
+from plogic.logic.safety.mapping import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from plogic.logic.answers.independent_factors import Factor, State
+    from plogic.logic.dnnf.compiled import Compiled
+    from plogic.logic.grounding.ground_program import Literal
+    from plogic.logic.grounding.load import Request
+
+Reply = dict[str, Any]
+MOST_TIED = 1000
+"""Worlds of one probability that are put into order together; of more, the first so many are."""
+FIRST_WAIT = 0.05
+"""Seconds until the worlds found so far are told for the first time."""
+
+
+def ranked(document: dict[str, Any], tell: Callable[[Reply], None] | None = None) -> Reply:
+    """``{"worlds": [{"p", "holds": [atom, ...], "choices": [literal, ...]}, ...], "log_evidence", "all"}`` of the ``number`` best worlds.
+
+    ``tell`` gets what was found on the way, marked ``partial``. Raises InconsistentError, ProgramError.
+    """
+    request, program = prepared(document, ask_something=True)
+    found = program.ground
+    texts = [(text, found.asked[i][1]) for goals in grouped(request, found, range(1, len(found.asked) + 1)) for text, i in _numbered(goals)]
+    worlds = _Worlds(program, texts, _choice_names(request, program))
+    rows: list[Reply] = []
+    log_evidence = float(program.log_mass([()])[0])
+    wait, last = FIRST_WAIT, time.monotonic()
+    for row in worlds.ranked(document["number"]):
+        rows.append(row)
+        if tell is not None and document.get("anytime") and time.monotonic() - last > wait:
+            tell({"worlds": rows, "log_evidence": log_evidence, "partial": True})
+            wait, last = wait * 1.3, time.monotonic()
+    return {"worlds": rows, "log_evidence": log_evidence, "all": len(rows) < document["number"]}
+
+
+def _numbered(goals: list[tuple[str, int]]) -> list[tuple[str, int]]:
+    return [(text, number - 1) for text, number in goals]
+
+
+class _Worlds:
+    """A program's query atoms, its factors, and what is said of them more than once."""
+
+    def __init__(self, program: Compiled, texts: list[tuple[str, Literal]], names: list[list[str]]) -> None:
+        self.texts = [text for text, _ in texts]
+        known = [program.known(literal) for _, literal in texts]
+        atoms = dict.fromkeys(abs(lit) for (_, lit), value in zip(texts, known, strict=True) if lit and value is None)
+        factors = factors_of(program, list(atoms))
+        self.deciding = [factor for factor in factors if factor.variables]
+        self.certain = [value is not True for value in known]
+        self.places = [_places(factor, [lit for _, lit in texts]) for factor in self.deciding]
+        fixed = [v if value else -v for v, value in program.residue.fixed.items()]
+        self.settled = {*fixed, *(literal for factor in factors if not factor.variables for literal in factor.best(()))}
+        self.alternatives = [(a.variables, names_of) for a, names_of in zip(program.ground.alternatives, names, strict=True)]
+        self.completions: dict[tuple[int, State], list[int]] = {}
+
+    def ranked(self, number: int) -> Iterator[Reply]:
+        """The best worlds; of equally probable ones that come first in which earlier atoms hold."""
+        told = 0
+        for tied in _ties(merged([factor.states() for factor in self.deciding]), number):
+            rows = sorted((self._missing(states), log_p, states) for log_p, states in tied)
+            for missing, log_p, states in rows[: number - told]:
+                holds = [text for text, absent in zip(self.texts, missing, strict=True) if not absent]
+                yield {"p": math.exp(log_p), "holds": holds, "choices": self._choices(states)}
+            told += len(rows)
+            if told >= number:
+                return
+
+    def _missing(self, states: tuple[State, ...]) -> list[bool]:
+        """Of each query atom, whether it fails."""
+        missing = self.certain.copy()
+        for places, state in zip(self.places, states, strict=True):
+            for i, atom, holds in places:
+                missing[i] = state[atom] != holds
+        return missing
+
+    def _choices(self, states: tuple[State, ...]) -> list[str]:
+        """The most probable total choice; of an alternative none of whose choices was made, each one's negation."""
+        true = self.settled.union(*(self._completion(i, state) for i, state in enumerate(states)))
+        found = []
+        for variables, names in self.alternatives:
+            made = [name for name, v in zip(names, variables, strict=True) if v in true]
+            found += made or [f"\\+{name}" for name in names]
+        return found
+
+    def _completion(self, i: int, state: State) -> list[int]:
+        if (i, state) not in self.completions:
+            self.completions[i, state] = self.deciding[i].best(state)
+        return self.completions[i, state]
+
+
+def _choice_names(request: Request, program: Compiled) -> list[list[str]]:
+    """The choices of each alternative as users write them; where the head alone does not tell which choice it is, with its line.
+
+    It does not where two choices have the same head, or where another clause can give it too: then it may hold though the choice fell
+    otherwise.
+    """
+    terms = [[name() for name in alternative.names] for alternative in program.ground.alternatives]
+    texts = [[shown(term, request.names) for term in of_one] for of_one in terms]
+    count = Counter(text for of_one in texts for text in of_one)
+    clauses = [(s, {head.signature for head in heads(s)}) for s in request.statements]
+    ways = Counter(signature for _, signatures in clauses for signature in signatures)
+    by_rules = {n for s, signatures in clauses if isinstance(s, (Clause, AnnotatedDisjunction)) for n in signatures if ways[n] > 1}
+
+    def told(text: str, term: Any) -> str:  # noqa: ANN401 - a term of ProbLog's
+        line = line_of(request, term) if count[text] > 1 or term.signature in by_rules else None
+        return text if line is None else f"{text} (line {line})"
+
+    return [[told(*pair) for pair in zip(*both, strict=True)] for both in zip(texts, terms, strict=True)]
+
+
+def _places(factor: Factor, literals: list[Literal]) -> list[tuple[int, int, bool]]:
+    """Of each query atom that the factor decides: its place, the atom in the factor's states, and the value that makes it hold."""
+    order = {v: i for i, v in enumerate(factor.variables)}
+    return [(place, order[abs(lit)], lit > 0) for place, lit in enumerate(literals) if lit and abs(lit) in order]
+
+
+def _ties(worlds: Iterator[tuple[float, tuple[State, ...]]], number: int) -> Iterator[list[tuple[float, tuple[State, ...]]]]:
+    """The worlds in runs of equal probability, cut where they are too long to be put into order."""
+    run: list[tuple[float, tuple[State, ...]]] = []
+    for world in worlds:
+        if run and (bucket(world[0]) != bucket(run[0][0]) or len(run) >= number + MOST_TIED):
+            yield run
+            run = []
+        run.append(world)
+    if run:
+        yield run

@@ -1,0 +1,1 @@
+"""The ground program compiled to a circuit (d-DNNF)."""

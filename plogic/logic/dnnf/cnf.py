@@ -1,0 +1,183 @@
+"""The ground program as clauses: Clark's completion, one outcome per alternative, the evidence; then what follows from it at once.
+
+``Residue`` is what unit propagation leaves: variables with a fixed value, and the components that must be compiled.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from plogic.logic.dnnf.modules import Splitter
+from plogic.logic.grounding.ground_program import TRUE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from plogic.logic.dnnf.modules import Modules
+    from plogic.logic.grounding.ground_program import Gate, Ground
+
+PAIRWISE = 8
+"""An alternative of up to so many outcomes excludes them pair by pair."""
+Clause = tuple[int, ...]
+"""Literals of which at least one is true."""
+
+
+@dataclass(frozen=True)
+class Residue:
+    """``fixed``: variable → value; ``modules``: what needs no compiler; ``components``: other clauses, that share no variable with another's.
+
+    ``log_weight``: variable → (log weight where true, where false), 0 for what is derived; finite for every variable that is not fixed.
+    ``rest``: index of an alternative → the variable that stands for none of its choices. ``size``: number of variables, those included.
+    """
+
+    size: int
+    fixed: dict[int, bool]
+    modules: Modules
+    components: tuple[tuple[Clause, ...], ...]
+    log_weight: dict[int, tuple[float, float]]
+    rest: dict[int, int]
+
+
+def residue(ground: Ground) -> Residue | None:
+    """The clauses of a program with its evidence, after unit propagation; None if they contradict each other."""
+    clauses: list[Clause] = [(literal,) for literal in ground.observed]
+    owners = [0] * len(clauses)
+    for variable, gate in ground.gates.items():
+        clauses.extend(_completion(variable, gate))
+        owners += [variable] * (len(clauses) - len(owners))
+    weight: dict[int, tuple[float, float]] = {}
+    rest: dict[int, int] = {}
+    size = _choices(ground, clauses, weight, rest)
+    propagated = _propagate(size, clauses)
+    if propagated is None:
+        return None
+    fixed, left = propagated
+    owners += [0] * (len(clauses) - len(owners))
+    others = [clause for i, clause in left.items() if not owners[i] or owners[i] in fixed]
+    modules = Splitter(dict(_open_gates(ground, fixed)), others, size).modules()
+    return Residue(modules.size, fixed, modules, components(modules.left), weight, rest)
+
+
+def _open_gates(ground: Ground, fixed: dict[int, bool]) -> Iterator[tuple[int, tuple[int, ...]]]:
+    """Each gate that is not fixed as a disjunction, children first: the literal that it stands for, and its open inputs."""
+    for variable in sorted(ground.gates.keys() - fixed.keys()):
+        gate = ground.gates[variable]
+        sign = 1 if gate.kind == "or" else -1
+        children = gate.folded()
+        yield sign * variable, tuple(dict.fromkeys(sign * c for c in children if abs(c) not in fixed)) if isinstance(children, tuple) else ()
+
+
+def _completion(variable: int, gate: Gate) -> Iterator[Clause]:
+    """``variable ⇔ gate``."""
+    sign = 1 if gate.kind == "and" else -1
+    children = gate.folded()
+    if not isinstance(children, tuple):
+        yield (variable,) if children == TRUE else (-variable,)
+        return
+    yield (sign * variable, *(-sign * child for child in children))
+    yield from ((-sign * variable, sign * child) for child in children)
+
+
+def _choices(ground: Ground, clauses: list[Clause], weight: dict[int, tuple[float, float]], rest: dict[int, int]) -> int:
+    """Adds the alternatives' clauses and weights; the number of variables. What has probability 0 is fixed by a clause of its own."""
+    size = ground.size
+    for index, alternative in enumerate(ground.alternatives):
+        clauses.extend((-v,) for v, share in zip(alternative.variables, alternative.shares, strict=True) if share == 0)
+        if len(alternative.variables) == 1:
+            (variable,), (share,) = alternative.variables, alternative.shares
+            weight[variable] = (_log(share), math.log1p(-share) if share < 1 else -math.inf)
+            clauses.extend([(variable,)] if share == 1 else [])
+            continue
+        outcomes = list(alternative.variables)
+        weight.update({v: (_log(share), 0.0) for v, share in zip(outcomes, alternative.shares, strict=True)})
+        if alternative.rest > 0:
+            size += 1
+            outcomes.append(size)
+            rest[index] = size
+            weight[size] = (math.log(alternative.rest), 0.0)
+        size = _exactly_one(outcomes, clauses, size)
+    return size
+
+
+def _exactly_one(outcomes: list[int], clauses: list[Clause], size: int) -> int:
+    """Exactly one of the outcomes; many of them by a ladder of derived variables ("one of the first i"), so that clauses grow linearly."""
+    clauses.append(tuple(outcomes))
+    if len(outcomes) <= PAIRWISE:
+        clauses.extend((-v, -w) for i, v in enumerate(outcomes) for w in outcomes[i + 1 :])
+        return size
+    before = outcomes[0]
+    for outcome in outcomes[1:]:
+        clauses.append((-outcome, -before))
+        size += 1
+        clauses.extend([(-size, before, outcome), (size, -before), (size, -outcome)])
+        before = size
+    return size
+
+
+def _log(share: float) -> float:
+    return math.log(share) if share > 0 else -math.inf
+
+
+def _propagate(size: int, clauses: list[Clause]) -> tuple[dict[int, bool], dict[int, Clause]] | None:
+    """Unit propagation: what is fixed, and the clauses that are left, by their places, without their false literals; None on a contradiction."""
+    watch = _Watch(size, clauses)
+    queue = [clause[0] for clause, count in zip(clauses, watch.open, strict=True) if count == 1]
+    possible = all(watch.open)
+    while queue and possible:
+        possible = watch.holds(queue.pop(), queue)
+    if not possible:
+        return None
+    value = watch.value
+    fixed = {v: bool(value[v]) for v in range(1, size + 1) if value[v] or value[-v]}
+    left = {i: tuple(lit for lit in clause if not value[-lit]) for i, clause in enumerate(clauses) if not watch.satisfied[i]}
+    return fixed, left
+
+
+class _Watch:
+    """Where each literal occurs, and how many literals of each clause are not false. Negative literals count from the end of the lists."""
+
+    def __init__(self, size: int, clauses: list[Clause]) -> None:
+        self.clauses = clauses
+        self.occurs: list[list[int]] = [[] for _ in range(2 * size + 1)]
+        for index, clause in enumerate(clauses):
+            for literal in dict.fromkeys(clause):
+                self.occurs[literal].append(index)
+        self.open = [len(set(clause)) for clause in clauses]
+        self.value = bytearray(2 * size + 1)
+        self.satisfied = bytearray(len(clauses))
+
+    def holds(self, literal: int, queue: list[int]) -> bool:
+        """Make a literal true and queue what follows from it; False on a contradiction."""
+        if self.value[literal] or self.value[-literal]:
+            return bool(self.value[literal])
+        self.value[literal] = 1
+        for index in self.occurs[literal]:
+            self.satisfied[index] = 1
+        for index in self.occurs[-literal]:
+            self.open[index] -= 1
+            if not self.satisfied[index] and self.open[index] == 1:
+                queue.extend(other for other in self.clauses[index] if not self.value[-other])
+            elif not self.satisfied[index] and self.open[index] == 0:
+                return False
+        return True
+
+
+def components(clauses: Sequence[Clause]) -> tuple[tuple[Clause, ...], ...]:
+    """The clauses in sets that share no variable, in the order of their first clauses."""
+    parent: dict[int, int] = {}
+
+    def find(v: int) -> int:
+        while parent.setdefault(v, v) != v:
+            parent[v] = parent[parent[v]]
+            v = parent[v]
+        return v
+
+    for clause in clauses:
+        for literal in clause[1:]:
+            parent[find(abs(literal))] = find(abs(clause[0]))
+    groups: dict[int, list[Clause]] = {}
+    for clause in clauses:
+        groups.setdefault(find(abs(clause[0])), []).append(clause)
+    return tuple(tuple(group) for group in groups.values())

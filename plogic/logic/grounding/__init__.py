@@ -1,0 +1,1 @@
+"""From texts, goals and evidence to the ground program."""

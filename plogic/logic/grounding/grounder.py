@@ -1,0 +1,247 @@
+"""Grounding of plain programs: calls are answered from a table, top down, and every answer has its literal in the ground formula.
+
+It knows rules, negation, disjunction, comparison, arithmetic, probabilistic clauses and annotated disjunctions, as long as no call depends
+on itself and answers are ground. Anything else raises UnsupportedError before anything is told: then ProbLog's own engine grounds the program
+(``load``), which is the definition of what is right; what both ground, they ground to the same probabilities. Being without messages between
+nodes of an evaluation stack, this is ten times faster and more on the programs of scenes.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from problog.errors import ProbLogError
+from problog.logic import And, Constant, Not, Or, Term, Var
+
+from plogic.logic.grounding.formula import Formula, fails
+from plogic.logic.grounding.indexed_clauses import Reader, UnsupportedError, Variables, is_ground
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from plogic.logic.grounding.ground_program import Literal, Node
+    from plogic.logic.grounding.indexed_clauses import Goal, Rule, Signature, Small
+
+Answers = list[tuple[tuple["Small", ...], "Literal"]]
+Environment = list["Small | None"]
+
+
+class Grounder:
+    """Predicates, the formula that grows, and a table of the calls that have been answered (None while one is being answered)."""
+
+    def __init__(self) -> None:
+        self.reader = Reader()
+        self.formula = Formula()
+        self.table: dict[Any, Answers | None] = {}
+
+    def add(self, statement: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
+        """Add a clause; before the first call."""
+        self.reader.add(statement)
+
+    def node(self, variable: int) -> Node:
+        """The gate or choice of a variable of the formula."""
+        return self.formula.nodes[variable - 1]
+
+    def instances(self, goal: Any, *, or_none: bool) -> list[tuple[Any, Literal]]:  # noqa: ANN401 - a term of ProbLog's
+        """Each instance of a goal, a term of ProbLog's, with its literal.
+
+        A ground goal without one is its own instance and false; with variables there is then none, which is unsupported unless ``or_none``.
+        """
+        if isinstance(goal, (Var, Constant, And, Or, Not)) or not isinstance(goal, Term):
+            raise UnsupportedError
+        variables = Variables()
+        arguments = tuple(variables.number("_") if a is None else self.reader.small(a, variables) for a in goal.args)
+        signature = (self.reader.spelled(goal.functor), goal.arity)
+        answers = self.solve(signature, _canonical(arguments))
+        if not variables.count:
+            return [(goal, answers[0][1] if answers else None)]
+        fitting = [answer for answer in answers if _fits(arguments, answer[0], [None] * variables.count)]
+        if not fitting and not or_none:
+            raise UnsupportedError
+        return [(goal.with_args(*(self.reader.problog_term(a) for a in answer)), literal) for answer, literal in fitting]
+
+    def solve(self, signature: Signature, arguments: tuple[Small, ...]) -> Answers:
+        """Ground instances of a call, each with its literal, in the order of their first proofs, and maybe more: the caller compares."""
+        key = (signature, arguments)
+        found = self.table.get(key, self)
+        if found is None:
+            raise UnsupportedError  # the call depends on itself
+        if found is not self:
+            return found  # type: ignore[return-value]
+        predicate = self.reader.predicates.get(signature)
+        if predicate is None:
+            raise UnsupportedError
+        bound = tuple(i for i, argument in enumerate(arguments) if is_ground(argument))
+        rules = predicate.matching(bound, tuple(arguments[i] for i in bound))
+        if predicate.facts:
+            answers: Answers = [(fact, 0) for fact in dict.fromkeys(rule.arguments for rule in rules)]
+        else:
+            self.table[key] = None
+            answers = self._answers(rules, arguments)
+        self.table[key] = answers
+        return answers
+
+    def _answers(self, rules: Any, arguments: tuple[Small, ...]) -> Answers:  # noqa: ANN401
+        proofs: dict[tuple[Small, ...], list[Literal]] = {}
+        for rule in rules:
+            environment: Environment = [None] * rule.size
+            if all(_meets(head, argument, environment) for head, argument in zip(rule.arguments, arguments, strict=True)):
+                for bound, literals in self.prove(rule.goals, environment, ()):
+                    literal = self._chosen(rule, bound, literals)
+                    proofs.setdefault(tuple(_ground(a, bound) for a in rule.arguments), []).append(literal)
+        found = ((answer, self.formula.disjunction(tuple(literals))) for answer, literals in proofs.items())
+        return [(answer, literal) for answer, literal in found if literal is not None]
+
+    def _chosen(self, rule: Rule, environment: Environment, literals: tuple[int, ...]) -> Literal:
+        """The proof's literal: its body's, and the choice's where the rule makes one."""
+        if rule.label is not None:
+            if any(value is None and i not in rule.loose for i, value in enumerate(environment)):
+                raise UnsupportedError
+            group = (rule.source, tuple(environment))
+            share = self._share(applied(rule.label, environment))
+            choice = self.formula.choice((group, rule.number), group, share, self._namer(rule, environment))
+            return None if fails(literals) else self.formula.conjunction((*literals, choice))
+        return self.formula.conjunction(literals)
+
+    def _namer(self, rule: Rule, environment: Environment) -> Callable[[], Any]:
+        """Makes the choice's name, its head, when it is wanted."""
+        return lambda: Term(rule.functor, *(self.reader.problog_term(_ground(a, environment)) for a in rule.arguments), location=rule.place)
+
+    def prove(self, goals: tuple[Goal, ...], environment: Environment, literals: tuple[int, ...]) -> Iterator[tuple[Environment, tuple[int, ...]]]:
+        """Each way in which the goals hold: what their variables are bound to, and the literals that it takes."""
+        if not goals:
+            yield environment, literals
+            return
+        goal, rest = goals[0], goals[1:]
+        if goal[0] == "call":
+            wanted = tuple(applied(argument, environment) for argument in goal[2])
+            for answer, literal in self.solve(goal[1], _canonical(wanted)):
+                bound = environment.copy()
+                if _fits(wanted, answer, bound):
+                    yield from self.prove(rest, bound, (*literals, literal) if literal else literals)
+        elif goal[0] == "or":
+            for part in goal[1]:
+                yield from self.prove((*part, *rest), environment, literals)
+        elif goal[0] == "not":
+            denied = self._denied(goal[1], environment)
+            if denied is not None:
+                yield from self.prove(rest, environment, (*literals, denied) if denied else literals)
+        else:
+            for bound in self._tested(goal[1], goal[2], environment):
+                yield from self.prove(rest, bound, literals)
+
+    def _denied(self, goals: tuple[Goal, ...], environment: Environment) -> Literal:
+        ways = tuple(self.formula.conjunction(literals) for _, literals in self.prove(goals, environment.copy(), ()))
+        literal = self.formula.disjunction(ways)
+        return 0 if literal is None else None if literal == 0 else -literal
+
+    def _tested(self, functor: str, arguments: tuple[Small, ...], environment: Environment) -> Iterator[Environment]:
+        """The environment, with what the test binds, if it holds; ProbLog decides what is compared before it is known."""
+        left, right = (applied(argument, environment) for argument in arguments)
+        if functor not in ("=", "is"):
+            if self._holds(functor, left, right):
+                yield environment
+            return
+        if functor == "is":
+            right = self._value(right)
+        elif not is_ground(right):
+            left, right = right, left
+        if not is_ground(right):
+            raise UnsupportedError
+        bound = environment.copy()
+        if _fits((left,), (right,), bound):
+            yield bound
+
+    def _holds(self, functor: str, left: Small, right: Small) -> bool:
+        if not (is_ground(left) and is_ground(right)):
+            raise UnsupportedError
+        if functor in ("\\=", "\\==", "=="):
+            return bool((left == right) == (functor == "=="))
+        return _compared(functor, self._value(left)[2], self._value(right)[2])
+
+    def _value(self, term: Small) -> Small:
+        """The constant that arithmetic comes to."""
+        if not is_ground(term):
+            raise UnsupportedError
+        try:
+            value = self.reader.problog_term(term).compute_value()
+        except (ProbLogError, ArithmeticError, TypeError, ValueError):
+            raise UnsupportedError from None
+        if not isinstance(value, (int, float)):
+            raise UnsupportedError
+        return ("", str(value), value)
+
+    def _share(self, label: Small) -> float:
+        """A label's probability, as far as it is one without doubt; ProbLog tells what is wrong with any other."""
+        share = float(self._value(label)[2])
+        if not 0.0 <= share <= 1.0:
+            raise UnsupportedError
+        return share
+
+
+def applied(term: Small, environment: Environment) -> Small:
+    """The term with its variables' values put in; what is unbound stays a variable."""
+    if isinstance(term, int):
+        value = environment[term]
+        return term if value is None else value
+    if isinstance(term, tuple) and term[0]:
+        return (term[0], *(applied(argument, environment) for argument in term[1:]))
+    return term
+
+
+def _ground(term: Small, environment: Environment) -> Small:
+    value = applied(term, environment)
+    if not is_ground(value):
+        raise UnsupportedError
+    return value
+
+
+def _canonical(arguments: tuple[Small, ...]) -> tuple[Small, ...]:
+    """The same call with its variables numbered in the order in which they occur, so that the table knows it again."""
+    if all(isinstance(argument, str) or is_ground(argument) for argument in arguments):
+        return arguments
+    numbers: dict[int, int] = {}
+
+    def renamed(term: Small) -> Small:
+        if isinstance(term, int):
+            return numbers.setdefault(term, len(numbers))
+        return (term[0], *(renamed(a) for a in term[1:])) if isinstance(term, tuple) and term[0] else term
+
+    return tuple(renamed(argument) for argument in arguments)
+
+
+def _meets(head: Small, argument: Small, environment: Environment) -> bool:
+    """Whether a call may meet a head; binds the head's variables to what is ground of the call (the caller compares the rest)."""
+    if isinstance(head, int):
+        if not is_ground(argument):
+            return True
+        if environment[head] is None:
+            environment[head] = argument
+        return bool(environment[head] == argument)
+    if isinstance(argument, int):
+        return True
+    if isinstance(head, tuple) and head[0] and isinstance(argument, tuple) and len(head) == len(argument):
+        return bool(head[0] == argument[0]) and all(_meets(h, a, environment) for h, a in zip(head[1:], argument[1:], strict=True))
+    return bool(head == argument)
+
+
+def _fits(pattern: Small, answer: Small, environment: Environment) -> bool:
+    """Whether a ground answer is an instance of the pattern; binds its variables."""
+    for wanted, given in zip(pattern, answer, strict=True):
+        if isinstance(wanted, int):
+            if environment[wanted] is None:
+                environment[wanted] = given
+            elif environment[wanted] != given:
+                return False
+        elif wanted != given and (
+            not (isinstance(wanted, tuple) and isinstance(given, tuple) and wanted[0] and len(wanted) == len(given) and wanted[0] == given[0])
+            or not _fits(wanted[1:], given[1:], environment)
+        ):
+            return False
+    return True
+
+
+def _compared(functor: str, left: float, right: float) -> bool:
+    if functor in ("=:=", "=\\="):
+        return (left == right) == (functor == "=:=")
+    return {"<": left < right, ">": left > right, "=<": left <= right, ">=": left >= right}[functor]

@@ -1,0 +1,128 @@
+"""A rewritten program in ProbLog's engine: every goal that is asked of it comes back with its instances and its formula over choices."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from problog.errors import ProbLogError
+from problog.formula import LogicFormula
+from problog.logic import Term
+
+from plogic.base.errors import ProgramError
+from plogic.logic.grounding.ground_program import share_of
+from plogic.logic.proof.choices import Choice
+from plogic.logic.proof.terms import Bindings, Ref, Small, canonical, is_ground, problog_term, resolved, small, unify
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from plogic.logic.proof.rule_base import Rules
+
+Key = int | None
+"""A node of the formula: 0 is true, None is false, a negative number is a negation."""
+
+
+@dataclass
+class Grounding:
+    """``formula`` grows with what is asked. ``starts[i]``: where in the database the rule ``numbers[i]`` begins."""
+
+    engine: Any
+    database: Any
+    rules: Rules
+    formula: Any = field(default_factory=LogicFormula)
+    starts: list[int] = field(default_factory=list)
+    numbers: list[int] = field(default_factory=list)
+    asked: dict[Small, list[tuple[Small, Key]]] = field(default_factory=dict)
+    made: dict[Any, Choice] = field(default_factory=dict)
+    choices: dict[int, tuple[Choice, int] | None] = field(default_factory=dict)
+
+    def add(self, number: int, statements: list[Any]) -> None:
+        """Put a rule's statements into the database."""
+        self.starts.append(len(self.database))
+        self.numbers.append(number)
+        for statement in statements:
+            self.database.add_statement(statement)
+
+    def prepare(self) -> None:
+        """Run the program's directives, and ground its evidence."""
+        self.database = self.engine.prepare(self.database)
+        self.formula = self.engine.ground_all(self.database, self.formula, queries=[])
+
+    def evidence(self) -> list[tuple[Any, int, int]]:
+        """(name, node, sign) of each observation; a sign of 0 observes nothing."""
+        return [(name, key, sign) for name, key, sign in self.formula.evidence_all() if sign]
+
+    def under(self, keys: Iterable[Key]) -> set[int]:
+        """The nodes that these depend on."""
+        found: set[int] = set()
+        stack = [abs(key) for key in keys if key]
+        while stack:
+            node = stack.pop()
+            if node not in found:
+                found.add(node)
+                stack.extend(abs(child) for child in getattr(self.formula.get_node(node), "children", ()) if child)
+        return found
+
+    def ask(self, goal: Small) -> list[tuple[Small, Key]]:
+        """Each instance of the goal that is true in some world, with its node; raises what ProbLog raises."""
+        known = canonical(goal)
+        if known not in self.asked:
+            self.asked[known] = self._ask(goal)
+        return self.asked[known]
+
+    def _ask(self, goal: Small) -> list[tuple[Small, Key]]:
+        arguments = [problog_term(a) if is_ground(a) else None for a in goal[1:]]
+        query = Term(goal[0], *arguments)
+        _, results = self.engine._ground(self.database, query, self.formula, silent_fail=False)  # noqa: SLF001 - the engine's only door to nodes
+        found: dict[Small, list[Key]] = {}
+        for values, key in results:
+            instance = (goal[0], *(small(value, {}) for value in values))
+            bound: Bindings = {}
+            if key is not None and unify(goal, instance, bound):
+                found.setdefault(resolved(instance, bound), []).append(key)
+        return [(instance, self._either(keys)) for instance, keys in found.items()]
+
+    def _either(self, keys: list[Key]) -> Key:
+        key: Key = keys[0] if len(keys) == 1 else self.formula.add_or(keys)
+        return key
+
+    def exists(self, goal: Small) -> Key:
+        """The node of "some instance of the goal is true"."""
+        keys = [key for _, key in self.ask(goal)]
+        return None if not keys else 0 if 0 in keys else self._either(keys)
+
+    def tested(self, goal: Small) -> list[tuple[Small, Key]] | None:
+        """As ``ask``; None where the engine cannot tell (a test of an unbound variable)."""
+        try:
+            return self.ask(goal)
+        except ProbLogError:
+            return None
+
+    def choice(self, node: int) -> tuple[Choice, int] | None:
+        """The choice that an atom of the formula belongs to, and which of its heads it is; None of the rest of a disjunction."""
+        if node not in self.choices:
+            content = self.formula.get_node(node)
+            self.choices[node] = None if content.is_extra else self.choice_of(content.identifier)
+        return self.choices[node]
+
+    def choice_of(self, identifier: Any) -> tuple[Choice, int]:  # noqa: ANN401 - ProbLog's
+        """From ProbLog's identity of a choice: (place of its clause in the database, values of the clause's variables, which head)."""
+        if not isinstance(identifier, tuple):
+            raise ProgramError("choices in a file that the program loads cannot be explained: put its clauses into the program itself")
+        place, values, head = identifier
+        rule = self.rules.by_number[self.numbers[bisect_right(self.starts, int(place)) - 1]]
+        known = tuple(small(value, {}) for value in values)
+        key = (rule.number, tuple(canonical(v) for v in known))
+        if key not in self.made:
+            bound = dict(zip(rule.variables, known, strict=False))
+            heads = tuple(resolved(head, bound) for head in rule.heads)
+            labels = tuple(share_of(problog_term(resolved(label, bound))) for label in rule.labels)
+            self.made[key] = Choice(*key, heads, labels)
+        return self.made[key], int(head)
+
+
+def bound_values(rule_variables: tuple[Ref, ...], instance: Small) -> dict[Ref, Small]:
+    """What a rule's variables stand for in one of its instances."""
+    return dict(zip(rule_variables, instance[1:], strict=True))

@@ -1,0 +1,201 @@
+"""From a set of choices that entails a goal to the tree of reasons: rule by rule, down to facts and choices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from plogic.logic.proof.choices import NONE, Choice
+from plogic.logic.proof.consequences import Truth
+from plogic.logic.proof.ground_proofs import bound_values
+from plogic.logic.proof.reasons import Tree, choice_literal, joined
+from plogic.logic.proof.terms import Bindings, Small, canonical, is_ground, resolved, unify
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from plogic.logic.proof.ground_proofs import Grounding, Key
+    from plogic.logic.proof.rule_base import Literal, Rule
+
+MOST_CASES = 12
+"""Ways that a tree by cases tells."""
+DEEPEST_CASES = 2
+"""Open choices that are told apart, one within the other; beyond that a tree only says that the goal holds whichever way they fall."""
+
+
+@dataclass
+class Trees:
+    """Builds trees under one selection."""
+
+    ground: Grounding
+    truth: Truth
+    depth: int = 0
+    done: dict[Small, Tree] = field(default_factory=dict)
+
+    def of(self, goal: Small, key: Key) -> Tree:
+        """Why the instance of a goal, whose node is ``key``, holds; by cases where no single proof does."""
+        if self.truth.value(key):
+            found = self._atom(goal, frozenset())
+            if found is not None:
+                return found
+            return Tree(goal, "computed", self._choices(key))
+        return self._open(goal, frozenset())
+
+    def against(self, goal: Small, key: Key) -> Tree:
+        """Why the negation of a goal holds, ``key`` being the goal's node."""
+        if self.truth.value(key) is False:
+            return self._absent(goal, key)
+        return self._by_choices(("\\+", goal), key)
+
+    def _open(self, goal: Small, above: frozenset[Small]) -> Tree:
+        """Why a goal holds though no single proof of it is certain: one of several rules' instances gives it in every world."""
+        known = canonical(goal)
+        ways = list(self._possible(goal)) if known not in above else []
+        if len(ways) == 1:
+            rule, _, instance, _ = ways[0]
+            children = self._conditions(rule, instance, above | {known})
+            if children is not None:
+                return Tree(goal, "rule" if rule.is_certain else "choice", tuple(children))
+        if len(ways) > 1:
+            return Tree(goal, "cases", tuple(self._case(*way, above | {known}) for way in ways[:MOST_CASES]))
+        return Tree(goal, "cases")
+
+    def _possible(self, goal: Small) -> Iterator[tuple[Rule, int, Small, bool]]:
+        """The instances of rules that may give the goal, and whether their own choice is open."""
+        for rule, index, instance, key in self._instances(goal):
+            taken = index if rule.is_certain else self._taken(rule, instance)
+            if self.truth.value(key) is not False and taken in (index, None):
+                yield rule, index, instance, taken is None
+
+    def _instances(self, goal: Small) -> Iterator[tuple[Rule, int, Small, Key]]:
+        """The instances of rules one of whose heads is the goal, with the node of their conditions."""
+        for rule, index in self.ground.rules.matching(goal):
+            bindings: Bindings = {}
+            if unify(rule.heads[index], goal, bindings):
+                ask = resolved(rule.ask, bindings)
+                yield from ((rule, index, *found) for found in (self.ground.ask(ask) if rule.literals else [(ask, 0)]))
+
+    def _case(self, rule: Rule, index: int, instance: Small, is_open: bool, above: frozenset[Small]) -> Tree:  # noqa: FBT001
+        """One instance: what is open of it is what it needs; what is certain, is told."""
+        bound = bound_values(rule.variables, instance)
+        needed: list[Small] = []
+        told: list[Tree] = []
+        for literal in rule.literals:
+            if self._value(literal, bound) is None:
+                goal = resolved(literal.goal, bound)
+                needed.append(("\\+", goal) if literal.kind == "not" else goal)
+            else:
+                told += self._literal(literal, bound, above) or []
+        if is_open:
+            needed.append(resolved(rule.heads[index], bound))
+        elif not rule.is_certain:
+            told.append(Tree(self._own_choice(rule, instance, index), "choice"))
+        return Tree(joined(",", needed) if needed else ("true",), "case", tuple(told))
+
+    def _own_choice(self, rule: Rule, instance: Small, index: int) -> Small:
+        return self.choice_literal(self.ground.made[rule.number, tuple(canonical(v) for v in instance[1:])], index)
+
+    def _value(self, literal: Literal, bound: Bindings) -> bool | None:
+        if literal.kind == "check":
+            return True
+        value = self.truth.value(self.ground.exists(resolved(literal.ask, bound)))
+        return value if literal.kind != "not" or value is None else not value
+
+    def _conditions(self, rule: Rule, instance: Small, above: frozenset[Small]) -> list[Tree] | None:
+        """Those of the only instance there is: each that is open holds by cases itself."""
+        bound = bound_values(rule.variables, instance)
+        children: list[Tree] = []
+        for literal in rule.literals:
+            goal, ask = resolved(literal.goal, bound), resolved(literal.ask, bound)
+            found = self._literal(literal, bound, above)
+            if self._value(literal, bound) is None:
+                found = [Tree(("\\+", goal), "cases") if literal.kind == "not" else self._open(ask, above)]
+                if literal.kind == "part":
+                    found = [Tree(goal, "cases", found[0].children)]
+            if found is None:
+                return None
+            children += found
+        return children
+
+    def _by_choices(self, goal: Small, key: Key) -> Tree:
+        """A negation that holds whichever way an open choice falls."""
+        choice = self.truth.open_choice(key)
+        if choice is None or self.depth == DEEPEST_CASES:
+            return Tree(goal, "cases")
+        cases = []
+        for taken in sorted(choice.domain, key=lambda i: (i == NONE, i)):
+            deeper = Trees(self.ground, Truth(self.ground, {**self.truth.selection, choice: taken}), self.depth + 1)
+            below = deeper.against(goal[1], key)
+            cases.append(Tree(self.choice_literal(choice, taken), "case", below.children if below.kind == "absent" else (below,)))
+        return Tree(goal, "cases", tuple(cases))
+
+    def _atom(self, goal: Small, above: frozenset[Small]) -> Tree | None:
+        """The proof of a goal whose node is certain; None if there is none that avoids the goals above it."""
+        known = canonical(goal)
+        if known in self.done:
+            return self.done[known]
+        if known in above:
+            return None
+        for rule, index, instance in self._certain(goal):
+            children = self._body(rule, instance, above | {known})
+            if children is not None:
+                head = resolved(rule.heads[index], bound_values(rule.variables, instance))
+                kind = "choice" if not rule.is_certain else "rule" if rule.literals else "fact"
+                self.done[known] = Tree(head, kind, children)
+                return self.done[known]
+        return None
+
+    def _certain(self, goal: Small) -> Iterator[tuple[Rule, int, Small]]:
+        """The instances of rules that certainly give the goal, in the order in which they became certain."""
+        found: list[tuple[int, int, Rule, int, Small]] = []
+        for rule, index, instance, key in self._instances(goal):
+            if self.truth.value(key) and (rule.is_certain or self._taken(rule, instance) == index):
+                found.append((self.truth.order(key), len(found), rule, index, instance))
+        yield from ((rule, index, instance) for _, _, rule, index, instance in sorted(found, key=lambda f: f[:2]))
+
+    def _taken(self, rule: Rule, instance: Small) -> int | None:
+        choice = self.ground.made.get((rule.number, tuple(canonical(v) for v in instance[1:])))
+        return None if choice is None else self.truth.selection.get(choice, choice.sure)
+
+    def _body(self, rule: Rule, instance: Small, above: frozenset[Small]) -> tuple[Tree, ...] | None:
+        bound = bound_values(rule.variables, instance)
+        children: list[Tree] = []
+        for literal in rule.literals:
+            found = self._literal(literal, bound, above)
+            if found is None:
+                return None
+            children += found
+        return tuple(children)
+
+    def _literal(self, literal: Literal, bound: Bindings, above: frozenset[Small]) -> list[Tree] | None:
+        goal, ask = resolved(literal.goal, bound), resolved(literal.ask, bound)
+        if literal.kind == "check":
+            return [Tree(goal, "check")]
+        if literal.kind == "not":
+            return [self._absent(goal, self.ground.exists(ask))]
+        if literal.kind == "computed":
+            key = next((key for _, key in self.ground.ask(ask) if self.truth.value(key)), 0)
+            return [Tree(goal, "computed", self._choices(key))]
+        tree = self._instance(ask, above)
+        if tree is None:
+            return None
+        return list(tree.children) if literal.kind == "part" else [tree]
+
+    def _instance(self, goal: Small, above: frozenset[Small]) -> Tree | None:
+        if is_ground(goal):
+            return self._atom(goal, above)
+        certain = [(self.truth.order(key), i, instance) for i, (instance, key) in enumerate(self.ground.ask(goal)) if self.truth.value(key)]
+        found = (self._atom(instance, above) for _, _, instance in sorted(certain, key=lambda c: c[:2]))
+        return next((tree for tree in found if tree is not None), None)
+
+    def _absent(self, goal: Small, key: Key) -> Tree:
+        """A negation that holds, by the choices that break what it denies; itself a choice where that is all."""
+        denied, reasons = ("\\+", goal), self._choices(key)
+        return reasons[0] if len(reasons) == 1 and reasons[0].goal == denied else Tree(denied, "absent", reasons)
+
+    def _choices(self, key: Key) -> tuple[Tree, ...]:
+        return tuple(Tree(self.choice_literal(choice, taken), "choice") for choice, taken in self.truth.reasons(key))
+
+    def choice_literal(self, choice: Choice, taken: int) -> Small:
+        """A choice as a goal: the head that is taken, with the body of its clause if it has one; or that none is."""
+        return choice_literal(self.ground, choice, taken)

@@ -1,0 +1,158 @@
+"""From what was asked of the engine to numbers: the part of the evidence that matters, compiled with it."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from problog.cycles import _break_cycles
+from problog.formula import LogicDAG
+from problog.logic import Constant, Term
+
+from plogic.base.errors import InconsistentError, NegativeCycleError
+from plogic.logic.dnnf.compiled import IMPOSSIBLE, compiled
+from plogic.logic.grounding.ground_program import Choice as Share
+from plogic.logic.grounding.ground_program import gate_of, ground_from, share_of
+from plogic.logic.proof.cone import Cone, Steps
+from plogic.logic.proof.mass import Mass
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from plogic.logic.dnnf.compiled import Compiled
+    from plogic.logic.grounding.ground_program import Gate, Ground, Literal
+    from plogic.logic.proof.choices import Choice
+    from plogic.logic.proof.ground_proofs import Grounding, Key
+
+Evidence = list[tuple[Any, int, int]]
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """``literals[i]`` is the i-th key that was asked for; ``atoms``: variable → its choice and head."""
+
+    ground: Ground
+    compiled: Compiled
+    literals: tuple[Literal, ...]
+    atoms: dict[int, tuple[Choice, int]]
+    mass: Mass
+
+    def cone(self, literal: Literal, steps: Steps) -> Cone:
+        """What a literal depends on."""
+        return Cone(self.ground, literal, self.atoms, steps)
+
+    def probabilities(self, literals: Sequence[Literal]) -> list[float]:
+        """P(literal | evidence) of each."""
+        return self.compiled.probabilities(literals)
+
+    def joint(self, conditions: Sequence[Sequence[Literal]]) -> list[float]:
+        """P(all these literals | evidence) of each conjunction."""
+        from math import exp
+
+        masses = self.compiled.log_mass(conditions).tolist() if conditions else []
+        return [min(1.0, exp(m - self.mass.log_evidence)) for m in masses]
+
+
+def numbers_of(grounding: Grounding, keys: Sequence[Key], steps: Steps) -> Numbers:
+    """Compile what the keys depend on with the evidence that shares a choice with them, directly or through other evidence.
+
+    The rest of the evidence is independent of them and only has to be possible. Raises InconsistentError where it is not, LimitError.
+    """
+    evidence = grounding.evidence()
+    near, far = _split(grounding, keys, evidence)
+    for _, key, sign in evidence:
+        _require(key is not None if sign > 0 else key != 0)
+    if far:
+        _possible(grounding, [(n, k, s) for n, k, s in far if k], steps)
+    ground = _part(grounding, keys, near)
+    made = compiled(ground)
+    atoms = _atoms(grounding, ground)
+    heads: dict[Choice, dict[int, int]] = {}
+    for variable, (choice, head) in atoms.items():
+        heads.setdefault(choice, {})[head] = variable
+    return Numbers(ground, made, tuple(literal for _, literal in ground.asked), atoms, Mass(made, heads))
+
+
+def _require(possible: bool) -> None:  # noqa: FBT001 - the condition itself
+    if not possible:
+        raise InconsistentError(IMPOSSIBLE)
+
+
+def _part(grounding: Grounding, keys: Sequence[Key], evidence: Evidence) -> Ground:
+    """The ground program of the keys, in their order, with this evidence; its cycles broken by ProbLog where it has any."""
+    formula = grounding.formula
+    asked = [(Term("asked", Constant(i)), key) for i, key in enumerate(keys)]
+    observed = [(name, key if sign > 0 else formula.negate(key)) for name, key, sign in evidence]
+    made = ground_from(lambda i: _node(formula, i), asked, observed)
+    return made if made is not None else _broken(formula, asked, observed)
+
+
+def _broken(formula: Any, asked: list[tuple[Any, Key]], observed: list[tuple[Any, Key]]) -> Ground:  # noqa: ANN401 - ProbLog's formula
+    dag = LogicDAG()
+    translation: dict[int, Any] = defaultdict(list)
+
+    def unrolled(key: Key) -> Key:
+        return _break_cycles(formula, dag, key, [], set(), set(), translation) if key else key
+
+    asked = [(name, unrolled(key)) for name, key in asked]
+    observed = [(name, unrolled(key)) for name, key in observed]
+    made = ground_from(lambda i: _node(dag, i), asked, observed)
+    if made is None:
+        raise NegativeCycleError("a negation depends on itself (negative cycle)")
+    return made
+
+
+def _node(formula: Any, i: int) -> Gate | Share:  # noqa: ANN401 - ProbLog's formula
+    content = formula.get_node(i)
+    gate = gate_of(content)
+    if gate is not None:
+        return gate
+    group = ("atom", i) if content.group is None else ("group", content.group)
+    return Share(share_of(content.probability), group, lambda: content.identifier)
+
+
+def _atoms(grounding: Grounding, ground: Ground) -> dict[int, tuple[Choice, int]]:
+    pairs = [(v, n) for alternative in ground.alternatives for v, n in zip(alternative.variables, alternative.names, strict=True)]
+    found = ((variable, grounding.choice_of(name())) for variable, name in pairs)
+    return {variable: choice for variable, choice in found if choice is not None}
+
+
+def _split(grounding: Grounding, keys: Sequence[Key], evidence: Evidence) -> tuple[Evidence, Evidence]:
+    """The evidence that hangs together with the keys, and the rest."""
+    left = [(observation, _choices(grounding, [observation[1]])) for observation in evidence]
+    reached = _choices(grounding, keys)
+    near: Evidence = []
+    grown = True
+    while grown:
+        grown = False
+        rest = []
+        for observation, choices in left:
+            if choices and choices.isdisjoint(reached):
+                rest.append((observation, choices))
+            else:
+                near.append(observation)
+                grown = grown or not choices <= reached
+                reached |= choices
+        left = rest
+    order = {id(observation): i for i, observation in enumerate(evidence)}
+    near.sort(key=lambda observation: order[id(observation)])
+    return near, [observation for observation, _ in left]
+
+
+def _choices(grounding: Grounding, keys: Sequence[Key]) -> set[Any]:
+    """What tells the alternatives under the keys apart."""
+    found = set()
+    for node in grounding.under(keys):
+        content = grounding.formula.get_node(node)
+        if type(content).__name__ == "atom":
+            found.add(content.group if content.group is not None else node)
+    return found
+
+
+def _possible(grounding: Grounding, evidence: Evidence, steps: Steps) -> None:
+    """Raises InconsistentError where no world satisfies this evidence."""
+    formula = grounding.formula
+    both = formula.add_and([key if sign > 0 else formula.negate(key) for _, key, sign in evidence])
+    ground = _part(grounding, [both], [])
+    _require(Cone(ground, ground.asked[0][1], _atoms(grounding, ground), steps).possible())

@@ -1,0 +1,276 @@
+"""The first layer: the syntax tree is held to the allow-list (``allowlist``), by ProbLog's own parser and its own signatures.
+
+It sees what is written out, wherever a goal may stand: bodies, directives, queries, evidence, arguments of call/N, findall/3 and the like. It
+says all that is wrong at once. What a program builds at run time (``X =.. [consult, f], call(X)``) is for the second layer (``engine``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from problog.engine import DefaultEngine
+from problog.errors import ProbLogError
+from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Not, Or, Term, Var
+from problog.program import PrologString
+
+from plogic.base.errors import ProgramError, UnknownPredicateError, UnsafeProgramError
+from plogic.logic.safety.allowlist import (
+    GOALS,
+    LIBRARIES,
+    LIBRARY_FILES,
+    LIBRARY_META,
+    LISTS,
+    LOADERS,
+    META,
+    SPECIAL_HEADS,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+LONGEST_TEXT = 20_000_000
+"""Characters that a program may have."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A parsed text with what is needed to say where something stands."""
+
+    text: str
+    file: str
+    statements: tuple[Any, ...]
+    program: Any = field(repr=False)
+
+    def place(self, term: Any) -> dict[str, Any]:  # noqa: ANN401 - a term of ProbLog's
+        """file, line and column of a term, as far as ProbLog remembers them; else of its first part that has a place."""
+        for part in _inside(term):
+            location = getattr(part, "location", None)
+            if location is not None and location[1] is not None:
+                _, line, column = self.program.lineno(location[1])
+                return {"file": self.file, "line": line, "column": column}
+        return {"file": self.file}
+
+
+def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
+    """Parse program text; raises ProgramError with the place of a syntax error.
+
+    ``identifier`` marks the places for a ClauseDB of many files.
+    """
+    if len(text) > LONGEST_TEXT:
+        raise ProgramError(f"longer than {LONGEST_TEXT} characters", file=file)
+    try:
+        program = PrologString(text, identifier=identifier)
+        return Source(text, file, tuple(program), program)
+    except ProbLogError as error:
+        raise ProgramError(error.base_message, file=file, **_line_column(text, error.location)) from None
+    except RecursionError:
+        raise ProgramError("nested too deeply", file=file) from None
+    except Exception as error:  # noqa: BLE001 - the parser raises what its actions raise (a cut, a bad number)
+        raise ProgramError(f"cannot be read as ProbLog ({error})", file=file) from None
+
+
+def check_source(source: Source, known: frozenset[str] = frozenset(), protected: frozenset[str] = frozenset()) -> frozenset[str]:
+    """Hold every statement to the allow-list; the signatures that the text defines. All that is wrong is told in one error.
+
+    ``known`` may be called beside what the text defines; ``protected`` may not be defined by it. A text with something protected is a
+    piece added to a program: it may call only what is known. A whole program may also name what has no clauses, as long as it is not
+    called: that is told when it is. ``ANYTHING`` is among the signatures where the text alone does not tell what it defines.
+    """
+    try:
+        defined = frozenset(head.signature for statement in source.statements for head in heads(statement))
+        defined |= frozenset({ANYTHING} if any(_is_open(statement) for statement in source.statements) else ())
+        checker = _Checker(source, _closed(defined | known) if protected else None, protected, _builtins())
+        for statement in source.statements:
+            checker.statement(statement)
+    except RecursionError:
+        raise ProgramError("nested too deeply", file=source.file) from None
+    checker.tell()
+    return defined
+
+
+def heads(statement: Any) -> list[Any]:  # noqa: ANN401 - a term of ProbLog's
+    """The heads of a clause, a fact or an annotated disjunction; none of a directive."""
+    if isinstance(statement, AnnotatedDisjunction):
+        return list(statement.heads)
+    if isinstance(statement, Or):
+        return list(statement.to_list())
+    if isinstance(statement, Clause):
+        return [] if is_directive(statement) else [statement.head]
+    return [statement] if isinstance(statement, Term) else []
+
+
+def check_goal(source: Source, known: frozenset[str]) -> Any:  # noqa: ANN401 - a term of ProbLog's
+    """The one goal that a text consists of, held to the allow-list; it may call what is ``known``."""
+    if len(source.statements) != 1 or isinstance(source.statements[0], (Clause, AnnotatedDisjunction, Var, Constant)):
+        raise ProgramError("a goal is one term, like present(h1)", file=source.file)
+    goal = source.statements[0]
+    if getattr(goal, "probability", None) is not None:
+        raise ProgramError("a goal has no probability of its own", **source.place(goal))
+    checker = _Checker(source, _closed(known), frozenset(), _builtins())
+    try:
+        checker.goal(goal, 0)
+    except RecursionError:
+        raise ProgramError("nested too deeply", file=source.file) from None
+    checker.tell()
+    return goal
+
+
+def is_directive(statement: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
+    """Whether the statement is ``:- goal``."""
+    return isinstance(statement, Clause) and statement.head.signature == "_directive/0" and statement.head.location[1] is None
+
+
+def _closed(known: frozenset[str]) -> frozenset[str] | None:
+    """What may be called; None where anything may turn out to be defined."""
+    return None if ANYTHING in known else known | SPECIAL_HEADS
+
+
+def _is_open(statement: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
+    """Whether it may define what it does not name: it loads a library that is not all known here, or lets unknown predicates fail."""
+    return any(
+        part.signature in LOADERS | {"unknown/1", "module/2"} and not any(str(name) in NAMED for name in part.args)
+        for part in _inside(statement)
+        if isinstance(part, Term)
+    )
+
+
+@dataclass(frozen=True)
+class _Mistake:
+    """What is wrong with a term, and what kind of error that is."""
+
+    kind: type[ProgramError]
+    reason: str
+    term: Any
+
+
+@dataclass(frozen=True)
+class _Checker:
+    source: Source
+    callable: frozenset[str] | None
+    protected: frozenset[str]
+    builtins: frozenset[str]
+    mistakes: list[_Mistake] = field(default_factory=list)
+
+    def note(self, kind: type[ProgramError], term: Any, reason: str) -> None:  # noqa: ANN401 - a term of ProbLog's
+        self.mistakes.append(_Mistake(kind, reason, term))
+
+    def tell(self) -> None:
+        """Raise all mistakes as one error: the first refusal leads, the others follow with their places."""
+        if not self.mistakes:
+            return
+        first = next((mistake for mistake in self.mistakes if mistake.kind is UnsafeProgramError), self.mistakes[0])
+        rest = [mistake for mistake in self.mistakes if mistake is not first]
+        more = list(dict.fromkeys(with_place(mistake.reason, self.source.place(mistake.term)) for mistake in rest))
+        raise first.kind(together(first.reason, more), **self.source.place(first.term))
+
+    def statement(self, statement: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
+        if is_directive(statement):
+            self.directive(statement.body)
+            return
+        found = heads(statement)
+        if not found or any(isinstance(head, (Var, Constant)) for head in found):
+            self.note(ProgramError, statement, "a clause must start with a predicate")
+            return
+        for head in found:
+            self.head(head)
+        if isinstance(statement, (Clause, AnnotatedDisjunction)):
+            self.goal(statement.body, 0)
+
+    def directive(self, goal: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
+        """A goal that is called when the text is loaded; one that loads a file says what may be loaded."""
+        if isinstance(goal, Term) and goal.signature in FILES and not self.loads_a_library(goal):
+            self.note(UnsafeProgramError, goal, f"directive {_shown(goal)}: {LOADING}")
+            return
+        self.goal(goal, 0)
+
+    def head(self, head: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
+        if head.signature in self.protected:
+            self.note(ProgramError, head, f"{head.signature} is defined by the program and cannot be added to")
+        if head.signature in self.builtins or str(head.functor).strip("'").startswith("plogic "):
+            self.note(ProgramError, head, f"{head.signature} belongs to ProbLog and cannot be defined")
+        if head.signature in SPECIAL_HEADS:
+            self.goal(head.args[0], 0)
+
+    def goal(self, goal: Any, added: int) -> None:  # noqa: ANN401 - a term of ProbLog's
+        """A goal with ``added`` more arguments than are written.
+
+        A goal that is built at run time is not seen here, but by the engine. Arguments that are no goals are data and may hold anything.
+        """
+        if isinstance(goal, (Var, Constant)) or not isinstance(goal, Term):
+            return
+        signature = f"{goal.signature.rsplit('/', 1)[0]}/{goal.arity + added}"
+        self.called(goal, signature)
+        for position, more in META.get(signature, LIBRARY_META.get(signature, ())):
+            if position < goal.arity:
+                self.goal(goal.args[position], more)
+
+    def called(self, goal: Any, signature: str) -> None:  # noqa: ANN401 - a term of ProbLog's
+        if signature in LOADERS and self.loads_a_library(goal):
+            return
+        if signature in self.builtins and signature not in GOALS:
+            self.note(UnsafeProgramError, goal, f"{signature} is not allowed: {LOADING if signature in FILES else REASON}")
+        elif self.callable is not None and signature not in GOALS | LISTS | self.callable | frozenset(LIBRARY_META):
+            self.note(UnknownPredicateError, goal, f"no clauses for {signature}")
+
+    def loads_a_library(self, goal: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
+        """Whether a loader names a pure library, or something that only the run can tell."""
+        place = 1 if goal.signature.startswith("_") else 0
+        name = goal.args[place] if place < goal.arity else None
+        if not isinstance(name, Term) or isinstance(name, Var):
+            return True
+        if name.functor != "library" or name.arity != 1:
+            return False
+        return isinstance(name.args[0], Var) or _is_pure(name.args[0])
+
+
+REASON = "it is not on the list of predicates that cannot reach files or code"
+FILES = LOADERS | {"consult/1", "./2"}
+LOADING = f"only use_module(library(L)) is allowed, L one of {', '.join(sorted(LIBRARIES - {'builtin'}))}"
+ANYTHING = "*"
+NAMED = frozenset({"library(lists)", "library(apply)", "library(aggregate)"})
+"""Libraries whose predicates are all listed here."""
+MOST_TOLD = 20
+"""Mistakes that one message names."""
+
+
+def together(first: str, more: list[str]) -> str:
+    """Many mistakes in one line."""
+    left = f"; and {len(more) - MOST_TOLD} more" if len(more) > MOST_TOLD else ""
+    return "; also ".join([first, *more[:MOST_TOLD]]) + left
+
+
+def with_place(reason: str, place: dict[str, Any]) -> str:
+    """``file:line:column: reason``."""
+    return ":".join(str(place[key]) for key in ("file", "line", "column") if key in place) + f": {reason}"
+
+
+def _is_pure(name: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
+    text = str(name).strip("'")
+    return text in LIBRARIES or text in LIBRARY_FILES
+
+
+def _builtins() -> frozenset[str]:
+    return frozenset(DefaultEngine().get_builtins())
+
+
+def _inside(term: Any) -> Iterator[Any]:  # noqa: ANN401 - a term of ProbLog's
+    yield term
+    for argument in getattr(term, "args", ()) or ():
+        if isinstance(argument, (Term, And, Or, Not)):
+            yield from _inside(argument)
+
+
+def _shown(term: Any) -> str:  # noqa: ANN401 - a term of ProbLog's
+    text = str(term)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _line_column(text: str, location: object) -> dict[str, Any]:
+    """ProbLog gives a parse error's place as (file, line, column), or as a position; columns in the first line count from 0, in others from 1."""
+    if isinstance(location, tuple) and len(location) == 3:
+        return {"line": location[1], "column": location[2] + (location[1] == 1)}
+    if isinstance(location, int):
+        before = text[:location]
+        return {"line": before.count("\n") + 1, "column": location - before.rfind("\n")}
+    return {}

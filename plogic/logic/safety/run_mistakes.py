@@ -1,0 +1,128 @@
+"""What goes wrong in a run as one clear error: what is wrong, in which file, line and column, and all of its kind at once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from problog.engine import NonGroundProbabilisticClause, UnknownClause
+from problog.engine_builtin import IndirectCallCycleError
+from problog.errors import InconsistentEvidenceError, NonGroundQuery, ProbLogError
+from problog.eval_nodes import NegativeCycle
+
+from plogic.base.errors import (
+    BeliefError,
+    InconsistentError,
+    NegativeCycleError,
+    NonGroundError,
+    ProgramError,
+    UnknownPredicateError,
+    UnsafeProgramError,
+)
+from plogic.logic.safety.allowlist import LIBRARY_META, LISTS
+from plogic.logic.safety.check import Source, heads, parse, together, with_place
+from plogic.logic.safety.guarded_engine import RefusedError
+from plogic.logic.safety.negation_cycle import COLLECTED, NEGATED, spelt_cycle
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+KINDS: tuple[tuple[type[ProbLogError], type[ProgramError]], ...] = (
+    (RefusedError, UnsafeProgramError),
+    (UnknownClause, UnknownPredicateError),
+    (NegativeCycle, NegativeCycleError),
+    (NonGroundProbabilisticClause, NonGroundError),
+    (NonGroundQuery, NonGroundError),
+)
+OFFERED = {
+    **dict.fromkeys(LISTS, "lists"), **dict.fromkeys(LIBRARY_META, "apply"), "aggregate/5": "aggregate", ":/2": "scope",
+    **dict.fromkeys(("cut/1", "cut/2"), "cut"), "on_fail/2": "control", **dict.fromkeys(("assertz/1", "retract/1", "retractall/1"), "assert"),
+    **dict.fromkeys(("recorda/2", "recordz/2", "recorded/2", "recorda/3", "recordz/3", "recorded/3", "erase/1", "instance/2"), "record"),
+    **dict.fromkeys(("concat/2", "join/3", "str2lst/2", "lst2str/2", "str2int/2", "sub_string/5"), "string"), "=>/2": "collect",
+}  # fmt: skip
+"""Signature → the library that defines it."""
+NONE_SUCH = {
+    "!/0": "ProbLog has no cut: let each clause say when it holds, or see library(cut)",
+    "->/2": "ProbLog has no if-then-else: write (Condition, Then ; \\+ Condition, Else)",
+}
+
+
+def told(error: Exception, texts: list[dict[str, str]], db: Any = None) -> NoReturn:  # noqa: ANN401 - a ClauseDB
+    """An error of ProbLog's as ours. ``texts``: ``{"text", "file"}`` of each piece; ``db``: the database that ran them, if there is one."""
+    if isinstance(error, (BeliefError, MemoryError, RecursionError)):
+        raise error
+    if isinstance(error, InconsistentEvidenceError):
+        raise InconsistentError("no world satisfies the evidence: its probability is 0") from None
+    if not isinstance(error, ProbLogError):
+        raise ProgramError(f"ProbLog cannot run this program ({_one_line(f'{type(error).__name__}: {error}')})", file=texts[0]["file"]) from None
+    place: dict[str, Any] = {"file": texts[0]["file"]}
+    location = error.location
+    if db is not None and isinstance(location, tuple) and len(location) == 2 and location[1] is not None:
+        location = db.lineno(location, force_filename=True)
+    if isinstance(location, tuple) and len(location) == 3:
+        file, line, column = location
+        place = {"file": file or texts[0]["file"], "line": line, "column": column}
+    kind = next((ours for problem, ours in KINDS if isinstance(error, problem)), ProgramError)
+    raise kind(_reason(error, place, texts, db), **place) from None
+
+
+def _reason(error: ProbLogError, place: dict[str, Any], texts: list[dict[str, str]], db: Any) -> str:  # noqa: ANN401
+    if isinstance(error, UnknownClause):
+        first = unknown(error.signature)
+        more = [] if db is None else [line for line in _unknown_calls(db, texts) if line != with_place(first, place)]
+        return together(first, more)
+    if isinstance(error, NegativeCycle):
+        cycle = spelt_cycle(_sources(texts), place, NEGATED)
+        return "a negation depends on itself (negative cycle)" + (cycle and f": {cycle}")
+    if isinstance(error, IndirectCallCycleError):
+        cycle = spelt_cycle(_sources(texts), place, COLLECTED)
+        return "a goal that collects answers (findall/3, all/3) depends on itself" + (cycle and f": {cycle}")
+    if isinstance(error, NonGroundProbabilisticClause):
+        return _kept_open(_sources(texts), place)
+    if isinstance(error, NonGroundQuery):
+        return "the goal keeps a variable that nothing binds"
+    return _one_line(error.base_message)
+
+
+def unknown(signature: str) -> str:
+    """What to say of a call to a predicate without clauses."""
+    plain = signature.replace("'", "")
+    library = OFFERED.get(plain)
+    hint = NONE_SUCH.get(plain) or (library and f":- use_module(library({library})) would define it")
+    return f"no clauses for {plain}" + (f" ({hint})" if hint else "")
+
+
+def _unknown_calls(db: Any, texts: list[dict[str, str]]) -> list[str]:  # noqa: ANN401 - a ClauseDB
+    """Every call in the texts to a predicate without clauses, with its place, in the order of the texts."""
+    files = [item["file"] for item in texts]
+    found = []
+    for _, node in db.enum_nodes():
+        if type(node).__name__ != "call" or node.location is None or node.defnode < 0 or db.get_node(node.defnode):
+            continue
+        spot = db.lineno(node.location, force_filename=True)
+        if spot is not None and spot[0] in files:
+            found.append((files.index(spot[0]), spot[1], spot[2], unknown(f"{node.functor}/{len(node.args)}")))
+    return [with_place(reason, {"file": files[i], "line": line, "column": column}) for i, line, column, reason in sorted(found)]
+
+
+def _sources(texts: list[dict[str, str]]) -> list[Source]:
+    return [parse(item["text"], item["file"]) for item in texts]
+
+
+def _kept_open(sources: Iterable[Source], place: dict[str, Any]) -> str:
+    """Which variables of the probabilistic clause at a place its body does not bind."""
+    for source in sources:
+        for statement in source.statements:
+            here = [head for head in heads(statement) if source.place(head) == place]
+            if here:
+                body = _names(getattr(statement, "body", None))
+                kept = [name for head in here for name in dict.fromkeys(_names(head) + _names(head.probability)) if name not in body]
+                return f"{here[0]} is a choice that keeps {' and '.join(kept) or 'a variable'} open: its body must bind it, or the call must"
+    return "a probabilistic clause keeps a variable that its body does not bind"
+
+
+def _names(term: Any) -> list[str]:  # noqa: ANN401 - a term of ProbLog's
+    return [] if term is None else sorted(str(variable) for variable in term.variables())
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())[:300]

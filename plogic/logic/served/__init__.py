@@ -1,0 +1,1 @@
+"""Programs run in a child process with limits: requests, replies, and the client that asks."""

@@ -1,0 +1,255 @@
+"""Runs a program through ProbLog in a process of its own, with limits, and turns whatever happens into answers or one clear error.
+
+Making the text and running it are two functions; this one runs it. Vocabulary:
+
+* ``Text``, one piece of program with the file that it came from, ``Text("present(h1).", "scene.pl")``
+* ``Limits``, ``Limits(seconds=60, megabytes=2048, trust=False)``
+* ``Answer``, ``Answer("present(h1)", 0.97, (0.97, 0.97))``
+"""
+
+from __future__ import annotations
+
+import contextlib
+import contextvars
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from plogic.base import errors
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from plogic.logic.safety.atoms import Names
+
+
+@dataclass(frozen=True)
+class Text:
+    """A piece of program text; ``file`` is what errors name."""
+
+    text: str
+    file: str = "program"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Wall time and address space that one run may take; ``trust`` lets a program do whatever ProbLog lets it (read files, run Python)."""
+
+    seconds: float = 60.0
+    megabytes: int = 2048
+    trust: bool = False
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One answer substitution; ``interval`` bounds its probability (exact inference: both ends the same)."""
+
+    goal: str
+    probability: float
+    interval: tuple[float, float]
+
+
+def run(
+    texts: Sequence[Text],
+    goals: Sequence[str] = (),
+    given: Sequence[str] = (),
+    *,
+    names: Names | None = None,
+    limits: Limits | None = None,
+) -> list[list[Answer]]:
+    """P(goal | evidence) for each goal: a list of answers per goal, most probable first, ties by text.
+
+    The first text is the program, further ones are rules that may not add to its predicates. Without goals the program's own query/1 are
+    asked, in one list. With ``names``, goals, evidence and rules are mapped from labels to atoms, and answers back.
+    Raises ProgramError (with file, line, column as far as ProbLog knows them), InconsistentError, LimitError.
+    """
+    reply = ask(request_of(texts, goals, given, names), limits or Limits())
+    return [sorted((_answer(goal, p) for goal, p in answers), key=_order) for answers in reply["answers"]]
+
+
+def run_until(
+    texts: Sequence[Text],
+    goals: Sequence[str] = (),
+    given: Sequence[str] = (),
+    *,
+    seconds: float,
+    names: Names | None = None,
+    limits: Limits | None = None,
+) -> tuple[list[list[Answer]], bool]:
+    """As ``run``, by a deadline: the answers that are known after ``seconds``, and whether they are exact.
+
+    If not, an answer's interval contains its exact probability, which is given as the interval's middle; a goal with variables may
+    have answers that are not known yet. A ground goal of which nothing is known is answered [0, 1].
+    """
+    limits = limits or Limits()
+    reply = ask_until({**request_of(texts, goals, given, names), "anytime": True}, limits, seconds)
+    if reply is None:
+        return [unknown(goal, names) for goal in goals] or [[]], False
+    found = [sorted((_answer(*row) for row in answers), key=_order) for answers in reply["answers"]]
+    return found, not reply.get("partial", False)
+
+
+def ask_until(request: dict[str, Any], limits: Limits, seconds: float) -> dict[str, Any] | None:
+    """The last reply of a fresh process after some seconds, maybe a partial one; None if there is none yet. Raises what went wrong in it."""
+    reply = _last(_told(_trusted(request, limits), replace(limits, seconds=min(seconds, limits.seconds))))
+    if reply is not None and "error" in reply:
+        _raise(reply["error"], limits)
+    return reply
+
+
+def _last(text: str) -> dict[str, Any] | None:
+    """The last reply that was written whole."""
+    lines = text.rpartition("\n")[0].splitlines()
+    return read_reply(lines[-1]) if lines else None
+
+
+def read_reply(line: str | bytes) -> dict[str, Any]:
+    """A reply; raises LimitError where its trees are too deep for this process."""
+    try:
+        reply: dict[str, Any] = json.loads(line)
+    except RecursionError:
+        raise errors.LimitError(TOO_DEEP) from None
+    return reply
+
+
+TOO_DEEP = "the proofs are nested too deeply to be told"
+
+
+def unknown(goal: str, names: Names | None) -> list[Answer]:
+    """What can be said of a goal without any work: [0, 1] of a ground one, nothing of one with variables; raises ProgramError."""
+    from plogic.logic.safety.author import load_problog
+
+    load_problog()
+    from plogic.logic.grounding.load import goal_shown
+
+    text = goal_shown(goal, names)
+    return [] if text is None else [Answer(text, 0.5, (0.0, 1.0))]
+
+
+def request_of(texts: Sequence[Text], goals: Sequence[str], given: Sequence[str], names: Names | None) -> dict[str, Any]:
+    """The request that the child process reads."""
+    return {
+        "texts": [{"text": item.text, "file": item.file} for item in texts],
+        "goals": list(goals),
+        "given": list(given),
+        "names": None if names is None else names.atoms,
+    }
+
+
+def _answer(goal: str, low: float, high: float | None = None) -> Answer:
+    low = min(max(low, 0.0), 1.0)
+    high = low if high is None else high
+    return Answer(goal, low if high == low else (low + high) / 2, (low, high))
+
+
+def _order(answer: Answer) -> tuple[float, str]:
+    return -float(f"{answer.probability:.11e}"), answer.goal
+
+
+_ASKED: contextvars.ContextVar[Callable[[dict[str, Any]], dict[str, Any]] | None] = contextvars.ContextVar("asked", default=None)
+
+
+@contextlib.contextmanager
+def through(process: Callable[[dict[str, Any]], dict[str, Any]]) -> Iterator[None]:
+    """Within it every request goes to ``process``, one that stays (``plogic.logic.served.staying_process``), with limits of its own."""
+    token = _ASKED.set(process)
+    try:
+        yield
+    finally:
+        _ASKED.reset(token)
+
+
+def ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
+    """The reply of a fresh process; raises what went wrong in it, and LimitError when it runs out of time or memory."""
+    process = _ASKED.get()
+    request = _trusted(request, limits)
+    reply = _ask(request, limits) if process is None else process(request)
+    if "error" in reply:
+        _raise(reply["error"], limits)
+    return reply
+
+
+def _trusted(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
+    """With trust, the request says so, and from which folder the program's files are looked for."""
+    if not limits.trust:
+        return request
+    return {**request, "trust": True, "folder": str(Path(request["texts"][0]["file"]).resolve().parent)}
+
+
+def _ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
+    reply = _last(_told(request, limits, late=False))
+    if reply is None:
+        raise errors.LimitError(f"the process of the inference ended without an answer (its limit of memory is {limits.megabytes} MB)")
+    return reply
+
+
+def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
+    """What the child wrote until it ended or its time was over; unless ``late``, the latter raises LimitError."""
+    command = [sys.executable, "-P", "-W", "ignore", "-m", "plogic.logic.served.program_child", str(limits.megabytes * 2**20)]
+    with ending_well(), tempfile.TemporaryDirectory(prefix="plogic-") as scratch:
+        told, over = _communicate(command, json.dumps(request), scratch, limits.seconds)
+    if over and not late:
+        raise errors.LimitError(f"the inference took longer than {limits.seconds:g} s")
+    return told
+
+
+def _communicate(command: list[str], request: str, scratch: str, seconds: float) -> tuple[str, bool]:
+    """What the child wrote, and whether its time was over; then the child goes, and the compiler that it may have started with it."""
+    pipe = subprocess.PIPE
+    options: dict[str, Any] = {"env": environment(scratch), "cwd": scratch, "start_new_session": True, "text": True, "encoding": "utf-8"}
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, **options) as child:  # noqa: S603 - our own module, no shell
+        try:
+            told, said = child.communicate(request, timeout=seconds)
+            _check_started(child.returncode, told, said)
+            return str(told), False
+        except BaseException as error:  # an interruption, too, must leave no process behind
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(child.pid, signal.SIGKILL)
+            if isinstance(error, subprocess.TimeoutExpired):
+                return str(child.communicate()[0]), True
+            raise
+
+
+def _check_started(status: int, told: str, said: str) -> None:
+    """Raise LimitError with its last words where the process failed by itself (not by a signal, as where memory ran out) before it replied."""
+    if status > 0 and not told:
+        last = (said.strip().splitlines() or [f"exit status {status}"])[-1]
+        raise errors.LimitError(f"the process of the inference could not work: {last[:300]}")
+
+
+@contextlib.contextmanager
+def ending_well() -> Iterator[None]:
+    """Within it, being told to end (SIGTERM, SIGHUP) raises SystemExit, so that processes end and scratch files go first."""
+    mine = threading.current_thread() is threading.main_thread()
+    signals = [s for s in (signal.SIGTERM, signal.SIGHUP) if mine and signal.getsignal(s) is signal.SIG_DFL]
+    for number in signals:
+        signal.signal(number, lambda number, _: sys.exit(128 + number))
+    try:
+        yield
+    finally:
+        for number in signals:
+            signal.signal(number, signal.SIG_DFL)
+
+
+def environment(scratch: str) -> dict[str, str]:
+    """The child finds the same packages as we do, and writes its scratch files where we remove them."""
+    root = str(Path(__file__).resolve().parents[3])
+    path = os.pathsep.join([root, *(entry for entry in sys.path if entry)])
+    return {**os.environ, "PYTHONPATH": path, "TMPDIR": scratch, "PYTHONHASHSEED": "0", "PYTHONIOENCODING": "utf-8"}
+
+
+def _raise(error: dict[str, Any], limits: Limits) -> None:
+    kind = getattr(errors, error["kind"])
+    if kind is errors.LimitError:
+        raise errors.LimitError(f"the inference needs more than {limits.megabytes} MB of memory")
+    if issubclass(kind, errors.ProgramError):
+        places = {key: error[key] for key in ("file", "line", "column") if error.get(key) is not None}
+        raise kind(error["reason"], **places)
+    raise kind(error["reason"])

@@ -1,0 +1,101 @@
+"""Goals as formulas over a program's choices, served in the child process: ground, not counted.
+
+Vocabulary: a *key* is a number from 1, a node; its negative, the negation; 0 is true and null false, as in ProbLog's formulas. A node is
+``["and", [keys]]``, ``["or", [keys]]`` or a choice, ``["present", [["h1"]]]``, its functor and its arguments' labels.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from problog.errors import ProbLogError
+from problog.logic import AnnotatedDisjunction, Clause, Term
+
+from plogic.logic.answers.answer import grouped
+from plogic.logic.grounding.indexed_clauses import UnsupportedError
+from plogic.logic.grounding.load import by_problog, quickly, request_from, variables
+from plogic.logic.safety.run_mistakes import told
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from plogic.logic.grounding.ground_program import Alternative, Ground
+    from plogic.logic.grounding.load import Request
+    from plogic.logic.safety.atoms import Names
+
+ALLOWED = ("present", "chosen")
+"""The choices that a formula may be over."""
+
+
+def formulas(document: dict[str, Any]) -> dict[str, Any]:
+    """``{"nodes": [...], "answers": [[[shown goal, key], ...] per goal], "single": [...], "given": [keys]}``, or ``{"outside": reason}``.
+
+    A goal is single where it has no variables, so that it has one answer, possible or not.
+    A goal is outside where it, or a rule, speaks of other choices: those in ``document["outside"]``, or some of a rule's own.
+    """
+    request = request_from(document)
+    reason = _spoken(request.statements, frozenset(document["outside"]))
+    if reason:
+        return {"outside": reason}
+    try:
+        ground = _ground(request)
+    except ProbLogError as error:
+        told(error, document["texts"])
+    if ground is None:
+        return {"outside": "a rule that only ProbLog's own engine can ground is used"}
+    single = [not variables(goal) for _, goal in request.goals]
+    return {**_reply(ground, grouped(request, ground, [[literal] for _, literal in ground.asked]), request.names), "single": single}
+
+
+def _ground(request: Request) -> Ground | None:
+    """None for what only ProbLog's own engine can ground; it also tells what is wrong."""
+    try:
+        return quickly(request)
+    except (UnsupportedError, RecursionError):
+        by_problog(request)
+        return None
+
+
+def _reply(ground: Ground, answers: list[list[tuple[str, Any]]], names: Names | None) -> dict[str, Any]:
+    nodes: list[list[Any]] = [[]] * ground.size
+    for number, gate in ground.gates.items():
+        nodes[number - 1] = [gate.kind, list(gate.children)]
+    for alternative in ground.alternatives:
+        choice = _choice(alternative, names)
+        if choice[0] not in ALLOWED:
+            return {"outside": f"{choice[0]}, a choice of a rule's own, is used"}
+        nodes[alternative.variables[0] - 1] = choice
+    if [] in nodes:
+        return {"outside": "a choice without a probability is used"}
+    found = [[(shown, literal) for shown, (literal,) in goal] for goal in answers]
+    return {"nodes": nodes, "answers": found, "given": list(ground.observed)}
+
+
+def _choice(alternative: Alternative, names: Names | None) -> list[Any]:
+    name = alternative.names[0]()
+    if len(alternative.variables) > 1:
+        return [f"an alternative of {name}"]
+    return [str(name.functor), [_label(argument, names) for argument in name.args]]
+
+
+def _label(argument: Any, names: Names | None) -> list[str]:  # noqa: ANN401 - a term of ProbLog's
+    """The labels of ``h1`` or of ``h1/f1``."""
+    parts = argument.args if str(argument.functor).strip("'") == "/" and argument.arity == 2 else [argument]
+    labels = {} if names is None else names.labels
+    return [labels.get(str(part), str(part)) for part in parts]
+
+
+def _spoken(statements: Iterable[Any], outside: frozenset[str]) -> str | None:
+    """What the first body says that has a signature of ``outside`` anywhere in it."""
+    bodies = (s.body for s in statements if isinstance(s, (Clause, AnnotatedDisjunction)))
+    found = next((signature for body in bodies for signature in _signatures(body) if signature in outside), None)
+    return None if found is None else f"{found}, which the graph has summed out, is spoken of"
+
+
+def _signatures(term: Any) -> Iterator[str]:  # noqa: ANN401 - a term of ProbLog's
+    stack = [term]
+    while stack:
+        top = stack.pop()
+        if isinstance(top, Term):
+            yield str(top.signature).replace("'", "")
+            stack += list(top.args)

@@ -1,0 +1,110 @@
+"""One request for explanations, served in the child process: why a goal holds, why not, and what was missing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from problog.errors import ProbLogError
+
+from plogic.base.errors import ProgramError, UnknownPredicateError
+from plogic.logic.proof.goal_account import Options, account
+from plogic.logic.proof.ground_proofs import Grounding
+from plogic.logic.proof.hints import unknown_names, unknown_predicate
+from plogic.logic.proof.rewrite import Rewriter, defined_by
+from plogic.logic.proof.terms import Ref, Small, small
+from plogic.logic.safety.check import check_goal, check_source, parse
+from plogic.logic.safety.guarded_engine import engine_for
+from plogic.logic.safety.mapping import mapped
+from plogic.logic.safety.run_mistakes import told
+
+if TYPE_CHECKING:
+    from plogic.logic.safety.atoms import Names
+
+GOAL = "'plogic goal'"
+STEPS = 5_000_000
+"""Nodes of the formula that one search may look at: some seconds."""
+
+
+def prove(request: dict[str, Any], names: Names | None) -> dict[str, Any]:
+    """The account of ``plogic.scene.asking.explanations``, as plain data."""
+    trust = bool(request.get("trust"))
+    statements, known = _read(request["texts"], names, trust=trust)
+    goal = _goal(request["goals"][0], "goal", known, statements, names, trust=trust)
+    given = [_goal(text, "given", known, statements, names, trust=trust) for text in request["given"]]
+    try:
+        ground, ask, shown_goal = _ground(statements, goal, given, trust=trust, folder=request.get("folder", "."))
+        options = Options(request.get("most", 5), STEPS, names)
+        reply = account(ground, ask, shown_goal, options)
+    except ProbLogError as error:
+        _told_with_place(request, error)
+    if reply["probability"] == 0.0:
+        reply["notes"] += unknown_names(small(goal, {}), ground.rules, names)
+    return reply
+
+
+def _read(texts: list[dict[str, str]], names: Names | None, *, trust: bool) -> tuple[list[Any], frozenset[str]]:
+    known: frozenset[str] = frozenset()
+    statements: list[Any] = []
+    for i, item in enumerate(texts):
+        source = parse(item["text"], item["file"])
+        known |= frozenset(_signatures(source)) if trust else check_source(source, known=known, protected=known)
+        statements += [mapped(s, names) if names is not None and i else s for s in source.statements]
+    return statements, known
+
+
+def _signatures(source: Any) -> list[str]:  # noqa: ANN401 - a Source
+    from plogic.logic.safety.check import heads
+
+    return [head.signature for statement in source.statements for head in heads(statement)]
+
+
+def _goal(text: str, file: str, known: frozenset[str], statements: list[Any], names: Names | None, *, trust: bool) -> Any:  # noqa: ANN401
+    """The goal as ProbLog's term, labels mapped; a predicate that nobody defines is answered with what would be right."""
+    if not text.strip():
+        raise ProgramError("is empty; a goal is one term, like present(h1)", file=file)
+    source = parse(text.rstrip().removesuffix(".") + "\n.", file)
+    try:
+        goal = source.statements[0] if trust and len(source.statements) == 1 else check_goal(source, known)
+    except UnknownPredicateError as error:
+        hint = unknown_predicate(source.statements[0], defined_by(statements))
+        raise UnknownPredicateError(f"{error.reason}{hint}", file=error.file, line=error.line, column=error.column) from None
+    return goal if names is None else mapped(goal, names)
+
+
+def _ground(statements: list[Any], goal: Any, given: list[Any], *, trust: bool, folder: str = ".") -> tuple[Grounding, Small, Small]:  # noqa: ANN401
+    """The rewritten program in an engine, with its evidence; the atom to ask for, and the goal."""
+    engine, database = engine_for(trust=trust, folder=folder)
+    rewriter = Rewriter(defined_by(statements))
+    ground = Grounding(engine, database, rewriter.rules)
+    for statement in statements:
+        number, clauses = rewriter.statement(statement)
+        ground.add(number, clauses)
+    for i, condition in enumerate(given):
+        ground.add(*rewriter.evidence(i, small(condition, {})))
+    variables: dict[str, Ref] = {}
+    wanted = small(goal, variables)
+    ask, clauses = rewriter.goal(wanted, GOAL, _asked(goal, variables))
+    ground.add(rewriter.count, clauses)
+    ground.prepare()
+    return ground, ask, wanted
+
+
+def _asked(goal: Any, variables: dict[str, Ref]) -> list[Ref]:  # noqa: ANN401 - a term of ProbLog's
+    from plogic.logic.grounding.load import variables as variables_of
+
+    return [variables[name] for name in variables_of(goal)]
+
+
+def _told_with_place(request: dict[str, Any], error: ProbLogError) -> None:
+    """The error as the program as it was written gives it, which knows file and line; else as it came."""
+    from plogic.logic.served.serve import serve
+
+    serve({**request, "task": None, "goals": request["goals"]})
+    told(error, request["texts"])
+
+
+def ground_goal(program: str, goal: str, given: list[str]) -> tuple[Grounding, Small, Small]:
+    """A program's text, a goal and evidence, grounded: what ``account`` takes. Held to the allow-list."""
+    statements, known = _read([{"text": program, "file": "program"}], None, trust=False)
+    wanted = _goal(goal, "goal", known, statements, None, trust=False)
+    return _ground(statements, wanted, [_goal(text, "given", known, statements, None, trust=False) for text in given], trust=False)

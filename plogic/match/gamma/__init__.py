@@ -1,0 +1,1 @@
+"""Γ as arrays: what a search works on."""

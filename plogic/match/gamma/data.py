@@ -1,0 +1,171 @@
+"""Γ as arrays: what the search works on, in an ideal image without distortion.
+
+Vocabulary: ``Data``, A appearances; *ideal pixels*, the pinhole image of focal length f with the principal point at the image's centre.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.camera import Camera
+from kb.clouds.words import POINT, SIDE, WIDTHS
+from plogic.match.gamma.grid import grid_of
+from plogic.match.gamma.side_looks import contrasts_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from plogic.match.gamma.grid import Grid
+    from sensing.appearance import Appearance
+
+
+@dataclass(frozen=True)
+class Data:
+    """``ideal`` (A, 2) ideal pixels; ``types`` (A,) names; ``arms`` (A, K) screen angles, NaN where a junction has fewer.
+
+    ``angle`` (A,) rad, ``scale`` (A,) pixels, NaN where the detector gives none; ``descriptors`` (A, D) uint8; ``described`` (A,) whether a
+    datum has place, angle, scale and descriptor: a keypoint; ``sided`` (A,) whether it is the side of an edge, which has no scale, and ``looks``
+    (A, 5) uint8 how it looks. ``depth``, ``depth_sigma`` (A,) m, NaN where nothing tells a depth; None where nothing tells any. ``rows`` (A,) are
+    their indices in ``whole``, of which these are some.
+    """
+
+    ids: tuple[str, ...]
+    types: tuple[str, ...]
+    uv: NDArray[np.float64]
+    ideal: NDArray[np.float64]
+    arms: NDArray[np.float64]
+    camera: Camera
+    angle: NDArray[np.float64]
+    scale: NDArray[np.float64]
+    descriptors: NDArray[np.uint8]
+    described: NDArray[np.bool_]
+    sided: NDArray[np.bool_]
+    looks: NDArray[np.uint8]
+    part_of: tuple[Data, NDArray[np.intp]] | None = None
+    depth: NDArray[np.float64] | None = None
+    depth_sigma: NDArray[np.float64] | None = None
+
+    @property
+    def whole(self) -> Data:
+        """All of Γ."""
+        return self if self.part_of is None else self.part_of[0]
+
+    @property
+    def rows(self) -> NDArray[np.intp]:
+        """(A,) where these are in ``whole``."""
+        return np.arange(len(self.ids)) if self.part_of is None else self.part_of[1]
+
+    @property
+    def coloured(self) -> bool:
+        """Whether colours count."""
+        return self.descriptors.shape[1] > POINT
+
+    @cached_property
+    def namesakes(self) -> NDArray[np.intp]:
+        """(A,) how many of all of Γ are of each one's type."""
+        if self.part_of is not None:
+            return self.whole.namesakes[self.rows]
+        _, which = self.by_look
+        return np.bincount(which)[which]
+
+    @cached_property
+    def by_look(self) -> tuple[tuple[str, ...], NDArray[np.intp]]:
+        """The names of the types that are there, and (A,) which of them each is of."""
+        names, which = np.unique(np.array(self.types, str), return_inverse=True)
+        return tuple(names.tolist()), np.asarray(which, np.intp)
+
+    @cached_property
+    def sizes(self) -> NDArray[np.float64]:
+        """(A,) the logarithm of ``scale``."""
+        return np.log(self.scale)
+
+    @cached_property
+    def keypoints(self) -> Grid:
+        """The keypoints among these, by place."""
+        which = np.flatnonzero(self.described)
+        return grid_of(which, self.uv[which], (self.camera.width, self.camera.height))
+
+    @cached_property
+    def sides(self) -> Grid:
+        """The sides of edges among these, by place and direction."""
+        which = np.flatnonzero(self.sided)
+        return grid_of(which, self.uv[which], (self.camera.width, self.camera.height), self.angle[which])
+
+    @cached_property
+    def contrasts(self) -> NDArray[np.float64]:
+        """(256,) density of each contrast among all of Γ's sides of edges."""
+        return self.whole.contrasts if self.part_of is not None else contrasts_of(self.looks[self.sided])
+
+    def only(self, keep: NDArray[np.bool_]) -> Data:
+        """The appearances where ``keep`` (A,) holds."""
+        index = np.flatnonzero(keep)
+        rows = index.tolist()
+        names = tuple(map(self.ids.__getitem__, rows)), tuple(map(self.types.__getitem__, rows))
+        return Data(
+            *names,
+            self.uv[index],
+            self.ideal[index],
+            self.arms[index],
+            self.camera,
+            self.angle[index],
+            self.scale[index],
+            self.descriptors[index],
+            self.described[index],
+            self.sided[index],
+            self.looks[index],
+            (self.whole, self.rows[index]),
+            None if self.depth is None else self.depth[index],
+            None if self.depth_sigma is None else self.depth_sigma[index],
+        )
+
+
+def centre_of(camera: Camera) -> NDArray[np.float64]:
+    """Centre (2,) of the ideal image, pixels."""
+    return np.array([(camera.width - 1) / 2.0, (camera.height - 1) / 2.0])
+
+
+def ideal_camera(camera: Camera) -> Camera:
+    """The camera of the ideal image: its pixels are ideal pixels."""
+    x, y = centre_of(camera)
+    return Camera(camera.width, camera.height, np.array([[camera.f, 0.0, x], [0.0, camera.f, y], [0.0, 0.0, 1.0]]))
+
+
+def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138) -> Data:
+    """Pack appearances into arrays, undistorting their places.
+
+    ``width``: bytes of those descriptors that the KB's words are made of; colours count where all have them.
+    """
+    uv = np.array([a.uv for a in appearances], dtype=float).reshape(-1, 2)
+    most = max((len(a.arms) for a in appearances), default=0)
+    arms = np.full((len(appearances), most), np.nan)
+    for row, appearance in zip(arms, appearances, strict=True):
+        row[: len(appearance.arms)] = appearance.arms
+    ideal = camera.normalised(uv) * camera.f + centre_of(camera)
+    ids = tuple(a.id for a in appearances)
+    angle = np.array([np.nan if a.angle is None else a.angle for a in appearances], dtype=float)
+    scale = np.array([np.nan if a.scale is None else a.scale for a in appearances], dtype=float)
+    sizes = np.array([len(a.descriptor or b"") for a in appearances], dtype=int)
+    described = np.isin(sizes, [size for size in WIDTHS if WIDTHS[size] == WIDTHS[width]]) & np.isfinite(angle) & (scale > 0.0)
+    width = min([width, *sizes[described].tolist()])
+    whole = b"".join((a.descriptor or b"")[:width] if has else bytes(width) for a, has in zip(appearances, described, strict=True))
+    descriptors = np.frombuffer(whole, np.uint8).reshape(len(appearances), width)
+    sided = (sizes == SIDE) & np.isfinite(angle) & np.isnan(scale)
+    looks = np.zeros((len(appearances), SIDE), np.uint8)
+    looks[sided] = np.frombuffer(b"".join(a.descriptor or b"" for a, has in zip(appearances, sided, strict=True) if has), np.uint8).reshape(-1, SIDE)
+    types = tuple(a.type for a in appearances)
+    depth = _depths_of(appearances)
+    return Data(ids, types, uv, ideal, arms, camera, angle, scale, descriptors, described, sided, looks, None, *depth)
+
+
+def _depths_of(appearances: Sequence[Appearance]) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
+    """Depths and their standard deviations (A,), or None where there are none."""
+    if all(a.depth is None for a in appearances):
+        return None, None
+    rows = [(np.nan, np.nan) if a.depth is None or a.depth_sigma is None else (a.depth, a.depth_sigma) for a in appearances]
+    return np.array([d for d, _ in rows]), np.array([s for _, s in rows])

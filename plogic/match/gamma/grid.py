@@ -1,0 +1,71 @@
+"""Data by where they lie, and by which way they face: a grid over the image and the circle, so that many places are asked at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.match.gamma.ranges import taken
+from plogic.match.gamma.screen_angles import part_of_circle
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Indices = NDArray[np.intp]
+
+CELL, HALF = 16, 0.5
+"""Pixels of a cell; and the first pixel's half that is left of, or above, its centre."""
+TURNS = 18
+"""Parts of the circle: what is within one of them faces alike."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """``datum`` (N,) data by cell; ``starts`` where each cell begins among them; ``shape`` parts of the circle, cells down and across."""
+
+    datum: Indices
+    starts: Indices
+    shape: tuple[int, int, int]
+
+    def near(self, uv: Floats, reach: Floats | float, angle: Floats | None = None) -> tuple[Indices, Indices]:
+        """Places and data of all pairs at most ``reach`` pixels apart, and of some farther, place by place: uv (Q, 2) pixels, in or about the image.
+
+        ``reach``: one, or (Q,) each place's own. ``angle`` (Q,) radians: only what faces within a part of the circle, and some farther.
+        """
+        turns, down, across = self.shape
+        reach = np.broadcast_to(np.asarray(reach, float), len(uv))
+        low, high = (np.floor((uv + HALF + side * reach[:, None]) / CELL).astype(np.intp) for side in (-1.0, 1.0))
+        rows = low[:, 1, None] + np.arange(int((high[:, 1] - low[:, 1]).max(initial=-1)) + 1)
+        inside = (rows >= 0) & (rows < down) & (rows <= high[:, 1, None]) & (high[:, 0, None] >= 0) & (low[:, 0, None] < across)
+        place, row = np.nonzero(inside)
+        row = rows[place, row]
+        left, right = np.clip(low[place, 0], 0, across - 1), np.clip(high[place, 0], 0, across - 1)
+        parts = np.arange(turns)[None] if angle is None else _beside(angle)[place]
+        first = (parts * down + row[:, None]) * across
+        which, at = taken(self.starts[first + left[:, None]], self.starts[first + right[:, None] + 1])
+        return place[which], self.datum[at]
+
+    def facing(self, angle: Floats) -> tuple[Indices, Indices]:
+        """Numbers and data of all pairs, anywhere in the image, that are within a part of the circle, and of some farther: angle (Q,) radians."""
+        cells = self.shape[1] * self.shape[2]
+        parts = _beside(angle)
+        number, at = taken(self.starts[parts * cells], self.starts[(parts + 1) * cells])
+        return number, self.datum[at]
+
+
+def _beside(angle: Floats) -> Indices:
+    """(Q, 3) the part of the circle of each of Q angles, and those beside it."""
+    return np.asarray((part_of_circle(angle, TURNS)[:, None] + np.array([-1, 0, 1])) % TURNS)
+
+
+def grid_of(datum: Indices, uv: Floats, size: tuple[int, int], angle: Floats | None = None) -> Grid:
+    """Of data ``datum`` (N,) at uv (N, 2) pixels in an image of ``size`` (width, height); ``angle`` (N,) radians: and by where they face."""
+    shape = 1 if angle is None else TURNS, size[1] // CELL + 1, size[0] // CELL + 1
+    column, row = np.floor((uv + HALF) / CELL).astype(np.intp).T
+    part = np.zeros(len(uv), np.intp) if angle is None else part_of_circle(angle, TURNS)
+    key = (part * shape[1] + np.clip(row, 0, shape[1] - 1)) * shape[2] + np.clip(column, 0, shape[2] - 1)
+    order = np.argsort(key, kind="stable")
+    return Grid(datum[order], np.searchsorted(key[order], np.arange(shape[0] * shape[1] * shape[2] + 1)), shape)

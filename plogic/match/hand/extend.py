@@ -1,0 +1,270 @@
+"""From coarse pairs to refined poses: sets of four, POSIT, then least squares on all inliers (§6.1, §6.3), batched over all candidates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from geometry.poses.posit import posit
+from geometry.poses.refine import Steps, refined_poses
+from plogic.match.gamma.data import centre_of
+from plogic.match.gamma.ideal_projection import project_ideal
+from plogic.match.hand.pose_votes import seen_cells, sizes
+from plogic.match.hand.triples import turn_z_to
+from plogic.match.hand.votes import LOOSE
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from plogic.match.gamma.data import Data
+    from plogic.match.hand.coarse_pairs import Pairs
+    from plogic.match.hand.view_cells import ViewCells
+    from plogic.match.hand.votes import DistanceMaps
+
+ROUNDS = ((0.06, 48), (0.035, 32), (0.02, 24), (0.0, 24))
+"""Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of the best go on."""
+
+
+TRUSTED = 64
+"""Candidates that are taken as they are, the best by votes: the order that they come in."""
+CLOSE = ((0.025, 32), (0.0, 16))
+"""The same for candidates that are trusted to be close already."""
+ROBUST = 1.0
+"""Pixels beyond which a match weighs less: among near ones a wrong match must not pull the pose."""
+STEPS = Steps(5)
+"""Of least squares in a round."""
+FEWEST = 4
+"""Matches that a pose needs: with three there is always one."""
+MISSED = 0.4
+"""Weight of a missed feature against a matched one where candidates are thinned."""
+
+
+@dataclass(frozen=True)
+class Posed:
+    """N candidate poses (N, 4, 4); ``matches`` (N, F) datum indices, −1 for none; ``fitted`` (N,) whether to at least ``FEWEST`` of them."""
+
+    camera_from_object: NDArray[np.float64]
+    matches: NDArray[np.intp]
+    fitted: NDArray[np.bool_]
+
+    def take(self, index: NDArray[np.intp]) -> Posed:
+        """The poses at ``index``."""
+        return Posed(self.camera_from_object[index], self.matches[index], self.fitted[index])
+
+
+class _Shown(NamedTuple):
+    """Of N poses, ``places`` (N, F, 2) of the features, ideal pixels, and which are ``visible`` (N, F) from the nearest cell."""
+
+    places: NDArray[np.float32]
+    visible: NDArray[np.bool_]
+
+    def take(self, index: NDArray[np.intp]) -> _Shown:
+        """The poses at ``index``."""
+        return _Shown(self.places[index], self.visible[index])
+
+
+def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> NDArray[np.float64]:
+    """(N, 4, 4) camera_from_object of coarse pairs: the cell's rotation and roll, about the ray through the object's centre."""
+    local = -cells.xy[pairs.cell, pairs.feature]
+    cos, sin = np.cos(pairs.roll), np.sin(pairs.roll)
+    turned = np.stack([cos * local[:, 0] - sin * local[:, 1], sin * local[:, 0] + cos * local[:, 1]], axis=1)
+    centre = data.ideal[pairs.datum] + pairs.scale[:, None] * turned
+    return poses_about(centre, pairs.roll, pairs.scale, cells.cell_from_object[pairs.cell], cells.centre, data)
+
+
+def poses_about(
+    centre: NDArray[np.float64], roll: NDArray[np.float64], scale: NDArray[np.float64], cell_from_object: NDArray[np.float64],
+    middle: NDArray[np.float64], data: Data,
+) -> NDArray[np.float64]:
+    """(N, 4, 4) camera_from_object of cells (N, 3, 3) turned by ``roll`` (N,) rad about the rays through ``centre`` (N, 2) ideal pixels.
+
+    There lies each object's ``middle``, (N, 3) or (3,) in its own frame, where a metre is ``scale`` (N,) pixels.
+    """  # fmt: skip
+    camera = data.camera
+    ray = np.concatenate([(centre - centre_of(camera)) / camera.f, np.ones((len(centre), 1))], axis=1)
+    ray /= np.linalg.norm(ray, axis=1, keepdims=True)
+    cos, sin = np.cos(roll), np.sin(roll)
+    turn = np.zeros((len(centre), 3, 3))
+    turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1], turn[:, 2, 2] = cos, -sin, sin, cos, 1.0
+    poses = np.tile(np.eye(4), (len(centre), 1, 1))
+    poses[:, :3, :3] = turn_z_to(ray) @ turn @ cell_from_object
+    poses[:, :3, 3] = ray * (camera.f / scale)[:, None] - (poses[:, :3, :3] @ np.atleast_2d(middle)[..., None])[..., 0]
+    return poses
+
+
+def extend(
+    poses: NDArray[np.float64],
+    cells: ViewCells,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    maps: DistanceMaps,
+    data: Data,
+    tolerance: float,
+) -> Posed:
+    """Match, solve and refine all candidates together, the best first.
+
+    Each candidate goes two ways: by sets of four and POSIT, with tolerances that shrink from the cell's width to the detector's
+    ``tolerance`` (pixels); and as it is, trusted to be close, for wide tolerances make wrong matches where features lie dense.
+    """
+    size = sizes(poses, cells, data.camera.f)
+    matches = rematch(poses, cells, points, maps, data, LOOSE * size)
+    solved = _from_quadruples(poses, points, weights, matches, data)
+    one = _narrowed(solved, ROUNDS, cells, points, weights, maps, data, tolerance)
+    other = _narrowed(poses[:TRUSTED], CLOSE, cells, points, weights, maps, data, tolerance)
+    both = Posed(
+        np.concatenate([one.camera_from_object, other.camera_from_object]),
+        np.concatenate([one.matches, other.matches]),
+        np.concatenate([one.fitted, other.fitted]),
+    )
+    worth = _worth(_shown(both.camera_from_object, cells, points, data), both.matches, weights, maps)
+    return both.take(np.argsort(-worth, kind="stable"))
+
+
+def _narrowed(
+    poses: NDArray[np.float64],
+    rounds: tuple[tuple[float, int], ...],
+    cells: ViewCells,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    maps: DistanceMaps,
+    data: Data,
+    tolerance: float,
+) -> Posed:
+    """Match and refine in rounds of shrinking tolerance, the best going on."""
+    poses = rigid(poses)
+    size, shown = sizes(poses, cells, data.camera.f), _shown(poses, cells, points, data)
+    matches = np.full((len(poses), len(points)), -1, dtype=np.intp)
+    for fraction, most in rounds:
+        matches = _nearest(shown, maps, np.maximum(fraction * size, tolerance))
+        poses = _refined(poses, points, matches, data)
+        shown = _shown(poses, cells, points, data)
+        best = np.argsort(-_worth(shown, matches, weights, maps), kind="stable")[:most]
+        poses, shown, matches, size = poses[best], shown.take(best), matches[best], size[best]
+    return Posed(rigid(poses), matches, _enough(matches))
+
+
+def _shown(poses: NDArray[np.float64], cells: ViewCells, points: NDArray[np.float64], data: Data) -> _Shown:
+    return _Shown(project_ideal(poses, points, data), cells.visible[seen_cells(poses, cells)])
+
+
+def _enough(matches: NDArray[np.intp]) -> NDArray[np.bool_]:
+    return np.asarray((matches >= 0).sum(axis=1) >= FEWEST)
+
+
+def rigid(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The nearest rigid motions (N, 4, 4): rounding adds up over many small turns."""
+    left, _, right = np.linalg.svd(poses[:, :3, :3])
+    turned = poses.copy()
+    turned[:, :3, :3] = left @ right
+    return turned
+
+
+def _worth(shown: _Shown, matches: NDArray[np.intp], weights: NDArray[np.float64], maps: DistanceMaps) -> NDArray[np.float64]:
+    """(N,) what was matched, less ``MISSED`` times what should be seen and was not; 0.2 + dv a feature."""
+    value = shown.visible * ~maps.is_covered(shown.places) * (0.2 + weights)
+    worth = np.where(matches >= 0, 0.2 + weights, -MISSED * value).sum(axis=1)
+    return np.asarray(np.where(_enough(matches), worth, -np.inf))
+
+
+def rematch(
+    poses: NDArray[np.float64],
+    cells: ViewCells,
+    points: NDArray[np.float64],
+    maps: DistanceMaps,
+    data: Data,
+    tolerance: NDArray[np.float64],
+) -> NDArray[np.intp]:
+    """(N, F) the datum of each feature that the nearest cell shows, within ``tolerance`` (N,) pixels, −1 for none."""
+    return _nearest(_shown(poses, cells, points, data), maps, tolerance)
+
+
+def _nearest(shown: _Shown, maps: DistanceMaps, tolerance: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Nearest data within tolerance, each datum given to the nearest of the features that want it."""
+    distance, datum = maps.look_up(shown.places)
+    wanted = shown.visible & (distance <= tolerance[:, None])
+    matches = np.where(wanted, datum, -1)
+    order = np.argsort(np.where(wanted, distance, np.inf), axis=1, kind="stable")
+    ranked = np.take_along_axis(matches, order, axis=1)
+    first = _first_of_each(ranked)
+    np.put_along_axis(matches, order, np.where(first, ranked, -1), axis=1)
+    return matches
+
+
+def _first_of_each(rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """(N, F) whether an entry is the first of its value in its row."""
+    by_value = np.argsort(rows, axis=1, kind="stable")
+    ordered = np.take_along_axis(rows, by_value, axis=1)
+    fresh = np.ones_like(ordered, dtype=bool)
+    fresh[:, 1:] = ordered[:, 1:] != ordered[:, :-1]
+    first = np.empty_like(fresh)
+    np.put_along_axis(first, by_value, fresh, axis=1)
+    return first
+
+
+def _from_quadruples(
+    coarse: NDArray[np.float64],
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    matches: NDArray[np.intp],
+    data: Data,
+) -> NDArray[np.float64]:
+    """POSIT on the four matched features of highest dv, spread apart; where it refuses or reprojects worse, the coarse pose stays."""
+    four = _sets_of_four(points, weights, matches)
+    chosen = np.take_along_axis(matches, four, axis=1)
+    complete = np.flatnonzero((chosen >= 0).all(axis=1))
+    if not len(complete):
+        return coarse
+    xy = (data.ideal[chosen[complete]] - centre_of(data.camera)) / data.camera.f
+    solved = posit(points[four[complete]], xy)
+    good = solved.ok & (solved.camera_from_object[:, 2, 3] > 0)
+    old, new = coarse[complete], solved.camera_from_object
+    better = good & (_error(new, points, matches[complete], data) < _error(old, points, matches[complete], data))
+    poses = coarse.copy()
+    poses[complete[better]] = new[better]
+    return poses
+
+
+def _sets_of_four(
+    points: NDArray[np.float64], weights: NDArray[np.float64], matches: NDArray[np.intp]
+) -> NDArray[np.intp]:
+    """(N, 4) feature indices, highest dv first, each next one the farthest from those before among the most distinctive matched ones."""
+    value = np.where(matches >= 0, weights[None], -1.0)
+    rows = np.arange(len(matches))
+    four = np.empty((len(matches), 4), dtype=np.intp)
+    four[:, 0] = value.argmax(axis=1)
+    gap = np.full(matches.shape, np.inf)
+    for k in range(1, 4):
+        step = np.linalg.norm(points[None] - points[four[:, k - 1]][:, None], axis=2)
+        gap = np.minimum(gap, step)
+        four[:, k] = np.where(value >= 0.0, gap * value, -1.0).argmax(axis=1)
+    same = (np.sort(four, axis=1)[:, 1:] == np.sort(four, axis=1)[:, :-1]).any(axis=1)
+    four[same] = matches[rows[same]].argmin(axis=1)[:, None]
+    return four
+
+
+def _error(
+    poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data
+) -> NDArray[np.float64]:
+    """(N,) median distance in pixels between matched features and their data."""
+    off = np.linalg.norm(project_ideal(poses, points, data) - data.ideal[matches], axis=2)
+    return np.asarray(np.nanmedian(np.where(matches >= 0, off, np.nan), axis=1))
+
+
+def _refined(poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data) -> NDArray[np.float64]:
+    """Least squares on all inliers; poses with fewer than four stay as they are."""
+    enough = np.flatnonzero(_enough(matches))
+    if not len(enough):
+        return poses
+    first = firsts(matches[enough] >= 0)
+    its = np.take_along_axis(matches[enough], first, axis=1)
+    better = refined_poses(poses[enough], points[first], data.uv[its], (its >= 0).astype(float), data.camera, STEPS, huber=ROBUST)
+    poses = poses.copy()
+    poses[enough] = better
+    return poses
+
+
+def firsts(used: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """(N, M) in each row of (N, F) the ``used`` columns, in order, and then others, as many as the fullest row has: what is missing costs time."""
+    return np.argsort(~used, axis=1, kind="stable")[:, : int(used.sum(axis=1).max(initial=0))]

@@ -1,0 +1,214 @@
+"""Hypotheses of a type from Γ (§6.3, §7): pairs in view cells, votes, sets of four, POSIT, refinement, and only then rays."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.poses.refine import refined_poses
+from plogic.base.clock import unhurried
+from plogic.match.gamma.ideal_projection import project_ideal
+from plogic.match.hand.extend import Posed as Candidates
+from plogic.match.hand.extend import coarse_poses, extend, firsts
+from plogic.match.hand.links import linked_pairs
+from plogic.match.hand.open_pairs import open_pairs
+from plogic.match.hand.pose_votes import best_apart, pose_votes
+from plogic.match.hand.triples import image_triples, triple_poses
+from plogic.match.hand.votes import DistanceMaps, distance_maps, votes
+from plogic.match.judged.alike import distinct, same_place
+from plogic.match.judged.evidence import evidence
+from plogic.match.judged.expectation import matched, pose_of
+from plogic.match.judged.settling import polished, settled
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.match.gamma.data import Data
+    from plogic.match.hand.coarse_pairs import Pairs
+    from plogic.match.hand.type_index import TypeIndex
+    from plogic.match.judged.expectation import Posed
+
+VOTED = 2000
+"""Coarse poses of each kind that all features vote on: the best by the votes of the anchors."""
+REFINED = 110
+"""Coarse poses that are refined, the best by votes and no two alike."""
+ROBUST = 0.25
+"""Pixels beyond which a match weighs less in the last refinement: a wrong match within the tolerance must not pull the pose."""
+VERIFIED = 12
+"""Refined poses that rays are cast for."""
+
+
+def generate(
+    index: TypeIndex,
+    data: Data,
+    kb: KnowledgeBase,
+    covered: NDArray[np.bool_] | None = None,
+    *,
+    refined: int = REFINED,
+    verified: int = VERIFIED,
+    check: Callable[[], None] = unhurried,
+) -> list[tuple[float, Posed]]:
+    """The best distinct poses of one type as (log-likelihood ratio against clutter, hypothesis), best first.
+
+    ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``refined``, ``verified``: how many poses go that far.
+    ``check`` is called between stages, and between blocks of what grows with Γ, and may raise to end the search.
+    """
+    check()
+    allowed = index.allowed(data)
+    if len(data.ids) < 4 or len(index.points) < 4 or not allowed.any():
+        return []
+    maps = distance_maps(allowed, data, covered, check)
+    poses = np.concatenate([_from_pairs(index, allowed, maps, data, check), _from_triples(index, allowed, maps, data, check)])
+    check()
+    if not len(poses):
+        return []
+    worth = pose_votes(poses, index.cells, index.points, index.weights, maps, data)
+    check()
+    kept = poses[best_apart(worth, poses, index.cells, data, refined)]
+    found = extend(kept, index.cells, index.points, index.weights, maps, data, kb.rates.match_tolerance)
+    check()
+    return _verified(found, index, allowed, maps, data, kb, verified, check)
+
+
+def _from_pairs(
+    index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, check: Callable[[], None]
+) -> NDArray[np.float64]:
+    """(N, 4, 4) the poses of those pairs that the anchors vote for most."""
+    coarse = _pairs(index, allowed, data, check)
+    check()
+    worth = votes(coarse, index.cells, maps, index.weights, data, index.anchors)
+    best = np.sort(np.argsort(-worth, kind="stable")[:VOTED])
+    return coarse_poses(coarse.take(best), index.cells, data)
+
+
+def _from_triples(
+    index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, check: Callable[[], None]
+) -> NDArray[np.float64]:
+    """(N, 4, 4) the poses of those triples that the anchors and some of the other features vote for most."""
+    members = np.flatnonzero(allowed[index.triples.features.ravel()].any(axis=0))
+    if len(members) < 3:
+        return np.zeros((0, 4, 4))
+    poses = triple_poses(index.triples, image_triples(data, members, check), index.points, _scales(index, data), data.camera.f)
+    check()
+    others = np.setdiff1d(np.arange(len(index.points)), index.anchors)[::4]
+    worth = pose_votes(poses, index.cells, index.points, index.weights, maps, data, np.concatenate([index.anchors, others]))
+    return poses[np.sort(np.argsort(-worth, kind="stable")[:VOTED])]
+
+
+def _pairs(index: TypeIndex, allowed: NDArray[np.bool_], data: Data, check: Callable[[], None]) -> Pairs:
+    """Pairs by the junctions' arms where the detector gave arms, by places alone where it gave none."""
+    scales = _scales(index, data)
+    anchored = np.asarray(allowed[index.anchors].any(axis=0))
+    some, columns = data.only(anchored), np.flatnonzero(anchored)
+    edged = index.cells.arms.shape[2] > 0 and bool(np.isfinite(some.arms).any())
+    if edged and len(index.links):
+        found = linked_pairs(index.cells, index.links, allowed[:, columns], some, scales, check)
+    else:
+        found = open_pairs(index.cells, index.anchors, allowed[:, columns], some, scales, check)
+    return replace(found, datum=columns[found.datum], other_datum=columns[found.other_datum])
+
+
+def _scales(index: TypeIndex, data: Data) -> tuple[float, float]:
+    """Plausible pixels a metre: the object from 12 pixels to twice the image's height."""
+    return 12.0 / index.cells.diameter, 2.0 * data.camera.height / index.cells.diameter
+
+
+def _verified(
+    found: Candidates,
+    index: TypeIndex,
+    allowed: NDArray[np.bool_],
+    maps: DistanceMaps,
+    data: Data,
+    kb: KnowledgeBase,
+    most: int,
+    check: Callable[[], None],
+) -> list[tuple[float, Posed]]:
+    """Cast rays for the best refined poses, match, polish once, and keep one of each heap of near-duplicates."""
+    poses: list[NDArray[np.float64]] = []
+    for pose in found.camera_from_object[found.fitted]:  # they come best first
+        if len(poses) >= most:
+            break
+        if _plausible(pose, index) and not any(same_place(index.object_type, pose, old) for old in poses):
+            poses.append(pose)
+    first = []
+    for pose in poses:
+        check()
+        first.append(_matched_at(index, pose, allowed, maps, data, kb))
+    scored = []
+    for posed, hidden in _polished(index, first, allowed, maps, data, kb, check):
+        check()
+        scored.append((evidence(posed, data, kb, hidden).ratio, posed))
+    return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
+
+
+def _matched_at(
+    index: TypeIndex, pose: NDArray[np.float64], allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, kb: KnowledgeBase
+) -> tuple[Posed, NDArray[np.bool_]]:
+    """The hypothesis at a pose, matched, and its features (F,) that accepted objects cover."""
+    posed = pose_of(index.object_type, pose, data, kb)
+    hidden = maps.is_covered(project_ideal(pose[None], index.points, data)[0])
+    return matched(posed, data, allowed, kb.rates.match_tolerance, hidden=hidden), hidden
+
+
+def _polished(
+    index: TypeIndex,
+    found: list[tuple[Posed, NDArray[np.bool_]]],
+    allowed: NDArray[np.bool_],
+    maps: DistanceMaps,
+    data: Data,
+    kb: KnowledgeBase,
+    check: Callable[[], None],
+) -> list[tuple[Posed, NDArray[np.bool_]]]:
+    """All refined in one batch and matched again; those with fewer than four expected features detected are dropped."""
+    used = np.array([p.candidate & p.detected & ~hidden for p, hidden in found]).reshape(len(found), len(index.points))
+    some = np.flatnonzero(used.sum(axis=1) >= 4)
+    if not len(some):
+        return []
+    poses = np.array([found[i][0].camera_from_object for i in some])
+    first, matches = firsts(used[some]), np.array([np.maximum(found[i][0].matches, 0) for i in some])
+    weights = np.take_along_axis(used[some] * _precision(index, kb), first, axis=1)
+    uv = data.uv[np.take_along_axis(matches, first, axis=1)]
+    better = refined_poses(poses, index.points[first], uv, weights, data.camera, huber=ROBUST)
+    again = []
+    for pose in better:
+        check()
+        again.append(_matched_at(index, pose, allowed, maps, data, kb))
+    return again
+
+
+def _plausible(pose: NDArray[np.float64], index: TypeIndex) -> bool:
+    """Finite and wholly in front of the camera."""
+    centre = pose[:3, :3] @ index.cells.centre + pose[:3, 3]
+    return bool(np.isfinite(pose).all() and centre[2] > 0.5 * index.cells.diameter)
+
+
+def settle(
+    index: TypeIndex,
+    pose: NDArray[np.float64] | Posed,
+    data: Data,
+    kb: KnowledgeBase,
+    free: NDArray[np.bool_] | None = None,
+    hidden: NDArray[np.bool_] | None = None,
+    rounds: int = 2,
+) -> Posed:
+    """The type at a pose, or one that is matched there already: matched exactly (D7, D8), refined, and matched again."""
+    allowed = index.allowed(data)
+
+    def match(pose: NDArray[np.float64]) -> Posed:
+        return matched(pose_of(index.object_type, pose, data, kb), data, allowed, kb.rates.match_tolerance, free, hidden)
+
+    def better(posed: Posed) -> NDArray[np.float64] | None:
+        return polished(posed, index.points, _precision(index, kb), data, hidden, ROBUST, kb.rates.sigma)
+
+    return settled(pose, match, better, rounds)
+
+
+def _precision(index: TypeIndex, kb: KnowledgeBase) -> NDArray[np.float64]:
+    """(F,) weights of the features in least squares: 1/σ², the KB's own σ being 1."""
+    noise = np.array([kb.rates.sigma_of(feature.type) for feature in index.object_type.features])
+    return np.asarray((kb.rates.sigma / noise) ** 2)

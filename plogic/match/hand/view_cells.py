@@ -1,0 +1,128 @@
+"""View cells: what one type looks like from each of a set of directions, computed once a type.
+
+A cell is a viewpoint direction in the object's frame. Features that are visible in one cell have lobes that contain one common viewpoint,
+so that sets taken inside a cell are co-visible by construction (*convergence*, §6.3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kb.clouds.lobes import feature_in_lobe
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import ObjectType
+
+CELLS = 162
+"""Directions on the sphere: neighbours are about 15° apart, so that a true viewpoint is mostly within 9° of a cell (12.1° at worst)."""
+DISTANCE = 3.0
+"""Nominal distance of a cell's viewpoint, in diameters of the type."""
+
+
+@dataclass(frozen=True)
+class ViewCells:
+    """One type seen from C directions; F features, at most K arms each.
+
+    ``directions`` (C, 3) unit, object frame, from the centre to the viewpoint; ``cell_from_object`` (C, 3, 3) rotations to a camera there
+    that looks at the centre; ``xy`` (C, F, 2) metres in the plane through the centre, x right and y down, after perspective division;
+    ``visible`` (C, F): in a lobe and not Behind the type's own surface; ``arms`` (C, F, K) screen angles of the visible edges at a
+    feature, radians, NaN where there is none.
+    """
+
+    directions: NDArray[np.float64]
+    cell_from_object: NDArray[np.float64]
+    xy: NDArray[np.float64]
+    visible: NDArray[np.bool_]
+    arms: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    diameter: float
+
+    def nearest(self, directions: NDArray[np.float64]) -> NDArray[np.intp]:
+        """Index of the nearest cell to each unit direction (N, 3) in the object's frame, shape (N,)."""
+        return np.asarray(np.argmax(directions.astype(np.float32) @ self.directions.T.astype(np.float32), axis=1))
+
+
+def fibonacci_sphere(number: int) -> NDArray[np.float64]:
+    """``number`` near-uniform unit directions (number, 3), the same for the same number."""
+    index = np.arange(number) + 0.5
+    z = 1.0 - 2.0 * index / number
+    azimuth = np.pi * (1.0 + 5.0**0.5) * index
+    radius = np.sqrt(1.0 - z * z)
+    return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=1)
+
+
+def looking_back(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rotations (C, 3, 3) from the object's frame to cameras at ``directions`` that look at the centre, object's z up on the screen."""
+    forward = -directions
+    up = np.where(np.abs(directions[:, 2:3]) > 0.999, [[0.0, 1.0, 0.0]], [[0.0, 0.0, 1.0]])
+    right = np.cross(forward, up)
+    right /= np.linalg.norm(right, axis=1, keepdims=True)
+    return np.stack([right, np.cross(forward, right), forward], axis=1)
+
+
+def view_cells(object_type: ObjectType, number: int = CELLS) -> ViewCells:
+    """Precompute the cells of a type with a surface. Rays are cast for Behind only here, not per hypothesis."""
+    positions = np.array([feature.at for feature in object_type.features])
+    centre, diameter = _bounds(object_type)
+    directions = fibonacci_sphere(number)
+    rotations = looking_back(directions)
+    viewpoints = centre + DISTANCE * diameter * directions
+    along, owner, slot = _along_arms(object_type, diameter)
+    points = np.concatenate([positions, along])
+    xy = _project(rotations, viewpoints, points)
+    hidden = _behind_itself(object_type, viewpoints, points, diameter)
+    count = len(positions)
+    step = xy[:, count:] - xy[:, owner]
+    arms = np.full((number, count, int(slot.max(initial=-1)) + 1), np.nan)
+    arms[:, owner, slot] = np.where(hidden[:, count:], np.nan, np.arctan2(step[..., 1], step[..., 0]))
+    visible = feature_in_lobe(object_type.lobes, viewpoints) & ~hidden[:, :count]
+    return ViewCells(directions, rotations, xy[:, :count] * (DISTANCE * diameter), visible, arms, centre, diameter)
+
+
+def _along_arms(
+    object_type: ObjectType, diameter: float
+) -> tuple[NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]:
+    """A point (N, 3) a little way along each edge, its feature (N,) and the edge's number there (N,)."""
+    rows = [
+        (feature.at + 0.05 * diameter * arm, f, k)
+        for f, feature in enumerate(object_type.features)
+        for k, arm in enumerate(feature.arms)
+    ]
+    points = np.array([row[0] for row in rows]).reshape(-1, 3)
+    return points, np.array([row[1] for row in rows], dtype=np.intp), np.array([row[2] for row in rows], dtype=np.intp)
+
+
+def remade(object_type: ObjectType, xy: NDArray[np.float64], visible: NDArray[np.bool_], arms: NDArray[np.float64]) -> ViewCells:
+    """The cells of a type of which what takes time is known."""
+    directions = fibonacci_sphere(len(xy))
+    return ViewCells(directions, looking_back(directions), xy, visible, arms, *_bounds(object_type))
+
+
+def _bounds(object_type: ObjectType) -> tuple[NDArray[np.float64], float]:
+    """Middle (3,) and diagonal of the box round a type's surface, or round its features where it has none."""
+    surface = object_type.surface
+    points = np.array([feature.at for feature in object_type.features]) if surface is None else surface.vertices
+    low, high = points.min(axis=0), points.max(axis=0)
+    return (low + high) / 2.0, float(np.linalg.norm(high - low)) or 1.0
+
+
+def _project(
+    rotations: NDArray[np.float64], viewpoints: NDArray[np.float64], points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    local = np.einsum("cij,cnj->cni", rotations, points[None] - viewpoints[:, None])
+    return np.asarray(local[..., :2] / local[..., 2:])
+
+
+def _behind_itself(
+    object_type: ObjectType, viewpoints: NDArray[np.float64], points: NDArray[np.float64], diameter: float
+) -> NDArray[np.bool_]:
+    """(C, N) whether each point is Behind the type's own surface from each viewpoint (§3.4); nothing is where there is no opaque surface."""
+    if object_type.surface is None or not object_type.opaque:
+        return np.zeros((len(viewpoints), len(points)), dtype=bool)
+    rays = object_type.surface.rays
+    return np.array([rays.blocks(viewpoint, points, 0.004 * diameter) for viewpoint in viewpoints])

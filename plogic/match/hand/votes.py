@@ -1,0 +1,149 @@
+"""Votes: how many distinctive features of a coarse pose find an appearance of a right type near their place.
+
+Typed distance maps answer that for all pairs at once: one map for each set of appearance types that some feature has.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import cv2
+import numpy as np
+
+from plogic.base.clock import unhurried
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from plogic.match.gamma.data import Data
+    from plogic.match.hand.coarse_pairs import Pairs
+    from plogic.match.hand.view_cells import ViewCells
+
+ALL = slice(None)
+LOOSE = 0.10
+"""Tolerance of a vote, in projected diameters: what a cell's width and the missing perspective may move a feature."""
+
+
+@dataclass(frozen=True)
+class DistanceMaps:
+    """For each map, the distance in pixels to the nearest datum (H, W) and that datum's index (H, W); ``of_feature`` (F,) picks the map.
+
+    ``covered`` (H, W): where an accepted opaque object stands, so that a feature there may well be hidden.
+    """
+
+    distance: NDArray[np.float32]
+    nearest: NDArray[np.int32]
+    of_feature: NDArray[np.intp]
+    covered: NDArray[np.bool_]
+
+    def look_up(self, places: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.intp]]:
+        """Distance (..., F) and nearest datum (..., F) of ``places`` (..., F, 2) in ideal pixels; outside the image, infinity and −1."""
+        pixel, inside = _pixel(places, self.covered.shape)
+        index = pixel + self._starts()
+        return np.where(inside, self.distance.ravel()[index], np.inf), np.where(inside, self.nearest.ravel()[index], -1)
+
+    def how_far(self, places: NDArray[Any], features: NDArray[np.intp] | slice = ALL) -> NDArray[Any]:
+        """The distances alone, of some features."""
+        return self.seen_at(places, features)[0]
+
+    def seen_at(self, places: NDArray[Any], features: NDArray[np.intp] | slice = ALL) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+        """The distances alone, of some features, and whether an accepted object stands at their places."""
+        pixel, inside = _pixel(places, self.covered.shape)
+        distance = np.where(inside, self.distance.ravel()[pixel + self._starts(features)], np.float32(np.inf))
+        return distance, np.asarray(inside & self.covered.ravel()[pixel]) if self.anything else np.zeros_like(inside)
+
+    def is_covered(self, places: NDArray[Any]) -> NDArray[np.bool_]:
+        """Whether an accepted object stands at each place (..., 2) of the image, so that a feature may not be seen there."""
+        return covered_at(self.covered, places) if self.anything else np.zeros(places.shape[:-1], bool)
+
+    @cached_property
+    def anything(self) -> bool:
+        """Whether any place is covered."""
+        return bool(self.covered.any())
+
+    def _starts(self, features: NDArray[np.intp] | slice = ALL) -> NDArray[np.intp]:
+        """(F,) where the map of each of some features begins in all maps, flat."""
+        return self.of_feature[features] * self.covered.size
+
+
+def covered_at(covered: NDArray[np.bool_], places: NDArray[Any]) -> NDArray[np.bool_]:
+    """Whether a mask (H, W) of the ideal image holds at places (..., 2)."""
+    index, inside = _pixel(places, covered.shape)
+    return np.asarray(inside & covered.ravel()[index])
+
+
+def _pixel(places: NDArray[Any], shape: tuple[int, ...]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Flat index of the pixel of each place (0 outside), and whether it is inside an image of ``shape`` (H, W)."""
+    height, width = shape
+    column, row = np.rint(places[..., 0]), np.rint(places[..., 1])
+    inside = (column >= 0) & (row >= 0) & (column < width) & (row < height)
+    return np.where(inside, row * width + column, 0).astype(np.intp), inside
+
+
+def distance_maps(
+    allowed: NDArray[np.bool_], data: Data, covered: NDArray[np.bool_] | None = None, check: Callable[[], None] = unhurried
+) -> DistanceMaps:
+    """One map for each distinct row of ``allowed`` (F, A). A row without a datum gives a map of infinities.
+
+    ``check`` is called before each, and may raise to end it.
+    """
+    rows, of_feature = np.unique(allowed, axis=0, return_inverse=True)
+    shape = (data.camera.height, data.camera.width)
+    made = []
+    for row in rows:
+        check()
+        made.append(_one_map(np.flatnonzero(row), data.ideal, shape))
+    nothing = np.zeros(shape, dtype=bool) if covered is None else covered
+    return DistanceMaps(np.stack([m[0] for m in made]), np.stack([m[1] for m in made]), of_feature.reshape(-1), nothing)
+
+
+def _one_map(
+    members: NDArray[np.intp], places: NDArray[np.float64], shape: tuple[int, int]
+) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    pixels = np.rint(places[members])
+    inside = (pixels >= 0).all(axis=1) & (pixels[:, 0] < shape[1]) & (pixels[:, 1] < shape[0])  # of what the lens images nowhere, False
+    members, pixels = members[inside], pixels[inside].astype(int)
+    if not len(members):
+        return np.full(shape, np.inf, dtype=np.float32), np.full(shape, -1, dtype=np.int32)
+    free = np.full(shape, 255, dtype=np.uint8)
+    free[pixels[:, 1], pixels[:, 0]] = 0
+    distance, label = cv2.distanceTransformWithLabels(free, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
+    owner = np.full(int(label.max()) + 1, -1, dtype=np.int32)
+    owner[label[pixels[:, 1], pixels[:, 0]]] = members
+    return np.asarray(distance), owner[label]
+
+
+def places_of(
+    pairs: Pairs, cells: ViewCells, data: Data, features: NDArray[np.intp] | slice = ALL
+) -> NDArray[np.float32]:
+    """(N, F, 2) ideal pixels where each coarse pose puts each of ``features``: the cell's picture, turned, scaled and laid on the first datum."""
+    at = cells.xy[pairs.cell, pairs.feature].astype(np.float32)[:, None]
+    model = cells.xy.astype(np.float32)[:, features][pairs.cell] - at
+    cos = (pairs.scale * np.cos(pairs.roll)).astype(np.float32)[:, None]
+    sin = (pairs.scale * np.sin(pairs.roll)).astype(np.float32)[:, None]
+    places = np.empty_like(model)
+    places[..., 0] = cos * model[..., 0] - sin * model[..., 1]
+    places[..., 1] = sin * model[..., 0] + cos * model[..., 1]
+    places += data.ideal[pairs.datum].astype(np.float32)[:, None]
+    return places
+
+
+def votes(
+    pairs: Pairs,
+    cells: ViewCells,
+    maps: DistanceMaps,
+    weights: NDArray[np.float64],
+    data: Data,
+    features: NDArray[np.intp] | slice = ALL,
+) -> NDArray[np.float64]:
+    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight."""
+    value = (cells.visible * weights).astype(np.float32)[:, features]
+    distance = maps.how_far(places_of(pairs, cells, data, features), features).astype(np.float32)
+    tolerance = (LOOSE * cells.diameter * pairs.scale).astype(np.float32)[:, None]
+    near = np.maximum(0.0, 1.0 - distance / tolerance)
+    whole = np.maximum(value.sum(axis=1), 1e-12)
+    return np.asarray((value[pairs.cell] * near).sum(axis=1) / whole[pairs.cell], dtype=float)

@@ -1,0 +1,1 @@
+"""A posed hypothesis judged: Expected, Detected, evidence, rivals, A4."""

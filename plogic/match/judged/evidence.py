@@ -1,0 +1,130 @@
+"""The evidence for one hypothesis against clutter (§8, posterior, one claimant): the logarithm of a likelihood ratio."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.match.judged.freedom import log_share
+from plogic.match.judged.pose_information import known, sigmas
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.match.gamma.data import Data
+    from plogic.match.judged.expectation import Posed
+
+
+def density(residual: NDArray[np.float64], sigma: NDArray[np.float64] | float) -> NDArray[np.float64]:
+    """N(u; û, σ²I) per pixel² at distances ``residual`` in pixels; 0 where NaN."""
+    value = np.exp(-0.5 * (residual / sigma) ** 2) / (2.0 * np.pi * sigma**2)
+    return np.asarray(np.nan_to_num(value, nan=0.0))
+
+
+def clutter_density(kb: KnowledgeBase, data: Data, which: NDArray[np.intp] | None = None) -> NDArray[np.float64]:
+    """F (N,) per pixel² of some data, or of all: the expected number of clutter appearances of its type over the image's area."""
+    area = float(data.camera.width * data.camera.height)
+    types = data.types if which is None else [data.types[i] for i in which]
+    return np.array([kb.rates.clutter.get(name, 1.0) / area for name in types])
+
+
+def match_density(posed: Posed, kb: KnowledgeBase) -> NDArray[np.float64]:
+    """N (F,) per pixel² of each feature's match, 0 where it has none; of a learnt type against clutter that looks as right, not any."""
+    near = density(posed.residual, sigmas(posed, kb))
+    return near if posed.likeness is None else near * posed.likeness
+
+
+def hit_rates(posed: Posed, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+    """h_F (F,) of each feature; of a learnt type the measured rates, times the share of them that holds in this image (``clarity``)."""
+    if posed.hit is not None:
+        return np.asarray(np.clip(posed.hit * clarities(posed, hidden), LEAST_HIT, MOST_HIT))
+    return np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.features])
+
+
+CLEAR = 8.0
+"""The prior of clarity is ∝ clarity⁸: an instance of which little shows where much should is rarely one. It counts in what is accepted; the
+program has the scaled hit rates, and no prior of them."""
+LEAST_CLEAR, LEAST_HIT, MOST_HIT = 0.04, 0.005, 0.98
+"""Least share of the measured hit rates that an image can keep; bounds of what remains."""
+def _expected(posed: Posed, hidden: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+    return posed.candidate if hidden is None else posed.candidate & ~hidden
+
+
+def clarity(posed: Posed, hidden: NDArray[np.bool_] | None = None, of: NDArray[np.bool_] | None = None) -> float:
+    """Which share of the measured hit rates, of features ``of`` (F,) or of all, holds of this instance in this image.
+
+    Light, focus, noise and a changed print cost detections.
+    The most likely one: expected features that were detected, over the sum of their rates, in [``LEAST_CLEAR``, 1].
+    """
+    if posed.hit is None:
+        return 1.0
+    expected, shares = _expected(posed, hidden) & (True if of is None else of), posed.counted
+    hoped = float((shares * posed.hit)[expected].sum())
+    return float(np.clip(shares[expected & posed.detected].sum() / hoped, LEAST_CLEAR, 1.0)) if hoped > 0.0 else 1.0
+
+
+def kinds(posed: Posed) -> list[NDArray[np.bool_]]:
+    """Features (F,) that are seen clearly or not apart from the others: what is printed, and the sides of edges, which blur hurts less."""
+    sided = np.zeros(len(posed.uv), bool) if posed.sided is None else posed.sided
+    return [~sided, sided]
+
+
+def clarities(posed: Posed, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+    """(F,) the clarity of each feature's kind."""
+    return np.asarray(np.sum([kind * clarity(posed, hidden, kind) for kind in kinds(posed)], axis=0))
+
+
+def as_counted(
+    posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Hit rates (F,) and densities (F,) of features that each say as much as they are ``counted``: what the program is told.
+
+    With a share w of an observation, 1 − h becomes (1 − h)^w, and what a match says, (h·N + f − h·f) / f, that to the power of w.
+    """
+    hit, near = hit_rates(posed, kb, hidden), match_density(posed, kb)
+    if posed.hit is None:
+        return hit, near
+    shares, found = posed.counted, posed.detected
+    less = 1.0 - (1.0 - hit) ** shares
+    clutter = clutter_density(kb, data, posed.matches[found])
+    says = ((hit[found] * near[found] + (1.0 - hit[found]) * clutter) / clutter) ** shares[found]
+    near[found] = np.maximum(says - 1.0 + less[found], 0.0) * clutter / less[found]
+    return less, near
+
+
+FIXED_BY = 3
+"""Matches that any pose has for nothing: a pose can be laid through any three appearances."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """``ratio``: the log-likelihood ratio of presence against clutter at this pose; ``surplus``: what is left of it besides what any pose has.
+
+    Of a type written by hand that is what is left without the ``FIXED_BY`` best matches; of a learnt one, and where angles count, for matches
+    say more than their places then, the ratio at all poses together (``freedom``).
+    """
+
+    ratio: float
+    surplus: float
+
+
+def evidence(posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> Evidence:
+    """Σ over E∧D of ln((h·N + f − h·f) / f), in densities, plus Σ over E∧¬D of ln(1 − h) (§8), each as much as it is ``counted``.
+
+    ``hidden`` (F,) are the features that accepted opaque objects hide: not expected.
+    """
+    expected, shares = _expected(posed, hidden), posed.counted
+    hit = hit_rates(posed, kb, hidden)
+    found = expected & posed.detected
+    clutter = clutter_density(kb, data, posed.matches[found])
+    gain = shares[found] * np.log((hit[found] * match_density(posed, kb)[found] + (1.0 - hit[found]) * clutter) / clutter)
+    ratio = float(gain.sum() + (shares * np.log(1.0 - hit))[expected & ~posed.detected].sum())
+    if posed.hit is None and posed.axes is None:
+        return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))
+    if posed.hit is not None:
+        ratio += CLEAR * float(np.sum([np.log(clarity(posed, hidden, kind)) for kind in kinds(posed)]))
+    at, precision, middle, across = known(posed, found, data, kb)
+    return Evidence(ratio, ratio + log_share(at, precision, middle, data.camera, across))

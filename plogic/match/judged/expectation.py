@@ -1,0 +1,214 @@
+"""Expected and Detected of one posed hypothesis (D7, D8): what should be seen of it, and which appearance each feature takes.
+
+Vocabulary: ``Posed``, one type at one pose with all that geometry and the one assignment say of its features.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from geometry.frames import inverse, transform_points
+from geometry.visibility.behind import behind
+from kb.clouds.lobes import in_lobe
+from plogic.match.judged.crowding import shares
+from plogic.measures.explanatory import Support, tally
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from kb.clouds.lobes import LobeTable
+    from plogic.match.gamma.data import Data
+
+
+@dataclass(frozen=True)
+class Posed:
+    """One type at one pose. F features of the maximal object, the type's ``seen_features`` in their order; A data of Γ.
+
+    ``at`` (F, 3) metres, camera frame; ``uv`` (F, 2) pixels; ``in_image``, ``in_lobe``, ``self_hidden`` (F,); ``right`` (F, A) the data of
+    a type whose lobe holds the viewpoint; ``matches`` (F,) datum index or −1; ``residual`` (F,) pixels, NaN where unmatched. Of a
+    learnt type ``hit`` (F,) is the measured rate of the lobes that hold the viewpoint, ``turn`` (F,) the screen angle that they make expect,
+    ``sigma`` (F,) the noise of places, pixels, ``likeness`` (F,) how much rarer what looks like the match is than clutter of its type, ``sided``
+    (F,) which features are sides of edges, and ``across`` (F, 2) unit vectors on the screen across those edges, NaN of other features: what is
+    off along them is not ``residual``. Of any other type these are None, but where angles of data count ``likeness`` tells how much likelier the
+    match's angle is than any, and ``axes`` (F, 3) are the x axes of the features' frames, camera frame, unit: what an angle is of.
+    """
+
+    object_type: ObjectType
+    camera_from_object: NDArray[np.float64]
+    at: NDArray[np.float64]
+    uv: NDArray[np.float64]
+    in_image: NDArray[np.bool_]
+    in_lobe: NDArray[np.bool_]
+    self_hidden: NDArray[np.bool_]
+    right: NDArray[np.bool_]
+    matches: NDArray[np.intp]
+    residual: NDArray[np.float64]
+    hit: NDArray[np.float64] | None = None
+    turn: NDArray[np.float64] | None = None
+    sigma: NDArray[np.float64] | None = None
+    likeness: NDArray[np.float64] | None = None
+    sided: NDArray[np.bool_] | None = None
+    across: NDArray[np.float64] | None = None
+    axes: NDArray[np.float64] | None = None
+
+    @cached_property
+    def candidate(self) -> NDArray[np.bool_]:
+        """(F,) Expected where no other object hides it (D7)."""
+        hidden = self.self_hidden if self.object_type.opaque else np.zeros_like(self.self_hidden)
+        return self.in_image & self.in_lobe & ~hidden
+
+    @cached_property
+    def counted(self) -> NDArray[np.float64]:
+        """(F,) for how much of an independent observation each feature counts: of a learnt type, shares of what crowds the expected ones."""
+        result = np.ones(len(self.uv))
+        if self.turn is not None and self.candidate.any():
+            sided = np.zeros(len(self.uv), bool) if self.sided is None else self.sided
+            result[self.candidate] = shares(self.uv[self.candidate], self.turn[self.candidate], sided[self.candidate])
+        return result
+
+    @property
+    def middle(self) -> NDArray[np.float64]:
+        """(3,) middle of the object, camera frame: of its surface, or of its features where it has none."""
+        surface = self.object_type.surface
+        if surface is None:
+            return np.asarray((self.at.min(axis=0) + self.at.max(axis=0)) / 2.0)
+        return transform_points(self.camera_from_object, surface.centre[None])[0]
+
+    @property
+    def detected(self) -> NDArray[np.bool_]:
+        """(F,) D8."""
+        return self.matches >= 0
+
+    @cached_property
+    def stands(self) -> NDArray[np.bool_]:
+        """(F,) which features stand for a maximal one (A1): all but those parts of a learnt compound that another part stands for.
+
+        A compound looks like any of its parts and takes one appearance, so it is where its surest part is: one in the image, that is expected
+        and detected, else expected, else detected; of several the one with the greatest hit rate, the first of equals.
+        """
+        whole = self.object_type.whole
+        result = np.ones(len(self.uv), bool)
+        if len(whole) == len(self.object_type.features):
+            return result
+        parts = np.flatnonzero(np.bincount(whole)[whole] > 1)
+        surest = (4 * self.in_image + 2 * self.candidate + self.detected)[parts]
+        hit = np.zeros(len(parts)) if self.hit is None else self.hit[parts]
+        parts = parts[np.lexsort((-hit, -surest, whole[parts]))]
+        result[parts[1:]] = whole[parts[1:]] != whole[parts[:-1]]
+        return result
+
+    def support(self, hidden: NDArray[np.bool_] | None = None) -> Support:
+        """The four cases over the features in the image, a compound once (A1); ``hidden`` (F,): what accepted opaque objects hide (strict D7)."""
+        expected = self.candidate & ~hidden if hidden is not None else self.candidate
+        names, kind = self.object_type.kind_codes
+        inside = self.in_image & self.stands
+        return tally(names, kind[self.object_type.whole[inside]], expected[inside], self.detected[inside])
+
+
+def pose_of(object_type: ObjectType, camera_from_object: NDArray[np.float64], data: Data, kb: KnowledgeBase) -> Posed:
+    """What geometry says of a type at a pose: nothing is matched yet. Rays are cast for Behind its own host (§6.4)."""
+    camera = data.camera
+    positions = np.array([feature.at for feature in object_type.seen_features]).reshape(-1, 3)
+    at = transform_points(camera_from_object, positions)
+    uv = camera.project(at)
+    inside = camera.contains(uv)
+    viewpoint = inverse(camera_from_object)[:3, 3][None]
+    granularity = camera.f / kb.f_ref
+    table = object_type.lobes
+    held = in_lobe(table, viewpoint, granularity)[0]
+    surface = object_type.surface
+    hidden = np.zeros(len(at), dtype=bool)
+    if surface is not None:
+        hidden = behind(at, surface.rays, camera_from_object, 0.004 * surface.diameter)
+    right = _right_types(table, held, data)
+    seen = np.bincount(table.feature[held], minlength=len(at)) > 0
+    nobody = np.full(len(at), -1, dtype=np.intp)
+    return Posed(object_type, camera_from_object, at, uv, inside, seen, hidden, right, nobody, np.full(len(at), np.nan))
+
+
+def _right_types(table: LobeTable, held: NDArray[np.bool_], data: Data) -> NDArray[np.bool_]:
+    """(F, A) the data whose type some lobe of the feature reports from here; ``held`` (L,) are the lobes that hold the viewpoint."""
+    names = sorted(set(table.types))
+    column = {name: i for i, name in enumerate(names)}
+    reports = np.zeros((table.features, len(names)), dtype=bool)
+    lobes = np.flatnonzero(held)
+    reports[table.feature[lobes], [column[table.types[lobe]] for lobe in lobes]] = True
+    of_datum = np.array([column.get(name, -1) for name in data.types], dtype=np.intp)
+    reports = np.hstack([reports, np.zeros((table.features, 1), dtype=bool)])  # the last column is for types that no lobe reports
+    return np.asarray(reports[:, of_datum])
+
+
+def matched(
+    posed: Posed,
+    data: Data,
+    allowed: NDArray[np.bool_],
+    tolerance: float,
+    free: NDArray[np.bool_] | None = None,
+    hidden: NDArray[np.bool_] | None = None,
+) -> Posed:
+    """The hypothesis' one assignment (D8): expected features first, with the types whose lobe holds v; then unexpected ones.
+
+    ``allowed`` (F, A) are the types of each feature in any lobe; ``tolerance`` in pixels; ``free`` (A,) the data that nobody else has
+    claimed; ``hidden`` (F,) the features that accepted opaque objects hide. An appearance serves one feature; a feature takes one.
+    """
+    free = np.ones(len(data.ids), dtype=bool) if free is None else free
+    expected = posed.candidate if hidden is None else posed.candidate & ~hidden
+    off = np.linalg.norm(np.nan_to_num(posed.uv, nan=1e9)[:, None] - data.uv[None], axis=2)
+    near = off <= tolerance
+    matches = np.full(len(posed.uv), -1, dtype=np.intp)
+    _assign(matches, off, near & free & posed.right & expected[:, None], tolerance)
+    left = free.copy()
+    left[matches[matches >= 0]] = False
+    _assign(matches, off, near & left & allowed & (posed.in_image & ~expected)[:, None], tolerance)
+    residual = (
+        np.where(matches >= 0, np.take_along_axis(off, np.maximum(matches, 0)[:, None], axis=1)[:, 0], np.nan)
+        if off.size
+        else np.full(len(matches), np.nan)
+    )
+    return replace(posed, matches=matches, residual=residual)
+
+
+def assigned(
+    matches: NDArray[np.intp], feature: NDArray[np.intp], datum: NDArray[np.intp], off: NDArray[np.float64], tolerance: float
+) -> None:
+    """The same assignment for few pairs (feature, datum), ``off`` pixels apart: fill ``matches`` (F,)."""
+    rows, row = np.unique(feature, return_inverse=True)
+    columns, column = np.unique(datum, return_inverse=True)
+    if not len(rows):
+        return
+    distance, possible = np.full((len(rows), len(columns)), 2.0 * tolerance), np.zeros((len(rows), len(columns)), bool)
+    distance[row, column], possible[row, column] = off, True
+    found = np.full(len(rows), -1, np.intp)
+    _assign(found, distance, possible, tolerance)
+    matches[rows[found >= 0]] = columns[found[found >= 0]]
+
+
+def _assign(matches: NDArray[np.intp], off: NDArray[np.float64], possible: NDArray[np.bool_], tolerance: float) -> None:
+    """Fill ``matches`` with the assignment of greatest Σ (1 − d²/2·tolerance²): as many as can be, the nearer the better."""
+    rows, columns = np.flatnonzero(possible.any(axis=1)), np.flatnonzero(possible.any(axis=0))
+    if not len(rows):
+        return
+    grid = np.ix_(rows, columns)
+    gain = np.where(possible[grid], 1.0 - 0.5 * (off[grid] / tolerance) ** 2, 0.0)
+    for r, c in zip(*linear_sum_assignment(gain, maximize=True), strict=True):
+        if possible[rows[r], columns[c]]:
+            matches[rows[r]] = columns[c]
+
+
+def hidden_by(posed: Posed, other: Posed) -> NDArray[np.bool_]:
+    """(F,) Behind(f, other, v): the line of sight to each feature of ``posed`` meets the other's surface first (§3.4).
+
+    Of a learnt type's thousands of features it is asked of those alone that are expected or detected: of others nothing is said.
+    """
+    surface, mask = other.object_type.surface, np.zeros(len(posed.at), dtype=bool)
+    if surface is None:
+        return mask
+    asked = np.flatnonzero(posed.candidate | posed.detected) if posed.hit is not None else np.arange(len(posed.at))
+    mask[asked] = behind(posed.at[asked], surface.rays, other.camera_from_object, 0.004 * surface.diameter)
+    return mask

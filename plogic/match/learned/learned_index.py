@@ -1,0 +1,121 @@
+"""A learnt type made ready for search: its appearances as arrays in single precision.
+
+* ``LearntIndex``: what ``TypeIndex`` is to a type that was written by hand; the cycle asks both the same questions
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.bodies.resting import resting_faces
+from kb.clouds.words import POINT, SIDE
+from plogic.match.learned.held_lobes import Lobes, lobes_of
+from plogic.match.learned.lexicon import Lexicon, lexicon_of
+from plogic.measures.valuation import kinds_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from geometry.bodies.resting import RestingFaces
+    from kb.clouds.cloud import ObjectType
+    from kb.clouds.learnt import LearntCloud
+    from plogic.measures.valuation import Kinds
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LearntIndex:
+    """``points`` (F, 3) metres; ``weights`` (F,) dv; ``cloud`` with its L appearances; ``lexicon`` where they are looked up."""
+
+    object_type: ObjectType
+    cloud: LearntCloud
+    weights: Floats
+    lexicon: Lexicon
+
+    @property
+    def points(self) -> Floats:
+        """(F, 3) metres, object frame."""
+        return self.cloud.at
+
+    @cached_property
+    def lobes(self) -> Lobes:
+        """All lobes."""
+        return lobes_of(self.cloud, np.arange(len(self.cloud.feature)), self.centre)
+
+    @cached_property
+    def lobes_of_points(self) -> Lobes:
+        """Those of keypoints."""
+        return lobes_of(self.cloud, np.flatnonzero(~self.cloud.sided), self.centre)
+
+    @cached_property
+    def lobes_of_sides(self) -> Lobes:
+        """Those of sides of edges, the surest first."""
+        sides = np.flatnonzero(self.cloud.sided)
+        return lobes_of(self.cloud, sides[np.argsort(-self.cloud.hit[sides], kind="stable")], self.centre)
+
+    @cached_property
+    def anchors(self) -> NDArray[np.intp]:
+        """All features: each is as good as any to start from."""
+        return np.arange(len(self.points))
+
+    @cached_property
+    def kinds(self) -> Kinds:
+        """The features by their words."""
+        return kinds_of(self.weights, [feature.type for feature in self.object_type.features])
+
+    @cached_property
+    def places(self) -> Floats:
+        """(L, 3) where each appearance's feature is."""
+        return self.cloud.at[self.cloud.feature]
+
+    @cached_property
+    def sided(self) -> NDArray[np.bool_]:
+        """(F,) which features are sides of edges: so are all of their appearances."""
+        result = np.zeros(len(self.points), bool)
+        result[self.cloud.feature[self.cloud.sided]] = True
+        return result
+
+    @cached_property
+    def looks(self) -> NDArray[np.float32]:
+        """(L, 6) looks of each appearance that is the side of an edge, and how much the last of them varies; 0 where there are no colours."""
+        looks = self.cloud.descriptor[:, POINT : POINT + SIDE + 1].astype(np.float32)
+        return looks if looks.shape[1] else np.zeros((len(looks), SIDE + 1), np.float32)
+
+    @cached_property
+    def centre(self) -> Floats:
+        """(3,) middle of the features, object frame."""
+        surface = self.object_type.surface
+        middle = surface.centre if surface is not None else (self.points.min(axis=0) + self.points.max(axis=0)) / 2.0
+        return np.asarray(middle, float)
+
+    @cached_property
+    def resting(self) -> RestingFaces:
+        """The faces that it can stand on; a type without a surface has none."""
+        surface = self.object_type.surface
+        return resting_faces(surface.vertices if surface is not None else np.zeros((0, 3)))
+
+    @cached_property
+    def inner_radius(self) -> float:
+        """Metres from ``centre`` to the nearest face that it can stand on, 0 without one; the face nearest to the middle of mass is such."""
+        return float(max(0.0, (self.resting.reach - self.resting.down @ self.centre).min())) if len(self.resting.reach) else 0.0
+
+    @cached_property
+    def diameter(self) -> float:
+        """Metres across."""
+        surface = self.object_type.surface
+        return float(surface.diameter if surface is not None else np.linalg.norm(np.ptp(self.points, axis=0)))
+
+
+def learnt_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> LearntIndex:
+    """The index of a type with a learnt cloud; dv 0 throughout counts every feature alike. Without a lexicon it has one of its own."""
+    cloud = object_type.learnt
+    assert cloud is not None  # noqa: S101 - the caller looks
+    weights = np.array([dv[feature.type] for feature in object_type.features])
+    return LearntIndex(object_type, cloud, weights if weights.any() else np.ones(len(weights)), lexicon or lexicon_of({object_type.name: cloud}))

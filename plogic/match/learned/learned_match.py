@@ -1,0 +1,155 @@
+"""Expected and Detected of a learnt type at a pose (D7, D8): what its measured lobes say, and which keypoint each feature takes.
+
+Its own body hides nothing more: the lobes were measured on it. Which keypoints are of the right type, ``looks`` says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.frames import transform_points
+from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.judged.evidence import evidence
+from plogic.match.judged.expectation import Posed, assigned
+from plogic.match.judged.settling import FEWEST, polished, settled
+from plogic.match.learned.held_lobes import lobes_about, lobes_held
+from plogic.match.learned.looks import likeness, right_pairs
+from plogic.match.learned.sides import side_likeness, side_matches
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.match.gamma.data import Data
+    from plogic.match.learned.learned_index import LearntIndex
+
+    Floats = NDArray[np.float64]
+
+ROBUST = 1.5
+MEDIAN, MEDIAN_ACROSS = 1.177, 0.6745
+"""Median of the distance of two normal errors of σ = 1, and of the size of one."""
+SIDES_NOISE = 0.6
+"""Least location noise of sides across their edge: where a body is round its outline is not quite where it was learnt."""
+SIDES_REACH = (3.0, 6.0)
+"""Bounds of how far off across its edge a side is looked for, pixels."""
+WIDE = 2.5
+"""Standard deviations of a feature's place within which its keypoint is looked for, where that is farther than the tolerance."""
+NOISE = (0.3, 2.0)
+"""Bounds of the location noise, pixels."""
+
+
+def settle(
+    index: LearntIndex,
+    pose: Floats | Posed,
+    data: Data,
+    kb: KnowledgeBase,
+    free: NDArray[np.bool_] | None = None,
+    hidden: NDArray[np.bool_] | None = None,
+    rounds: int = 2,
+) -> Posed:
+    """The type at a pose, or one that is matched there already: matched (D7, D8), refined, and matched again."""
+
+    def match(pose: Floats) -> Posed:
+        return matched(index, pose_of(index, pose, data, kb), data, kb, free, hidden)
+
+    def better(posed: Posed) -> Floats | None:
+        return polished(posed, index.points, precision(posed), data, hidden, ROBUST)
+
+    return settled(pose, match, better, rounds, lambda posed: evidence(posed, data, kb, hidden).ratio)
+
+
+def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> Posed:
+    """What geometry says of the type at a pose; nothing is matched yet."""
+    camera, cloud = data.camera, index.cloud
+    at = transform_points(pose, index.points)
+    uv = camera.project(at)
+    held = lobes_held(index, pose, camera.f / kb.f_ref)
+    count = len(at)
+    if not data.whole.sided.any():  # an image without colours, or detected by others: sides are not looked for, and not missed
+        held = held[~cloud.sided[held]]
+    best = held[np.lexsort((cloud.hit[held], cloud.feature[held]))]  # of each feature the lobe of the greatest rate comes last
+    hit, turn = np.zeros(count), np.zeros(count)
+    hit[cloud.feature[best]] = cloud.hit[best]
+    turn[cloud.feature[best]] = screen_angle(cloud.up[best] @ pose[:3, :3].T, at[cloud.feature[best]])
+    return Posed(
+        object_type=index.object_type,
+        camera_from_object=pose,
+        at=at,
+        uv=uv,
+        in_image=camera.contains(uv),
+        in_lobe=np.bincount(cloud.feature[held], minlength=count) > 0,
+        self_hidden=np.zeros(count, bool),
+        right=np.zeros((count, 0), bool),
+        matches=np.full(count, -1, np.intp),
+        residual=np.full(count, np.nan),
+        hit=hit,
+        turn=turn,
+        sided=index.sided,
+    )
+
+
+def matched(
+    index: LearntIndex,
+    posed: Posed,
+    data: Data,
+    kb: KnowledgeBase,
+    free: NDArray[np.bool_] | None = None,
+    hidden: NDArray[np.bool_] | None = None,
+) -> Posed:
+    """The hypothesis' one assignment (D8): expected features first, then unexpected ones; one keypoint a feature, one feature a keypoint.
+
+    Sides of edges are looked for where they are expected alone: edges are everywhere, and those of a hidden feature would be found by chance.
+    """
+    expected = posed.candidate if hidden is None else posed.candidate & ~hidden
+    described = data.described if free is None else data.described & free
+    about = lobes_about(index, posed.camera_from_object)
+    features, tolerance = np.flatnonzero(posed.in_image & ~index.sided), kb.rates.match_tolerance
+    spread = index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)
+    reach = np.maximum(tolerance, WIDE * spread)  # the middle of a region is not as exact as a corner
+    near = right_pairs(index, posed, data, about, features, described, reach[features])
+    lobes = lobes_held(index, posed.camera_from_object, data.camera.f / kb.f_ref)
+    feature, datum, held = near.feature, near.datum, near.held(lobes)
+    off = np.linalg.norm(posed.uv[feature] - data.uv[datum], axis=1) * (tolerance / reach[feature])
+    matches = np.full(len(posed.uv), -1, np.intp)
+    awaited = expected[feature] & held
+    assigned(matches, feature[awaited], datum[awaited], off[awaited], tolerance)
+    left = ~np.isin(datum, matches[matches >= 0]) & ~expected[feature]
+    assigned(matches, feature[left], datum[left], off[left], tolerance)
+    residual = np.where(matches >= 0, np.linalg.norm(posed.uv - data.uv[np.maximum(matches, 0)], axis=1), np.nan) if len(data.ids) else posed.residual
+    used = expected & (matches >= 0)
+    sigma = np.hypot(blur(residual[used & (reach <= tolerance)]), spread)
+    like = likeness(index, posed, about, matches, data, kb)
+    posed = replace(posed, matches=matches, residual=residual, sigma=sigma, likeness=like, across=np.full((len(posed.uv), 2), np.nan))
+    sided = lobes[index.cloud.sided[lobes] & expected[index.cloud.feature[lobes]]]
+    return _with_sides(index, posed, data, kb, sided, data.sided if free is None else data.sided & free) if len(sided) else posed
+
+
+def _with_sides(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, lobes: NDArray[np.intp], free: NDArray[np.bool_]) -> Posed:
+    """What is matched so far, and the sides of edges that are those of ``lobes``, which are expected; of data that are ``free`` (A,)."""
+    spread = index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)
+    found = side_matches(index, posed, data, lobes, free, np.clip(WIDE * spread, *SIDES_REACH))
+    names = "matches", "residual", "sigma", "likeness", "across"
+    matches, residual, sigma, like, across = (np.array(getattr(posed, name)) for name in names)
+    matches[found.feature], residual[found.feature], across[found.feature] = found.datum, np.abs(found.off), found.across
+    sigma[index.sided] = np.hypot(blur(np.abs(found.off), MEDIAN_ACROSS, SIDES_NOISE), spread[index.sided])
+    like[found.feature] = side_likeness(found, sigma[found.feature], data, kb)
+    return replace(posed, matches=matches, residual=residual, sigma=sigma, likeness=like, across=across)
+
+
+def precision(posed: Posed) -> Floats:
+    """(F,) 1/pixel² of each match's place, as much as it is counted; what lies far off for this noise is likely another's."""
+    assert posed.sigma is not None  # noqa: S101 - of a learnt type it was measured
+    return np.nan_to_num(posed.counted / (posed.sigma**2 + 0.25 * posed.residual**2))
+
+
+def blur(residual: Floats, median: float = MEDIAN, least: float = NOISE[0]) -> float:
+    """Location noise of this instance in this image, pixels, by the median of its matches' residuals (N,): sharp where the image is sharp.
+
+    ``median`` is that of residuals of noise of σ = 1; there is never less noise than ``least``.
+
+    A pose that is wrong but near has worse residuals than the right one, which only their own scale tells.
+    """
+    return float(np.clip(np.median(residual) / median, least, NOISE[1])) if len(residual) >= FEWEST else NOISE[1]

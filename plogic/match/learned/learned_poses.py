@@ -1,0 +1,136 @@
+"""Δh of a learnt type: every pair is a pose, poses vote, the best that are apart are refined on the pairs that agree, then settled."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.match.judged.alike import apart, distinct, same_place
+from plogic.match.judged.evidence import evidence
+from plogic.match.judged.settling import FEWEST
+from plogic.match.learned.agreement import agreement, votes
+from plogic.match.learned.keypoint_pairs import SEEDS, pairs_of
+from plogic.match.learned.learned_match import settle
+from plogic.match.learned.learned_refinement import ROUNDS, held_at, refined
+from plogic.match.learned.single_poses import single_poses
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.match.gamma.data import Data
+    from plogic.match.judged.expectation import Posed
+    from plogic.match.learned.keypoint_pairs import Pairs
+    from plogic.match.learned.learned_index import LearntIndex
+
+    Floats = NDArray[np.float64]
+
+VOTE = (0.12, 3.0)
+"""Share of the diameter, and pixels, within which places agree in the vote: a single pair's pose is coarse."""
+REFINED, VERIFIED = 80, 4
+"""Poses whose sides are looked at, the best by votes and no two alike; and those that are settled, the best that refinement comes to."""
+APART, TURNED = 0.12, 0.35
+"""Two poses are alike whose middles are nearer than this share of the distance and whose rotations differ by less, radians."""
+HOPELESS = -20.0
+"""Poses that explain less than this beyond chance as they are, before they are settled, are given up, to save time."""
+TILTED = 4.0
+"""Poses of less worth are not tried with their other tilt."""
+NOBODY = np.zeros((0, 4))
+WORTHLESS = 12.0
+"""Poses of less worth are given up before they are settled: few right ones, and most of the wrong ones (``benchmarks/learnt_spreads.py``)."""
+
+
+def generate(
+    index: LearntIndex, data: Data, kb: KnowledgeBase, taken: Floats = NOBODY, *, refined: int = REFINED, verified: int = VERIFIED
+) -> list[tuple[float, Posed]]:
+    """The settled poses with their log-likelihood ratios, best first; ``refined``, ``verified``: how many poses go that far.
+
+    ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that are there already, m: poses that overlap them (A4) are not looked at.
+    """
+    thin = verified <= VERIFIED
+    poses, worth = proposed(index, data, kb, refined, verified, taken, thin=thin)
+    poses = poses[worth >= WORTHLESS] if thin else poses
+    return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, verified)
+
+
+def clear_of(taken: Floats, index: LearntIndex, poses: Floats) -> NDArray[np.bool_]:
+    """(H,) which poses (H, 4, 4) may keep out of bodies that are there already (N, 4), as far as their inner radii tell (A4)."""
+    middles = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
+    apart = np.linalg.norm(middles[:, None] - taken[:, :3], axis=2)
+    return np.asarray((apart > taken[:, 3] + index.inner_radius).all(axis=1))
+
+
+def settled_best(index: LearntIndex, best: Floats, data: Data, kb: KnowledgeBase, verified: int) -> list[tuple[float, Posed]]:
+    """Of refined poses (N, 4, 4), best first, the first ``verified`` that are apart, settled, with their log-likelihood ratios, best first."""
+    seen = [settle(index, pose, data, kb, rounds=0) for pose in distinct_poses(index, best, verified)]
+    hopeful = [posed for posed in seen if _enough(posed) and evidence(posed, data, kb).surplus > HOPELESS]
+    settled = [settle(index, posed, data, kb, rounds=2) for posed in hopeful]
+    scored = [(evidence(posed, data, kb).ratio, posed) for posed in settled if _enough(posed)]
+    return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
+
+
+def proposed(
+    index: LearntIndex, data: Data, kb: KnowledgeBase, most: int = REFINED, tried: int = VERIFIED, taken: Floats = NOBODY, *, thin: bool = True
+) -> tuple[Floats, Floats]:
+    """Poses (N, 4, 4), refined but not settled, with their worth (N,), best first; ``most``: so many are.
+
+    ``tried``: so many are tried with their other tilt; ``thin``: only the hopeful ones are, and ever fewer poses are refined.
+    """
+    nothing = np.zeros((0, 4, 4)), np.zeros(0)
+    pairs = pairs_of(index, data)
+    poses = single_poses(index, pairs.first(SEEDS), data) if len(pairs) >= FEWEST else nothing[0]
+    poses = poses[clear_of(taken, index, poses)]
+    if not len(poses):
+        return nothing
+    worth = votes(agreement(index, poses, pairs, data, *VOTE), pairs)
+    granularity = data.camera.f / kb.f_ref
+    best, worth = refined(index, poses[_apart(index, poses, worth, most)], pairs, data, granularity, thin=thin)
+    if not len(best):
+        return nothing
+    some = best[:tried][worth[:tried] >= TILTED] if thin else best
+    other, its = refined(index, tilted(index, some, pairs, data), pairs, data, granularity, thin=thin)
+    best, worth = np.concatenate([best, other]), np.concatenate([worth, its])
+    order = np.argsort(-worth, kind="stable")
+    return best[order], worth[order]
+
+
+def _enough(posed: Posed) -> bool:
+    return int((posed.candidate & posed.detected).sum()) >= FEWEST
+
+
+def _apart(index: LearntIndex, poses: Floats, worth: Floats, most: int) -> list[int]:
+    """The best by votes, no two alike."""
+    return apart(poses, poses[:, :3, :3] @ index.centre + poses[:, :3, 3], worth, most, (TURNED, APART))
+
+
+def tilted(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Floats:
+    """(H, 4, 4) the other pose of each that shows a flat side nearly alike: the side, mirrored in depth, and turned proper by its normal.
+
+    From afar a plane's tilt is known up to this (two branches of planar POSIT, §6.1); which of them holds, perspective and lobes decide.
+    """
+    held, places = held_at(index, poses, pairs, data, ROUNDS[-2]), index.places[pairs.lobe]
+    normals, little = index.cloud.normal[index.cloud.feature[pairs.lobe]], 1e-9  # a pose that nothing holds is turned about the middle of all
+    total = held.sums(len(poses))[:, None] + little
+    normal, own = ((held.sums(len(poses), rows) + little * rows.mean(axis=0)) / total for rows in (normals, places))
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
+    middle = np.einsum("hij,hj->hi", poses[:, :3, :3], own) + poses[:, :3, 3]
+    sight = middle / np.linalg.norm(middle, axis=1, keepdims=True)
+    still = np.eye(3)
+    other = poses.copy()
+    other[:, :3, :3] = (
+        (still - 2.0 * sight[:, :, None] * sight[:, None]) @ poses[:, :3, :3] @ (still - 2.0 * normal[:, :, None] * normal[:, None])
+    )
+    other[:, :3, 3] = middle - np.einsum("hij,hj->hi", other[:, :3, :3], own)
+    return other
+
+
+def distinct_poses(index: LearntIndex, poses: Floats, most: int) -> list[Floats]:
+    """The first ``most`` of poses (N, 4, 4) that are not at one place, up to symmetry."""
+    kept: list[Floats] = []
+    for pose in poses:
+        if not any(same_place(index.object_type, pose, old) for old in kept):
+            kept.append(pose)
+            if len(kept) == most:
+                break
+    return kept

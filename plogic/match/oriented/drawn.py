@@ -1,0 +1,155 @@
+"""What Γ says of poses, softly: each sight is drawn to every datum that looks like it, as much as that is likely to be its own.
+
+The evidence of a pose is what ``plogic.match.judged.evidence`` says of it, but summed over what a datum may be of, at all poses about it together
+(``plogic.match.judged.freedom``), and, to begin with, with a noise as wide as the pose may be off: then it is smooth, and a pose can be moved towards it.
+
+* ``drawn(asked, kind, poses, share)``: of any number of poses at once
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from geometry.poses.information import information
+from plogic.match.gamma.data import centre_of
+from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.judged.freedom import share_of
+from plogic.match.oriented.angle_refinement import Held, Noise, met
+from plogic.match.oriented.pair_votes import BENT
+from plogic.match.oriented.shown import shown
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from plogic.match.oriented.asked import Asked
+
+    Floats = NDArray[np.float64]
+    Indices = NDArray[np.intp]
+
+WIDE, DEVIATIONS = 0.1, 2.5
+"""A share of the diameter is so many standard deviations; at ``WIDE``, the widest, angles are off by a whole cell's ``BENT``."""
+WITHIN, MATCHED = 4.0, 3.0
+"""Standard deviations, of places and of angles, within which a datum may be a sight's; and at the detector's own noise, as the cycle matches."""
+LEAST = 1e-3
+"""Weight of a sight that draws a pose."""
+NEAREST = 1e-6
+"""Metres before the camera."""
+
+
+class Drawn(NamedTuple):
+    """Of N poses: ``held`` what draws them; ``noise`` and ``sigma`` (N,) how far off that may be; ``worth`` (N,) their evidence.
+
+    ``likely`` (N,): how many sights are matched, each as much as it is likely to be.
+    """
+
+    held: Held
+    noise: Noise
+    sigma: Floats
+    worth: Floats
+    likely: Floats
+
+
+class _Sights(NamedTuple):
+    """S sights of N poses."""
+
+    pose: Indices  # (S,)
+    looks: Indices  # (S,)
+    hit: Floats  # (S,) how often it is found
+    points: Floats  # (S, 3) m, object frame
+    turns: Floats  # (S, 3) x axes, object frame
+    uv: Floats  # (S, 2) ideal pixels, far outside where the sight is not before the camera
+    angle: Floats  # (S,) rad
+
+
+class _Pairs(NamedTuple):
+    """Sights and data that may be theirs."""
+
+    sight: Indices  # (P,)
+    away: Floats  # (P, 2) pixels from the sight to the datum
+    bent: Floats  # (P,) rad
+    likely: Floats  # (P,) h·N / f: how much likelier the datum is the sight's than clutter
+
+
+def drawn(asked: Asked, kind: Indices, poses: Floats, share: float) -> Drawn:
+    """Of poses (N, 4, 4) of types ``kind`` (N,), whose sights may be off by a ``share`` of the diameter, and never by less than the noise."""
+    index, camera = asked.index, asked.camera
+    middle = np.einsum("nj,nj->n", poses[:, 2, :3], index.centres[kind]) + poses[:, 2, 3]
+    across = np.where(middle > NEAREST, index.sights.diameter[kind] * camera.f / np.maximum(middle, NEAREST), 0.0)
+    sigma = np.maximum(share * across / DEVIATIONS, asked.noise.pixels)
+    noise = Noise(asked.noise.pixels, float(np.hypot(asked.noise.angle, BENT * share / WIDE)))
+    sights = _sights(asked, kind, poses)
+    pairs = _pairs(asked, sights, sigma, noise.angle, WITHIN if share > 0.0 else MATCHED)
+    count = len(sights.pose)
+    missed = 1.0 - sights.hit
+    total = missed + np.bincount(pairs.sight, pairs.likely, count)
+    explained = np.bincount(sights.pose, np.where(asked.inside(sights.uv) | (total > missed), np.log(total), 0.0), len(poses))
+    part = pairs.likely / total[pairs.sight]
+    weight = np.bincount(pairs.sight, part, count).astype(float)
+    held = _held(sights, pairs, part, weight, len(poses))
+    worth = explained + _freedom(asked, kind, poses, held, noise, sigma)
+    return Drawn(held, noise, sigma, worth, np.bincount(sights.pose, weight, len(poses)).astype(float))
+
+
+def _sights(asked: Asked, kind: Indices, poses: Floats) -> _Sights:
+    """Where the sights of the poses are on the screen, and how they are turned there."""
+    index, camera = asked.index, asked.camera
+    seen = shown(index, kind, poses)
+    own = kind[seen.pose], seen.feature
+    points, turns, rotation = index.points[own], index.turns[own], poses[seen.pose, :3, :3]
+    at = np.einsum("sij,sj->si", rotation, points) + poses[seen.pose, :3, 3]
+    front = at[:, 2] > NEAREST
+    uv = at[:, :2] / np.where(front, at[:, 2], 1.0)[:, None] * camera.f + centre_of(camera)
+    angle = screen_angle(np.einsum("sij,sj->si", rotation, turns), at)
+    hit = asked.chances.hit[index.feature_types[1][own]]
+    return _Sights(seen.pose, seen.looks, hit, points, turns, np.where(front[:, None], uv, -1e6), angle)
+
+
+def _pairs(asked: Asked, sights: _Sights, sigma: Floats, spread: float, within: float) -> _Pairs:
+    """All that are near enough; a datum is of that one of a pose's sights that it is likeliest to be of."""
+    places, angles = asked.typed.places, asked.typed.angles
+    sight, datum = asked.typed.of(sights.looks)
+    coarse, at = places.astype(np.float32), sights.uv.astype(np.float32)
+    x, y = (coarse[datum, axis] - at[sight, axis] for axis in (0, 1))
+    near = np.flatnonzero(x * x + y * y <= ((within * sigma[sights.pose]) ** 2).astype(np.float32)[sight])
+    sight, datum = sight[near], datum[near]
+    bent = wrapped(angles[datum] - sights.angle[sight])
+    right = np.flatnonzero(np.abs(bent) <= within * spread)
+    sight, datum, bent = sight[right], datum[right], bent[right]
+    away, wide = places[datum] - sights.uv[sight], sigma[sights.pose[sight]]
+    bell = np.exp(-0.5 * ((away * away).sum(axis=1) / wide**2 + (bent / spread) ** 2)) / (wide**2 * spread * np.sqrt(2.0 * np.pi))
+    likely = sights.hit[sight] * bell * asked.area / asked.chances.clutter[sights.looks[sight]]
+    order = np.lexsort((-likely, datum, sights.pose[sight]))
+    pose, of = sights.pose[sight[order]], datum[order]
+    best = order[np.concatenate([np.ones(min(1, len(order)), bool), (pose[1:] != pose[:-1]) | (of[1:] != of[:-1])])]
+    return _Pairs(sight[best], away[best], bent[best], likely[best])
+
+
+def _held(sights: _Sights, pairs: _Pairs, part: Floats, weight: Floats, poses: int) -> Held:
+    """Where each sight is drawn to: the mean of its data, each ``part`` (P,) as much as it is likely; padded, a row a pose."""
+    count = len(weight)
+    some = np.flatnonzero(weight > LEAST)
+    shares = 1.0 / weight[some]
+    away = np.column_stack([np.bincount(pairs.sight, part * pairs.away[:, axis], count)[some] * shares for axis in (0, 1)])
+    angle = sights.angle[some] + np.bincount(pairs.sight, part * pairs.bent, count)[some] * shares
+    row = sights.pose[some]
+    each = np.bincount(row, minlength=poses)
+    column = np.arange(len(some)) - np.repeat(np.cumsum(each) - each, each)
+
+    def padded(values: Floats) -> Floats:
+        table = np.zeros((poses, max(1, int(each.max(initial=0))), *values.shape[1:]))
+        table[row, column] = values
+        return table
+
+    return Held(*(padded(values) for values in (sights.points[some], sights.turns[some], sights.uv[some] + away, angle, weight[some])))
+
+
+def _freedom(asked: Asked, kind: Indices, poses: Floats, held: Held, noise: Noise, sigma: Floats) -> Floats:
+    """(N,) the logarithm of the share of all poses that fit about as well."""
+    points, _, weight, across = met(poses, held, noise, asked.camera, sigma)
+    at = np.einsum("nij,nvj->nvi", poses[:, :3, :3], points) + poses[:, None, :3, 3]
+    middle = np.einsum("nij,nj->ni", poses[:, :3, :3], asked.index.centres[kind]) + poses[:, :3, 3]
+    at[weight <= 0.0] = [0.0, 0.0, 1.0]
+    middle[:, 2] = np.maximum(middle[:, 2], NEAREST)
+    return share_of(information(at, middle, weight, asked.camera, across), middle[:, 2], asked.camera)

@@ -1,0 +1,120 @@
+"""Expected and Detected of a type by hand at a pose (D7, D8), where a detector's angles count: what lies at another angle is not right."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.poses.refine_sights import Sight
+from plogic.base.clock import unhurried
+from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.judged.alike import distinct
+from plogic.match.judged.depths import with_depths
+from plogic.match.judged.evidence import evidence
+from plogic.match.judged.expectation import matched, pose_of
+from plogic.match.judged.settling import FEWEST, settled
+from plogic.match.oriented.angle_refinement import Held, Noise, met, refined
+from plogic.match.oriented.climb import AS_GOOD
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.match.gamma.data import Data
+    from plogic.match.hand.type_index import TypeIndex
+    from plogic.match.judged.expectation import Posed
+
+    Floats = NDArray[np.float64]
+    Flags = NDArray[np.bool_]
+
+DEVIATIONS = 3.0
+"""Standard deviations within which an angle is right."""
+STEPS = 8
+"""Steps of a refinement."""
+ROBUST = 3.0
+"""Standard deviations of a place beyond which a match weighs less."""
+
+
+def settle(
+    index: TypeIndex, pose: Floats | Posed, data: Data, kb: KnowledgeBase, free: Flags | None = None, hidden: Flags | None = None, rounds: int = 2
+) -> Posed:
+    """The type at a pose, or one that is matched there already: matched, refined on places and angles, and matched again."""
+    allowed = index.allowed(data)
+
+    def match(pose: Floats) -> Posed:
+        return matched_at(index, pose, data, kb, allowed, free, hidden)
+
+    def better(posed: Posed) -> Floats | None:
+        return polished(index, posed, data, kb, hidden)
+
+    def worth(posed: Posed) -> float:
+        return evidence(posed, data, kb, hidden).surplus
+
+    return settled(pose, match, better, rounds, worth, AS_GOOD)
+
+
+def matched_at(
+    index: TypeIndex, pose: Floats, data: Data, kb: KnowledgeBase, allowed: Flags, free: Flags | None = None, hidden: Flags | None = None
+) -> Posed:
+    """Matched with what is near, of a right type and at a right angle; a datum without an angle is right at any.
+
+    ``likeness``: how much likelier the match's angle is than any.
+    """
+    assert kb.rates.sigma_angle is not None  # noqa: S101 - the caller looks
+    sigma = kb.rates.sigma_angle
+    posed = pose_of(index.object_type, pose, data, kb)
+    axes = index.turns @ pose[:3, :3].T
+    turn = screen_angle(axes, posed.at)
+    off = wrapped(data.angle[None] - turn[:, None])
+    right = ~(np.abs(off) > DEVIATIONS * sigma)
+    posed = matched(replace(posed, right=posed.right & right), data, allowed & right, kb.rates.match_tolerance, free, hidden)
+    own = np.take_along_axis(off, np.maximum(posed.matches, 0)[:, None], axis=1)[:, 0] if len(data.ids) else np.full(len(turn), np.nan)
+    bell = np.exp(-0.5 * (own / sigma) ** 2) * np.sqrt(2.0 * np.pi) / sigma
+    count = np.isfinite(data.whole.angle).any()  # else nothing is searched for by angles either, and is to be as sure as without
+    return replace(posed, likeness=np.where(posed.detected & np.isfinite(own), bell, 1.0), axes=axes if count else None)
+
+
+def polished(index: TypeIndex, posed: Posed, data: Data, kb: KnowledgeBase, hidden: Flags | None) -> Floats | None:
+    """Least squares (4, 4) on places and angles of the expected features that were detected, or None where they are fewer than ``FEWEST``."""
+    used = posed.candidate & posed.detected
+    used = used if hidden is None else used & ~hidden
+    if used.sum() < FEWEST or kb.rates.sigma_angle is None:
+        return None
+    names = [feature.type for feature in index.object_type.features]
+    weight = np.array([(kb.rates.sigma / kb.rates.sigma_of(name)) ** 2 for name in names])[used]
+    datum = posed.matches[used]
+    held = Held(*(rows[None] for rows in (index.points[used], index.turns[used], data.uv[datum], data.angle[datum], weight)))
+    noise = Noise(kb.rates.sigma, kb.rates.sigma_angle)
+    new = refined(posed.camera_from_object[None], held, noise, data.camera, steps=STEPS, robust=ROBUST)
+    if data.depth is None:
+        return np.asarray(new[0])
+    points, uv, weights, across = (rows[0] for rows in met(new, held, noise, data.camera))
+    seen = Sight(data.camera, np.eye(4), points, uv, weights, across)
+    return with_depths(new[0], seen, index.points[used], datum, data, sigma=noise.pixels, huber=ROBUST * noise.pixels)
+
+
+def verified(
+    index: TypeIndex,
+    poses: Sequence[Floats],
+    data: Data,
+    kb: KnowledgeBase,
+    hidden_of: Callable[[Posed], Flags] | None = None,
+    check: Callable[[], None] = unhurried,
+) -> list[tuple[float, Posed]]:
+    """Rays cast, matched and settled: the distinct ones as (log-likelihood ratio against clutter, hypothesis), best first.
+
+    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``check`` is called before each, and may raise to end it.
+    """
+    found = []
+    for pose in poses:
+        check()
+        posed = settle(index, pose, data, kb, rounds=0)
+        hidden = np.zeros(len(index.points), bool) if hidden_of is None else hidden_of(posed)
+        posed = settle(index, pose if hidden.any() else posed, data, kb, None, hidden, rounds=1)
+        if (posed.candidate & posed.detected & ~hidden).sum() >= FEWEST:
+            found.append((evidence(posed, data, kb, hidden).ratio, posed))
+    return distinct(sorted(found, key=lambda pair: -pair[0]), index.object_type)

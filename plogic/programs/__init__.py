@@ -1,1 +1,0 @@
-"""Any ICL/ProbLog program: compiled once to a circuit, then answered, conditioned and ranked from it."""

@@ -1,0 +1,180 @@
+"""One scene's folder to a record: where its objects truly stand, which of their features were detected, and what nobody caused.
+
+A scene is a folder with ``truth.json`` and one of ``interpretation.json``, ``gamma.json``, or ``image.*`` with ``camera.json``.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from plogic.base.errors import InputError
+from plogic.match.gamma.data import Data, data_of
+from plogic.match.judged.alike import same_place
+from plogic.match.judged.expectation import Posed, hidden_by, matched, pose_of
+from plogic.measures.valuation import compatible
+from plogic.rates.records import Record, Sighting, Slot
+from plogic.rates.truth import read_truth
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.rates.truth import Truth
+    from sensing.appearance import Gamma
+
+    Perceive = Callable[[Gamma], dict[str, Any]]
+
+SOURCES = ("interpretation.json", "gamma.json", "image.png", "image.jpg", "image.jpeg")
+
+
+@dataclass(frozen=True)
+class Found:
+    """What perception has: Γ, and the poses of its accepted hypotheses (None where nobody has interpreted Γ yet)."""
+
+    gamma: Gamma
+    accepted: tuple[tuple[str, NDArray[np.float64]], ...] | None
+
+
+def record_of(folder: Path, kb: KnowledgeBase, perceive: Perceive) -> Record:
+    """The record of a scene; ``perceive`` interprets a Γ, and is called only where the truth is not complete.
+
+    Raises InputError, GammaError, ImageError, CameraError: the message names the file.
+    """
+    truth = read_truth(folder / "truth.json")
+    found = found_in(folder, kb)
+    data = data_of(found.gamma.appearances, found.gamma.camera)
+    others = [] if truth.complete else _open(found, _known(truth, kb), kb, perceive)
+    return record_in(truth, data, kb, others)
+
+
+def _known(truth: Truth, kb: KnowledgeBase) -> list[tuple[str, NDArray[np.float64]]]:
+    """(type, pose) of the true objects that the knowledge base knows and of which something is to be seen."""
+    return [(str(o.label), o.camera_from_object) for o in truth.objects if o.label in _names(kb) and o.visible_fraction > 0.0]
+
+
+def found_in(folder: Path, kb: KnowledgeBase) -> Found:
+    """Γ of a scene, from the first of ``SOURCES`` that the folder has."""
+    path = next((folder / name for name in SOURCES if (folder / name).exists()), None)
+    if path is None:
+        raise InputError(f"{folder}: holds no picture and no Γ: one of {', '.join(SOURCES)} is needed beside truth.json")
+    if path.name == "interpretation.json":
+        return _interpreted(path, kb)
+    return Found(_gamma(path, folder, kb), None)
+
+
+def _interpreted(path: Path, kb: KnowledgeBase) -> Found:
+    from plogic.facts.interpretation import read_interpretation
+    from sensing.files.gamma_files import gamma_from_dict
+
+    document = read_interpretation(str(path))
+    plain = [{key: value for key, value in a.items() if key != "clutter"} for a in document["appearances"]]
+    source = {"format": "gamma/1", "camera": document["camera"], "appearances": plain}
+    gamma = gamma_from_dict(source, str(path), kb.appearance_types)
+    return Found(gamma, accepted_in(document))
+
+
+def accepted_in(document: dict[str, Any]) -> tuple[tuple[str, NDArray[np.float64]], ...]:
+    """(type, pose) of Δi."""
+    return tuple((h["type"], np.array(h["T_camera_object"])) for h in document["hypotheses"] if h["status"] == "accepted")
+
+
+def _gamma(path: Path, folder: Path, kb: KnowledgeBase) -> Gamma:
+    from geometry.files.camera_files import read_camera
+    from sensing.detectors.detector import detect
+    from sensing.files.gamma_files import read_gamma
+    from sensing.files.images import read_image
+
+    if path.name == "gamma.json":
+        return read_gamma(path, kb.appearance_types)
+    return detect(read_image(path), read_camera(folder / "camera.json"), kb.appearance_types)
+
+
+def _names(kb: KnowledgeBase) -> set[str]:
+    return {kind.name for kind in kb.types}
+
+
+def _open(
+    found: Found, true: Sequence[tuple[str, NDArray[np.float64]]], kb: KnowledgeBase, perceive: Perceive
+) -> list[tuple[str, NDArray[np.float64]]]:
+    """Accepted hypotheses at no true object's place: nobody knows whether they are right."""
+    accepted = accepted_in(perceive(found.gamma)) if found.accepted is None else found.accepted
+    return [
+        (name, pose)
+        for name, pose in accepted
+        if name in _names(kb) and not any(name == label and same_place(kb.type(name), pose, at) for label, at in true)
+    ]
+
+
+def record_in(truth: Truth, data: Data, kb: KnowledgeBase, others: Sequence[tuple[str, NDArray[np.float64]]] = ()) -> Record:
+    """The record of one Γ; ``others``: (type, pose) of what was accepted where nobody knows what stands."""
+    true = _known(truth, kb)
+    posed = [pose_of(kb.type(name), pose, data, kb) for name, pose in true]
+    looked = [_looked(one, posed, data, kb) for one in posed]
+    slots = [_slot(one, hidden, data, kb, present=True) for one, hidden in looked]
+    for name, pose in others:
+        one, hidden = _looked(pose_of(kb.type(name), pose, data, kb), posed, data, kb)
+        slots.append(_slot(one, hidden, data, kb, present=None))
+    if not truth.complete:
+        return Record(tuple(slots), None)
+    there = {name for name, _ in true}
+    slots += [Slot(kind.name, present=False) for kind in kb.types if kind.name not in there]
+    return Record(tuple(slots), _clutter(looked, data, kb))
+
+
+def _looked(one: Posed, posed: Sequence[Posed], data: Data, kb: KnowledgeBase) -> tuple[Posed, NDArray[np.bool_]]:
+    """A posed type with its matching (D8), and which of its features true objects hide (D7)."""
+    hidden = np.zeros(len(one.uv), dtype=bool)
+    for other in posed:
+        if other is not one and other.object_type.opaque:
+            hidden |= hidden_by(one, other)
+    types = [frozenset(a.type for a in f.appearances) for f in one.object_type.seen_features]
+    found = matched(one, data, compatible(types, data.types), kb.rates.match_tolerance, hidden=hidden)
+    return found, hidden
+
+
+def _slot(one: Posed, hidden: NDArray[np.bool_], data: Data, kb: KnowledgeBase, *, present: bool | None) -> Slot:
+    kind = one.object_type
+    expected = np.flatnonzero(one.candidate & ~hidden)
+    sightings = tuple(
+        Sighting(seen.type, near=bool(one.detected[f]), chance=_chance(seen.appearances, data, kb))
+        for f, seen in ((f, kind.seen_features[f]) for f in expected)
+    )
+    return Slot(kind.name, present, sightings)
+
+
+def _chance(appearances: Sequence[Any], data: Data, kb: KnowledgeBase) -> float:
+    """That clutter alone puts an appearance of one of these types within the match tolerance: 1 − exp(−λ·π·r²/area)."""
+    area = data.camera.width * data.camera.height
+    rate = sum(kb.rates.clutter[name] for name in {a.type for a in appearances})
+    return float(-np.expm1(-rate * np.pi * kb.rates.match_tolerance**2 / area))
+
+
+def _clutter(looked: Sequence[tuple[Posed, NDArray[np.bool_]]], data: Data, kb: KnowledgeBase) -> dict[str, int]:
+    """Per appearance type what no expected feature of a true object takes."""
+    used = {int(m) for one, hidden in looked for m in one.matches[one.candidate & ~hidden & one.detected]}
+    left = Counter(kind for a, kind in enumerate(data.types) if a not in used)
+    return {name: left[name] for name in kb.appearance_types}
+
+
+def is_scene(path: Path) -> bool:
+    """Whether a folder has a ground truth."""
+    return (path / "truth.json").exists()
+
+
+def scene_folders(paths: Sequence[str]) -> list[Path]:
+    """The scenes that are named: folders with a truth.json, or folders of such folders. Raises InputError for anything else."""
+    found: list[Path] = []
+    for name in paths:
+        path = Path(name)
+        inside = [path] if is_scene(path) else sorted(p for p in path.iterdir() if is_scene(p)) if path.is_dir() else []
+        if not inside:
+            raise InputError(f"{name}: is no scene: a folder with truth.json (as `plogic simulate` writes), or a folder of such folders")
+        found += inside
+    return list(dict.fromkeys(found))

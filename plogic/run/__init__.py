@@ -1,0 +1,1 @@
+"""One image or many: perceive, the document, batch, BOP."""

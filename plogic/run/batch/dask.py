@@ -1,0 +1,121 @@
+"""Workers of a Dask cluster that somebody else runs. They must have plogic installed and see the same files under the same names."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, astuple
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any
+from uuid import uuid4
+
+from plogic.base.errors import InputError
+from plogic.run.batch.dask_client import LOOK, Connection
+from plogic.run.batch.frame_lines import Lines
+from plogic.run.batch.pool import Answer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from plogic.run.batch.dask_worker import Told
+    from plogic.run.batch.frames import Settings
+    from plogic.run.batch.worker_process import Job
+
+AHEAD = 2
+"""Frames that are sent to a cluster for each of its threads."""
+
+
+class Cluster:
+    """The cluster of the scheduler at ``address``; otherwise as ``Pool``. ``say`` gets the lines that a user is to see meanwhile."""
+
+    def __init__(self, settings: Settings, folder: str, address: str, timeout: float | None, say: Callable[[str], None]) -> None:
+        """Connect. Raises InputError where the package is absent, or nobody answers."""
+        self._settings, self._address = settings, address
+        self._task: dict[str, Any] = {"settings": asdict(settings), "folder": folder, "timeout": timeout, "run": uuid4().hex}
+        self._connection = Connection(address, say)
+        self._done: SimpleQueue[str] = SimpleQueue()
+        self._call = _call()
+        self._lines: Lines | None = None
+
+    def start(self, number: int) -> None:
+        """As of a pool; here whoever gets the first frame starts."""
+
+    def kb(self) -> dict[str, str]:
+        """Name and digest of the KB as a worker reads it. Raises InputError where it cannot be read, or there are no workers."""
+        if self._lines is None:
+            self._connection.wait()
+            future = self._submit(None)
+            self._next()
+            self._lines = Lines(self._settings, self._result(future)["kb"])
+        return dict(self._lines.kb)
+
+    def answers(self, take: Callable[[], Job | None]) -> Iterator[Answer]:
+        """As of a pool. Raises InputError also where the cluster is lost, or its workers read different KBs."""
+        self.kb()
+        threads = self._connection.wait()
+        jobs: dict[str, tuple[Job, Any]] = {}
+        while True:
+            while len(jobs) < AHEAD * threads and (job := take()) is not None:
+                future = self._submit(job)
+                jobs[future.key] = job, future
+            if not jobs:
+                return
+            job, future = jobs.pop(self._next())
+            yield self._answer(job, future)
+            threads = self._connection.threads() or threads if self._connection.due() else threads
+
+    def close(self) -> None:
+        """End our processes on the workers, as far as they can be reached, and the connection."""
+        self._connection.close(lambda: self._connection.client.run(self._call, "forget", self._task["run"]))
+
+    def _submit(self, job: Job | None) -> Any:  # noqa: ANN401 - a future of Dask
+        try:
+            future = self._connection.client.submit(self._call, "perceived", self._task, None if job is None else astuple(job.frame), pure=False)
+        except Exception as error:
+            raise self._connection.failed(error) from error
+        future.add_done_callback(lambda done: self._done.put(done.key))
+        return future
+
+    def _next(self) -> str:
+        """The key of a future that is done. Raises InputError where nobody works at any."""
+        while True:
+            try:
+                return self._done.get(timeout=LOOK)
+            except Empty:
+                self._connection.threads()
+
+    def _answer(self, job: Job, future: Any) -> Answer:  # noqa: ANN401 - a future of Dask
+        assert self._lines is not None  # noqa: S101 - the KB was asked for first
+        try:
+            told = self._result(future)
+        except InputError as error:
+            if not isinstance(error.__cause__, self._connection.dask.KilledWorker):
+                raise
+            return Answer(job.number, *self._lines.given_up(job.frame, "the Dask worker that perceives it dies, again and again"))
+        if told["kb"] != self._lines.kb:
+            raise InputError(f"{self._settings.kb}: is not the same on all Dask workers, or has changed since this run began")
+        return Answer(job.number, told["status"], told["line"])
+
+    def _result(self, future: Any) -> Told:  # noqa: ANN401 - a future of Dask
+        try:
+            told: Told = future.result()
+        except Exception as error:
+            raise self._connection.failed(error) from error
+        if "error" in told:
+            raise InputError(told["error"])
+        if "lacking" in told:
+            raise InputError(f"{self._address}: a Dask worker lacks plogic, or has another one than is here: {told['lacking']}")
+        return told
+
+
+def _call() -> Callable[..., Any]:
+    """Calls a function of ``plogic.run.batch.dask_worker`` by its name. As it is local it is sent whole: what a worker cannot import ends the worker."""
+
+    def call(name: str, *args: object) -> Any:  # noqa: ANN401 - whatever it returns
+        import importlib
+
+        try:
+            module = importlib.import_module("plogic.run.batch.dask_worker")
+        except ImportError as error:
+            return {"lacking": str(error)}
+        return getattr(module, name)(*args)
+
+    return call

@@ -1,0 +1,78 @@
+"""The text of a frame's line, ``frame/1``: self-contained, so that files of lines may be cut, sorted and put together.
+
+``{"format": "frame/1", "input": "a.json", "frame": null, "status": "done", "sha256": "...", "kb": {"name", "digest"}, "options": {...}, ...}``,
+``status`` is ``done``, ``unfinished`` (the deadline was reached) or ``error``. Then comes ``error`` with what ``plogic perceive`` would say, or
+``interpretation`` with what it would write, or the short of it: ``appearances``, how many there are; ``hypotheses``, those that are accepted or
+in a listed world; ``worlds`` and ``unlisted_mass``; of what is unfinished, ``stopped`` and the intervals.
+
+``sha256`` is that of the bytes that were read, as ``cat PICTURE CAMERA | sha256sum`` prints it: of a Γ the file, of a picture the file and then
+its camera's, of a BOP frame the picture and then its entry of ``scene_camera.json`` as JSON with sorted keys, of a lost frame its error. It is
+``null`` where some of that could not be read, or changed meanwhile; where a worker was given up on it is of the files as they were then.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from plogic.facts.stopped import stopped_in
+from plogic.run.batch.frames import digest_of
+from plogic.scene.readings.unfinished import unlisted_beyond
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from plogic.run.batch.frames import Frame, Settings
+
+FORMAT = "frame/1"
+DONE, UNFINISHED, ERROR = "done", "unfinished", "error"
+TOLD = ("id", "type", "status", "T_camera_object", "ev", "ev_reconsidered", "probability")
+"""What is told of a hypothesis in short."""
+WITHIN = "interval"
+"""... and of each probability that an unfinished interpretation bounds."""
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Makes the lines of one run; ``kb`` is its name and digest, as in an interpretation."""
+
+    settings: Settings
+    kb: Mapping[str, str]
+
+    def perceived(self, frame: Frame, document: Mapping[str, Any], sha256: str | None) -> tuple[str, bytes]:
+        """Status and line of a frame with its interpretation; ``sha256`` is of what was read."""
+        status = UNFINISHED if document.get("unfinished") else DONE
+        body = {"interpretation": document} if self.settings.full else short(document, self.settings.worlds)
+        return status, self._line(frame, status, body, sha256)
+
+    def wrong(self, frame: Frame, message: str, sha256: str | None) -> tuple[str, bytes]:
+        """Status and line of a bad frame."""
+        return ERROR, self._line(frame, ERROR, {"error": message}, sha256)
+
+    def given_up(self, frame: Frame, message: str) -> tuple[str, bytes]:
+        """As ``wrong``, of a frame whose worker is gone and cannot say what it read: as it is now."""
+        return self.wrong(frame, message, digest_of(frame, self.settings.camera))
+
+    def _line(self, frame: Frame, status: str, body: Mapping[str, Any], sha256: str | None) -> bytes:
+        head = {"format": FORMAT, "input": frame.input, "frame": frame.frame, "status": status}
+        origin = {"sha256": sha256, "kb": dict(self.kb), "options": self.settings.document()}
+        text = json.dumps({**head, **origin, **body}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        return text.encode("utf-8", "backslashreplace") + b"\n"  # of a file's name that is no text: \udc80, as JSON writes it
+
+
+def short(document: Mapping[str, Any], number: int) -> dict[str, Any]:
+    """An interpretation's ``number`` most probable worlds, and the hypotheses that are accepted or in one of them, with their poses."""
+    listed, stopped = document["worlds"][:number], stopped_in(document)
+    present = {name for world in listed for name in world["present"]}
+    return {
+        "appearances": len(document["appearances"]),
+        "hypotheses": [_some(h, TOLD) for h in document["hypotheses"] if h["status"] == "accepted" or h["id"] in present],
+        "worlds": [_some(world, ("probability", "present")) for world in listed],
+        "unlisted_mass": unlisted_beyond(document, number),
+        **({"stopped": stopped} if stopped else {}),
+    }
+
+
+def _some(row: Mapping[str, Any], keys: Sequence[str]) -> dict[str, Any]:
+    return {key: row[key] for key in keys} | ({WITHIN: row[WITHIN]} if WITHIN in row else {})

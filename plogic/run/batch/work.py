@@ -1,0 +1,76 @@
+"""One frame after the other, in a process that has read the knowledge base once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from geometry.errors import PlogicError
+from geometry.files.plain_files import fault_of
+from plogic.base.errors import InputError
+from plogic.base.remembered import cache_folder
+from plogic.base.stopwatch import Stopwatch
+from plogic.cycle.delta import Options
+from plogic.run.batch.frame_lines import Lines
+from plogic.run.batch.frames import camera_of, digest_of, scene_and_image, scene_at
+from plogic.run.gamma_source import detected, gamma_of, image_of
+from plogic.run.perceive import Perceiver
+from plogic.run.sources import kb_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from plogic.run.batch.frames import Frame, Settings
+    from sensing.appearance import Gamma
+
+CHANGED = "changed while it was read"
+"""What is wrong with a frame whose bytes before and after are not the same."""
+
+
+class Worker:
+    """A knowledge base made ready, and what makes a line of a frame with it. Raises PlogicError where the KB cannot be read."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.perceiver = Perceiver(kb_of(settings.kb), cache_folder("indices"))
+        self.lines = Lines(settings, {"name": self.perceiver.kb.name, "digest": self.perceiver.kb.digest})
+
+    def __call__(self, frame: Frame) -> tuple[str, bytes]:
+        """Status and line of one frame; raises nothing."""
+        sha256 = self._digest(frame)
+        try:
+            return self.lines.perceived(frame, self._document(frame, sha256), sha256)
+        except PlogicError as error:
+            what = str(error)
+        except MemoryError:
+            what = "out of memory"
+        except Exception as error:  # noqa: BLE001 - no frame may stop the others
+            what = f"internal error: {' '.join(f'{type(error).__name__}: {error}'.split())}"
+        return self.lines.wrong(frame, what, sha256) if self._digest(frame) == sha256 else self.lines.wrong(frame, CHANGED, None)
+
+    def _digest(self, frame: Frame) -> str | None:
+        return digest_of(frame, self.settings.camera)
+
+    def _document(self, frame: Frame, sha256: str | None) -> dict[str, Any]:
+        clock, chosen = Stopwatch(), self.settings
+        gamma, image = self._data(frame, clock)
+        if self._digest(frame) != sha256:
+            raise InputError(CHANGED)
+        end = monotonic() + chosen.deadline if chosen.deadline is not None else None
+        return self.perceiver(gamma, Options(chosen.reading, chosen.reconsider, chosen.smoothing, end), image, clock)
+
+    def _data(self, frame: Frame, clock: Stopwatch) -> tuple[Gamma, NDArray[Any] | None]:
+        kb = self.perceiver.kb
+        if frame.kind == "lost":
+            raise InputError(frame.at)
+        if frame.kind == "bop":
+            scene, image = scene_and_image(frame)
+            shot = scene_at(frame.at, scene).frame(image)
+            return detected(shot.image, shot.camera, kb, clock), shot.image
+        camera = camera_of(frame, self.settings.camera) if frame.kind == "image" else None
+        for path in (frame.input, *([camera] if camera is not None else [])):
+            fault = fault_of(Path(path))  # a pipe would never end
+            if fault is not None:
+                raise InputError(f"{path}: {fault}")
+        return gamma_of(frame.input, image_of(frame.input, camera) if frame.kind == "image" else None, camera, kb, clock)

@@ -1,0 +1,41 @@
+"""A process that perceives frames: from stdin its settings and then frames (JSON, one a line), to stdout what it says to them.
+
+The first line out is ``{"kb": {"name", "digest"}}``, or ``{"error": ...}`` and the end; then one a frame: its status, a blank, and its line.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+
+from plogic.logic.served.program_child import end_with_parent
+
+
+def main() -> None:
+    """Serve until stdin ends."""
+    end_with_parent()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the one who started us decides
+    with os.fdopen(os.dup(1), "wb") as out:
+        os.dup2(2, 1)  # whatever a library prints is no line
+        from geometry.errors import PlogicError
+        from plogic.run.batch.frames import Frame, Settings
+        from plogic.run.batch.work import Worker
+
+        settings = Settings(**json.loads(sys.stdin.buffer.readline()))
+        try:
+            worker = Worker(settings)
+        except PlogicError as error:
+            out.write(json.dumps({"error": str(error)}).encode() + b"\n")
+            return
+        out.write(json.dumps({"kb": worker.lines.kb}).encode() + b"\n")
+        out.flush()
+        for row in sys.stdin.buffer:
+            status, line = worker(Frame(*json.loads(row)))
+            out.write(status.encode() + b" " + line)
+            out.flush()
+
+
+if __name__ == "__main__":
+    main()

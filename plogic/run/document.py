@@ -1,0 +1,213 @@
+"""The whole ``interpretation/1`` document of one image (contract), from the typed parts.
+
+Of learnt types it leaves out what no question needs, and says so: descriptors of appearances, features that are case B in every world
+(``left_out`` per hypothesis, and one feature that stands for those in the image, see ``plogic.cycle.lumped``), and with a vocabulary of words the
+causes of what nothing is matched to (``causes_else``: "noise").
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.camera import camera_to_dict
+from plogic.cycle.lumped import left_out, looked_at, support_document, told, told_as
+from plogic.facts.dependence import Scene
+from plogic.facts.exclusions import apart_of
+from plogic.facts.gravity import gravity_document
+from plogic.facts.interpretation import FORMAT, facts_of, hypothesis_document
+from plogic.facts.situation import OTHERS
+from plogic.facts.spatial import space_document
+from plogic.match.judged.expectation import hidden_by
+from plogic.match.judged.outline_rings import outline_rings
+from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
+from plogic.measures.explanatory import case_of, probability_of_ev
+from plogic.run.assets import image_asset, mesh_assets
+from plogic.run.carried_lobes import sensing_document, types_document
+from plogic.scene.factors.asked_formulas import together
+from plogic.scene.readings.score_reading import p_ev
+from plogic.scene.worlds.predictions import doubts
+from sensing.files.gamma_files import appearance_to_dict
+from sensing.uncollected import uncollected
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.cycle.belief import Belief
+    from plogic.cycle.delta import Delta
+    from plogic.facts.situation import Situation
+    from plogic.scene.worlds.ranked_worlds import Ranking
+    from sensing.appearance import Gamma
+
+LISTED_REJECTED = 12
+"""Rejected hypotheses that are written, the best first; the trace names them all."""
+
+Cases = dict[str, tuple[bool, bool, str | None]]
+
+
+@uncollected()
+def document_of(
+    kb: KnowledgeBase,
+    gamma: Gamma,
+    delta: Delta,
+    rejected: Sequence[Belief],
+    trace: list[dict[str, object]],
+    ranking: Ranking,
+    image: NDArray[np.uint8] | None,
+    *,
+    seconds: float | None = None,
+) -> dict[str, Any]:
+    """Everything that ``worlds``, ``query``, ``explain``, ``report`` and ``program`` need; with ``seconds``, what is known of relations by then."""
+    situation = delta.situation
+    counts = instance_counts(kb.types)
+    dv = distinctiveness(counts)
+    kinds = {b.posed.object_type.name: b.posed.object_type for b in delta.beliefs.values()}
+    return {
+        "format": FORMAT,
+        "reading": situation.reading,
+        "reconsider": situation.reconsider,
+        "smoothing": situation.smoothing,
+        "kb": {"name": kb.name, "digest": kb.digest},
+        "camera": camera_to_dict(gamma.camera),
+        "appearances": [
+            appearance_to_dict(a, described=False) | {"clutter": fact.clutter}
+            for a, fact in zip(gamma.appearances, situation.appearances, strict=True)
+        ],
+        "hypotheses": _hypotheses(delta, gamma, ranking, dv) + _rejected(rejected, gamma, dv),
+        **_worlds(ranking, situation, short=kb.words is not None),
+        "unlisted_mass": list(ranking.unlisted),
+        "relations": relation_probabilities(situation, seconds),
+        "doubts": [doubt.document() for doubt in doubts(situation)],
+        "facts": facts_of(situation),
+        "space": space_document(situation.space),
+        **gravity_document(situation.gravity),
+        "measures": {"dv": situation.dv, "p_dv": _told(probability_of_distinctiveness(counts), situation.dv), "rank": situation.rank},
+        "priors": situation.priors,
+        "rules": situation.rules,
+        "labels": {},
+        "sensing": sensing_document(kb),
+        "types": types_document(kinds, kb),
+        "assets": image_asset(image) | mesh_assets(kinds),
+        "trace": trace,
+    }
+
+
+def _worlds(ranking: Ranking, situation: Situation, *, short: bool) -> dict[str, Any]:
+    """The listed worlds; ``short``: an appearance that no feature is matched to is noise in all of them, and is not repeated."""
+    matched = {f.match for h in situation.hypotheses for f in h.features}
+    named = [a.id for a in situation.appearances if a.id in matched or not short]
+    worlds = [{"probability": w.probability, "present": list(w.present), "causes": {a: w.causes[a] for a in named}} for w in ranking.worlds]
+    return {"worlds": worlds} | ({"causes_else": "noise"} if short else {})
+
+
+def _told(table: Mapping[str, float], names: Mapping[str, float]) -> dict[str, float]:
+    return {name: value for name, value in table.items() if name in names}
+
+
+def relation_probabilities(situation: Situation, seconds: float | None = None) -> list[dict[str, Any]]:
+    """P(relation) of each pair: that both are present, most probable first; with ``seconds``, the middle of its ``interval`` by then."""
+    chances = together(situation, [(fact.x, fact.y) for fact in situation.relations], seconds)
+    rows = [
+        {
+            "relation": fact.relation, "args": [fact.x, fact.y], "probability": low if low == high else (low + high) / 2.0,
+            **({"roc": fact.roc} if fact.roc else {}), **({} if seconds is None else {"interval": [low, high]}),
+        }
+        for fact, (low, high) in zip(situation.relations, chances, strict=True)
+    ]  # fmt: skip
+    return sorted(rows, key=lambda row: (-row["probability"], row["relation"], row["args"]))
+
+
+def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, float]) -> list[dict[str, Any]]:
+    facts = {h.id: h for h in delta.situation.hypotheses}
+    apart = apart_of(delta.situation.space, {name: h.type for name, h in facts.items()})
+    return [
+        {
+            **hypothesis_document(facts[name], _cases(belief, _beside(name, delta))),
+            **_verdict(belief, gamma, dv),
+            "ev_reconsidered": _reconsidered(name, delta),
+            **({"apart": apart[name]} if name in apart else {}),
+            "probability": ranking.marginals[name],
+        }
+        for name, belief in delta.beliefs.items()
+    ]
+
+
+def _reconsidered(name: str, delta: Delta) -> float | None:
+    """Ev beside Δi in the situation's mode (§5.5), None where it is 0/0; the cycle itself judges by ``to_B``."""
+    if delta.situation.reconsider == "to_B":
+        return delta.beliefs[name].ev_reconsidered
+    scene = Scene(delta.situation)
+    present = {key: np.array([key == name or other.status == "accepted"]) for key, other in delta.beliefs.items()}
+    share = float(p_ev(scene, scene.by_id[name], present)[0])
+    return None if np.isnan(share) else 2.0 * share - 1.0
+
+
+def _beside(name: str, delta: Delta) -> list[Belief]:
+    """The accepted opaque objects that may hide features of a hypothesis: its rivals hide nothing (D7)."""
+    rivals = {frozenset(pair) for pair in delta.situation.rivals}
+    return [
+        other
+        for key, other in delta.beliefs.items()
+        if key != name
+        and other.status == "accepted"
+        and other.posed.object_type.opaque
+        and frozenset((name, key)) not in rivals
+    ]
+
+
+def _hidden(belief: Belief, beside: Sequence[Belief]) -> NDArray[np.bool_]:
+    mask = np.zeros(len(belief.posed.uv), dtype=bool)
+    for other in beside:
+        mask |= hidden_by(belief.posed, other.posed)
+    return mask
+
+
+def _cases(belief: Belief, beside: Sequence[Belief]) -> Cases:
+    """(expected, detected, case) of each feature that is told, beside Δi; outside the image, no case."""
+    posed = belief.posed
+    expected = posed.candidate & ~_hidden(belief, beside)
+    some = told(posed)
+    rows = zip(some, *(mask[some].tolist() for mask in (expected, posed.detected, posed.in_image)), strict=True)
+    cases: Cases = {told_as(posed, f).name: (e, d, case_of(expected=e, detected=d) if inside else None) for f, e, d, inside in rows}
+    return cases | {OTHERS: (False, False, "B")}
+
+
+def _verdict(belief: Belief, gamma: Gamma, dv: Mapping[str, float]) -> dict[str, Any]:
+    """What the cycle decided of one hypothesis, with its measures and outline."""
+    posed, ev = belief.posed, belief.ev
+    missing = left_out(posed)
+    return {
+        "label": posed.object_type.name,
+        "status": belief.status,
+        "why": belief.why,
+        "ev": ev,
+        "p_ev": None if ev is None else probability_of_ev(ev),
+        "ev_reconsidered": belief.ev_reconsidered,
+        "log_likelihood_ratio": belief.worth,
+        "support": support_document(posed, dv),
+        **({} if missing is None else {"left_out": missing}),
+        "outline": outline_rings(posed, gamma.camera),
+    }
+
+
+def _rejected(rejected: Sequence[Belief], gamma: Gamma, dv: Mapping[str, float]) -> list[dict[str, Any]]:
+    best = sorted(rejected, key=lambda b: -b.worth)[:LISTED_REJECTED]
+    ids = [a.id for a in gamma.appearances]
+    return [
+        {
+            "id": f"r{i}",
+            "type": b.posed.object_type.name,
+            "T_camera_object": b.posed.camera_from_object.tolist(),
+            "opaque": b.posed.object_type.opaque,
+            "group": None,
+            "probability": 0.0,
+            "parts": [],
+            "features": looked_at(b.posed, ids, dv),
+            **_verdict(b, gamma, dv),
+        }
+        for i, b in enumerate(best, 1)
+    ]

@@ -1,0 +1,144 @@
+"""From Γ to an interpretation: the cycle, the situation, its worlds, and the document that holds them all."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from plogic.base.errors import InconsistentError, InputError
+from plogic.base.stopwatch import Stopwatch
+from plogic.cycle.attention import attend
+from plogic.cycle.delta import Delta, Options, delta_of
+from plogic.cycle.recall import Recall
+from plogic.facts.stopped import SEARCH, WORLDS
+from plogic.match.by_copies import make_ready
+from plogic.match.gamma.data import data_of
+from plogic.match.indices import FAST, GENERATORS, indices_of
+from plogic.measures.distinctiveness import distinctiveness, instance_counts
+from plogic.run.document import document_of
+from plogic.scene.readings.unfinished import marked
+from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
+from sensing.uncollected import uncollected
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.cycle.belief import Belief, Cycle
+    from plogic.cycle.recall import Seed
+    from plogic.facts.stopped import Stopped
+    from plogic.match.gamma.data import Data
+    from sensing.appearance import Gamma
+
+SMOOTHED = 0.001
+"""ε that the score program falls back to where no world is left at 0."""
+AFTER = 0.1
+"""Seconds that the worlds of what was found may take, however near the deadline is: they take some milliseconds, as a rule."""
+LISTED_WORLDS = 100
+"""Worlds that an interpretation lists; the mass of the others is stated."""
+
+
+class Perceiver:
+    """A knowledge base made ready: dv and the view cells of its types, computed once and used for any number of images.
+
+    ``cache``: a folder in which the index over many types is kept between runs; ``processes``: how many search an image for learnt types, this
+    one and copies of it (``plogic.base.forked`` says when there may be more than one). ``generator``: who proposes poses of types written by hand,
+    ``index``, the fast search, or a plain one, ``quadruples`` or ``softposit``; all else is the same, and learnt types have their own search.
+
+    Raises:
+        InputError: where there is no such generator.
+    """
+
+    def __init__(self, kb: KnowledgeBase, cache: Path | None = None, processes: int = 1, generator: str = FAST) -> None:
+        if generator not in GENERATORS:
+            raise InputError(f"generator: {generator!r} is none of {', '.join(GENERATORS)}")
+        self.kb, self.processes, self.generator = kb, processes, generator
+        self.dv = distinctiveness(instance_counts(kb.types))
+        self.width = kb.words.centroids.shape[1] if kb.words is not None else 128
+        self.indices, self.shared = indices_of(kb, self.dv, cache, generator)
+        if processes > 1:
+            make_ready(self.indices.values())
+
+    def __call__(
+        self,
+        gamma: Gamma,
+        options: Options | None = None,
+        image: NDArray[np.uint8] | None = None,
+        clock: Stopwatch | None = None,
+    ) -> dict[str, Any]:
+        """The interpretation document of one Γ; ``image`` (H, W, 3) is only carried along. An empty Γ gives the empty world."""
+        options, clock = options or Options(), clock or Stopwatch()
+        return self.document(gamma, *self.cycle(gamma, options, clock), options, image, clock)
+
+    def document(
+        self, gamma: Gamma, data: Data, cycle: Cycle, options: Options, image: NDArray[np.uint8] | None, clock: Stopwatch
+    ) -> dict[str, Any]:
+        """The interpretation document of what the cycle came to."""
+        gamma, (delta, rejected, trace) = gamma.in_order(), self._facts(data, cycle, options, clock)
+        with clock.stage("worlds"):
+            delta, ranking = ranked(delta, trace, None if options.end is None else max(options.end - monotonic(), AFTER))
+            late = not ranking.exact and options.end is not None
+            stopped: Stopped = SEARCH if any(step["event"] == "deadline" for step in trace) else WORLDS if late else ""
+            if stopped == WORLDS:
+                trace.append(_step(len(trace) + 1, "deadline", "the deadline was reached: probabilities are known within intervals"))
+        with clock.stage("document"):
+            document = document_of(self.kb, gamma, delta, rejected, trace, ranking, image, seconds=AFTER if late else None)
+        return marked(document, ranking, stopped) if stopped else document
+
+    def accepted(self, gamma: Gamma) -> list[tuple[Belief, float]]:
+        """What is accepted of one Γ, with its probability: what the interpretation document says of it, where nobody reads the rest."""
+        data, cycle = self.cycle(gamma, Options(), Stopwatch())
+        delta = delta_of(cycle, data, self.kb, self.dv, Options(), related=False)
+        delta, ranking = ranked(delta, cycle.trace.document())
+        return [(belief, ranking.marginals[name]) for name, belief in delta.beliefs.items() if belief.status == "accepted"]
+
+    def delta(self, gamma: Gamma, options: Options, clock: Stopwatch) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
+        """Δh with its facts, what was rejected, and the trace."""
+        return self._facts(*self.cycle(gamma, options, clock), options, clock)
+
+    def _facts(
+        self, data: Data, cycle: Cycle, options: Options, clock: Stopwatch
+    ) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
+        with clock.stage("facts"):
+            delta = delta_of(cycle, data, self.kb, self.dv, options)
+        return delta, cycle.rejected, cycle.trace.document()
+
+    def cycle(
+        self, gamma: Gamma, options: Options, clock: Stopwatch, seeds: Sequence[Seed] = (), usual: Mapping[str, int] | None = None
+    ) -> tuple[Data, Cycle]:
+        """Γ as arrays, in its own order (``Gamma.in_order``), and what the cycle comes to in it.
+
+        ``seeds`` are what is remembered to stand here, the surest first; ``usual``: how many data of each type are left unexplained here, as a rule.
+        """
+        data = data_of(gamma.in_order().appearances, gamma.camera, self.width)
+        with clock.stage("rank"):
+            attention = attend(list(self.indices.values()), data.types, self.kb)
+        with clock.stage("search"), uncollected():
+            perception = Recall(data, self.kb, self.indices, self.dv, options.end, self.shared, self.processes, self.generator)
+            cycle = perception.resume(attention, seeds, usual or {})
+            if perception.unfinished:
+                cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")
+        return data, cycle
+
+
+def ranked(delta: Delta, trace: list[dict[str, object]], seconds: float | None = None) -> tuple[Delta, Ranking]:
+    """The worlds of Δh; with ``seconds``, what is known of them by then.
+
+    Where dogmatic P(ev) of 0 and 1 leave none (§8, trap c), the program is smoothed, and the trace says so.
+    """
+    try:
+        return delta, ranked_worlds(delta.situation, LISTED_WORLDS, seconds=seconds)
+    except InconsistentError as error:
+        trace.append(_step(len(trace) + 1, "smooth", f"{error}: the score program is smoothed by {SMOOTHED}"))
+        softer = replace(delta, situation=replace(delta.situation, smoothing=SMOOTHED))
+        return softer, ranked_worlds(softer.situation, LISTED_WORLDS, seconds=seconds)
+
+
+def _step(number: int, event: str, why: str) -> dict[str, object]:
+    """One more of a trace that is written already."""
+    return {"step": number, "event": event, "hypothesis": None, "type": None, "ev": None, "why": why}

@@ -1,0 +1,1 @@
+"""Questions to a scene: P(goal), explanations, and scenes that one can observe in."""

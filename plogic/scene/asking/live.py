@@ -1,0 +1,239 @@
+r"""A scene that one can observe and retract in: what is touched is solved anew, what is not stays.
+
+>>> scene = LiveScene(situation)
+>>> scene.marginals()["h1"]
+(0.97, 0.97)
+>>> scene.observe("\\+ noise(a3)")
+>>> scene.answers("cause(a3, H, F)")
+>>> scene.unobserve()
+
+The same questions as ``plogic.scene.asking.query.answers`` puts to the program text, with the same answers (tested); what speaks of choices that the
+graph has summed out is refused (OutsideError), and is for the text.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from plogic.base.errors import ProgramError, SituationError
+from plogic.facts.sanity import check
+from plogic.inference.cache import Remembered
+from plogic.inference.gates import Literal, observed, with_formulas
+from plogic.inference.ranked import best
+from plogic.logic.served.engine import Answer, Limits, Text
+from plogic.scene.factors.asked_formulas import Asked
+from plogic.scene.factors.goal_meaning import Meaning, meaning
+from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
+from plogic.scene.worlds.ranked_worlds import Ranking, listed_worlds, ranking_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from plogic.facts.situation import HypothesisFact, Situation
+    from plogic.inference.graph import FactorGraph
+    from plogic.inference.marginals import Beliefs
+
+    Interval = tuple[float, float]
+    Pairs = frozenset[tuple[str, str]]
+
+
+class _Posed(NamedTuple):
+    """A scene's graph with its evidence, solved."""
+
+    scene: SceneGraph
+    asked: Asked
+
+
+class LiveScene:
+    """``given``: the evidence, in the order in which it came; ``solved``: how many pieces of graphs had to be solved so far.
+
+    Every question takes ``seconds``, after which (grounding not counted) it answers in intervals that contain the exact values.
+    """
+
+    def __init__(self, situation: Situation, *, rules: Text | None = None, limits: Limits | None = None) -> None:
+        check(situation)
+        self.situation = situation
+        self.given: tuple[str, ...] = ()
+        self._rules, self._limits = rules, limits
+        self._memory = Remembered()
+        self._meanings: dict[str, Meaning] = {}
+
+    @property
+    def solved(self) -> int:
+        """Pieces that were solved, and not remembered."""
+        return self._memory.solved
+
+    def observe(self, goal: str, *, seconds: float | None = None) -> None:
+        """Add evidence: there is a substitution for which the goal holds. Raises InconsistentError, and then nothing has changed."""
+        before, self.given = self.given, (*self.given, goal)
+        try:
+            self._posed(seconds=seconds)
+        except BaseException:
+            self.given = before
+            raise
+
+    def unobserve(self, goal: str | None = None) -> None:
+        """Take evidence back, as it was written; without a goal, all of it."""
+        if goal is not None and goal not in self.given:
+            raise ProgramError(f"{goal} was not observed", file="goal")
+        self.given = () if goal is None else _without(self.given, goal)
+
+    def add(
+        self,
+        hypothesis: HypothesisFact,
+        *,
+        overlaps: Pairs = frozenset(),
+        rivals: Pairs = frozenset(),
+        exclusive: Pairs = frozenset(),
+    ) -> None:
+        """One more hypothesis, with its pairs; raises SituationError, and then nothing has changed."""
+        s = self.situation
+        self._become(
+            replace(
+                s,
+                hypotheses=(*s.hypotheses, hypothesis),
+                overlaps=s.overlaps | overlaps,
+                rivals=s.rivals | rivals | exclusive,
+                exclusive=s.exclusive | exclusive,
+            )
+        )
+
+    def remove(self, name: str) -> None:
+        """One hypothesis fewer: what speaks of it in pairs, relations and occlusion goes too."""
+        if all(h.id != name for h in self.situation.hypotheses):
+            raise SituationError(f"hypothesis {name!r} is unknown")
+        self._become(without(self.situation, name))
+
+    def marginals(self, *, seconds: float | None = None) -> dict[str, Interval]:
+        """P(present(H) | evidence)."""
+        scene, asked = self._posed(seconds=seconds)
+        low, high = asked.beliefs.low, asked.beliefs.high
+        return {h.id: (float(low[v][s]), float(high[v][s])) for h in self.situation.hypotheses for v, s in [scene.place[h.id]]}
+
+    def worlds(self, n: int = 10, *, seconds: float | None = None) -> Ranking:
+        """The ``n`` most probable worlds given the evidence, each with its causes."""
+        end = None if seconds is None else time.monotonic() + seconds
+        scene, asked = self._posed(seconds=None if seconds is None else seconds / 2)
+        held = replace(scene, graph=asked.graph)
+        ranking = ranking_of(self.situation, held, asked.beliefs, listed_worlds(self.situation, held, n, end))
+        if not scene.causes:
+            return ranking
+        return replace(ranking, worlds=tuple(replace(w, causes={**w.causes, **_causes(held, w.present)}) for w in ranking.worlds))
+
+    def answers(self, goal: str = "present(H)", *, seconds: float | None = None) -> list[Answer]:
+        """P(goal | evidence), every answer, most probable first, ties by text."""
+        meant = self._meaning(goal, ())
+        scene, asked = self._posed(meant.appearances, seconds)
+        return answers_of(meant, scene, asked)[0]
+
+    def _become(self, situation: Situation) -> None:
+        check(situation)
+        before = self.situation, self._meanings
+        self.situation, self._meanings = situation, {}
+        try:
+            self._posed()
+        except BaseException:
+            self.situation, self._meanings = before
+            raise
+
+    def _meaning(self, goal: str, given: Sequence[str]) -> Meaning:
+        key = "given " * len(given) + (given[0] if given else goal)
+        if key not in self._meanings:
+            goals = () if given else (goal,)
+            self._meanings[key] = meaning(self.situation, goals, given, rules=self._rules, limits=self._limits)
+        return self._meanings[key]
+
+    def _posed(self, explicit: Iterable[str] = (), seconds: float | None = None) -> _Posed:
+        return posed(self.situation, [self._meaning("", (goal,)) for goal in self.given], explicit, _solver(self._memory, seconds))
+
+
+def _solver(memory: Remembered, seconds: float | None) -> Callable[[FactorGraph], Beliefs]:
+    """Exact; or by a moment that is ``seconds`` from now, whatever is asked till then."""
+    if seconds is None:
+        return memory.beliefs
+    end = time.monotonic() + seconds
+    return lambda graph: memory.beliefs(graph, seconds=max(end - time.monotonic(), 0.0))
+
+
+def posed(situation: Situation, given: Sequence[Meaning], explicit: Iterable[str], solve: Callable[[FactorGraph], Beliefs]) -> _Posed:
+    """The graph with the causes in ``explicit``, and what the evidence says; raises InconsistentError where that is impossible."""
+    scene = scene_graph(situation, explicit=frozenset(explicit).union(*(m.appearances for m in given)))
+    formulas = [formula for m in given for formula in m.formulas(m.given, scene)]
+    graph, literals = with_formulas(scene.graph, formulas)
+    return _Posed(scene, Asked(observed(graph, literals), solve))
+
+
+def answers_of(meant: Meaning, scene: SceneGraph, asked: Asked) -> list[list[Answer]]:
+    """Of each goal: what is ground as it was asked, and of substitutions those that are possible."""
+    keys = list(dict.fromkeys(key for found in meant.answers for _, key in found))
+    chances = {key: asked.probability(formula) for key, formula in zip(keys, meant.formulas(keys, scene), strict=True)}
+    return [
+        sorted((_answer(shown, *chances[key]) for shown, key in found if single or chances[key][1] > 0), key=_order)
+        for found, single in zip(meant.answers, meant.single, strict=True)
+    ]
+
+
+def scene_answers(
+    situation: Situation,
+    goals: Sequence[str],
+    given: Sequence[str] = (),
+    *,
+    rules: Text | None = None,
+    limits: Limits | None = None,
+    seconds: float | None = None,
+) -> list[list[Answer]]:
+    """P(goal | evidence) for each goal, as ``plogic.logic.served.engine.run`` on the program text gives it; raises OutsideError too.
+
+    With ``seconds`` (which the grounding, under ``limits``, does not count against) the answers may be intervals.
+    """
+    check(situation)
+    meant = meaning(situation, goals, given, rules=rules, limits=limits)
+    scene, asked = posed(situation, [meant], (), _solver(Remembered(), seconds))
+    return answers_of(meant, scene, asked)
+
+
+def without(situation: Situation, name: str) -> Situation:
+    """The situation without one hypothesis."""
+
+    def kept(pairs: Pairs) -> Pairs:
+        return frozenset(pair for pair in pairs if name not in pair)
+
+    hypotheses = tuple(
+        replace(h, features=tuple(replace(f, hidden_by=tuple(g for g in f.hidden_by if g != name)) for f in h.features))
+        for h in situation.hypotheses
+        if h.id != name
+    )
+    return replace(
+        situation,
+        hypotheses=hypotheses,
+        overlaps=kept(situation.overlaps),
+        rivals=kept(situation.rivals),
+        exclusive=kept(situation.exclusive),
+        relations=tuple(r for r in situation.relations if name not in (r.x, r.y)),
+        space=situation.space.among(h.id for h in hypotheses),
+        gravity=None if situation.gravity is None else situation.gravity.among(h.id for h in hypotheses),
+        part_relations=tuple(r for r in situation.part_relations if name not in (r.x, r.y)),
+    )
+
+
+def _without(given: tuple[str, ...], goal: str) -> tuple[str, ...]:
+    last = len(given) - 1 - given[::-1].index(goal)
+    return (*given[:last], *given[last + 1 :])
+
+
+def _causes(held: SceneGraph, present: Sequence[str]) -> dict[str, str]:
+    """The most probable joint causes, in this world and given the evidence, of the appearances that the evidence speaks of."""
+    states = dict.fromkeys(range(len(held.variables)), 0) | dict(held.place[name] for name in present)
+    (_, found), *_ = best(observed(held.graph, [Literal(v, frozenset({s})) for v, s in states.items()]), 1)
+    return {name: "/".join(cause.states[found[cause.variable]]) for name, cause in held.causes.items()}
+
+
+def _answer(goal: str, low: float, high: float) -> Answer:
+    low, high = min(max(low, 0.0), 1.0), min(max(high, 0.0), 1.0)
+    return Answer(goal, low if low == high else (low + high) / 2, (low, high))
+
+
+def _order(answer: Answer) -> tuple[float, str]:
+    return -float(f"{answer.probability:.11e}"), answer.goal

@@ -1,0 +1,166 @@
+"""Why an interpretation's hypothesis is present, as a user wants to read it: what its features say, from the situation itself (§4, §5, §8).
+
+The exact explanations pick one feature at a time; this is their sum. Everything is said of one world: the most probable one that holds the
+hypothesis. Lines of text; nothing here is a probability that the program does not give.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from plogic.facts.dependence import Scene
+from plogic.facts.situation import OTHERS
+from plogic.facts.spatial import words_of_shared
+from plogic.measures.explanatory import case_of
+from plogic.scene.readings.contributions import contributions
+from plogic.scene.readings.posterior_reading import group_shares
+from plogic.scene.readings.score_reading import cells, p_ev
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from plogic.facts.situation import FeatureFact, HypothesisFact, Situation
+    from plogic.scene.readings.contributions import Contribution
+    from plogic.scene.readings.score_reading import Present
+
+LISTED = 8
+"""Features, or data, that a line names; the rest is counted."""
+TYPES = 10
+"""Feature types that a line tells apart; visual words are more, and nobody knows them by name."""
+SAID = {"A": "expected and detected", "B": "neither expected nor detected", "C": "expected but not detected", "D": "detected but not expected"}
+
+
+class View(NamedTuple):
+    """A hypothesis in a world: ``present`` as ``plogic.scene.readings.score_reading`` wants it."""
+
+    scene: Scene
+    h: HypothesisFact
+    world: tuple[str, ...]
+    present: Present
+
+
+def presence(situation: Situation, name: str, world: Sequence[str]) -> tuple[str, ...]:
+    """The lines for one hypothesis in a world that holds it."""
+    scene = Scene(situation)
+    present = {h.id: np.array([h.id in world]) for h in situation.hypotheses}
+    view = View(scene, scene.by_id[name], tuple(world), present)
+    told = _score(view) if situation.reading == "score" else _posterior(view)
+    beside = ", ".join(w for w in world if w != name) or "no other"
+    where = f"{name} is a {view.h.type}; in the most probable world that holds it, beside {beside}:"
+    return (where, *told, *_held(view), *_excluded(view))
+
+
+def _score(view: View) -> Iterator[str]:
+    """Concordant or not, by the four cases; dv-weighted the concordant ones are P(ev)."""
+    by_case: dict[str, list[FeatureFact]] = {}
+    seen = [f for f in view.h.features if f.in_image]
+    for f in seen:
+        cell = cells(view.scene, view.h, f, view.present)
+        by_case.setdefault(case_of(expected=bool(cell.expected[0]), detected=bool(cell.detected[0])), []).append(f)
+    good = _count([*by_case.get("A", ()), *by_case.get("B", ())])
+    p = float(p_ev(view.scene, view.h, view.present)[0])
+    weighted = "dv-weighted: undefined (0/0)" if np.isnan(p) else f"dv-weighted {p:.4g} = P(ev), ev = {2 * p - 1:.3g}"
+    yield f"  {good} of {_count(seen)} features in the image are concordant, {weighted}"
+    for case, mark in (("A", "for"), ("B", "for"), ("C", "against"), ("D", "against")):
+        if case in by_case:
+            yield f"  {mark}: {SAID[case]}: {_by_type(by_case[case], name_all=case in 'CD')}"
+    yield from _hiding(view, seen)
+
+
+def _by_type(features: list[FeatureFact], *, name_all: bool) -> str:
+    """``1 apex, 5 corner, 12 patch``; with the features' names where they are few or speak against it."""
+    types: dict[str, list[FeatureFact]] = {}
+    for f in sorted(features, key=lambda f: -f.dv):
+        types.setdefault(f.type, []).append(f)
+    if len(types) > TYPES:
+        return f"{_count(features)} features of {len(types)} types ({_listed([f.id for f in features if f.stands_for == 1])})"
+    parts = []
+    for kind, some in types.items():
+        names = [f.id for f in some if f.stands_for == 1]
+        listed = f" ({_listed(names)})" if names and (name_all or len(names) <= 2) else ""
+        parts.append(f"{_count(some)} {'others' if kind == OTHERS else kind}{listed}")
+    return ", ".join(parts)
+
+
+def _count(features: Iterable[FeatureFact]) -> int:
+    return sum(f.stands_for for f in features)
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = f", and {len(names) - LISTED} more" if len(names) > LISTED else ""
+    return ", ".join(names[:LISTED]) + more
+
+
+def _hiding(view: View, features: Iterable[FeatureFact]) -> Iterator[str]:
+    """Which present objects hide what would otherwise be expected."""
+    hidden: dict[str, list[str]] = {}
+    for f in features:
+        for g in view.scene.hiders(view.h, f):
+            if view.h.candidate(f) and g in view.world:
+                hidden.setdefault(g, []).append(f.id)
+    for g, names in hidden.items():
+        yield f"  hidden by {g}, so not expected: {len(names)} features ({_listed(names)})"
+
+
+def _posterior(view: View) -> Iterator[str]:
+    """Log-likelihood ratios: this world against the same without the hypothesis."""
+    found = contributions(view.scene.situation, view.h.id, view.world)
+    share = next(p for shares in group_shares(view.scene).values() for name, p in shares if name == view.h.id)
+    total = float(np.sum([c.llr for c in found]))
+    yield f"  prior {share:.4g}; what is detected and what is not changes its log-odds against this world without it by {total:+.4g}"
+    for mark, side in (("for", [c for c in found if c.llr > 0]), ("against", [c for c in found if c.llr < 0])):
+        for c in side[:LISTED]:
+            yield f"  {mark}: {_datum(view, c)}: {c.llr:+.3g}"
+        if len(side) > LISTED:
+            yield f"  {mark}: {len(side) - LISTED} more, together {float(np.sum([c.llr for c in side[LISTED:]])):+.3g}"
+
+
+def _datum(view: View, c: Contribution) -> str:
+    """An appearance with the feature that it is matched to, or a place where one should be."""
+    for appearance in view.scene.situation.appearances:
+        if appearance.id == c.datum:
+            owner = next((f.id for f in view.h.features if f.match == c.datum), None)
+            whose = f"is its {owner}" if owner is not None else "is matched to another"
+            return f"{c.datum} ({appearance.type}) at ({appearance.uv[0]:.0f}, {appearance.uv[1]:.0f}) {whose}"
+    name, _, feature = c.datum.partition("/")
+    f = next(f for f in view.scene.by_id[name].features if f.id == feature)
+    whose = f"its {feature}" if name == view.h.id else c.datum
+    why = " is expected" if c.llr < 0 else " would be expected without it"
+    return f"no appearance at ({f.uv[0]:.0f}, {f.uv[1]:.0f}), where {whose}{why}"
+
+
+def _with_volume(situation: Situation, name: str, other: str) -> str:
+    """``h3 (2.1e-05 m3, 12 mm deep)`` where that is known."""
+    found = situation.space.sharing(name, other)
+    return other if found is None else f"{other} ({words_of_shared(found)})"
+
+
+def _held(view: View) -> Iterator[str]:
+    """Who holds it in this world, or that it floats (Σc), where gravity is said to hold of it."""
+    gravity, name = view.scene.situation.gravity, view.h.id
+    if gravity is None or all(foot.id != name for foot in gravity.feet):
+        return
+    if gravity.floating(name, view.world):
+        yield f"  against: it floats, nothing in this world holds it: the world weighs {gravity.unknown_support:.4g} of what it would"
+        return
+    holders = [x for x in gravity.holders(name) if x in view.world]
+    yield f"  held by {_listed(holders) if holders else 'the ground'}"
+
+
+def _excluded(view: View) -> Iterator[str]:
+    """Hypotheses that the constraints keep out of its worlds."""
+    situation, h = view.scene.situation, view.h
+    reasons = [("shares volume with (A4)", situation.overlaps)]
+    if situation.reading == "score":
+        reasons.append(("lives on the same appearances as (D8)", situation.exclusive - situation.overlaps))
+    for reason, pairs in reasons:
+        others = sorted({x if y == h.id else y for x, y in pairs if h.id in (x, y)}, key=list(view.scene.by_id).index)
+        if others:
+            told = [_with_volume(situation, h.id, other) for other in others] if pairs is situation.overlaps else others
+            yield f"  excludes, since it {reason}: {_listed(told)}"
+    if situation.reading == "posterior":
+        rivals = [g.id for g in situation.hypotheses if g.group == h.group and g.id != h.id]
+        if rivals:
+            yield f"  excludes, as rivals for one instance: {_listed(rivals)}"

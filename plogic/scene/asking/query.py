@@ -1,0 +1,111 @@
+"""P(goal): every answer substitution, most probable first (contract, ``plogic query``)."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from plogic.base.errors import LimitError, ProgramError, SituationError
+from plogic.facts.names import names_of
+from plogic.facts.situation import Situation
+from plogic.logic.served.engine import Answer, Limits, Text, run, run_until, unknown
+from plogic.scene.readings.unfinished import opened, stopped_of
+from plogic.scene.text.program_text import program_text
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from plogic.logic.safety.atoms import Names
+
+Subject = Situation | Text
+"""What is asked: an interpretation's situation, or a program of a user's own."""
+
+
+def answers(
+    subject: Subject,
+    goal: str | None = None,
+    *,
+    given: Sequence[str] = (),
+    rules: Text | None = None,
+    limits: Limits | None = None,
+) -> list[Answer]:
+    r"""Each answer to ``goal`` given the evidence, sorted by probability, then text.
+
+    ``goal`` may be a conjunction or a negation, with labels quoted: ``cause(A, h1, 'roof/apex'), \+ noise(a3)``.
+    Without a goal a program's own query/1 are answered; of a situation, present/1. A ground goal has one answer,
+    maybe with probability 0; a goal with variables has one per substitution of positive probability, and none is an answer too. An interval is
+    [0, 1] where the search was stopped (``plogic.scene.readings.unfinished``). Raises ProgramError, InconsistentError, LimitError.
+    """
+    if goal is None and isinstance(subject, Situation):
+        goal = "present(H)"
+    return answers_to_all(subject, [] if goal is None else [goal], given=given, rules=rules, limits=limits)[0]
+
+
+def answers_until(
+    subject: Subject,
+    goal: str | None = None,
+    *,
+    seconds: float,
+    given: Sequence[str] = (),
+    rules: Text | None = None,
+    limits: Limits | None = None,
+) -> tuple[list[Answer], bool]:
+    """As ``answers``, by a deadline: what is known after ``seconds``, and whether it is exact.
+
+    Each answer's interval contains its exact probability; of a goal with variables some answers may not be known yet.
+    """
+    if isinstance(subject, Situation):
+        goal, limits, end = goal or "present(H)", limits or Limits(), time.monotonic() + seconds
+        try:
+            on_graph = _on_graph(subject, [goal], given, rules, replace(limits, seconds=min(limits.seconds, seconds)), seconds)
+        except LimitError:
+            return unknown(goal, names_of(subject)), False
+        if on_graph is not None:
+            return opened(subject.stopped, on_graph[0]), all(answer.interval[0] == answer.interval[1] for answer in on_graph[0])
+        seconds = max(end - time.monotonic(), 0.0)
+    text, names = subject_text(subject)
+    texts = [text, *([] if rules is None else [rules])]
+    found, exact = run_until(texts, [] if goal is None else [goal], given, seconds=seconds, names=names, limits=limits)
+    return opened(stopped_of(subject), found[0]), exact
+
+
+def answers_to_all(
+    subject: Subject,
+    goals: Sequence[str],
+    *,
+    given: Sequence[str] = (),
+    rules: Text | None = None,
+    limits: Limits | None = None,
+) -> list[list[Answer]]:
+    """As ``answers``, for many goals in one run. Of a situation, from its factor graph wherever that can say it."""
+    found = _to_all(subject, goals, given, rules, limits)
+    return [opened(stopped_of(subject), some) for some in found] if stopped_of(subject) else found
+
+
+def _to_all(subject: Subject, goals: Sequence[str], given: Sequence[str], rules: Text | None, limits: Limits | None) -> list[list[Answer]]:
+    if isinstance(subject, Situation) and goals:
+        found = _on_graph(subject, goals, given, rules, limits)
+        if found is not None:
+            return found
+    text, names = subject_text(subject)
+    return run([text, *([] if rules is None else [rules])], goals, given, names=names, limits=limits)
+
+
+def _on_graph(
+    situation: Situation, goals: Sequence[str], given: Sequence[str], rules: Text | None, limits: Limits | None, seconds: float | None = None
+) -> list[list[Answer]] | None:
+    """None for what only the program text can say, or can say what is wrong with it; with ``seconds``, intervals by then."""
+    from plogic.scene.asking.live import scene_answers
+
+    try:
+        return scene_answers(situation, goals, given, rules=rules, limits=limits, seconds=seconds)
+    except (ProgramError, SituationError):
+        return None
+
+
+def subject_text(subject: Subject) -> tuple[Text, Names | None]:
+    """The program of what is asked, and its names (a program of a user's own has none)."""
+    if isinstance(subject, Text):
+        return subject, None
+    return Text(program_text(subject)), names_of(subject)

@@ -1,0 +1,136 @@
+"""The part of a situation that a goal is about: the hypotheses that it names, and all that hang together with them.
+
+Hypotheses hang together if one can hide a feature of the other, if they share an appearance, are rivals, exclude each other, compete for one instance
+or carry something together. Worlds are products over such parts, so that probabilities and explanations of a goal about one part
+are those of the part alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from plogic.facts.gravity import linked
+from plogic.facts.vocabulary import VOCABULARY
+from plogic.logic.safety.author import load_problog
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from plogic.facts.situation import Situation
+
+WHOSE = {"cause/3": (1,), "feature/3": (0,), "expected/2": (0,), "detected/2": (0,), "case/3": (0,), "ev/2": (0,), "part/2": (1,)}
+"""Predicates that speak of the hypothesis at this place, whatever stands at their other places."""
+
+
+def relevant(situation: Situation, goals: Sequence[str]) -> Situation:
+    """The part that the goals are about; all of it where a goal is about all, or calls a rule of the author's, or cannot be read."""
+    named: set[str] = set()
+    for goal in goals:
+        found = _named(goal, situation)
+        if found is None:
+            return situation
+        named |= found
+    kept = _together(situation, named)
+    return situation if len(kept) == len(situation.hypotheses) else _part(situation, kept, named)
+
+
+def _named(goal: str, situation: Situation) -> set[str] | None:
+    """The hypotheses and appearances that a goal names; None if it may be about others too."""
+    load_problog()
+    from plogic.base.errors import ProgramError
+    from plogic.logic.safety.check import parse
+
+    try:
+        statements = parse(goal.rstrip().removesuffix(".") + "\n.", "goal").statements
+    except ProgramError:
+        return None
+    ids = {h.id for h in situation.hypotheses} | {a.id for a in situation.appearances}
+    named: set[str] = set()
+    for atom in (a for statement in statements for a in _atoms(statement)):
+        found = _of_atom(atom, ids)
+        if found is None:
+            return None
+        named |= found
+    return named
+
+
+def _atoms(goal: Any) -> Iterator[Any]:  # noqa: ANN401 - a term of ProbLog's
+    if getattr(goal, "signature", None) in (",/2", ";/2", "\\+/1", "not/1"):
+        for argument in goal.args:
+            yield from _atoms(argument)
+    else:
+        yield goal
+
+
+def _of_atom(atom: Any, ids: set[str]) -> set[str] | None:  # noqa: ANN401 - a term of ProbLog's
+    from plogic.logic.safety.mapping import _label
+
+    signature = getattr(atom, "signature", "")
+    if signature not in {f"{entry.name}/{entry.arity}" for entry in VOCABULARY}:
+        return None
+    places = [atom.args[i] for i in WHOSE.get(signature, ())] or ([atom] if atom.is_ground() else [])
+    if not places or not all(place.is_ground() for place in places):
+        return None
+    labels = [_label(part) for place in places for part in _inside(place)]
+    found = {label.split("/")[0] for label in labels if label is not None} & ids
+    return found or None
+
+
+def _inside(term: Any) -> Iterator[Any]:  # noqa: ANN401 - a term of ProbLog's
+    yield term
+    for argument in getattr(term, "args", ()):
+        yield from _inside(argument)
+
+
+def _together(situation: Situation, named: set[str]) -> set[str]:
+    """The ids of all hypotheses that hang together with what is named."""
+    links: dict[str, set[str]] = {}
+
+    def link(x: str, y: str) -> None:
+        links.setdefault(x, set()).add(y)
+        links.setdefault(y, set()).add(x)
+
+    for h in situation.hypotheses:
+        link(h.id, f"group {h.group}")
+        for f in h.features:
+            for other in (*f.hidden_by, *([f"datum {f.match}"] if f.match is not None else [])):
+                link(h.id, other)
+    for x, y in (*situation.overlaps, *situation.rivals, *situation.exclusive):
+        link(x, y)
+    for x, y, z in situation.space.on_both:  # whether x is on y may hang on z
+        link(x, y)
+        link(x, z)
+    for x, y in () if situation.gravity is None else linked(situation.gravity):
+        link(x, y)
+    ids = {h.id for h in situation.hypotheses}
+    stack = [name if name in ids else f"datum {name}" for name in sorted(named)]
+    reached: set[str] = set()
+    while stack:
+        node = stack.pop()
+        if node not in reached:
+            reached.add(node)
+            stack.extend(links.get(node, ()))
+    return reached & ids
+
+
+def _part(situation: Situation, kept: set[str], named: set[str]) -> Situation:
+    hypotheses = tuple(h for h in situation.hypotheses if h.id in kept)
+    data = {f.match for h in hypotheses for f in h.features} | named
+
+    def inside(pairs: Iterable[tuple[str, str]]) -> frozenset[tuple[str, str]]:
+        return frozenset((x, y) for x, y in pairs if x in kept and y in kept)
+
+    return replace(
+        situation,
+        hypotheses=hypotheses,
+        appearances=tuple(a for a in situation.appearances if a.id in data),
+        overlaps=inside(situation.overlaps),
+        rivals=inside(situation.rivals),
+        exclusive=inside(situation.exclusive),
+        relations=tuple(r for r in situation.relations if r.x in kept and r.y in kept),
+        space=situation.space.among(kept),
+        gravity=None if situation.gravity is None else situation.gravity.among(kept),
+        part_relations=tuple(r for r in situation.part_relations if r.x in kept and r.y in kept),
+        rules="",
+    )

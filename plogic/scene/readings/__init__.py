@@ -1,0 +1,1 @@
+"""The weights of worlds in the score and in the posterior reading (§8)."""

@@ -1,0 +1,120 @@
+"""P(present(H) | the others) of the score reading, in many worlds at once (§5.5, §8).
+
+Worlds are columns: ``present["h2"]`` is a boolean array (M,) that says in which of M worlds h2 is present. Vocabulary:
+
+* ``Cells``: for one feature in every world, whether it is expected and detected, two arrays (M,)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from plogic.base.bounds import LEAST, alternative
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from plogic.facts.dependence import Scene
+    from plogic.facts.situation import FeatureFact, HypothesisFact
+
+    Flags = NDArray[np.bool_]
+    Present = Mapping[str, Flags]
+
+
+class Cells(NamedTuple):
+    """One feature's Expected and Detected, (M,) each."""
+
+    expected: Flags
+    detected: Flags
+
+
+def hidden(scene: Scene, h: HypothesisFact, f: FeatureFact, present: Present) -> Flags:
+    """Where some present opaque hypothesis, no rival, lies before the feature (D4)."""
+    result = np.zeros_like(next(iter(present.values())))
+    for g in scene.hiders(h, f):
+        result |= present[g]
+    return result
+
+
+def expected(scene: Scene, h: HypothesisFact, f: FeatureFact, present: Present) -> Flags:
+    """D7, given that ``h`` is in the world."""
+    if not h.candidate(f):
+        return np.zeros_like(next(iter(present.values())))
+    return ~hidden(scene, h, f, present)
+
+
+def cells(scene: Scene, h: HypothesisFact, f: FeatureFact, present: Present) -> Cells:
+    """D7 and D8; in mode `reassign` an unexpected feature loses an appearance that another object's expected feature claims."""
+    awaited = expected(scene, h, f, present)
+    found = np.full_like(awaited, f.match is not None and f.in_image)
+    if scene.situation.reconsider == "reassign":
+        for g, e in scene.robbers(h, f):
+            found &= awaited | ~(present[g.id] & expected(scene, g, e, present))
+    return Cells(awaited, found)
+
+
+def supported(scene: Scene, h: HypothesisFact, present: Present) -> Flags:
+    """Where at least one feature of ``h`` is detected (trap b: a fully hidden phantom would have ev = +1)."""
+    result = np.zeros_like(next(iter(present.values())))
+    for f in h.features:
+        result |= cells(scene, h, f, present).detected
+    return result
+
+
+def p_ev(scene: Scene, h: HypothesisFact, present: Present) -> NDArray[np.float64]:
+    """P(ev) of ``h`` after reconsideration in every world, (M,); NaN where it is 0/0."""
+    if scene.situation.reconsider == "drop":
+        return _dropped(scene, h, present)
+    seen = [f for f in h.features if f.in_image]
+    shares = alternative([f.dv for f in seen])
+    total = np.zeros(len(next(iter(present.values()))))
+    for f, share in zip(seen, shares, strict=False):
+        cell = cells(scene, h, f, present)
+        total += share * (cell.expected == cell.detected)
+    return _snapped(total) if shares else np.full_like(total, np.nan)
+
+
+def _snapped(total: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A sum of shares that is 0 or 1 but for rounding is 0 or 1: the certain stays certain."""
+    return np.where(total > 1.0 - 1e-12, 1.0, np.where(total < 1e-12, 0.0, total))
+
+
+def _dropped(scene: Scene, h: HypothesisFact, present: Present) -> NDArray[np.float64]:
+    """The cells of the hypothesis alone, without the C cells that a present occluder explains."""
+    good = np.zeros(len(next(iter(present.values()))))
+    bad = np.zeros_like(good)
+    for f in (f for f in h.features if f.in_image):
+        awaited, found = h.candidate(f), f.match is not None
+        if awaited == found:
+            good += f.dv
+        elif found:
+            bad += f.dv
+        else:
+            bad += f.dv * ~hidden(scene, h, f, present)
+    total = good + bad
+    return np.divide(good, total, out=np.full_like(good, np.nan), where=total > 0)
+
+
+def acceptance(scene: Scene, h: HypothesisFact, present: Present, influences: tuple[str, ...]) -> NDArray[np.float64]:
+    """P(present(h) | the others) in every world, (M,): P(ev), smoothed; 0 where ev is undefined or nothing is detected.
+
+    Only the presence of ``influences`` is looked at; ``h`` itself is taken as present.
+    """
+    nobody = np.zeros_like(present[h.id])
+    seen = {g: present[g] if g in influences else nobody for g in scene.by_id} | {h.id: ~nobody}
+    p = p_ev(scene, h, seen)
+    epsilon = lifted_smoothing(scene)
+    accepted = epsilon + (1.0 - 2.0 * epsilon) * p
+    if scene.situation.reconsider == "drop":
+        accepted = np.where((p > 0) & (p < 1) | (epsilon > 0), np.clip(accepted, LEAST, 1.0 - LEAST), accepted)
+    return np.where(np.isnan(p) | ~supported(scene, h, seen), 0.0, accepted)
+
+
+def lifted_smoothing(scene: Scene) -> float:
+    """ε as programs can carry it: 0, or at least ``LEAST``."""
+    epsilon = scene.situation.smoothing
+    return max(epsilon, LEAST) if epsilon > 0 else 0.0

@@ -1,0 +1,1 @@
+"""The ProbLog text that defines what a situation means (§8): ``program_text``."""

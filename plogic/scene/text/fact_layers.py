@@ -1,0 +1,141 @@
+"""Layers 1 and 2 of the program: the trees of the hypotheses, and what geometry computed."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from plogic.facts.pair_facts import both_ways
+from plogic.scene.text import support_text as floating
+from plogic.scene.text.layout import coordinate, number, quoted
+from plogic.scene.text.space_facts import whereabouts
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from plogic.facts.situation import FeatureFact, HypothesisFact, PairFact
+    from plogic.scene.text.layout import Writer
+
+
+def label_comments(w: Writer) -> Iterator[str]:
+    """What generated names stand for."""
+    generated = w.names.generated()
+    if generated:
+        yield "% Names in this text, and the labels that they stand for:"
+        yield from (f"%   {atom} = {quoted(label)}" for atom, label in generated)
+
+
+def trees(w: Writer) -> Iterator[str]:
+    """Layer 1: each hypothesis, its parts, its features."""
+    for h in w.scene.situation.hypotheses:
+        yield ""
+        yield f"{w.fact('hypothesis', h.id, h.type)} {w.fact('instance', h.id, h.group)}" + (
+            f" {w.fact('opaque_surface', h.id)}" if h.opaque else ""
+        )
+        yield from _parts(w, h)
+        yield from (w.fact("feature_of", h.id, f.id, f.type) for f in h.features)
+
+
+def _parts(w: Writer, h: HypothesisFact) -> Iterator[str]:
+    known = {part.id for part in h.parts}
+    for part in h.parts:
+        parent = w.node(h, part.parent) if part.parent in known else w.names.atom(h.id)
+        yield f"part_of({w.node(h, part.id)}, {parent})."
+    for f in h.features:
+        if f.id not in known:
+            yield f"part_of({w.node(h, f.id)}, {_host(w, h, f, known)})."
+
+
+def _host(w: Writer, h: HypothesisFact, f: FeatureFact, known: set[str]) -> str:
+    """The nearest part on the feature's path; the hypothesis itself where there is none."""
+    steps = f.id.split("/")[:-1]
+    paths = ("/".join(steps[:n]) for n in range(len(steps), 0, -1))
+    return next((w.node(h, path) for path in paths if path in known), w.names.atom(h.id))
+
+
+def geometry(w: Writer) -> Iterator[str]:
+    """Layer 2: poses, one line a feature, Γ, relations of pairs, and the side tables of measures."""
+    for h in w.scene.situation.hypotheses:
+        yield ""
+        yield _position(w, h)
+        yield from (_feature(w, h, f) for f in h.features)
+    yield from _data(w)
+    yield from _pairs(w)
+    yield from whereabouts(w)
+    yield from _measures(w)
+
+
+def _position(w: Writer, h: HypothesisFact) -> str:
+    origin = [row[3] for row in h.camera_from_object[:3]]
+    at = ", ".join(coordinate(x) for x in origin)
+    return f"at({w.names.atom(h.id)}, {at}). distance({w.names.atom(h.id)}, {coordinate(math.hypot(*origin))})."
+
+
+def _feature(w: Writer, h: HypothesisFact, f: FeatureFact) -> str:
+    facts = [f"at({w.node(h, f.id)}, {', '.join(coordinate(x) for x in f.at)})."]
+    flags = (("in_image", f.in_image), ("in_lobe", f.in_lobe), ("self_hidden", f.self_hidden))
+    facts += [w.fact(name, h.id, f.id) for name, holds in flags if holds]
+    facts += [w.fact("behind_surface", h.id, f.id, g) for g in f.hidden_by if g != h.id]
+    if f.match is not None:
+        facts.append(w.fact("match", h.id, f.id, f.match))
+    return " ".join(facts)
+
+
+def _data(w: Writer) -> Iterator[str]:
+    """Γ; who is preferred where several candidate features are matched to one appearance: the smaller residual, then the order of Δh."""
+    yield ""
+    yield "% Γ: appearance, type."
+    for a in w.scene.situation.appearances:
+        yield w.fact("datum", a.id, a.type)
+        claimants = sorted(w.scene.claimants.get(a.id, ()), key=lambda c: math.inf if c[1].residual is None else c[1].residual)
+        nodes = [w.node(h, f.id) for h, f in claimants]
+        for i, first in enumerate(nodes):
+            yield from (f"preferred({w.names.atom(a.id)}, {first}, {second})." for second in nodes[i + 1 :])
+
+
+def _pairs(w: Writer) -> Iterator[str]:
+    situation = w.scene.situation
+    yield ""
+    for name, pairs in (("overlap", situation.overlaps), ("rival_pair", situation.rivals), ("exclusive", situation.exclusive)):
+        yield from (w.fact(name, x, y) for x, y in _once(w, pairs))
+    for r in situation.relations:
+        yield from _relation(w, r, ("outline_relation", "outline_roc"), *(w.names.atom(name) for name in (r.x, r.y)))
+    for r in situation.part_relations:
+        x, y = (_node(w, name, part) for name, part in zip((r.x, r.y), r.parts, strict=True))
+        yield from _relation(w, r, ("part_relation", "part_roc"), x, y)
+
+
+def _relation(w: Writer, r: PairFact, predicates: tuple[str, str], x: str, y: str) -> Iterator[str]:
+    """The coarse relation of the ordered pair that it is said of, and the fine ones of both."""
+    coarse, fine = predicates
+    yield f"{coarse}({w.names.atom(r.relation)}, {x}, {y})."
+    pairs = ((x, y), (y, x))
+    yield from (f"{fine}({w.names.atom(name)}, {', '.join(pair)})." for name, pair in zip(both_ways(r), pairs, strict=False))
+
+
+def _node(w: Writer, name: str, part: str) -> str:
+    return w.node(w.scene.by_id[name], part) if part else w.names.atom(name)
+
+
+def _once(w: Writer, pairs: frozenset[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Each unordered pair once, in the order of Δh."""
+    order = {h.id: i for i, h in enumerate(w.scene.situation.hypotheses)}
+    x_first = {(x, y) if order[x] <= order[y] else (y, x) for x, y in pairs}
+    return sorted(x_first, key=lambda pair: (order[pair[0]], order[pair[1]]))
+
+
+def constraints(w: Writer) -> Iterator[str]:
+    """One evidence atom per constraint: none is violated (§8)."""
+    situation = w.scene.situation
+    for x, y in _once(w, situation.overlaps):
+        yield f"evidence(\\+ violated(shares_volume({w.atoms(x, y)})))."
+    if situation.reading == "score":
+        for x, y in _once(w, situation.exclusive):
+            yield f"evidence(\\+ violated(shares_data({w.atoms(x, y)})))."
+    yield from floating.evidence(w)
+
+
+def _measures(w: Writer) -> Iterator[str]:
+    situation = w.scene.situation
+    yield from (f"dv({w.atoms(name)}, {number(v)})." for name, v in situation.dv.items())
+    yield from (f"rank({w.atoms(name)}, {number(v)})." for name, v in situation.rank.items())

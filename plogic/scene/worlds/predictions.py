@@ -1,0 +1,133 @@
+"""What the occlusion relation of two objects predicts of their explanatory values, and where that fails: a reason to doubt (§3.8).
+
+| relation of x to y  | prediction                                                                                              |
+|---------------------|---------------------------------------------------------------------------------------------------------|
+| non_occludes        | ev(y given x) = ev(y), and the same of x                                                                |
+| partially_occludes  | ev(x given y) = ev(x); ev(y given x) >= ev(y), provided that x hides no detected feature of y           |
+| totally_occludes    | ev(x given y) = ev(x); y has no evidence either way: none of its features is expected or detected       |
+| mutually_occludes   | ev(y given x) >= ev(y), provided that x hides no detected feature of y, and the same of x               |
+
+ev(y given x) is taken in the world of y and x alone, in the situation's mode of reconsideration. Outlines and features are two accounts
+of one geometry, and detections a third: where they contradict each other, a pose is wrong, or a feature is not where its surface is, or a
+match is one of noise. Nothing is predicted of rivals, which never hide each other, and a transparent object hides nothing.
+
+``Doubt("totally_occludes", ("h1", "h2"), "h2 has no evidence either way", "1 feature expected, 2 detected", "roof/apex, ...")``
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from plogic.facts.dependence import Scene
+from plogic.scene.readings.score_reading import cells, p_ev
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from plogic.facts.situation import PairFact, Situation
+
+SAME = 1e-9
+"""Two values of ev that differ by less are the same: they are sums of the same numbers."""
+NAMED = 3
+"""Features that a doubt names."""
+
+
+class Doubt(NamedTuple):
+    """The ``relation`` of the pair ``args``, what it predicts, what is ``found``, and why that is so."""
+
+    relation: str
+    args: tuple[str, str]
+    expected: str
+    found: str
+    why: str
+
+    def document(self) -> dict[str, Any]:
+        """As in ``interpretation.json``."""
+        return self._asdict() | {"args": list(self.args)}
+
+
+def doubts(situation: Situation) -> tuple[Doubt, ...]:
+    """Every prediction of §3.8 that fails, in the order of the relations."""
+    scene = Scene(situation)
+    return tuple(doubt for fact in situation.relations if not scene.rival(fact.x, fact.y) for doubt in _of_pair(scene, fact))
+
+
+def said(doubt: Doubt) -> str:
+    """One line for people."""
+    return f"a reason to doubt {doubt.relation}({', '.join(doubt.args)}): expected {doubt.expected}, found {doubt.found}: {doubt.why}"
+
+
+def _of_pair(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
+    """What fails of what the relation of (x, y) says; what is its own converse is said of (y, x) by another fact."""
+    if fact.relation == "non_occludes":
+        yield from _unchanged(scene, fact, fact.y, fact.x)
+        return
+    if fact.relation in ("partially_occludes", "totally_occludes"):
+        yield from _unchanged(scene, fact, fact.x, fact.y)
+    if fact.relation == "totally_occludes":
+        yield from _without_evidence(scene, fact)
+    else:
+        yield from _not_lower(scene, fact)
+
+
+def _unchanged(scene: Scene, fact: PairFact, subject: str, other: str) -> Iterator[Doubt]:
+    alone, beside = _ev(scene, subject), _ev(scene, subject, other)
+    if not _same(alone, beside):
+        hidden = _named(_hidden(scene, subject, other))
+        why = f"{other} is nowhere in front of {subject}, and yet the line of sight to {hidden} meets it first"
+        yield Doubt(fact.relation, (fact.x, fact.y), f"ev({subject} given {other}) = ev({subject}) = {_signed(alone)}", _signed(beside), why)
+
+
+def _not_lower(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
+    h = scene.by_id[fact.y]
+    hidden = set(_hidden(scene, fact.y, fact.x))
+    alone, beside = _ev(scene, fact.y), _ev(scene, fact.y, fact.x)
+    detected = any(f.id in hidden and f.match is not None for f in h.features)
+    if not detected and alone - beside > SAME:
+        expected, why = f"ev({fact.y} given {fact.x}) >= ev({fact.y}) = {_signed(alone)}", f"{fact.x} hides no detected feature of {fact.y}"
+        yield Doubt(fact.relation, (fact.x, fact.y), expected, _signed(beside), why)
+
+
+def _without_evidence(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
+    if not scene.by_id[fact.x].opaque:
+        return
+    h, present = scene.by_id[fact.y], _present(scene, fact.y, fact.x)
+    found = {f.id: cells(scene, h, f, present) for f in h.features if f.in_image}
+    expected = [name for name, cell in found.items() if cell.expected[0]]
+    detected = [name for name, cell in found.items() if cell.detected[0]]
+    if expected or detected:
+        some = _named(list(dict.fromkeys([*detected, *expected])))
+        what = f"{len(expected)} expected, {len(detected)} detected"
+        why = f"{some} of {fact.y}, whose image {fact.x} covers, should be hidden"
+        yield Doubt(fact.relation, (fact.x, fact.y), f"no feature of {fact.y} expected or detected given {fact.x}", what, why)
+
+
+def _ev(scene: Scene, name: str, *others: str) -> float:
+    """Ev of a hypothesis in the world of it and the others; NaN where it is undefined."""
+    return 2.0 * float(p_ev(scene, scene.by_id[name], _present(scene, name, *others))[0]) - 1.0
+
+
+def _present(scene: Scene, *names: str) -> dict[str, np.ndarray[tuple[int], np.dtype[np.bool_]]]:
+    return {h: np.array([h in names]) for h in scene.by_id}
+
+
+def _hidden(scene: Scene, name: str, other: str) -> list[str]:
+    """The features of a hypothesis, expected of it alone, that the other hides (D4)."""
+    h = scene.by_id[name]
+    return [f.id for f in h.features if f.in_image and h.candidate(f) and other in scene.hiders(h, f)]
+
+
+def _same(one: float, other: float) -> bool:
+    return (math.isnan(one) and math.isnan(other)) or abs(one - other) <= SAME
+
+
+def _named(features: list[str]) -> str:
+    more = len(features) - NAMED
+    return ", ".join(features[:NAMED]) + (f" and {more} more" if more > 0 else "")
+
+
+def _signed(ev: float) -> str:
+    return "undefined" if math.isnan(ev) else f"{ev:+.3f}"

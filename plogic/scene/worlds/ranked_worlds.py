@@ -1,0 +1,162 @@
+"""Ranked possible worlds, exact, without ProbLog: tested equal to the program text (§8).
+
+Vocabulary:
+
+* ``World``, one assignment of present/1, ``World(0.961, ("h1", "h2"), {"a1": "h1/roof/apex", "a9": "noise"}, (0.961, 0.961))``
+* ``Ranking``, the most probable worlds with everything that a caller would otherwise normalise again
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.base.clock import Clock, OutOfTimeError
+from plogic.base.errors import InconsistentError, LimitError
+from plogic.facts.sanity import check
+from plogic.inference.graph import FactorGraph
+from plogic.inference.marginals import beliefs
+from plogic.scene.factors.alternatives import cast_of
+from plogic.scene.factors.pieces import pieces
+from plogic.scene.factors.scene_graph import scene_graph
+from plogic.scene.factors.summed_ranking import weighed
+from plogic.scene.worlds.causes import CauseTable
+
+if TYPE_CHECKING:
+    from plogic.facts.situation import Situation
+    from plogic.inference.marginals import Beliefs
+    from plogic.scene.factors.scene_graph import SceneGraph
+
+    Interval = tuple[float, float]
+    Listed = list[tuple[float, tuple[str, ...]]]
+
+TIE = 1e-9
+"""Log weights as near as this may be ties: they are all looked at before the list is cut."""
+FIRST = 0.25
+"""Seconds that the search for the most probable world may take, however near the deadline is."""
+MOST_TIES = 1000
+"""Worlds beyond the wanted ones that are looked at for that; of more ties than these, the first in the order of states are listed."""
+
+
+@dataclass(frozen=True)
+class World:
+    """One possible world; ``present`` in the order of Δh, ``causes`` for every appearance of Γ; ``interval`` bounds the probability."""
+
+    probability: float
+    present: tuple[str, ...]
+    causes: dict[str, str]
+    interval: Interval
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """The ``worlds``, most probable first, ties by ids; the interval of the mass ``unlisted``; ``marginals`` P(present(H)).
+
+    ``log_evidence`` is ln P(constraints) in the score reading, and ln of the density of Γ's claimed part, of what is missing in it and of
+    the constraints in the posterior reading. ``intervals`` and ``log_evidence_interval`` bound them: both ends are the same but where a
+    deadline was reached; then ``marginals`` and ``log_evidence`` are the middles. ``complete``: whether the deadline cut no world off the list.
+    """
+
+    worlds: tuple[World, ...]
+    unlisted: Interval
+    log_evidence: float
+    marginals: dict[str, float]
+    intervals: dict[str, Interval]
+    log_evidence_interval: Interval
+    complete: bool = True
+
+    @property
+    def exact(self) -> bool:
+        """Whether the list is complete and every number exact."""
+        bounds = [self.log_evidence_interval, *self.intervals.values()]
+        return self.complete and all(low == high for low, high in bounds)
+
+
+def ranked_worlds(situation: Situation, n: int = 10, *, seconds: float | None = None) -> Ranking:
+    """The ``n`` most probable worlds; with ``seconds``, what can be said by then, in intervals that contain the exact values.
+
+    Raises InconsistentError where none is possible, WidthError (without ``seconds``) where exact inference would need too large a table.
+    """
+    check(situation)
+    end = None if seconds is None else time.monotonic() + seconds
+    scene = scene_graph(situation)
+    belief = beliefs(scene.graph, seconds=None if seconds is None else seconds / 2)
+    if belief.log_z[1] == -math.inf:
+        raise InconsistentError(_reason(scene))
+    return ranking_of(situation, scene, belief, listed_worlds(situation, scene, n, end))
+
+
+def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, found: tuple[Listed, bool]) -> Ranking:
+    """The ranking from what inference found: log weights and what is present, in any order, and whether that list is complete."""
+    listed, complete = found
+    low, high = belief.log_z
+    low = max(low, _log_sum([weight for weight, _ in listed]))
+    log_z = (min(low, high), high)
+    causes = CauseTable(cast_of(situation)).causes([present for _, present in listed])
+    worlds = tuple(World(_middle(p), present, c, p) for (p, present), c in zip(_chances(listed, log_z), causes, strict=True))
+    intervals = {h.id: _interval(belief, *scene.place[h.id]) for h in situation.hypotheses}
+    return Ranking(worlds, _unlisted(worlds), _middle(log_z), {h: _middle(i) for h, i in intervals.items()}, intervals, log_z, complete)
+
+
+def listed_worlds(situation: Situation, scene: SceneGraph, n: int, end: float | None = None) -> tuple[Listed, bool]:
+    """The ``n`` heaviest worlds; weights that agree to twelve digits are ties, and go by ids.
+
+    By ``end`` (a moment of ``time.monotonic``) those that were found till then, and whether none is missing.
+    """
+    ids = [h.id for h in situation.hypotheses]
+    number = {name: i for i, name in enumerate(ids)}
+    numbers = [(-1, *[number[str(name)] for name in v.states[1:]]) for v in scene.variables]
+    found: Listed = []
+    complete = end is None
+    with contextlib.suppress(*(() if end is None else (LimitError, OutOfTimeError))):
+        for weight, states in weighed(scene, Clock(None if end is None else max(end - time.monotonic(), FIRST))):
+            if end is not None and found and time.monotonic() > end:
+                raise OutOfTimeError
+            if len(found) >= n and (not n or weight < found[n - 1][0] - TIE or len(found) >= n + MOST_TIES):
+                break
+            members = sorted([mine[s] for mine, s in zip(numbers, states, strict=True) if s])
+            found.append((weight, tuple([ids[i] for i in members])))
+        complete = True
+    top = found[0][0] if found else 0.0
+    listed = sorted(found, key=lambda world: (-float(f"{math.exp(world[0] - top):.11e}"), world[1]))[:n]
+    return listed, complete or len(listed) == n
+
+
+def _chances(listed: Listed, log_z: Interval) -> list[tuple[Interval, tuple[str, ...]]]:
+    return [((min(math.exp(weight - log_z[1]), 1.0), min(math.exp(weight - log_z[0]), 1.0)), present) for weight, present in listed]
+
+
+def _unlisted(worlds: tuple[World, ...]) -> Interval:
+    low, high = (1.0 - math.fsum(w.interval[end] for w in worlds) for end in (1, 0))
+    return (0.0 if low < 1e-12 else low, 0.0 if high < 1e-12 else high)
+
+
+def _interval(belief: Beliefs, v: int, s: int) -> Interval:
+    return min(max(float(belief.low[v][s]), 0.0), 1.0), min(max(float(belief.high[v][s]), 0.0), 1.0)
+
+
+def _middle(interval: Interval) -> float:
+    low, high = interval
+    return low if low == high else (low + high) / 2
+
+
+def _log_sum(logs: list[float]) -> float:
+    return float(np.logaddexp.reduce(logs)) if logs else -math.inf
+
+
+def _reason(scene: SceneGraph) -> str:
+    """Which hypotheses cannot be reconciled: those of the first piece of the graph without a possible joint state."""
+    for piece in pieces(scene.graph):
+        factors = tuple(f for f in scene.graph.factors if f.scope and f.scope[0] in piece)
+        if beliefs(FactorGraph(scene.graph.cards, factors)).log_z[1] == -math.inf:
+            names = [name for name, (v, _) in scene.place.items() if v in piece]
+            return (
+                f"no world satisfies the constraints on {', '.join(names)}: "
+                "each excludes what another holds for certain (smoothing would help)"
+            )
+    return "no world satisfies the constraints"

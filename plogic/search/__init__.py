@@ -1,1 +1,0 @@
-"""Generation of Δh (§6.3, §7.1): from typed appearances to posed hypotheses, most distinctive first."""

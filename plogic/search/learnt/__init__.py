@@ -1,1 +1,0 @@
-"""Hypotheses of learnt types: one matched keypoint is a whole pose, poses that agree are voted for, the best are refined."""

@@ -1,0 +1,1 @@
+"""Several views of one place: the panorama, constancy, and the next view."""

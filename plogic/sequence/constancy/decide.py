@@ -1,0 +1,92 @@
+"""Case D decided (§4.4): from the unexplained data of moved views to unknown objects, noise, and what no view could tell."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.sequence.constancy.company import company_of
+from plogic.sequence.constancy.objects import clusters
+from plogic.sequence.constancy.packing import packing, probabilities
+from plogic.sequence.constancy.result import Constancy, PhysicalFeature, UnknownObject
+from plogic.sequence.constancy.sight_lines import sights_of
+from plogic.sequence.constancy.tellable import tellable
+from plogic.sequence.constancy.tracks import Tracks, tracks_of
+from plogic.sequence.constancy.weights import log_weights
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import Rates
+    from plogic.sequence.constancy.sight_lines import Sights
+    from plogic.sequence.constancy.weights import Hidden
+    from plogic.sequence.views.view import View
+
+    Floats = NDArray[np.float64]
+    Ints = NDArray[np.intp]
+
+PHYSICAL = 0.5
+"""Probability from which a feature is called physical: there is nothing better to call it."""
+CERTAIN = 0.95
+"""Probability from which it tells where others are."""
+HOPELESS = -6.0
+"""w below which a track is neither taken nor a rival that counts."""
+
+
+def unknown_objects(
+    views: Sequence[View], unexplained: Mapping[str, Sequence[str]], rates: Rates, hidden: Hidden | None = None, *, looks: int = 2
+) -> Constancy:
+    """What is physical of the ``unexplained`` data (ids by view): seen at one place from two views or more, and again where it should be.
+
+    ``hidden`` says which places the known bodies hide from a view (``plogic.sequence.constancy.hiding``). A pure function of all the views: the order
+    of data changes nothing but the numbering. Two looks: the second knows where the first found features, for features come in objects;
+    with ``looks`` 1 there is none.
+    """
+    sights = sights_of(views, unexplained, rates)
+    tracks = tracks_of(sights) if len(views) > 1 and sights.types else None
+    if tracks is None or not len(tracks.kind):
+        return _answer(sights, None, np.zeros(0), hidden)
+    weight = log_weights(sights, tracks, hidden)
+    tracks, weight = tracks.some(weight > HOPELESS - FAR), weight[weight > HOPELESS - FAR]
+    chosen = packing(tracks.data, weight)
+    sure = chosen[probabilities(tracks.data, weight, chosen) >= CERTAIN]
+    company = company_of(tracks.data[sure], tracks.places.at[sure])
+    if company is not None and looks > 1:
+        weight = log_weights(sights, tracks, hidden, company)
+    chosen = packing(tracks.data, weight)
+    probability = probabilities(tracks.data, weight, chosen)
+    kept = chosen[probability >= PHYSICAL]
+    return _answer(sights, tracks.some(kept), probability[probability >= PHYSICAL], hidden)
+
+
+FAR = 8.0
+"""What company may add to w at most, about."""
+
+
+def _answer(sights: Sights, tracks: Tracks | None, probability: Floats, hidden: Hidden | None) -> Constancy:
+    data = np.zeros((0, len(sights.views)), np.intp) if tracks is None else tracks.data
+    noise, undecided = {}, {}
+    for v, view in enumerate(sights.views):
+        taken = set(data[data[:, v] >= 0, v].tolist())
+        told = tellable(sights, v, hidden).tolist()
+        noise[view.id] = tuple(name for i, name in enumerate(sights.ids[v]) if i not in taken and told[i])
+        undecided[view.id] = tuple(name for i, name in enumerate(sights.ids[v]) if i not in taken and not told[i])
+    return Constancy(() if tracks is None else _objects(sights, tracks, probability), noise, undecided)
+
+
+def _objects(sights: Sights, tracks: Tracks, probability: Floats) -> tuple[UnknownObject, ...]:
+    groups = clusters(tracks.places.at)
+    return tuple(_object(f"u{n}", sights, tracks.some(group), probability[group]) for n, group in enumerate(groups, 1))
+
+
+def _object(name: str, sights: Sights, tracks: Tracks, probability: Floats) -> UnknownObject:
+    worst = np.sqrt(np.linalg.eigvalsh(tracks.places.covariance)[:, -1])
+    features = []
+    for i, row in enumerate(tracks.data.tolist()):
+        data = {sights.views[v].id: sights.ids[v][d] for v, d in enumerate(row) if d >= 0}
+        kind = sights.types[tracks.kind[i]]
+        features.append(PhysicalFeature(f"{name}/f{i + 1}", kind, tracks.places.at[i], float(worst[i]), float(probability[i]), data))
+    return UnknownObject(name, float(1.0 - np.prod(1.0 - probability)), tuple(features))

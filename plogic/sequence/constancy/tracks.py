@@ -1,0 +1,148 @@
+"""Which data, one a view at most, may be of one place: pairs, extended view by view to what lies where they lead.
+
+Vocabulary: ``Tracks``, T candidates with their appearance types and places.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from plogic.sequence.constancy.epipolar_pairs import pairs_of
+from plogic.sequence.constancy.places import Places, places_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from plogic.sequence.constancy.sight_lines import Sights
+
+    Floats = NDArray[np.float64]
+    Ints = NDArray[np.intp]
+    Flags = NDArray[np.bool_]
+
+MIN_PARALLAX = float(np.radians(2.0))
+"""Between two lines of sight to a place: with less, views cannot tell how far away it is, and so not that it is one place."""
+DEPTHS = 0.2, 10.0
+"""m from a camera, least and most, between which unknown places are sought."""
+GATE = 13.82
+"""χ² of two degrees of freedom that one true datum in a thousand exceeds."""
+STRONG, SMALL = 4, 3
+"""Data of a track that is taken for the best of its kind; most of those that are kept besides what came of them."""
+RARE = 0.001
+"""Share of true tracks whose residuals may be so large that they are lost."""
+
+
+class Tracks(NamedTuple):
+    """``data`` (T, V): in each view the index of a datum, -1 for none; ``kind`` (T,) the number of its type; where they lie."""
+
+    data: Ints
+    kind: Ints
+    places: Places
+
+    def some(self, which: Flags | Ints) -> Tracks:
+        """Those of an index or a mask."""
+        return Tracks(self.data[which], self.kind[which], self.places.some(which))
+
+
+def tracks_of(sights: Sights) -> Tracks:
+    """Pairs that meet, and what each becomes by taking up, view after view, the datum nearest to where its place is seen; each once.
+
+    Pairs of views that follow each other go first. Others that lie within what those became, of ``STRONG`` data or more, would become the same.
+    """
+    pairs = pairs_of(sights)
+    next_to = ((pairs >= 0)[:, 1:] & (pairs >= 0)[:, :-1]).any(axis=1)
+    first = _grown(sights, pairs[next_to])
+    rest = pairs[~next_to]
+    later = _grown(sights, rest[~_within(first[(first >= 0).sum(axis=1) >= STRONG], rest)])
+    return _plausible(sights, _once(np.concatenate([first, later])))
+
+
+def _grown(sights: Sights, pairs: Ints) -> Ints:
+    """(T, V) pairs that are plausible, threes on the way, and what each came to in the end."""
+    current = _plausible(sights, pairs)
+    found = [current.data]
+    for v in range(len(sights.views)):
+        grown = _taken_up(sights, current, v)
+        more = (grown != current.data).any(axis=1)
+        longer = _plausible(sights, _once(grown[more]))
+        found.append(longer.data[(longer.data >= 0).sum(axis=1) <= SMALL])
+        current = _joined(longer, current.some(~more))
+    return np.concatenate([*found, current.data])
+
+
+def _joined(one: Tracks, other: Tracks) -> Tracks:
+    """Both."""
+    places = Places(*(np.concatenate([a, b]) for a, b in zip(one.places, other.places, strict=True)))
+    return Tracks(np.concatenate([one.data, other.data]), np.concatenate([one.kind, other.kind]), places)
+
+
+def _once(data: Ints) -> Ints:
+    """Each of some tracks (T, V) once, in a fixed order."""
+    short = np.ascontiguousarray(data, np.int32)
+    rows = short.view(np.dtype((np.void, short.dtype.itemsize * short.shape[1]))).ravel()
+    return np.asarray(data[np.sort(np.unique(rows, return_index=True)[1])])
+
+
+def _within(tracks: Ints, pairs: Ints) -> Flags:
+    """(T,) which pairs have both data in one of the tracks."""
+    views, size = pairs.shape[1], int(max(tracks.max(initial=0), pairs.max(initial=0))) + 1
+    codes = [
+        ((i * size + tracks[both, i]) * views + j) * size + tracks[both, j]
+        for i in range(views) for j in range(i + 1, views) if (both := (tracks[:, i] >= 0) & (tracks[:, j] >= 0)).any()
+    ]  # fmt: skip
+    _, seen = np.nonzero(pairs >= 0)
+    i, j = seen.reshape(-1, 2).T
+    rows = np.arange(len(pairs))
+    own = ((i * size + pairs[rows, i]) * views + j) * size + pairs[rows, j]
+    return np.isin(own, np.concatenate([np.zeros(0, np.intp), *codes]))
+
+
+def _plausible(sights: Sights, data: Ints) -> Tracks:
+    """Those in front of their cameras, at a depth that is sought, with parallax enough, whose residuals are no larger than noise makes them."""
+    from scipy.special import chdtri
+
+    kind = _kinds(sights, data)
+    places = places_of(sights, data, kind)
+    freedom = 2 * (data >= 0).sum(axis=1) - 3
+    depth = np.where(data >= 0, places.depth, np.nan)
+    with np.errstate(invalid="ignore"):
+        near = (~(depth < DEPTHS[0]) & ~(depth > DEPTHS[1])).all(axis=1)
+    fits = places.chi2 < chdtri(np.maximum(freedom, 1), RARE)
+    return Tracks(data, kind, places).some(places.good & near & fits & (places.parallax >= MIN_PARALLAX))
+
+
+def _kinds(sights: Sights, data: Ints) -> Ints:
+    """(T,) the appearance type of each track's data."""
+    first = (data >= 0).argmax(axis=1)
+    return np.asarray(sights.kind[first, data[np.arange(len(data)), first]]) if len(data) else np.zeros(0, np.intp)
+
+
+def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Ints:
+    """(T, V) the tracks with the datum of view ``v`` that is nearest to where they lead; as they were where there is none, or one already."""
+    grown = tracks.data.copy()
+    free = np.flatnonzero(tracks.data[:, v] < 0)
+    if not len(free) or not sights.xy.shape[1]:
+        return grown
+    squared = _squared(sights, tracks.some(free), v)
+    squared[sights.kind[v][None] != tracks.kind[free][:, None]] = np.inf
+    nearest = squared.argmin(axis=1)
+    close = squared[np.arange(len(free)), nearest] < GATE
+    grown[free[close], v] = nearest[close]
+    return grown
+
+
+def _squared(sights: Sights, tracks: Tracks, v: int) -> Floats:
+    """(T, N) squared Mahalanobis distances of a view's data from where the tracks' places are seen, by the places' own uncertainty too."""
+    R, t = sights.camera_from_world[v, :3, :3], sights.camera_from_world[v, :3, 3]
+    points = tracks.places.at @ R.T + t
+    z = points[:, 2:]
+    safe = np.where(z > DEPTHS[0] / 10, z, np.nan)
+    ideal = points[:, :2] / safe
+    jacobian = (R[None, :2] - ideal[..., None] * R[None, 2:]) / safe[..., None]
+    spread = jacobian @ tracks.places.covariance @ np.swapaxes(jacobian, 1, 2)
+    spread = spread + np.eye(2) * sights.sigma[v, tracks.kind][:, None, None] ** 2
+    (a, b), d = (spread[:, 0, 0], spread[:, 0, 1]), spread[:, 1, 1]
+    off = sights.xy[v][None] - ideal[:, None]
+    squared = (d[:, None] * off[..., 0] ** 2 - 2 * b[:, None] * off[..., 0] * off[..., 1] + a[:, None] * off[..., 1] ** 2) / (a * d - b * b)[:, None]
+    return np.where(np.isnan(squared), np.inf, squared)

@@ -1,0 +1,114 @@
+"""What each world leads to expect from a camera (D7): every feature that is in the image, in a lobe, and not Behind what stands there.
+
+* ``Sightings``: the N features of all bodies that would be expected if their body stood alone, with what may hide them
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from geometry.frames import inverse, transform_points
+from geometry.visibility.behind import behind
+from kb.clouds.lobes import in_lobe
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from geometry.camera import Camera
+    from plogic.sequence.next_view.prospect import Body, Cloud, Prospect
+
+    Floats = NDArray[np.float64]
+    Flags = NDArray[np.bool_]
+    Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Sightings:
+    """N features: ``body`` (N,) and ``feature`` (N,) which; ``uv`` (N, 2) pixels; ``looks`` (N, T) the types that lobes report from here.
+
+    ``hit`` (N,): the greatest rate of a lobe that holds the camera. ``hidden`` (N, B): Behind which other bodies it is, transparent ones and
+    rivals left out. ``names`` (T,): the types.
+    """
+
+    body: Indices
+    feature: Indices
+    uv: Floats
+    looks: Flags
+    hit: Floats
+    hidden: Flags
+    names: tuple[str, ...]
+
+    def expected(self, present: Flags) -> Flags:
+        """(W, N) Expected in each world (D7): ``present`` (W, B)."""
+        veiled = present.astype(np.float64) @ self.hidden.T.astype(np.float64) > 0.0
+        return np.asarray(present[:, self.body] & ~veiled)
+
+
+class _Alone(NamedTuple):
+    """Of one body alone: which features would be expected (M,), where in the camera frame (M, 3), how they look (M, T) and how often (M,)."""
+
+    feature: Indices
+    at: Floats
+    looks: Flags
+    hit: Floats
+
+
+def sightings(prospect: Prospect, camera: Camera, reference_from_camera: Floats) -> Sightings:
+    """What would be seen of each body from a camera there, whose own pose in the world does not matter."""
+    camera_from_reference = inverse(reference_from_camera)
+    names = tuple(sorted({name for body in prospect.bodies for name in body.cloud.lobes.types}))
+    poses = [camera_from_reference @ body.reference_from_object for body in prospect.bodies]
+    parts = [_alone(body, pose, camera, camera.f / prospect.f_ref, names) for body, pose in zip(prospect.bodies, poses, strict=True)]
+    hidden = [_hidden(i, part.at, poses, prospect) for i, part in enumerate(parts)]
+    at = np.concatenate([part.at for part in parts]) if parts else np.zeros((0, 3))
+    return Sightings(
+        body=np.repeat(np.arange(len(parts)), [len(part.feature) for part in parts]),
+        feature=np.concatenate([part.feature for part in parts]) if parts else np.zeros(0, np.intp),
+        uv=camera.project(at),
+        looks=np.concatenate([part.looks for part in parts]) if parts else np.zeros((0, 0), bool),
+        hit=np.concatenate([part.hit for part in parts]) if parts else np.zeros(0),
+        hidden=np.concatenate(hidden) if hidden else np.zeros((0, 0), bool),
+        names=names,
+    )
+
+
+def _alone(body: Body, pose: Floats, camera: Camera, granularity: float, names: tuple[str, ...]) -> _Alone:
+    """Of a body at camera_from_object: in the image, in a lobe, and not Behind its own host where that is opaque."""
+    cloud, table = body.cloud, body.cloud.lobes
+    held = np.flatnonzero(in_lobe(table, inverse(pose)[:3, 3], granularity)[0])
+    place = {name: i for i, name in enumerate(names)}
+    looks, hit = np.zeros((table.features, len(names)), bool), np.zeros(table.features)
+    looks[table.feature[held], [place[table.types[lobe]] for lobe in held]] = True
+    np.maximum.at(hit, table.feature[held], cloud.hit[held])
+    first = np.full(table.features, -1)
+    first[table.feature[::-1]] = np.arange(len(table.feature))[::-1]
+    feature = np.flatnonzero(looks.any(axis=1))
+    at = transform_points(pose, table.at[first[feature]])
+    shown = camera.contains(camera.project(at))
+    if body.opaque and cloud.rays is not None and not cloud.measured:
+        shown &= ~behind(at, cloud.rays, pose, cloud.slack)
+    return _Alone(feature[shown], at[shown], looks[feature[shown]], hit[feature[shown]])
+
+
+def _hidden(which: int, at: Floats, poses: list[Floats], prospect: Prospect) -> Flags:
+    """(M, B) which other opaque bodies the features (M, 3) of one lie Behind; rivals hide nothing of each other (§4.1)."""
+    bodies = prospect.bodies
+    hidden = np.zeros((len(at), len(bodies)), bool)
+    for other, body in enumerate(bodies):
+        rays, pair = body.cloud.rays, frozenset((bodies[which].id, body.id))
+        if other == which or not body.opaque or rays is None or not len(at) or pair in prospect.rivals or _beside(body.cloud, poses[other], at):
+            continue
+        hidden[:, other] = behind(at, rays, poses[other], body.cloud.slack)
+    return hidden
+
+
+def _beside(cloud: Cloud, pose: Floats, at: Floats) -> bool:
+    """Whether no line of sight to the features (M, 3) comes near the ball around a body: then there is nothing to cast."""
+    middle = transform_points(pose, cloud.middle[None])[0]
+    length = np.linalg.norm(at, axis=1)
+    along = np.clip(at @ middle / np.maximum(length, 1e-12), 0.0, length)
+    nearest = np.linalg.norm(middle - at * (along / np.maximum(length, 1e-12))[:, None], axis=1)
+    return bool((nearest > cloud.radius).all())

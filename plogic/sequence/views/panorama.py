@@ -1,0 +1,212 @@
+"""Δp, the panorama (§1): what was interpreted over a sequence of views, kept in the world's frame.
+
+What leaves the view stays, with its probability and its age; what comes back into view is looked at where it is remembered, before any search.
+The world is taken to stand still: what is expected in a view and plainly not there is gone, and is forgotten.
+
+* ``Known``: one object of Δp, ``Known("p1", standing, 0.99, last_seen="v3", age=2)``
+* ``Panorama``: Δp over the views so far
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from plogic.base.stopwatch import Stopwatch
+from plogic.cycle.beside import FEWEST
+from plogic.cycle.recall import Seed
+from plogic.match.gamma.data import data_of
+from plogic.match.judged.evidence import evidence, hit_rates
+from plogic.match.judged.expectation import hidden_by
+from plogic.match.judged.rivals import claims, hidden_among
+from plogic.sequence.views.joint import joint
+from plogic.sequence.views.standing import Seen, Standing, seen_alone, standing_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from plogic.cycle.belief import Cycle
+    from plogic.cycle.delta import Options
+    from plogic.match.judged.expectation import Posed
+    from plogic.run.perceive import Perceiver
+    from plogic.scene.worlds.ranked_worlds import Ranking
+    from plogic.sequence.views.joint import Joint
+    from plogic.sequence.views.view import View
+
+WINDOW = 6
+"""Views that are judged together, the newest; what is known of an object from older ones is its probability."""
+MOST = 12
+"""Hypotheses that are judged together."""
+BELIEVED = 0.5
+"""Least probability of what is in Δp."""
+POSSIBLE = 0.01
+"""Least probability of a rival that is carried on to the next view."""
+GONE = -5.0
+"""Log-likelihood ratio in one view, of an object that is expected there, below which it is gone: 150 to 1 against it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """One object of Δp. ``age``: views since it was last in view; ``by_view``: which hypothesis of a view's interpretation it was."""
+
+    id: str
+    standing: Standing
+    probability: float
+    last_seen: str
+    age: int = 0
+    by_view: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What one view came to: the interpretation document, what Δp led to expect, what is gone, the ids of data that nobody explains."""
+
+    view: View
+    interpretation: dict[str, Any]
+    predicted: tuple[dict[str, Any], ...]
+    gone: tuple[str, ...]
+    unexplained: tuple[str, ...]
+    seconds: dict[str, float]
+
+
+class Panorama:
+    """Δp. ``look`` at one view after the other; ``known`` is what is believed, ``rivals`` what might be there instead."""
+
+    def __init__(self, perceiver: Perceiver, options: Options) -> None:
+        self.perceiver, self.options = perceiver, options
+        self.seen: list[Seen] = []
+        self.known: list[Known] = []
+        self.rivals: list[Standing] = []
+        self.ranking: Ranking | None = None
+        self.joint: Joint | None = None
+        self.usual: dict[str, int] = {}
+        self.named = 0
+
+    def look(self, view: View, image: NDArray[np.uint8] | None = None) -> Look:
+        """Interpret a view with what is remembered, and remember what comes of it. Raises BeliefError as a single image does."""
+        clock = Stopwatch()
+        with clock.stage("expect"):
+            expected = self.expected(view)
+        seeds = [Seed(known.standing.index, known.standing.before(view)) for known, _ in expected]
+        data, cycle = self.perceiver.cycle(view.gamma, self.options, clock, seeds, self.usual)
+        interpretation = self.perceiver.document(view.gamma, data, cycle, self.options, image, clock)
+        seen = Seen(view, data)
+        with clock.stage("together"):
+            gone = self._forget(expected, cycle, seen)
+            self.seen = [*self.seen, seen][-WINDOW:]
+            self._remember(cycle, view, [known.id for known, _ in expected])
+        left = _left(cycle, seen)
+        if not any(step.event == "no search" for step in cycle.trace.steps):
+            self._searched(left, seen)
+        return Look(view, interpretation, self._foreseen(expected), gone, left, clock.seconds)
+
+    def _searched(self, left: Sequence[str], seen: Seen) -> None:
+        """Note how many data of each type a search left unexplained: the most of any view."""
+        kind = dict(zip(seen.data.ids, seen.data.types, strict=True))
+        here = Counter(kind[name] for name in left)
+        self.usual = {name: max(here[name], self.usual.get(name, 0)) for name in sorted({*here, *self.usual})}
+
+    def predicted(self, view: View) -> tuple[dict[str, Any], ...]:
+        """What anticipated motion leads to expect: of each object of Δp that should be seen from there, as ``panorama/1`` says it."""
+        return self._foreseen(self.expected(view))
+
+    def _foreseen(self, expected: Sequence[tuple[Known, Posed]]) -> tuple[dict[str, Any], ...]:
+        return tuple(_told(known, posed, self.perceiver) for known, posed in expected)
+
+    def expected(self, view: View) -> list[tuple[Known, Posed]]:
+        """What of Δp should be seen from here, the surest first: of which ``FEWEST`` features or more are expected (D7). Γ is not looked at."""
+        blank = Seen(view, data_of((), view.gamma.camera, self.perceiver.width))
+        posed = [(known, seen_alone(known.standing, blank, self.perceiver.kb)) for known in self.known]
+        return [(known, one) for known, one in sorted(posed, key=lambda pair: -pair[0].probability) if _awaited(one, posed).sum() >= FEWEST]
+
+    def _forget(self, expected: Sequence[tuple[Known, Posed]], cycle: Cycle, seen: Seen) -> tuple[str, ...]:
+        """Drop from Δp what is expected here, was not found, and is plainly not there. Its ids."""
+        gone = []
+        for known, _ in expected:
+            found = any(known.standing.same(standing_of(b, seen.view), seen.view) for b in cycle.accepted)
+            if not found and self._speaks(known, cycle, seen) < GONE:
+                gone.append(known.id)
+        self.known = [known for known in self.known if known.id not in gone]
+        return tuple(gone)
+
+    def _speaks(self, known: Known, cycle: Cycle, seen: Seen) -> float:
+        """The log-likelihood ratio of one object in one view, where what was accepted there hides what it hides."""
+        posed = seen_alone(known.standing, seen, self.perceiver.kb)
+        hidden = hidden_among(posed, [belief.posed for belief in cycle.accepted])
+        return evidence(posed, seen.data, self.perceiver.kb, hidden).ratio
+
+    def _remember(self, cycle: Cycle, view: View, in_view: Sequence[str]) -> None:
+        """Judge what is known and what is new in all views together, and keep what is probable."""
+        standing = [known.standing for known in self.known]
+        fresh = [standing_of(b, view) for b in (*cycle.accepted, *cycle.considered)]
+        for some in (*fresh, *self.rivals):
+            if not any(some.same(other, view) for other in standing):
+                standing.append(some)
+        standing = [some for some in standing if self._shown(some)][:MOST]
+        self.joint, self.ranking = None, None
+        chances: list[tuple[Standing, float]] = []
+        if standing:
+            self.joint, self.ranking = joint(self.seen, standing, self.perceiver, self.options)
+            chances = [(some, self.ranking.marginals[f"h{i}"]) for i, some in enumerate(self.joint.standing, 1)]
+        self.rivals = [some for some, chance in chances if POSSIBLE <= chance < BELIEVED]
+        self._update([pair for pair in chances if pair[1] >= BELIEVED], cycle, view, in_view)
+
+    def _shown(self, some: Standing) -> bool:
+        """Whether some view of the window shows anything of it."""
+        return any(seen_alone(some, seen, self.perceiver.kb).candidate.any() for seen in self.seen)
+
+    def _update(self, believed: Sequence[tuple[Standing, float]], cycle: Cycle, view: View, in_view: Sequence[str]) -> None:
+        """Δp after a view: what is believed, under its old name where it has one, and what no view of the window shows, as it was."""
+        kept = [known for known in self.known if not self._shown(known.standing)]
+        others = [known for known in self.known if self._shown(known.standing)]
+        for some, chance in believed:
+            old = next((known for known in others if some.same(known.standing, view)), None)
+            if old is None:
+                self.named += 1
+                old = Known(f"p{self.named}", some, chance, view.id)
+                kept.append(_aged(old, some, chance, cycle, view, here=True))
+            else:
+                others = [known for known in others if known is not old]
+                kept.append(_aged(old, some, chance, cycle, view, here=old.id in in_view))
+        outside = [replace(k, age=k.age + 1) for k in kept if k.last_seen != view.id]
+        self.known = sorted([*(k for k in kept if k.last_seen == view.id), *outside], key=lambda known: int(known.id[1:]))
+
+
+def _aged(old: Known, standing: Standing, chance: float, cycle: Cycle, view: View, *, here: bool) -> Known:
+    """The same object after one more view, in which it was found or was expected (``here``), or which did not show it."""
+    names = [f"h{i}" for i, b in enumerate(cycle.accepted, 1) if standing.same(standing_of(b, view), view)]
+    by_view = {**old.by_view, **({view.id: names[0]} if names else {})}
+    if names or here:
+        return Known(old.id, standing, chance, view.id, 0, by_view)
+    return replace(old, standing=standing, probability=chance, by_view=by_view)
+
+
+def _left(cycle: Cycle, seen: Seen) -> tuple[str, ...]:
+    """Ids of a view's data that no accepted hypothesis claims."""
+    taken = {i for belief in cycle.accepted for i in claims(belief.posed)}
+    return tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
+
+
+def _awaited(posed: Posed, others: Sequence[tuple[Known, Posed]]) -> NDArray[np.bool_]:
+    """(F,) the features that are expected where all of Δp stands as it is remembered."""
+    mask = posed.candidate.copy()
+    for _, other in others:
+        if other is not posed and other.object_type.opaque:
+            mask &= ~hidden_by(posed, other)
+    return mask
+
+
+def _told(known: Known, posed: Posed, perceiver: Perceiver) -> dict[str, Any]:
+    """What anticipated motion leads to expect of one object, as ``panorama/1`` says it."""
+    expected = posed.candidate
+    return {
+        "id": known.id,
+        "type": known.standing.object_type.name,
+        "T_camera_object": posed.camera_from_object.tolist(),
+        "expected_features": int(expected.sum()),
+        "expected_detections": float(hit_rates(posed, perceiver.kb)[expected].sum()),
+    }

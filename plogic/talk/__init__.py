@@ -1,1 +1,0 @@
-"""What a session says: results as data, as text and as HTML, and the verbs that make them."""

@@ -1,0 +1,147 @@
+"""Keypoints: places with a size, a direction and a descriptor, by OpenCV's SIFT and ORB (appearance types ``sift``, ``orb``, or words).
+
+* ``Keypoints``: what an image shows as arrays, ``Keypoints(uv=(N, 2), angle=(N,), scale=(N,), response=(N,), descriptors=(N, 128))``
+
+Places are corrected to our convention (an integer is a pixel's centre): SIFT's first, doubled picture is made without OpenCV's bias of a
+quarter of a pixel, and what ORB finds in a smaller picture is mapped back between pixels' centres, not between their corners.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sensing.errors import DetectorError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import cv2
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Bytes = NDArray[np.uint8]
+
+MOST = 4000
+"""Keypoints that one image gives at most, the strongest; those of several directions at one place count each."""
+CONTRAST = 0.01
+"""SIFT's contrast threshold as OpenCV counts it (divided by the layers of an octave). A quarter of OpenCV's own: an over-exposed or noisy
+photo of an object 150 pixels tall has few strong keypoints, and a false weak one costs little where acceptance rests on agreement."""
+FAST_LEVELS = 8.0
+"""ORB's contrast threshold: grey levels by which FAST's ring differs from its middle. OpenCV's own is 20; low for the same reason."""
+LAYERS, EDGE, SIGMA = 3, 10.0, 1.6
+SHRINK, LEVELS = 1.2, 8
+"""ORB's pyramid: each of 8 levels is 1.2 times smaller than the one before."""
+LEAST_SIDE = 8
+"""An image with a shorter side has no keypoints: no neighbourhood fits into it."""
+WIDTHS = {"sift": (128, 138), "orb": (32,)}
+"""Bytes that a descriptor may have: SIFT's without colours and with them (``sensing.detectors.colour``)."""
+
+
+@dataclass(frozen=True)
+class Keypoints:
+    """N keypoints, the strongest first; a place with several directions is there once for each.
+
+    Attributes:
+        uv: (N, 2) places in pixels; an integer is a pixel's centre.
+        angle: (N,) radians in [0, 2π), clockwise on the screen from +x.
+        scale: (N,) diameters in pixels, OpenCV's ``size``.
+        response: (N,) strength in the detector's own unit, at least 0: SIFT's contrast, ORB's Harris measure.
+        descriptors: (N, 128) uint8 of SIFT or (N, 32) uint8 of ORB.
+    """
+
+    uv: Floats
+    angle: Floats
+    scale: Floats
+    response: Floats
+    descriptors: Bytes
+
+    def __len__(self) -> int:
+        return len(self.uv)
+
+    def chosen(self, which: NDArray[np.bool_] | NDArray[np.intp]) -> Keypoints:
+        """Those that a mask (N,) or indices (M,) name, in that order."""
+        return Keypoints(self.uv[which], self.angle[which], self.scale[which], self.response[which], self.descriptors[which])
+
+
+def keypoints(image: Bytes, name: str = "sift", *, contrast: float | None = None, most: int = MOST) -> Keypoints:
+    """Keypoints of an (H, W) or (H, W, 3) uint8 image, blue first; the same pixels give the same arrays.
+
+    Args:
+        image: The pixels. A constant or a tiny image (``LEAST_SIDE``) gives none.
+        name: ``sift`` or ``orb``.
+        contrast: The threshold in the detector's own unit: ``CONTRAST`` or ``FAST_LEVELS`` where it is None.
+        most: How many at most, by response.
+
+    Raises:
+        DetectorError: There is no such keypoint detector.
+    """
+    if name not in WIDTHS:
+        raise DetectorError(f"keypoints: {name!r} is neither 'sift' nor 'orb'")
+    grey = grey_of(image)
+    if min(grey.shape) < LEAST_SIDE or grey.min() == grey.max() or most < 1:
+        return _arrays([], None, name, grey.shape)
+    finder = _sift(contrast, most) if name == "sift" else _orb(contrast, most)
+    found, descriptors = finder.detectAndCompute(np.ascontiguousarray(grey), None)
+    return _strongest(_arrays(found, None if descriptors is None else np.asarray(descriptors, np.uint8), name, grey.shape), most)
+
+
+def grey_of(image: Bytes) -> Bytes:
+    """(H, W) uint8 of an (H, W) or (H, W, 3) image, blue first."""
+    import cv2
+
+    return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), np.uint8) if image.ndim == 3 else image
+
+
+def sift_at(grey: Bytes, uv: Floats, angle: Floats, scale: Floats, response: Floats) -> Keypoints:
+    """SIFT's descriptors of an (H, W) image at N given places, (N, 2) pixels, angles (radians), diameters (pixels) and responses."""
+    import cv2
+
+    if not len(uv):
+        return _arrays([], None, "sift", grey.shape)
+    rows = zip(uv.tolist(), scale.tolist(), np.degrees(angle % (2 * np.pi)).tolist(), response.tolist(), strict=True)
+    places = [cv2.KeyPoint(u, v, size, turn, strength, 0) for (u, v), size, turn, strength in rows]
+    found, descriptors = _sift(None, 0).compute(np.ascontiguousarray(grey), places)
+    return _arrays(found, np.asarray(descriptors, np.uint8), "sift", grey.shape)
+
+
+def _sift(contrast: float | None, most: int) -> cv2.SIFT:
+    import cv2
+
+    return cv2.SIFT.create(most, LAYERS, CONTRAST if contrast is None else contrast, EDGE, SIGMA, cv2.CV_8U, True)  # noqa: FBT003 (positional in OpenCV 4 and 5)
+
+
+def _orb(contrast: float | None, most: int) -> cv2.ORB:
+    import cv2
+
+    return cv2.ORB.create(most, SHRINK, LEVELS, fastThreshold=round(FAST_LEVELS if contrast is None else contrast))
+
+
+def _arrays(found: Sequence[cv2.KeyPoint], descriptors: Bytes | None, name: str, shape: tuple[int, ...]) -> Keypoints:
+    """OpenCV's keypoints as arrays, angles in radians, places in our convention and inside the image of (height, width)."""
+    rows = np.array([(*k.pt, k.angle, k.size, k.response, k.octave) for k in found], dtype=np.float64).reshape(-1, 6)
+    uv = rows[:, :2] if name == "sift" else _between_centres(rows[:, :2], rows[:, 5], shape)
+    height, width = shape[:2]
+    uv = np.clip(uv, -0.5, (width - 0.5, height - 0.5))
+    angle = np.mod(np.radians(rows[:, 2]), 2 * np.pi)
+    described = np.zeros((0, WIDTHS[name][0]), np.uint8) if descriptors is None else descriptors
+    return Keypoints(uv, angle, rows[:, 3], np.maximum(rows[:, 4], 0), described)
+
+
+def _between_centres(pt: Floats, octave: Floats, shape: tuple[int, ...]) -> Floats:
+    """ORB's places: pixel x of a level is at (x + ½)·s − ½ of the image, s being the widths' (heights') true ratio, not at x · 1.2^octave."""
+    power = SHRINK ** octave[:, None]
+    size = np.array([shape[1], shape[0]], dtype=np.float64)
+    ratio = size / np.maximum(np.rint(size / power), 1)
+    return np.asarray((pt / power + 0.5) * ratio - 0.5)
+
+
+def _strongest(found: Keypoints, most: int) -> Keypoints:
+    """At most ``most`` by response, then v, u, angle and scale; of those with one place and one angle, the first alone."""
+    order = np.lexsort((found.scale, found.angle, found.uv[:, 0], found.uv[:, 1], -found.response))
+    found = found.chosen(order)
+    key = np.column_stack([np.round(found.uv, 2), np.round(found.angle, 3)])
+    first = np.unique(key, axis=0, return_index=True)[1]
+    return found.chosen(np.sort(first)[:most])

@@ -1,0 +1,216 @@
+"""Patches: dark, even, convex quadrilaterals on something brighter, such as painted windows (appearance type ``patch``).
+
+Thresholds give blobs; a blob's hull gives a quadrilateral; its four sides are fitted to a fraction of a pixel; what has no such side all
+round, or is not even inside, is no patch. The place is where the diagonals meet: the projection of a rectangle's centre.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sensing.appearance import Appearance
+from sensing.detectors.blobs import dark_blobs
+from sensing.detectors.edges import edge_offsets, fit_lines, meet, profiles, sample
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from sensing.detectors.blobs import Blob
+
+    Floats = NDArray[np.float64]
+
+TYPE = "patch"
+MIN_CONTRAST = 14.0
+"""Grey levels by which the surroundings are brighter, on each side."""
+MIN_SIDE = 2.0
+"""Pixels: no side may be shorter."""
+SMALL = 7.0
+"""Pixels: where the shorter side is below this, the darkness' centroid is the place."""
+MAX_ASPECT = 12.0
+
+
+@dataclass(frozen=True, eq=False)
+class Patches:
+    """N patches: ``corners`` (N, 4, 2) px, clockwise on the screen; ``centre`` (N, 2) px; ``contrast`` (N,) grey levels; ``score`` (N,)."""
+
+    corners: Floats
+    centre: Floats
+    contrast: Floats
+    score: Floats
+
+    def __post_init__(self) -> None:
+        for array in (self.corners, self.centre, self.contrast, self.score):
+            array.setflags(write=False)
+
+
+class PatchDetector:
+    """Reports patches with ``scale`` (diameter of the disc of the same area) and ``angle`` (of the longer side, in [0, π/2))."""
+
+    name = "patch"
+    types: tuple[str, ...] = (TYPE,)
+
+    def detect(self, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
+        """Patches of an (H, W, 3) uint8 image."""
+        import cv2
+
+        found = find_patches(np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), np.uint8))
+        sides = found.corners[:, 1] - found.corners[:, 0]
+        angle = np.mod(np.arctan2(sides[:, 1], sides[:, 0]), np.pi / 2)
+        scale = np.sqrt(areas(found.corners)) * 2 / np.sqrt(np.pi)
+        rows = zip(found.centre, angle, scale, found.score, strict=True)
+        return [Appearance("", TYPE, (float(c[0]), float(c[1])), self.name, float(a), float(d), float(s)) for c, a, d, s in rows]
+
+
+def find_patches(grey: NDArray[np.uint8]) -> Patches:
+    """Patches of an (H, W) uint8 image, in the order of their centres' v, then u.
+
+    The last image's patches are kept: the junctions' detector asks for the same ones.
+    """
+    return _found(np.ascontiguousarray(grey).tobytes(), grey.shape)
+
+
+@lru_cache(maxsize=1)
+def _found(pixels: bytes, shape: tuple[int, int]) -> Patches:
+    import cv2
+
+    grey = np.frombuffer(pixels, np.uint8).reshape(shape)
+    if grey.size == 0 or int(grey.max()) - int(grey.min()) < MIN_CONTRAST:
+        return _none()
+    blobs = dark_blobs(np.asarray(cv2.GaussianBlur(grey, (0, 0), 0.7), np.uint8))
+    quads = np.array([_quad(blob) for blob in blobs], dtype=np.float64).reshape(-1, 4, 2)
+    areas_seen = np.array([blob.area for blob in blobs], dtype=np.float64)
+    keep = _plausible(quads)
+    quads, areas_seen = quads[keep], areas_seen[keep]
+    if not len(quads):
+        return _none()
+    fine = grey.astype(np.float32)
+    soft, rise = np.asarray(cv2.GaussianBlur(fine, (0, 0), 0.5), np.float32), np.zeros((0, 4))
+    for share in (0.7, 0.75):
+        quads, rise = _fitted(soft, quads, share)
+        closed = np.isfinite(quads).all(axis=(1, 2))  # neighbouring sides may turn out to be parallel
+        quads, rise, areas_seen = quads[closed], rise[closed], areas_seen[closed]
+    return _chosen(fine, quads, rise, areas_seen)
+
+
+def areas(corners: Floats) -> Floats:
+    """(N,) areas of (N, 4, 2) quadrilaterals; positive where the corners run clockwise on the screen."""
+    a, b, c, d = np.moveaxis(corners, 1, 0)
+    p, q = c - a, d - b
+    return np.asarray((p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]) / 2)
+
+
+def _none() -> Patches:
+    return Patches(np.zeros((0, 4, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0))
+
+
+def _quad(blob: Blob) -> Floats:
+    """(4, 2) first guess, clockwise: the outline's longest chord, and on either side of it the point that is farthest off."""
+    import cv2
+
+    hull = cv2.convexHull(blob.outline).reshape(-1, 2).astype(np.float64)
+    apart = ((hull[:, None] - hull[None]) ** 2).sum(axis=2)
+    i, j = np.unravel_index(int(np.argmax(apart)), apart.shape)
+    along = hull[j] - hull[i]
+    off = (hull[:, 0] - hull[i, 0]) * along[1] - (hull[:, 1] - hull[i, 1]) * along[0]
+    quad = np.array([hull[i], hull[int(np.argmax(off))], hull[j], hull[int(np.argmin(off))]])
+    middle = quad.mean(axis=0)
+    return np.asarray(middle + (quad - middle) * (1 + 1.0 / np.maximum(np.linalg.norm(quad - middle, axis=1, keepdims=True) * 1.4, 1.0)))
+
+
+def _plausible(quads: Floats) -> NDArray[np.bool_]:
+    """Convex, clockwise, no side too short, not too long for its width."""
+    sides = np.linalg.norm(np.roll(quads, -1, axis=1) - quads, axis=2)
+    area = areas(quads)
+    width = area / np.maximum(sides.max(axis=1), 1e-9)
+    good = (sides.min(axis=1) >= MIN_SIDE) & (area >= MIN_SIDE**2) & (sides.max(axis=1) <= MAX_ASPECT * np.maximum(width, 1e-9))
+    return np.asarray(good & _convex(quads))
+
+
+def _convex(quads: Floats) -> NDArray[np.bool_]:
+    e = np.roll(quads, -1, axis=1) - quads
+    n = np.roll(e, -1, axis=1)
+    return np.asarray(((e[:, :, 0] * n[:, :, 1] - e[:, :, 1] * n[:, :, 0]) > 0).all(axis=1))
+
+
+def _fitted(grey: NDArray[np.float32], quads: Floats, share: float) -> tuple[Floats, Floats]:
+    """Quadrilaterals with their sides moved to where the brightness changes, and the median rise (N, 4) across each side."""
+    n = len(quads)
+    segments = np.concatenate([quads, np.roll(quads, -1, axis=1)], axis=2).reshape(-1, 4)
+    lengths = np.linalg.norm(segments[:, 2:] - segments[:, :2], axis=1).reshape(n, 4)
+    width = np.repeat(areas(quads)[:, None], 4, axis=1) / np.maximum(lengths, 1e-9)
+    reach = np.clip(0.6 * width, 1.5, 2.5).reshape(-1)
+    values, offsets, base = profiles(grey, segments, ((1 - share) / 2, (1 + share) / 2), 10, reach)
+    where, rise = edge_offsets(values, offsets, -np.ones(len(segments)))
+    along = (segments[:, 2:] - segments[:, :2]) / np.maximum(lengths.reshape(-1, 1), 1e-9)
+    normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    point, direction, _ = fit_lines(base + where[:, :, None] * normal[:, None], rise)
+    point, direction = point.reshape(n, 4, 2), direction.reshape(n, 4, 2)
+    return meet(np.roll(point, 1, axis=1), np.roll(direction, 1, axis=1), point, direction), np.median(rise, axis=1).reshape(n, 4)
+
+
+def _chosen(grey: NDArray[np.float32], quads: Floats, rise: Floats, areas_seen: Floats) -> Patches:
+    """Those that a sharp rise surrounds on every side, that are even inside, and as large as their blob; each place once."""
+    whole = _plausible(quads)
+    quads, rise, areas_seen = quads[whole], rise[whole], areas_seen[whole]
+    inside = _inside(grey, quads)
+    contrast = np.median(rise, axis=1)
+    even = inside.std(axis=1) < np.maximum(0.22 * contrast, 7)
+    ratio = areas(quads) / np.maximum(areas_seen, 1)
+    good = (rise.min(axis=1) >= np.maximum(MIN_CONTRAST, 0.5 * contrast)) & even & (ratio > 0.6) & (ratio < 2.2)
+    quads, contrast, rise, inside = quads[good], contrast[good], rise[good], inside[good]
+    score = np.clip(rise.min(axis=1) / np.maximum(rise.max(axis=1), 1e-9), 0, 1) * np.clip(contrast / 60, 0, 1)
+    return _once(Patches(quads, _centres(grey, quads, contrast, inside), contrast, score))
+
+
+def _inside(grey: NDArray[np.float32], quads: Floats) -> Floats:
+    """(N, 25) brightness on a 5 × 5 grid over the middle part of each quadrilateral."""
+    s = np.linspace(0.3, 0.7, 5)
+    x, y = (a.reshape(-1) for a in np.meshgrid(s, s))
+    weights = np.stack([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y], axis=1)
+    return sample(grey, np.einsum("pk,nkd->npd", weights, quads)).astype(np.float64)
+
+
+def _centres(grey: NDArray[np.float32], quads: Floats, contrast: Floats, inside: Floats) -> Floats:
+    """(N, 2): where the diagonals meet; for a small patch the centroid of darkness within its rim."""
+    a, b, c, d = np.moveaxis(quads, 1, 0)
+    crossing = meet(a, c - a, b, d - b)
+    sides = np.linalg.norm(np.roll(quads, -1, axis=1) - quads, axis=2)
+    small = areas(quads) / np.maximum(sides.max(axis=1), 1e-9) < SMALL
+    dark = np.median(inside, axis=1)
+    for i in np.flatnonzero(small):
+        crossing[i] = _darkness_centroid(grey, quads[i], float(dark[i]), float(contrast[i]), crossing[i])
+    return crossing
+
+
+def _darkness_centroid(grey: NDArray[np.float32], quad: Floats, dark: float, contrast: float, otherwise: Floats) -> Floats:
+    import cv2
+
+    middle = quad.mean(axis=0)
+    wider = quad + 1.2 * (quad - middle) / np.maximum(np.linalg.norm(quad - middle, axis=1, keepdims=True), 1e-9) * 1.3
+    low, high = np.maximum(np.floor(wider.min(axis=0)).astype(int), 0), np.ceil(wider.max(axis=0)).astype(int) + 1
+    box = grey[low[1] : high[1], low[0] : high[0]]
+    mask = np.zeros(box.shape, np.uint8)
+    cv2.fillConvexPoly(mask, np.rint((wider - low) * 16).astype(np.int32), 1, shift=4)
+    weight = np.clip((dark + contrast - box) / max(contrast, 1.0), 0, 1.2) * mask
+    weight = np.where(weight < 0.12, 0, weight)
+    if weight.sum() < 2:
+        return otherwise
+    v, u = np.mgrid[: box.shape[0], : box.shape[1]]
+    return np.array([(weight * u).sum(), (weight * v).sum()]) / weight.sum() + low
+
+
+def _once(found: Patches) -> Patches:
+    """The better one of any two whose centres are closer than a quarter of the smaller's size; ordered by v, then u."""
+    size = np.sqrt(areas(found.corners))
+    order = np.argsort(-found.score, kind="stable")
+    kept: list[int] = []
+    for i in order:
+        away = np.linalg.norm(found.centre[kept] - found.centre[i], axis=1)
+        if (away >= np.maximum(1.5, 0.25 * np.minimum(size[kept], size[i]))).all():
+            kept.append(int(i))
+    kept.sort(key=lambda i: (found.centre[i, 1], found.centre[i, 0]))
+    return Patches(found.corners[kept], found.centre[kept], found.contrast[kept], found.score[kept])

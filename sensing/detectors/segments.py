@@ -1,0 +1,153 @@
+"""Line segments to a fraction of a pixel: OpenCV's detector, refined on the brightness, collinear pieces merged.
+
+A segment is a row (u1, v1, u2, v2) in pixels, as in ``edges``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sensing.detectors.edges import directions, edge_offsets, fit_lines, profiles
+from sensing.detectors.ends import with_true_ends
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+MIN_LENGTH = 7.0
+MIN_RISE = 4.0
+"""Grey levels that an edge must rise within 3 px across it, in the mean along it."""
+SHARPNESS = 0.65
+"""Share of the rise within 7 px across an edge that lies within 3 px."""
+MERGE_ANGLE = np.radians(4.0)
+MERGE_OFFSET = 1.2
+"""Pixels that two collinear pieces may lie apart across their direction."""
+
+
+def find_segments(channels: Sequence[NDArray[np.float32]]) -> Floats:
+    """(N, 4) refined, merged segments of an (H, W) image given as one or more channels in grey levels; longest first.
+
+    The first channel is searched for sharp and for weak edges, the others for weak ones alone. What one channel shows and another shows
+    longer is reported once, the longer.
+    """
+    raw = [np.concatenate([_sharp_edges(channels[0]), _weak_edges(channels[0])]), *(_weak_edges(c) for c in channels[1:])]
+    found = np.concatenate([with_true_ends(c, merged(refined(c, lines))) for c, lines in zip(channels, raw, strict=True)])
+    found = _longest_first(found)
+    free = np.ones(len(found), dtype=bool)
+    for i in range(len(found)):
+        if free[i]:
+            free[i + 1 :] &= ~_covered(found[i], found[i + 1 :])
+    return found[free]
+
+
+def _covered(longer: Floats, others: Floats) -> NDArray[np.bool_]:
+    """Which of (N, 4) ``others`` lie along ``longer`` (4,) by more than half, in either sense."""
+    along, normal, length = (x[0] for x in directions(longer[None]))
+    ends = others.reshape(-1, 2, 2) - longer[:2]
+    t, across = np.sort(ends @ along, axis=1), np.abs(ends @ normal).max(axis=1)
+    shared = np.minimum(t[:, 1], length) - np.maximum(t[:, 0], 0)
+    return np.asarray((across < 2.0) & (shared > 0.5 * (t[:, 1] - t[:, 0])))
+
+
+def _sharp_edges(grey: NDArray[np.float32]) -> Floats:
+    return _lsd(grey, 0.8, 1.6, MIN_LENGTH)
+
+
+def _weak_edges(grey: NDArray[np.float32]) -> Floats:
+    """Edges of a few grey levels, found in a softer picture, where only longer ones are worth a look."""
+    return _lsd(grey, 1.6, 0.35, 2 * MIN_LENGTH)
+
+
+def _lsd(grey: NDArray[np.float32], blur: float, quantum: float, shortest: float) -> Floats:
+    import cv2
+
+    soft = np.clip(cv2.GaussianBlur(grey, (0, 0), blur), 0, 255).astype(np.uint8)
+    finder = cv2.createLineSegmentDetector(cv2.LSD_REFINE_STD, 0.8, 0.6, quantum, 22.5, 0, 0.6)
+    lines = finder.detect(soft)[0]
+    found = np.zeros((0, 4)) if lines is None else np.asarray(lines, np.float64).reshape(-1, 4)
+    return found[np.linalg.norm(found[:, 2:] - found[:, :2], axis=1) >= shortest]
+
+
+def refined(grey: NDArray[np.float32], segments: Floats) -> Floats:
+    """Segments moved onto the steepest change across them; those where nothing rises by ``MIN_RISE`` are dropped.
+
+    The result runs so that the brighter side is on the right of its direction.
+    """
+    if not len(segments):
+        return segments
+    along, normal, _ = directions(segments)
+    values, offsets, base = profiles(grey, segments, (0.06, 0.94), 24, np.full(len(segments), 2.5))
+    middle = values.shape[2] // 2
+    polarity = np.sign(np.median(values[:, :, middle + 1 :].mean(axis=2) - values[:, :, :middle].mean(axis=2), axis=1))
+    where, rise = edge_offsets(values, offsets, polarity)
+    point, direction, rms = fit_lines(base + where[:, :, None] * normal[:, None], rise)
+    good = (polarity != 0) & (rms < 1.0) & np.isfinite(point).all(axis=1)
+    direction *= np.where((direction * along).sum(axis=1) < 0, -1, 1)[:, None]
+    good &= (direction * along).sum(axis=1) > np.cos(np.radians(15))
+    ends = [point + ((e - point) * direction).sum(axis=1, keepdims=True) * direction for e in (segments[:, :2], segments[:, 2:])]
+    forward = (polarity > 0)[:, None]
+    found = np.where(forward, np.hstack(ends), np.hstack(ends[::-1]))[good]
+    return found[_sharp(grey, found)]
+
+
+def _sharp(grey: NDArray[np.float32], segments: Floats) -> NDArray[np.bool_]:
+    """Whether brightness rises by enough within 1.5 px of the line, and most of its rise within 3.5 px lies there: a step, not a slope."""
+    if not len(segments):
+        return np.zeros(0, dtype=np.bool_)
+    values, _, _ = profiles(grey, segments, (0.03, 0.97), 24, np.full(len(segments), 3.5))
+    mean = (values[:, :, 1:-1] + values[:, :, :-2] + values[:, :, 2:]).mean(axis=1) / 3
+    middle = mean.shape[1] // 2
+    inner, outer = mean[:, middle + 3] - mean[:, middle - 3], mean[:, -1] - mean[:, 0]
+    return np.asarray((inner >= MIN_RISE) & (inner >= SHARPNESS * np.abs(outer)))
+
+
+def merged(segments: Floats) -> Floats:
+    """Collinear pieces of one polarity joined over gaps shorter than a sixth of their joint length plus 4 px; longest first."""
+    rest = _longest_first(segments)
+    done: list[Floats] = []
+    while len(rest):
+        one, rest = rest[0], rest[1:]
+        while (mates := _mates(one, rest)).any():
+            for other in rest[mates]:
+                one = _joined(one, other)
+            rest = rest[~mates]
+        done.append(one)
+    return _longest_first(np.array(done).reshape(-1, 4))
+
+
+def _longest_first(segments: Floats) -> Floats:
+    length = np.linalg.norm(segments[:, 2:] - segments[:, :2], axis=1)
+    return segments[np.argsort(-length, kind="stable")]
+
+
+def _mates(one: Floats, others: Floats) -> NDArray[np.bool_]:
+    """Which of (N, 4) ``others`` continue ``one`` (4,)."""
+    along, normal, length = (x[0] for x in directions(one[None]))
+    other_along, _, other_length = directions(others)
+    ends = others.reshape(-1, 2, 2) - one[:2]
+    t, across = ends @ along, np.abs(ends @ normal)
+    gap = np.maximum(t.min(axis=1) - length, -t.max(axis=1))
+    straight = other_along @ along > np.cos(MERGE_ANGLE)
+    limit = MERGE_OFFSET + 0.02 * np.maximum(gap, 0)
+    close = (across.max(axis=1) < limit + 0.02 * other_length) & (across.min(axis=1) < limit)
+    return np.asarray(straight & close & (gap < 4 + (length + other_length) / 6))
+
+
+def _joined(a: Floats, b: Floats) -> Floats:
+    """One segment through both, weighted by length."""
+    along, _, lengths = directions(np.array([a, b]))
+    direction = (along * lengths[:, None]).sum(axis=0)
+    direction /= np.linalg.norm(direction)
+    middles = np.array([a.reshape(2, 2).mean(axis=0), b.reshape(2, 2).mean(axis=0)])
+    if lengths.max() < 3 * lengths.min():
+        apart = middles[1] - middles[0]
+        if np.linalg.norm(apart) > 0.5 * lengths.max():
+            direction = apart / np.linalg.norm(apart) * np.sign(apart @ direction)
+    middle = (middles * lengths[:, None]).sum(axis=0) / lengths.sum()
+    t = (np.concatenate([a, b]).reshape(4, 2) - middle) @ direction
+    return np.concatenate([middle + t.min() * direction, middle + t.max() * direction])

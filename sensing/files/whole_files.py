@@ -1,0 +1,121 @@
+"""Files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from geometry.files.plain_files import IS_FOLDER, IS_MISSING, TOO_LONG, fault_of
+from sensing.errors import SensingError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write ``data`` beside ``path`` and rename it into place; on any failure nothing is left.
+
+    Raises:
+        SensingError: The place cannot be written; the message names it.
+    """
+    write_files({path: data})
+
+
+def write_files(files: Mapping[Path, bytes]) -> None:
+    """As ``write_whole``, for many: every file is written beside its place before any is renamed into it.
+
+    Raises:
+        SensingError: One of the places cannot be written; then none is.
+    """
+    check_places(files)
+    temporaries: dict[Path, Path] = {}
+    try:
+        for path, data in files.items():
+            temporaries[path] = _beside(path, data)
+        for path, temporary in temporaries.items():
+            _rename(temporary, path)
+    finally:
+        for temporary in temporaries.values():
+            temporary.unlink(missing_ok=True)
+
+
+def check_places(places: Iterable[Path]) -> None:
+    """Raise SensingError for the first place where no file can be written, before the work that it should hold is done."""
+    for path in places:
+        folder = path.parent
+        here, above = fault_of(path), fault_of(folder)
+        wrong = "Is a directory" if here == IS_FOLDER else "No such directory" if above == IS_MISSING else None
+        wrong = "Not a directory" if above not in (IS_FOLDER, IS_MISSING) else wrong
+        wrong = "File name too long" if TOO_LONG in (here, above) else wrong
+        wrong = "Permission denied" if wrong is None and not os.access(folder, os.W_OK) else wrong
+        if wrong is not None:
+            raise SensingError(f"{path}: cannot be written: {wrong}")
+
+
+def check_new_folder(folder: Path) -> None:
+    """Raise SensingError where no new folder can be made, before the work that it should hold is done."""
+    fault = fault_of(folder)
+    if fault == TOO_LONG:
+        raise SensingError(f"{folder}: cannot be written: File name too long")
+    if fault != IS_MISSING and (fault != IS_FOLDER or any(folder.iterdir())):
+        raise SensingError(f"{folder}: exists already and is not an empty folder")
+    for above in folder.parents:
+        if above.exists() and not above.is_dir():
+            raise SensingError(f"{folder}: cannot be written: {above} is no folder")
+
+
+def _beside(path: Path, data: bytes) -> Path:
+    """A new file beside ``path``; on failure, none."""
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    except OSError as error:
+        raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        Path(name).chmod(0o644)
+    except OSError as error:
+        Path(name).unlink(missing_ok=True)
+        raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
+    return Path(name)
+
+
+def _rename(temporary: Path, path: Path) -> None:
+    try:
+        temporary.replace(path)
+    except OSError as error:
+        raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+@contextmanager
+def new_folder(folder: Path) -> Iterator[Path]:
+    """A folder to write into that becomes ``folder`` at the end, and is removed where anything goes wrong.
+
+    Raises:
+        SensingError: ``folder`` exists and is not empty, or cannot be written.
+    """
+    check_new_folder(folder)
+    made: Path | None = None
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        made = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
+        yield made
+        made.chmod(0o755)
+        made.replace(folder)
+        made = None
+    except OSError as error:
+        raise SensingError(f"{folder}: cannot be written: {error.strerror}") from None
+    finally:
+        if made is not None:
+            shutil.rmtree(made, ignore_errors=True)
+
+
+def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write a new folder with ``files`` (name → bytes), whole or not at all; raises SensingError as ``new_folder`` does."""
+    with new_folder(folder) as made:
+        for name, data in files.items():
+            (made / name).write_bytes(data)
