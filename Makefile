@@ -12,6 +12,7 @@ test: $(READY)  ## all tests
 	$(VENV)/bin/python -m pytest -n 2
 
 lint: $(READY)  ## linter and type checker
+	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/mypy
 

@@ -52,7 +52,9 @@ def cli() -> None:
 )
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--reading", type=READINGS, show_default="score, or posterior with --look-again")
-@click.option("--look-again", is_flag=True, help="Two worlds near even, and the second view that settles it (posterior reading).")
+@click.option(
+    "--look-again", is_flag=True, help="Two worlds near even, and the second view that settles it (posterior reading)."
+)
 @AS_JSON
 def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: bool) -> None:
     """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
@@ -72,8 +74,16 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: b
 @click.argument("inputs", metavar="INPUT...", nargs=-1, required=True)
 @KB
 @CAMERA
-@click.option("--poses", type=click.Path(), help="Where the camera stood for each of several INPUTs: `poses/1` or a TUM trajectory.")
-@click.option("--stereo", type=click.Path(), help="Calibration of a pair, `stereo/1`: two INPUTs, the left and the right image or Γ.")
+@click.option(
+    "--poses",
+    type=click.Path(),
+    help="Where the camera stood for each of several INPUTs: `poses/1` or a TUM trajectory.",
+)
+@click.option(
+    "--stereo",
+    type=click.Path(),
+    help="Calibration of a pair, `stereo/1`: two INPUTs, the left and the right image or Γ.",
+)
 @FIRST_READING
 @RECONSIDER
 @SMOOTHING
@@ -88,7 +98,8 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: b
 def perceive(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) -> None:
     """Interpret INPUT, an image or a Γ file (`-` is a Γ on stdin), with a knowledge base.
 
-    Several, from a camera whose places are known (--poses, or T_world_camera in each Γ), are views of one world: they give a panorama.
+    Several, from a camera whose places are known (--poses, or T_world_camera in each Γ), are views of one world: they
+    give a panorama.
     """
     if options["stereo"] is not None:
         from plogic.face.commands.perceive_stereo import stereo_command
@@ -144,7 +155,9 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 @SOURCE
 @click.argument("goal")
 @GIVEN
-@click.option("-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary).")
+@click.option(
+    "-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary)."
+)
 @READING
 @TRUST
 @AS_JSON
@@ -191,7 +204,12 @@ def report(interpretation: str, out: str) -> None:
 @cli.command()
 @KB
 @click.option(
-    "--objects", "number", type=click.IntRange(0, 50), default=2, show_default=True, help="How many stand on the table, where there is room."
+    "--objects",
+    "number",
+    type=click.IntRange(0, 50),
+    default=2,
+    show_default=True,
+    help="How many stand on the table, where there is room.",
 )
 @click.option(
     "--decoys", type=click.IntRange(0, 50), default=0, show_default=True, help="Untyped boxes and wedges beside them."
@@ -221,8 +239,16 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **o
     show_default=True,
     help="Seconds of a stock run (`worlds`) or of a peer (`recognition`, `clutter`, `many`).",
 )
-@click.option("--quick", is_flag=True, help="Small sizes of `worlds`, the box alone, few scenes or trials of the others; not of `towers`.")
-@click.option("--picture", type=click.Path(path_type=Path), help="JPEG of `box`: a frame at two focal lengths; SVG of `calibration`.")
+@click.option(
+    "--quick",
+    is_flag=True,
+    help="Small sizes of `worlds`, the box alone, few scenes or trials of the others; not of `towers`.",
+)
+@click.option(
+    "--picture",
+    type=click.Path(path_type=Path),
+    help="JPEG of `box`: a frame at two focal lengths; SVG of `calibration`.",
+)
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @AS_JSON
 def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | None, seed: int, as_json: bool) -> None:
@@ -238,7 +264,9 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
     others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn}
     others |= dict.fromkeys(SIZED, sized)
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
-    text, met = import_module(f"benchmarks.{name.replace('-', '_')}.bench").run(seed=seed, **options, as_json=as_json, say=_say)
+    text, met = import_module(f"benchmarks.{name.replace('-', '_')}.bench").run(
+        seed=seed, **options, as_json=as_json, say=_say
+    )
     _out(text)
     sys.exit(0 if met else 1)
 
@@ -269,7 +297,9 @@ def _say(text: str) -> None:
 
 def main() -> None:
     """Run a command; only here does an error turn into an exit code, and none shows a traceback."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # our products of matrices are many and small: more threads take longer
+    os.environ.setdefault(
+        "OPENBLAS_NUM_THREADS", "1"
+    )  # our products of matrices are many and small: more threads take longer
     try:
         cli(standalone_mode=True)
     except BrokenPipeError:

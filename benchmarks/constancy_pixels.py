@@ -2,8 +2,9 @@
 
     python benchmarks/constancy_pixels.py [SCENES]
 
-A line a scene: of either knowledge base what is known, how many data a view leaves unexplained, the features of each unknown object; of t2 alone,
-in how many of the three views the draft that is made of the largest unknown object is accepted afterwards.
+A line a scene: of either knowledge base what is known, how many data a view leaves unexplained, the features of each
+unknown object; of t2 alone, in how many of the three views the draft that is made of the largest unknown object is
+accepted afterwards.
 """
 
 from __future__ import annotations

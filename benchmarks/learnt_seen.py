@@ -1,7 +1,8 @@
 """What is seen of a learnt type at a pose, right or wrong, in the quantities of its likelihood: rows that ``learnt_spreads.py`` makes figures of.
 
-At a right pose that is what the expected features were matched with, of which a few are there by chance; at a wrong one *clutter*: all around
-their places that looks as right, as the likelihood counts it. And what becomes of the poses that are proposed in search (``worths``).
+At a right pose that is what the expected features were matched with, of which a few are there by chance; at a wrong one
+*clutter*: all around their places that looks as right, as the likelihood counts it. And what becomes of the poses that
+are proposed in search (``worths``).
 """
 
 from __future__ import annotations
@@ -39,9 +40,11 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 FAR = 0.01
-"""Features less close than this, of 1, have nothing to do with each other: what they have in common is the picture's."""
+"""Features less close than this, of 1, have nothing to do with each other: what they have in common is the
+picture's."""
 AS_FOUND = np.radians(15.0), 0.1
-"""A proposed pose is right within so many radians and this share of the distance: from there it settles to the true one."""
+"""A proposed pose is right within so many radians and this share of the distance: from there it settles to the true
+one."""
 
 
 @dataclass
@@ -65,12 +68,16 @@ def look(seen: Seen, index: LearntIndex, pose: Floats, data: Data, kb: Knowledge
     seen.rows["sides"].append(_sides(index, posed, data, kb, true=true))
     seen.rows["chance"].append(_chance(index, posed, data, kb))
     seen.rows["linked"].append(_linked(posed, kb, true=true))
-    seen.rows["found"].append(np.array([[kind.sum(), (kind & posed.detected).sum()] for kind in of_kind], float).reshape(4, 1))
+    seen.rows["found"].append(
+        np.array([[kind.sum(), (kind & posed.detected).sum()] for kind in of_kind], float).reshape(4, 1)
+    )
     for name, which in zip(("keypoint gain", "side gain"), of_kind, strict=True):
         seen.rows[name].append(_gain(posed, data, kb)[None, which])
 
 
-def _off(index: LearntIndex, posed: Posed, data: Data, lobe: NDArray[np.intp], datum: NDArray[np.intp]) -> tuple[Floats, Floats]:
+def _off(
+    index: LearntIndex, posed: Posed, data: Data, lobe: NDArray[np.intp], datum: NDArray[np.intp]
+) -> tuple[Floats, Floats]:
     """(N,) radians, and logarithm of a ratio of sizes, by which keypoints differ from what the pose makes of appearances."""
     at = posed.at[index.cloud.feature[lobe]]
     grown = np.log(index.cloud.size[lobe] * data.camera.f / np.maximum(at[:, 2], 1e-6) / data.scale[datum])
@@ -88,7 +95,9 @@ def _near(uv: Floats, which: NDArray[np.bool_], data: Data, reach: float) -> tup
 def _keypoints(index: LearntIndex, posed: Posed, data: Data, *, true: bool) -> Floats:
     """(3, N) ``turned, grown, apart`` of keypoints that look right, matched or around expected features."""
     features = np.flatnonzero(posed.candidate & ~index.sided)
-    pairs = looks.right_pairs(index, posed, data, lobes_about(index, posed.camera_from_object), features, data.described, looks.AROUND)
+    pairs = looks.right_pairs(
+        index, posed, data, lobes_about(index, posed.camera_from_object), features, data.described, looks.AROUND
+    )
     kept = (posed.matches[pairs.feature] == pairs.datum) | (not true)
     return np.stack([*_off(index, posed, data, pairs.best, pairs.datum), pairs.apart])[:, kept]
 
@@ -109,8 +118,9 @@ def _chance(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase) -> 
 def _sides(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, *, true: bool) -> Floats:
     """(7, N) ``turned, colours, contrast, mean, varied, usual, fit`` of sides of edges that face about right, matched or around, of any colours.
 
-    ``mean`` and ``varied`` are the contrast of the appearance and its standard deviation, ``usual`` the density of the one seen among the image's
-    edges, ``fit`` what ``looks_fit`` makes of it all; of several appearances of a match the likeliest counts.
+    ``mean`` and ``varied`` are the contrast of the appearance and its standard deviation, ``usual`` the density of the
+    one seen among the image's edges, ``fit`` what ``looks_fit`` makes of it all; of several appearances of a match the
+    likeliest counts.
     """
     cloud, pose = index.cloud, posed.camera_from_object
     lobes = lobes_held(index, pose, data.camera.f / kb.f_ref)
@@ -125,7 +135,9 @@ def _sides(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, *, t
     colours = side_looks.colours_off(mine, its, coloured=data.coloured)
     fit = np.maximum(side_looks.looks_fit(mine, its, colours, data.contrasts), 1e-9)
     usual = data.contrasts[its[:, SIDE - 1]]
-    rows = np.stack([turned, colours, its[:, SIDE - 1] - 128.0, mine[:, SIDE - 1] - 128.0, mine[:, SIDE], usual, fit]).astype(float)
+    rows = np.stack(
+        [turned, colours, its[:, SIDE - 1] - 128.0, mine[:, SIDE - 1] - 128.0, mine[:, SIDE], usual, fit]
+    ).astype(float)
     if not true:
         return rows
     order = np.lexsort((0.5 * (turned / sides.TURNS) ** 2 - np.log(fit), feature[place]))
@@ -144,18 +156,24 @@ def _gain(posed: Posed, data: Data, kb: KnowledgeBase) -> Floats:
 def _linked(posed: Posed, kb: KnowledgeBase, *, true: bool) -> Floats:
     """(8, 1) of pairs of expected features, of keypoints and then with a side: Σ closeness · deviations, Σ closeness², Σ far, number far.
 
-    Closeness, up to 1, is as in ``crowding``; deviations are by how much each was found more than it should be, in its standard deviations: by the
-    rates at a right pose, at a wrong one by the share of its kind that was found there.
+    Closeness, up to 1, is as in ``crowding``; deviations are by how much each was found more than it should be, in its
+    standard deviations: by the rates at a right pose, at a wrong one by the share of its kind that was found there.
     """
     assert posed.turn is not None and posed.sided is not None  # noqa: S101, PT018 - so it is of a learnt type
-    own = [float(posed.detected[kind & posed.candidate].mean()) if (kind & posed.candidate).any() else 0.0 for kind in kinds(posed)]
+    own = [
+        float(posed.detected[kind & posed.candidate].mean()) if (kind & posed.candidate).any() else 0.0
+        for kind in kinds(posed)
+    ]
     rate = hit_rates(posed, kb) if true else np.clip(np.where(posed.sided, own[1], own[0]), LEAST_HIT, MOST_HIT)
     some = np.flatnonzero(posed.candidate)
     deviation = ((posed.detected - rate) / np.sqrt(rate * (1.0 - rate)))[some]
     one, other = np.triu_indices(len(some), 1)
     close, both = _closeness(posed.uv[some], posed.turn[some], one, other), deviation[one] * deviation[other]
     sided = posed.sided[some][one] | posed.sided[some][other]
-    sums = [((close * both)[of].sum(), (close[of] ** 2).sum(), both[of & (close < FAR)].sum(), (of & (close < FAR)).sum()) for of in (~sided, sided)]
+    sums = [
+        ((close * both)[of].sum(), (close[of] ** 2).sum(), both[of & (close < FAR)].sum(), (of & (close < FAR)).sum())
+        for of in (~sided, sided)
+    ]
     return np.array(sums, float).reshape(8, 1)
 
 
@@ -179,7 +197,9 @@ def worths(index: LearntIndex, data: Data, kb: KnowledgeBase, truths: Sequence[T
     if not truths:
         yield from ((False, value) for value in values)
     for truth in truths:
-        right = [value for pose, value in zip(kept, values, strict=True) if truth.fraction >= HALF and _as_found(pose, truth)]
+        right = [
+            value for pose, value in zip(kept, values, strict=True) if truth.fraction >= HALF and _as_found(pose, truth)
+        ]
         if right:
             yield True, max(right)
 

@@ -1,8 +1,9 @@
 """Measure what is right and what is clutter in scenes: what the constants of a learnt type's likelihood stand on, each beside its figure.
 
-Run as ``python benchmarks/learnt_spreads.py KB [--seeds FIRST..LAST]``, KB being a folder with the types of ``plogic bench recognition``, learnt.
-The scenes are of its kind; their numbers are 5000 and more, for those below are the benchmark's. Types are put where they are (*right*) and where
-they are not (*wrong*); ``learnt_seen.py`` says what is seen there.
+Run as ``python benchmarks/learnt_spreads.py KB [--seeds FIRST..LAST]``, KB being a folder with the types of ``plogic
+bench recognition``, learnt. The scenes are of its kind; their numbers are 5000 and more, for those below are the
+benchmark's. Types are put where they are (*right*) and where they are not (*wrong*); ``learnt_seen.py`` says what is
+seen there.
 """
 
 from __future__ import annotations
@@ -46,7 +47,8 @@ if TYPE_CHECKING:
 FIRST_SEED = 5000
 """Of scenes for development: no benchmark's are among them."""
 SHOWN = 0.85
-"""Visible fraction from which a right pose is looked at: what another object hides would be missed for no fault of the constants."""
+"""Visible fraction from which a right pose is looked at: what another object hides would be missed for no fault of the
+constants."""
 WRONG = 3
 """Wrong poses that are tried for each right one."""
 FEWEST = 30
@@ -74,8 +76,14 @@ def main(folder: str, first: int, last: int) -> None:
                 worth[is_right].append(value)
     if not right.poses or not wrong.poses:
         raise SystemExit(f"scenes {first}..{last} show no object of {folder} by {SHOWN:.0%} and more")
-    print(f"scenes {first}..{last}: {right.poses} right poses of objects shown by {SHOWN:.0%} and more, {wrong.poses} wrong ones")  # noqa: T201 - a script
-    for lines in (keypoint_lines(right, wrong), side_lines(right, wrong), linked_lines(right, wrong), worth_lines(worth)):
+    right_ones = f"{right.poses} right poses of objects shown by {SHOWN:.0%} and more"
+    print(f"scenes {first}..{last}: {right_ones}, {wrong.poses} wrong ones")  # noqa: T201 - a script
+    for lines in (
+        keypoint_lines(right, wrong),
+        side_lines(right, wrong),
+        linked_lines(right, wrong),
+        worth_lines(worth),
+    ):
         print("\n".join(lines))  # noqa: T201
 
 
@@ -83,11 +91,16 @@ def shown(kb: KnowledgeBase, first: int, last: int) -> Iterator[Case]:
     """Scenes by their numbers, as the benchmark would render them; objects bear the KB's names of them, with or without YCB's number."""
     names = {kind.name.lstrip("0123456789_"): kind.name for kind in kb.types}
     shapes = [(names.get(name, name), read_mesh(mesh)) for name, mesh in scenes.ycb_meshes().items()]
-    turns = {name: scenes.half_turns(mesh.vertices) for name, mesh in shapes if name.lstrip("0123456789_") in scenes.BOXES}
+    turns = {
+        name: scenes.half_turns(mesh.vertices) for name, mesh in shapes if name.lstrip("0123456789_") in scenes.BOXES
+    }
     with tempfile.TemporaryDirectory(prefix="plogic-spreads-") as folder:
         for number in range(first, last + 1):
             i = number % scenes.SCENES
-            empty, hard = i % scenes.EMPTY_EVERY == scenes.EMPTY_EVERY - 1, scenes.HARD[(i + i // scenes.EMPTY_EVERY) % len(scenes.HARD)]
+            empty, hard = (
+                i % scenes.EMPTY_EVERY == scenes.EMPTY_EVERY - 1,
+                scenes.HARD[(i + i // scenes.EMPTY_EVERY) % len(scenes.HARD)],
+            )
             scene = recognition_scene(shapes, number, empty=empty, hard=hard)
             yield scenes.case(scene, Path(folder) / f"{number}", number, hard, turns)
 
@@ -95,10 +108,15 @@ def shown(kb: KnowledgeBase, first: int, last: int) -> Iterator[Case]:
 def aside(index: LearntIndex, truth: Truth, case: Case, rng: np.random.Generator) -> list[Floats]:
     """Wrong poses (4, 4): as far away as it is, turned in the image, where nothing of the type is nearer than its own diameter."""
     camera, z = case.camera, truth.camera_from_object[2, 3]
-    there = np.array([transform_points(t.camera_from_object, index.centre[None])[0] for t in case.truths if t.type == truth.type])
+    there = np.array(
+        [transform_points(t.camera_from_object, index.centre[None])[0] for t in case.truths if t.type == truth.type]
+    )
     result: list[Floats] = []
     for _ in range(100):
-        roll, (x, y) = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(-0.4, 0.4, 2) * (camera.width, camera.height) / camera.f * z
+        roll, (x, y) = (
+            rng.uniform(0.0, 2.0 * np.pi),
+            rng.uniform(-0.4, 0.4, 2) * (camera.width, camera.height) / camera.f * z,
+        )
         pose = truth.camera_from_object.copy()
         pose[:2, :3] = np.array([[np.cos(roll), -np.sin(roll)], [np.sin(roll), np.cos(roll)]]) @ pose[:2, :3]
         pose[:3, 3] = np.array([x, y, z]) - pose[:3, :3] @ index.centre
@@ -117,7 +135,9 @@ def fitted(own: Callable[[float], Floats], other: Floats, now: float, wild: floa
     if len(other) < FEWEST:
         return np.nan, np.nan, np.nan
     shares, spreads = np.linspace(0.0, 0.9, 91), now * np.geomspace(0.2, 5.0, 81)
-    says = np.array([[float(np.log((1.0 - share) * near + share * other).mean()) for share in shares] for near in map(own, spreads)])
+    says = np.array(
+        [[float(np.log((1.0 - share) * near + share * other).mean()) for share in shares] for near in map(own, spreads)]
+    )
     best = np.unravel_index(int(says.argmax()), says.shape)
     present = np.log((1.0 - wild) * own(now) + wild * other).mean()
     return float(spreads[best[0]]), float(shares[best[1]]), float(says.max() - present)
@@ -145,12 +165,16 @@ def more(what: str) -> str:
 
 def quantiles(values: Floats, percents: tuple[int, ...]) -> str:
     """``at 5, 50 %: 1.0 2.0``."""
-    return f"at {', '.join(map(str, percents))} %: {' '.join(f'{value:.1f}' for value in np.percentile(values, percents))}"
+    return (
+        f"at {', '.join(map(str, percents))} %: {' '.join(f'{value:.1f}' for value in np.percentile(values, percents))}"
+    )
 
 
 def found_line(name: str, right: Seen, wrong: Seen, which: int) -> str:
     """How much was looked at: ``which`` is 0 of keypoints, 1 of sides."""
-    (there, found), (its_there, its_found) = (seen.of("found").sum(axis=1).reshape(2, 2)[which] for seen in (right, wrong))
+    (there, found), (its_there, its_found) = (
+        seen.of("found").sum(axis=1).reshape(2, 2)[which] for seen in (right, wrong)
+    )
     at_wrong = f"{its_found / its_there:.1%} of {its_there:.0f} at wrong ones"
     return f"{name}: found are {found / there:.1%} of {there:.0f} that are expected at right poses, {at_wrong}"
 
@@ -169,9 +193,19 @@ def keypoint_lines(right: Seen, wrong: Seen) -> list[str]:
     pairs, fit, word, both = wrong.of("chance").sum(axis=1)
     return [
         *lines,
-        line(looks, "POWER", power(its[2]), f"power by which clutter grows with the distance of descriptors; {its.shape[1]} of them"),
+        line(
+            looks,
+            "POWER",
+            power(its[2]),
+            f"power by which clutter grows with the distance of descriptors; {its.shape[1]} of them",
+        ),
         row("(right ones)", 1.0, power(apart), "the same of right ones"),
-        line(looks, "BY_CHANCE", fit / pairs, f"share of {pairs:.0f} pairs at wrong poses that have a right angle and size"),
+        line(
+            looks,
+            "BY_CHANCE",
+            fit / pairs,
+            f"share of {pairs:.0f} pairs at wrong poses that have a right angle and size",
+        ),
         more(f"of those of one word {both / word:.3f}"),
         *gain_lines("keypoint gain", right, wrong),
     ]
@@ -197,7 +231,12 @@ def gain_lines(name: str, right: Seen, wrong: Seen) -> list[str]:
     mine, its = right.of(name)[0], wrong.of(name)[0]
     mean = float(np.exp(np.minimum(its, SURPRISE)).mean())
     return [
-        row(f"({name})", 1.0, mean, f"mean likelihood ratio of {len(its)} features at wrong poses, if none is above e^{SURPRISE:g}"),
+        row(
+            f"({name})",
+            1.0,
+            mean,
+            f"mean likelihood ratio of {len(its)} features at wrong poses, if none is above e^{SURPRISE:g}",
+        ),
         more(f"logarithm at right ones {mine.mean():.2f} in the mean, at wrong ones {its.mean():.2f}"),
     ]
 
@@ -214,30 +253,65 @@ def side_lines(right: Seen, wrong: Seen) -> list[str]:
         spread = np.minimum(np.hypot(varied, bright), side_looks.EDGES)
         return bell(contrast - mean * (1.0 - (spread / side_looks.EDGES) ** 2), spread)
 
-    facing, any_way, loss = fitted(partial(bell, turned), np.full(len(turned), 0.5 / side_pairs.TURNED), sides.TURNS, sides.WILD)
+    facing, any_way, loss = fitted(
+        partial(bell, turned), np.full(len(turned), 0.5 / side_pairs.TURNED), sides.TURNS, sides.WILD
+    )
     bright, wild, lost = fitted(own, usual, side_looks.BRIGHT, side_looks.WILD)
     return [
         found_line("sides of edges", right, wrong, 1),
-        line(sides, "TURNS", facing, f"radians that a right one is turned, standard deviation; both lose {loss:.3f} nats each"),
-        line(sides, "WILD", any_way, f"share of them that is turned anyhow; {spread_of(clutter[0], side_pairs.TURNED)}"),
-        line(side_looks, "OFF", side_looks.OFF * float(np.quantile(colours, 0.95)), "bytes that colours of 95 % of right ones are off at most"),
+        line(
+            sides,
+            "TURNS",
+            facing,
+            f"radians that a right one is turned, standard deviation; both lose {loss:.3f} nats each",
+        ),
+        line(
+            sides, "WILD", any_way, f"share of them that is turned anyhow; {spread_of(clutter[0], side_pairs.TURNED)}"
+        ),
+        line(
+            side_looks,
+            "OFF",
+            side_looks.OFF * float(np.quantile(colours, 0.95)),
+            "bytes that colours of 95 % of right ones are off at most",
+        ),
         more(f"within the limit are {np.mean(its[1] < 1.0):.0%} of the sides around that face so"),
-        line(side_looks, "NEAREST", 1.0 + slope * float(clutter[1].mean()), "right over clutter where colours are not off, by a straight line"),
+        line(
+            side_looks,
+            "NEAREST",
+            1.0 + slope * float(clutter[1].mean()),
+            "right over clutter where colours are not off, by a straight line",
+        ),
         line(side_looks, "LESS", slope, "by how much less that is where they are all the way off"),
-        line(side_looks, "BRIGHT", bright, f"bytes that contrast is off besides how it varied when learnt; with WILD loses {lost:.3f} nats each"),
+        line(
+            side_looks,
+            "BRIGHT",
+            bright,
+            f"bytes that contrast is off besides how it varied when learnt; with WILD loses {lost:.3f} nats each",
+        ),
         line(side_looks, "WILD", wild, "share of right ones of any contrast"),
         line(side_looks, "EDGES", rms(mean), "bytes of contrast of what was learnt, standard deviation"),
-        row("(looks_fit)", 1.0, clutter[6].mean(), f"mean of that likelihood ratio over {clutter.shape[1]} of clutter of right colours"),
-        more(f"whose contrast has a standard deviation of {rms(clutter[2]):.1f} bytes; its logarithm at right ones {np.log(fit).mean():.2f}"),
+        row(
+            "(looks_fit)",
+            1.0,
+            clutter[6].mean(),
+            f"mean of that likelihood ratio over {clutter.shape[1]} of clutter of right colours",
+        ),
+        more(
+            f"whose contrast has a standard deviation of {rms(clutter[2]):.1f} bytes; its logarithm at right ones {np.log(fit).mean():.2f}"
+        ),
         *gain_lines("side gain", right, wrong),
     ]
 
 
 def linked_lines(right: Seen, wrong: Seen) -> list[str]:
     """Correlation of being found, for each unit of closeness."""
-    lines = ["pairs of expected features: correlation of being found, for each unit of closeness; and of those far apart"]
+    lines = [
+        "pairs of expected features: correlation of being found, for each unit of closeness; and of those far apart"
+    ]
     for name, seen in (("wrong", wrong), ("right", right)):
-        points, sided = ((both / square, far / count) for both, square, far, count in seen.of("linked").sum(axis=1).reshape(2, 4))
+        points, sided = (
+            (both / square, far / count) for both, square, far, count in seen.of("linked").sum(axis=1).reshape(2, 4)
+        )
         lines.append(line(crowding, "LINKED", sided[0], f"with a side, at {name} poses; far apart {sided[1]:.3f}"))
         lines.append(row("(keypoints)", 1.0, points[0], f"of keypoints, at {name} poses; far apart {points[1]:.3f}"))
     return lines
@@ -268,6 +342,12 @@ def seeds(text: str) -> tuple[int, int]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("kb", help="folder of a knowledge base with learnt types")
-    parser.add_argument("--seeds", type=seeds, default=(FIRST_SEED, FIRST_SEED + 23), metavar="FIRST..LAST", help="scenes, 5000 and more")
+    parser.add_argument(
+        "--seeds",
+        type=seeds,
+        default=(FIRST_SEED, FIRST_SEED + 23),
+        metavar="FIRST..LAST",
+        help="scenes, 5000 and more",
+    )
     arguments = parser.parse_args()
     main(arguments.kb, *arguments.seeds)

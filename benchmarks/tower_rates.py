@@ -1,7 +1,8 @@
 """Count what the detectors do on simulated towers: the hit rates and clutter that `kb/towers/kb.yaml` states.
 
-Run as ``python benchmarks/tower_rates.py [SCENES]``. The scenes have seeds of their own, from 50,000 up, which no benchmark uses. A feature is
-hit where an appearance of one of its types lies within the match tolerance of its true place; clutter is what lies near no visible feature.
+Run as ``python benchmarks/tower_rates.py [SCENES]``. The scenes have seeds of their own, from 50,000 up, which no
+benchmark uses. A feature is hit where an appearance of one of its types lies within the match tolerance of its true
+place; clutter is what lies near no visible feature.
 """
 
 from __future__ import annotations

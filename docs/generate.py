@@ -1,7 +1,8 @@
 """``python docs/generate.py``: writes docs/vocabulary.md and docs/commands.md, and runs the commands of README.md and puts in what they print.
 
-``--quick`` leaves the README alone. A test holds all three to what this would write. ``--occlusion BENCH.json`` writes docs/occlusion.md and
-its composition table alone, from ``plogic bench occlusion --json``, which takes a quarter of an hour.
+``--quick`` leaves the README alone. A test holds all three to what this would write. ``--occlusion BENCH.json`` writes
+docs/occlusion.md and its composition table alone, from ``plogic bench occlusion --json``, which takes a quarter of an
+hour.
 """
 # ruff: noqa: INP001 - a script, no package
 
@@ -59,7 +60,9 @@ def commands() -> str:
     return "\n\n".join([head, codes, *parts]) + "\n"
 
 
-def helps(command: click.Command, path: tuple[str, ...], parent: click.Context | None) -> Iterator[tuple[tuple[str, ...], str]]:
+def helps(
+    command: click.Command, path: tuple[str, ...], parent: click.Context | None
+) -> Iterator[tuple[tuple[str, ...], str]]:
     """Every command with its path and its help text, groups before their members."""
     settings = command.context_settings | {"terminal_width": WIDTH, "max_content_width": WIDTH}
     context = click.Context(command, info_name=path[-1], parent=parent, **settings)

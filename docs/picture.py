@@ -21,7 +21,9 @@ def small(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     pixels = shrunk.reshape(-1, 3).astype(np.float32)
     stop = (cv2.TERM_CRITERIA_MAX_ITER, 20, 0.0)
     cv2.setRNGSeed(0)
-    rare = np.unique((pixels / 24).astype(int), axis=0).astype(np.float32) * 24 + 12  # so that few bright pixels keep their colours
+    rare = (
+        np.unique((pixels / 24).astype(int), axis=0).astype(np.float32) * 24 + 12
+    )  # so that few bright pixels keep their colours
     sample = np.concatenate([pixels[::97], rare])
     palette = cv2.kmeans(sample, COLOURS, None, stop, 1, cv2.KMEANS_PP_CENTERS)[2]
     index = np.linalg.norm(pixels[:, None] - palette[None], axis=2).argmin(axis=1)
@@ -38,7 +40,9 @@ def png(index: np.ndarray, palette: np.ndarray) -> bytes:
         (b"IDAT", zlib.compress(rows, 9)),
         (b"IEND", b""),
     ]
-    packed = [struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data)) for name, data in chunks]
+    packed = [
+        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data)) for name, data in chunks
+    ]
     return b"\x89PNG\r\n\x1a\n" + b"".join(packed)
 
 

@@ -1,7 +1,8 @@
 """Prints examples/first_gamma.json: what two imagined detectors report of the painted box of ``first_kb``, from 1.2 m away.
 
-It stands in for detectors of your own. It knows the box's pose; the Γ that it prints does not: it holds only types and places, some noise,
-three appearances that are clutter, and one visible corner that was missed. Run it as ``python examples/first_gamma.py > examples/first_gamma.json``.
+It stands in for detectors of your own. It knows the box's pose; the Γ that it prints does not: it holds only types and
+places, some noise, three appearances that are clutter, and one visible corner that was missed. Run it as ``python
+examples/first_gamma.py > examples/first_gamma.json``.
 """
 # ruff: noqa: INP001 - a script, no package
 
@@ -35,7 +36,11 @@ def gamma() -> dict[str, object]:
     at = transform_points(CAMERA_FROM_BOX, np.array([feature.at for feature in box.features]))
     seen = feature_in_lobe(box.lobes, np.array([VIEWPOINT]))[0] & ~behind(at, box.surface.rays, CAMERA_FROM_BOX, 0.001)
     uv = CAMERA.project(at) + np.random.default_rng(0).normal(0.0, NOISE, (len(at), 2))
-    found = [(box.features[f].type, tuple(np.round(uv[f], 1).tolist())) for f in np.flatnonzero(seen) if box.features[f].name != MISSED]
+    found = [
+        (box.features[f].type, tuple(np.round(uv[f], 1).tolist()))
+        for f in np.flatnonzero(seen)
+        if box.features[f].name != MISSED
+    ]
     rows = [
         {"id": f"a{i}", "type": kind, "uv": list(place), "detector": f"{kind}s"}
         for i, (kind, place) in enumerate(sorted(found + CLUTTER, key=lambda row: row[1]), 1)

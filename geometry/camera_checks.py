@@ -10,7 +10,10 @@ from geometry.frames import is_rigid
 
 KEYS = ("width", "height", "K", "dist", "T_world_camera")
 MAX_SIDE = 65536  # px
-SHORTEST, LARGEST = 1e-3, 1e9  # px; focal lengths beyond, and larger numbers of a matrix, belong to no camera, and squares of them overflow
+SHORTEST, LARGEST = (
+    1e-3,
+    1e9,
+)  # px; focal lengths beyond, and larger numbers of a matrix, belong to no camera, and squares of them overflow
 STRONGEST = 1e6  # a distortion coefficient; past a few thousand no lens is known
 
 

@@ -2,7 +2,8 @@
 
 Vocabulary, each with an example value:
 
-* ``Appearance``: one datum, ``Appearance(id="a1", type="y_junction", uv=(312.4, 201.9), detector="junction", angle=0.3)``
+* ``Appearance``: one datum, ``Appearance(id="a1", type="y_junction", uv=(312.4, 201.9), detector="junction",
+  angle=0.3)``
 * ``Gamma``: all data of one view, ``Gamma(camera=Camera(640, 480, K, ...), appearances=(a1, a2))``
 
 Outlines are not in Γ, and nothing here knows an object type.
@@ -26,17 +27,15 @@ class Appearance:
     """One datum of Γ.
 
     Attributes:
-        id: Unique within its Γ.
-        type: The appearance type, a name of the KB's vocabulary ("l_junction", "patch").
-        uv: Place in pixels; an integer is a pixel's centre.
-        detector: Name of the detector that reported it.
-        angle: Radians, clockwise on the screen from +x; None where the type has no direction.
-        scale: Diameter in pixels, or None.
-        score: The detector's own confidence in [0, 1], or None.
-        arms: Directions of a junction's arms, radians, same convention as ``angle``, ascending in [0, 2π); empty for other types.
-        descriptor: Raw bytes of a keypoint's descriptor: 128 of SIFT, or 138 with its colours, 32 of ORB; 5 of the looks of the side of an edge;
+        id: Unique within its Γ. type: The appearance type, a name of the KB's vocabulary ("l_junction", "patch"). uv:
+        Place in pixels; an integer is a pixel's centre. detector: Name of the detector that reported it. angle:
+        Radians, clockwise on the screen from +x; None where the type has no direction. scale: Diameter in pixels, or
+        None. score: The detector's own confidence in [0, 1], or None. arms: Directions of a junction's arms, radians,
+        same convention as ``angle``, ascending in [0, 2π); empty for other types. descriptor: Raw bytes of a keypoint's
+        descriptor: 128 of SIFT, or 138 with its colours, 32 of ORB; 5 of the looks of the side of an edge;
             None where the detector gives none.
-        depth: Metres along the camera's z axis, or None; ``depth_sigma``: its standard deviation, metres, where there is one (§3.3).
+        depth: Metres along the camera's z axis, or None; ``depth_sigma``: its standard deviation, metres, where there
+        is one (§3.3).
     """
 
     id: str

@@ -10,7 +10,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _DOUBTFUL = 1e-6
-"""Nearer than this to the middle between two neighbours, in units of the last decimal, a product's own rounding could decide."""
+"""Nearer than this to the middle between two neighbours, in units of the last decimal, a product's own rounding could
+decide."""
 _LARGEST = 2.0**31
 """Up to here, in those units, a product is exact to less than that."""
 

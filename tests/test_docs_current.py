@@ -56,7 +56,9 @@ FIGURES = [
 
 def leaves(command, path):
     members = getattr(command, "commands", {})
-    return [leaf for name, member in members.items() for leaf in leaves(member, f"{path} {name}")] if members else [path]
+    return (
+        [leaf for name, member in members.items() for leaf in leaves(member, f"{path} {name}")] if members else [path]
+    )
 
 
 def read(path):
@@ -70,7 +72,9 @@ def test_every_command_is_documented():
 
 def test_every_option_of_a_command_is_documented():
     text = read(DOCS / "commands.md")
-    options = {o for command in cli.commands.values() for p in command.params if isinstance(p, click.Option) for o in p.opts}
+    options = {
+        o for command in cli.commands.values() for p in command.params if isinstance(p, click.Option) for o in p.opts
+    }
     assert options
     assert not [option for option in options if option not in text]
 

@@ -41,7 +41,11 @@ def ours():
 def test_imports_run_one_way():
     found = list(ours())
     assert len(found) > 200, "the files have been read"
-    assert [f"{file}:{line}: {module}" for file, line, here, module, there in found if ORDER.index(there) > ORDER.index(here)] == []
+    assert [
+        f"{file}:{line}: {module}"
+        for file, line, here, module, there in found
+        if ORDER.index(there) > ORDER.index(here)
+    ] == []
 
 
 def test_every_layer_is_looked_at():
@@ -50,7 +54,9 @@ def test_every_layer_is_looked_at():
 
 def test_evidence_is_blind_to_object_types():
     """``sensing`` may know the KB's type names, never its object types (the house's rule)."""
-    found = [f"{file}:{line}: {module}" for file, line, here, module, there in ours() if (here, there) == ("sensing", "kb")]
+    found = [
+        f"{file}:{line}: {module}" for file, line, here, module, there in ours() if (here, there) == ("sensing", "kb")
+    ]
     assert [place for place in found if place.split(": ")[1] not in NAMES_ONLY] == []
 
 
@@ -63,7 +69,9 @@ def test_no_library_prints():
         f"{path.relative_to(ROOT)}:{node.lineno}"
         for path in FILES
         for node in ast.walk(ast.parse(path.read_text()))
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("print", "pprint", "breakpoint")
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name)
+        and node.func.id in ("print", "pprint", "breakpoint")
     ]
     assert calls == []
 
@@ -72,7 +80,9 @@ def test_an_init_hands_names_on_and_does_nothing_else():
     for path in (p for p in FILES if p.name == "__init__.py"):
         statements = ast.parse(path.read_text()).body
         allowed = all(
-            isinstance(s, (ast.Import, ast.ImportFrom)) or (isinstance(s, ast.Expr) and isinstance(s.value, ast.Constant)) or _is_all(s)
+            isinstance(s, (ast.Import, ast.ImportFrom))
+            or (isinstance(s, ast.Expr) and isinstance(s.value, ast.Constant))
+            or _is_all(s)
             for s in statements
         )
         assert allowed, path
@@ -93,8 +103,20 @@ assert state() == before, [i for i, (x, y) in enumerate(zip(before, state())) if
 """
 
 
-@pytest.mark.parametrize("module", ["geometry.camera", "kb.files.read", "sensing.detectors.detector", "plogic.run.perceive", "plogic.scene.asking.query", "cli"])
+@pytest.mark.parametrize(
+    "module",
+    [
+        "geometry.camera",
+        "kb.files.read",
+        "sensing.detectors.detector",
+        "plogic.run.perceive",
+        "plogic.scene.asking.query",
+        "cli",
+    ],
+)
 def test_an_import_has_no_side_effects(module, tmp_path):
-    run = subprocess.run([sys.executable, "-c", SCRIPT, module], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
+    run = subprocess.run(
+        [sys.executable, "-c", SCRIPT, module], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60
+    )
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
     assert list(tmp_path.iterdir()) == []

@@ -8,7 +8,11 @@ import pytest
 ROOT = Path(__file__).parent.parent
 MAP = (ROOT / "docs" / "paper-map.md").read_text(encoding="utf-8")
 PAGES = ["paper-map.md", "glossary.md", "how-it-works.md", "conventions.md"]
-ROWS = {cells[0]: cells for line in MAP.splitlines() if (cells := [c.strip() for c in line.strip("|").split("|")])[0].startswith("§")}
+ROWS = {
+    cells[0]: cells
+    for line in MAP.splitlines()
+    if (cells := [c.strip() for c in line.strip("|").split("|")])[0].startswith("§")
+}
 COUNTS = {2: 8, 3: 8, 4: 4, 5: 7, 6: 3}
 ITEMS = [
     *(f"§1 {name}" for name in ("Σ", "Γ", "Δh", "Δi", "Δp")),
@@ -48,5 +52,9 @@ def test_every_file_and_every_test_that_is_named_exists(page):
     assert named
     missing = [path for path, _ in named if not (ROOT / path).is_file()]
     assert not missing
-    absent = [f"{path}::{test}" for path, test in named if test and f"\ndef {test}(" not in (ROOT / path).read_text(encoding="utf-8")]
+    absent = [
+        f"{path}::{test}"
+        for path, test in named
+        if test and f"\ndef {test}(" not in (ROOT / path).read_text(encoding="utf-8")
+    ]
     assert not absent

@@ -1,6 +1,7 @@
 """``plogic bench batch``: a thousand frames one at a time, by two processes, by a Dask cluster, and by a run that is killed and resumed.
 
-The interpretations must be the same bytes as those of ``plogic perceive``, and two processes must be nearly twice as fast as one.
+The interpretations must be the same bytes as those of ``plogic perceive``, and two processes must be nearly twice as
+fast as one.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ KB = "towers"
 class Done:
     """One run: what was run, on how many frames, in how many seconds of the clock and of processors, and its lines.
 
-    Seconds of processors are those of this process and its own children, so of Dask's and of killed workers there are none.
+    Seconds of processors are those of this process and its own children, so of Dask's and of killed workers there are
+    none.
     """
 
     name: str
@@ -86,7 +88,13 @@ def one_at_a_time(folder: Path, say: Say) -> Done:
     clocks, texts = Clocks(), list[str]()
     frames = frames_of([str(folder / "frames")], ())
     for i, frame in enumerate(frames, 1):
-        options = {"camera": camera_of(frame, None), "reading": "score", "reconsider": "to_B", "smoothing": 0.0, "generator": "index"}
+        options = {
+            "camera": camera_of(frame, None),
+            "reading": "score",
+            "reconsider": "to_B",
+            "smoothing": 0.0,
+            "generator": "index",
+        }
         perceive_command(frame.input, KB, "-", options, say=lambda _: None, write=texts.append)
         if i % 100 == 0:
             say(f"one at a time: {i} of {len(frames)}")
@@ -151,7 +159,9 @@ def _started(folder: Path, out: str, options: Sequence[str], listed: bytes = b""
 def _finish(child: subprocess.Popen[bytes]) -> None:
     said = child.communicate()[1]
     if child.returncode:
-        raise InputError(f"plogic batch failed with exit status {child.returncode}: {said.decode(errors='replace').strip()}")
+        raise InputError(
+            f"plogic batch failed with exit status {child.returncode}: {said.decode(errors='replace').strip()}"
+        )
 
 
 def _done(folder: Path, name: str, out: str, clocks: Clocks, say: Say) -> Done:
@@ -169,7 +179,10 @@ def differing(alone: Sequence[bytes], lines: Sequence[bytes]) -> int:
 
 
 def _claims(alone: Done, whole: Sequence[Done], pairs: Sequence[tuple[Done, Done]]) -> list[Claim]:
-    same = [Claim(f"{done.name}: frames that are not the bytes of `perceive`", "<=", 0, differing(alone.lines, done.lines)) for done in whole]
+    same = [
+        Claim(f"{done.name}: frames that are not the bytes of `perceive`", "<=", 0, differing(alone.lines, done.lines))
+        for done in whole
+    ]
     others = sum(a.lines != b.lines for a, b in pairs)
     faster = median([one.seconds / two.seconds for one, two in pairs])
     return [

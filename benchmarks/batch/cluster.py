@@ -46,7 +46,12 @@ def loopback(workers: int) -> Iterator[str]:
 def _start(arguments: list[str], folder: str) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-W", "ignore", "-m", "dask", *arguments]
     return subprocess.Popen(  # noqa: S603 - our own words
-        command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+        command,
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
     )
 
 

@@ -55,7 +55,13 @@ def gamma(kb: KnowledgeBase, rng: np.random.Generator) -> Gamma:
     uv = np.concatenate([uv, rng.uniform(0.0, [CAMERA.width - 1.0, CAMERA.height - 1.0], (noise, 2))])
     types += [kb.appearance_types[i] for i in rng.integers(len(kb.appearance_types), size=noise)]
     order = rng.permutation(total)
-    return Gamma(CAMERA, tuple(Appearance(f"a{n}", types[i], (float(uv[i, 0]), float(uv[i, 1])), "simulated") for n, i in enumerate(order, 1)))
+    return Gamma(
+        CAMERA,
+        tuple(
+            Appearance(f"a{n}", types[i], (float(uv[i, 0]), float(uv[i, 1])), "simulated")
+            for n, i in enumerate(order, 1)
+        ),
+    )
 
 
 def _own(kind: ObjectType, kb: KnowledgeBase, rng: np.random.Generator) -> tuple[NDArray[np.float64], list[str]]:

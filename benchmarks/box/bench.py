@@ -1,7 +1,8 @@
 """``plogic bench box``: a real cookie box, learnt from one photo, found in twenty frames of a hand-held video, against hand-marked corners.
 
-The data is that of ``../shared/data`` (its README says whose), the clicked points and the marked corners of ``tests/scenes/box``; where
-either is absent the benchmark says so and fails. ``--quick`` leaves the ten YCB types out of the knowledge base.
+The data is that of ``../shared/data`` (its README says whose), the clicked points and the marked corners of
+``tests/scenes/box``; where either is absent the benchmark says so and fails. ``--quick`` leaves the ten YCB types out
+of the knowledge base.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[2]
 DATA, MARKS = ROOT.parent / "shared" / "data" / "box", ROOT / "tests" / "scenes" / "box"
 F, WRONG = 600.0, 2.6
-"""The video's focal length, px, as far as it is known, and how many times too long that of the tutorial is which the video comes from."""
+"""The video's focal length, px, as far as it is known, and how many times too long that of the tutorial is which the
+video comes from."""
 SIZE = 640, 480
 NEAR = 8.0
 """Pixels within which every marked corner must be reprojected."""
@@ -42,8 +44,9 @@ DRAWS = 2000
 class Answer:
     """What one frame gave.
 
-    ``corners``: px from each marked corner to the accepted box's, none where no box was accepted; ``ev`` of the best box, accepted or not,
-    ``wrong_ev`` of that with the wrong camera, 0 for none; ``others``: accepted types that are not there.
+    ``corners``: px from each marked corner to the accepted box's, none where no box was accepted; ``ev`` of the best
+    box, accepted or not, ``wrong_ev`` of that with the wrong camera, 0 for none; ``others``: accepted types that are
+    not there.
     """
 
     frame: str
@@ -55,11 +58,18 @@ class Answer:
 
 
 def run(
-    *, seed: int, quick: bool = False, picture: Path | None = None, as_json: bool = False, say: Callable[[str], None], **_: object
+    *,
+    seed: int,
+    quick: bool = False,
+    picture: Path | None = None,
+    as_json: bool = False,
+    say: Callable[[str], None],
+    **_: object,
 ) -> tuple[str, bool]:
     """Learn, look at every frame, judge; draw the frame of the greatest drop into ``picture``.
 
-    Raises InputError where the data is not there or the types cannot be learnt, SensingError where the picture cannot be written.
+    Raises InputError where the data is not there or the types cannot be learnt, SensingError where the picture cannot
+    be written.
     """
     absent = [str(place) for place in (DATA / "photo.jpg", MARKS / "frame_corners.json") if not place.is_file()]
     if absent:
@@ -75,7 +85,10 @@ def run(
     text, met = report("box", [_row(answer) for answer in answers], claims(answers), as_json=as_json)
     if as_json:
         return json.dumps(json.loads(text) | {"ev_drop_95": [low, high]}), met
-    return f"with f {WRONG:g} times too long, the box's ev drops by {low:.3f} to {high:.3f} (95 % of its mean over the frames)\n\n{text}", met
+    return (
+        f"with f {WRONG:g} times too long, the box's ev drops by {low:.3f} to {high:.3f} (95 % of its mean over the frames)\n\n{text}",
+        met,
+    )
 
 
 def learnt(folder: Path, seed: int, *, quick: bool, say: Callable[[str], None]) -> KnowledgeBase:
@@ -107,7 +120,9 @@ def answered(kb: KnowledgeBase, say: Callable[[str], None]) -> list[Answer]:
         box = next((belief for belief in accepted if belief.posed.object_type.name == "box"), None)
         off = () if box is None else _distances(box, right, [places[name] for name in corners], list(corners.values()))
         others = tuple(belief.posed.object_type.name for belief in accepted if belief is not box)
-        answers.append(Answer(frame, off, _best(beliefs), _best(seen(kb, perceiver, DATA / frame, wrong)[0]), others, seconds))
+        answers.append(
+            Answer(frame, off, _best(beliefs), _best(seen(kb, perceiver, DATA / frame, wrong)[0]), others, seconds)
+        )
         told = f"{max(off):.1f} px at most" if off else "not found"
         say(f"{frame}: {told}, ev {answers[-1].ev:.2f}, {answers[-1].wrong_ev:.2f} with the wrong camera")
     return answers
@@ -162,7 +177,12 @@ def claims(answers: Sequence[Answer]) -> list[Claim]:
     """What was promised."""
     corners = np.array([off for answer in answers for off in answer.corners] or [np.inf])
     return [
-        Claim(f"frames of {len(answers)} in which the box is found, every corner within {NEAR:g} px", ">=", 19, _found(answers)),
+        Claim(
+            f"frames of {len(answers)} in which the box is found, every corner within {NEAR:g} px",
+            ">=",
+            19,
+            _found(answers),
+        ),
         Claim("median distance of a corner from its mark, px", "<=", NEAR, float(np.median(corners))),
         Claim("largest distance of a corner from its mark, px", "<=", NEAR, float(corners.max())),
         Claim("objects accepted that are not there", "<=", 0, sum(len(answer.others) for answer in answers)),

@@ -2,8 +2,8 @@
 
 Vocabulary: ``Panel("posterior", "ECE 0.02", p, y)``, one forecaster's forecasts (N,) and what came of them (N,).
 
-A dot is a bin of equal mass; the bar through it is where the share that came true may lie (95 %, Wilson). Below, how many forecasts
-there are in each tenth. The same input gives the same bytes.
+A dot is a bin of equal mass; the bar through it is where the share that came true may lie (95 %, Wilson). Below, how
+many forecasts there are in each tenth. The same input gives the same bytes.
 """
 
 from __future__ import annotations
@@ -46,7 +46,14 @@ class Panel:
 def diagram(title: str, panels: Sequence[Panel], bins: int = BINS) -> str:
     """The panels side by side, as the text of an SVG file. Raises ValueError where forecasts are none."""
     width, height = LEFT + len(panels) * (SIDE + APART) - APART + 24, TOP + SIDE + GAP + STRIP + 44
-    return "\n".join([*_head(title, width, height), *(line for i, panel in enumerate(panels) for line in _panel(panel, i, bins)), "</svg>", ""])
+    return "\n".join(
+        [
+            *_head(title, width, height),
+            *(line for i, panel in enumerate(panels) for line in _panel(panel, i, bins)),
+            "</svg>",
+            "",
+        ]
+    )
 
 
 def _head(title: str, width: int, height: int) -> Iterator[str]:
@@ -104,6 +111,8 @@ def _counts(panel: Panel, top: int) -> Iterator[str]:
     yield _text(SIDE // 2, bottom + 18, f"how many, of {len(panel.forecasts)}", "text", anchor="middle")
 
 
-def _text(x: float, y: float, text: str, style: str, *, anchor: str = "start", size: int = 13, weight: str = "normal") -> str:
+def _text(
+    x: float, y: float, text: str, style: str, *, anchor: str = "start", size: int = 13, weight: str = "normal"
+) -> str:
     heavy = "" if weight == "normal" else f' font-weight="{weight}"'
     return f'<text class="{style}" x="{x:g}" y="{y:g}" text-anchor="{anchor}" font-size="{size}"{heavy}>{escape(text)}</text>'

@@ -1,10 +1,11 @@
 """What perception says of the hypotheses of a scene, by each reading, and which of them are true.
 
-* ``Forecast``: one hypothesis, ``Forecast(scene=17, among="gate", true=True, said={"posterior": 0.97, "P(ev)": 0.81, ...})``
+* ``Forecast``: one hypothesis, ``Forecast(scene=17, among="gate", true=True, said={"posterior": 0.97, "P(ev)": 0.81,
+  ...})``
 
-Hypotheses are looked at twice. ``gate``: every pose that the search came to and that passed the geometric gate (laid onto Γ, refined, rays cast, four
-expected features or more detected), near-duplicates merged, none accepted or rejected by what it explains. ``cycle``: Δh of the perceptual
-cycle, what it accepted and its rivals.
+Hypotheses are looked at twice. ``gate``: every pose that the search came to and that passed the geometric gate (laid
+onto Γ, refined, rays cast, four expected features or more detected), near-duplicates merged, none accepted or rejected
+by what it explains. ``cycle``: Δh of the perceptual cycle, what it accepted and its rivals.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ if TYPE_CHECKING:
 
 POSTERIOR, BEST, SCORE, P_EV = "posterior", "posterior, its pose as given", "score, P(present)", "P(ev)"
 READINGS = POSTERIOR, BEST, SCORE, P_EV
-"""The posterior; what it would be if a pose owed nothing to having been fitted; P(present) of the paper's reading; P(ev) itself."""
+"""The posterior; what it would be if a pose owed nothing to having been fitted; P(present) of the paper's reading;
+P(ev) itself."""
 GATE, CYCLE = "gate", "cycle"
 
 
@@ -56,7 +58,9 @@ def forecasts_of(perceiver: Perceiver, scene: CalibrationScene, number: int) -> 
     data = data_of(gamma.appearances, gamma.camera)
     perceived = perceiver.delta(gamma, Options(reading="posterior"), Stopwatch())[0]
     looks = ((GATE, gated(perceiver, data)), (CYCLE, perceived))
-    return [forecast for among, delta in looks for forecast in _judged(delta, data, perceiver.kb, scene, (number, among))]
+    return [
+        forecast for among, delta in looks for forecast in _judged(delta, data, perceiver.kb, scene, (number, among))
+    ]
 
 
 def gated(perceiver: Perceiver, data: Data) -> Delta:
@@ -69,10 +73,14 @@ def gated(perceiver: Perceiver, data: Data) -> Delta:
             told, ev = evidence(posed, data, perceiver.kb), explanatory_value(posed.support(), perceiver.dv)
             beliefs.append(Belief(posed, perceiver.indices[name], told.ratio, told.surplus, ev, ev))
     best = sorted(beliefs, key=lambda b: -b.worth)
-    return delta_of(Cycle((), tuple(best), (), (), Trace()), data, perceiver.kb, perceiver.dv, Options(reading="posterior"))
+    return delta_of(
+        Cycle((), tuple(best), (), (), Trace()), data, perceiver.kb, perceiver.dv, Options(reading="posterior")
+    )
 
 
-def _judged(delta: Delta, data: Data, kb: KnowledgeBase, scene: CalibrationScene, which: tuple[int, str]) -> list[Forecast]:
+def _judged(
+    delta: Delta, data: Data, kb: KnowledgeBase, scene: CalibrationScene, which: tuple[int, str]
+) -> list[Forecast]:
     if not delta.beliefs:
         return []
     poses = {name: (b.posed.object_type, b.posed.camera_from_object) for name, b in delta.beliefs.items()}
@@ -83,7 +91,10 @@ def _judged(delta: Delta, data: Data, kb: KnowledgeBase, scene: CalibrationScene
         SCORE: presences(replace(delta.situation, reading="score")),
         P_EV: {name: 0.0 if b.ev is None else probability_of_ev(b.ev) for name, b in delta.beliefs.items()},
     }
-    return [Forecast(*which, name in true, {reading: table[name] for reading, table in said.items()}) for name in delta.beliefs]
+    return [
+        Forecast(*which, name in true, {reading: table[name] for reading, table in said.items()})
+        for name in delta.beliefs
+    ]
 
 
 def presences(situation: Situation) -> dict[str, float]:

@@ -2,11 +2,13 @@
 
 N forecasts p (N,) in [0, 1] and what came of them, y (N,), 0 or 1. Vocabulary:
 
-* ``Bin(0.31, 0.39, forecast=0.35, true=0.27, count=68)``: forecasts between two bounds, their mean, and the share of them that came true
+* ``Bin(0.31, 0.39, forecast=0.35, true=0.27, count=68)``: forecasts between two bounds, their mean, and the share of
+  them that came true
 * *skill*: 1 for the perfect, 0 for whoever always says the base rate, below 0 for worse
 
-Sources: Brier 1950 (the score), Murphy 1973 (its parts), Naeini, Cooper and Hauskrecht 2015 (ECE), Roelofs, Cain, Shlens and Mozer 2022 (why the bins
-should be of equal mass), Wilson 1927 (the interval of a share), Efron and Tibshirani 1993 (the bootstrap).
+Sources: Brier 1950 (the score), Murphy 1973 (its parts), Naeini, Cooper and Hauskrecht 2015 (ECE), Roelofs, Cain,
+Shlens and Mozer 2022 (why the bins should be of equal mass), Wilson 1927 (the interval of a share), Efron and
+Tibshirani 1993 (the bootstrap).
 """
 
 from __future__ import annotations
@@ -87,7 +89,9 @@ def reliability(p: ArrayLike, y: ArrayLike, bins: int = BINS) -> tuple[Bin, ...]
     p, y = _checked(p, y)
     which = _equal_mass(p, bins)
     members = [which == b for b in range(bins) if (which == b).any()]
-    return tuple(Bin(float(p[m].min()), float(p[m].max()), float(p[m].mean()), float(y[m].mean()), int(m.sum())) for m in members)
+    return tuple(
+        Bin(float(p[m].min()), float(p[m].max()), float(p[m].mean()), float(y[m].mean()), int(m.sum())) for m in members
+    )
 
 
 def expected_calibration_error(p: ArrayLike, y: ArrayLike, bins: int = BINS) -> float:
@@ -111,14 +115,16 @@ def bootstrap_interval(
 ) -> tuple[float, float]:
     """The percentile interval of ``LEVEL`` of a statistic, over scenes drawn anew with replacement, stretched to hold the estimate itself.
 
-    ``scene`` (N,) tells the scene of each forecast: those of one scene depend on each other, so they are drawn together. Drawing anew adds noise,
-    which raises an ECE; so its upper end is cautious.
+    ``scene`` (N,) tells the scene of each forecast: those of one scene depend on each other, so they are drawn
+    together. Drawing anew adds noise, which raises an ECE; so its upper end is cautious.
     """
     p, y = _checked(p, y)
     _, which = np.unique(np.asarray(scene), return_inverse=True)
     members = np.split(np.argsort(which, kind="stable"), np.cumsum(np.bincount(which))[:-1])
     rng = np.random.default_rng(seed)
-    drawn = [np.concatenate([members[i] for i in rng.integers(len(members), size=len(members))]) for _ in range(resamples)]
+    drawn = [
+        np.concatenate([members[i] for i in rng.integers(len(members), size=len(members))]) for _ in range(resamples)
+    ]
     values = np.array([statistic(p[rows], y[rows]) for rows in drawn])
     low, high = np.nanquantile(values, [(1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0])
     estimate = statistic(p, y)
@@ -138,7 +144,9 @@ def _checked(p: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
     """Both as floats (N,), N > 0."""
     forecasts, outcomes = np.asarray(p, dtype=np.float64), np.asarray(y, dtype=np.float64)
     if forecasts.ndim != 1 or forecasts.shape != outcomes.shape or not len(forecasts):
-        raise ValueError(f"forecasts and outcomes must be two rows of equal length, not {forecasts.shape} and {outcomes.shape}")
+        raise ValueError(
+            f"forecasts and outcomes must be two rows of equal length, not {forecasts.shape} and {outcomes.shape}"
+        )
     if not ((forecasts >= 0.0) & (forecasts <= 1.0)).all():
         raise ValueError("a forecast is no probability")
     if not np.isin(outcomes, (0.0, 1.0)).all():

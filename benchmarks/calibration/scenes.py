@@ -1,10 +1,11 @@
 """The scenes of ``plogic bench calibration``: bodies that look alike, seen by a poor detector in clutter, partly one behind another.
 
-* ``World``: the types, and how well they are really seen, which perception is not told: it learns it from training scenes
+* ``World``: the types, and how well they are really seen, which perception is not told: it learns it from training
+  scenes
 * ``CalibrationScene``: one Γ, and what stands where
 
-Types come in families: siblings have one body and share the looks of most features, so that often few data tell which of them stands there.
-Each look is reported with a hit rate of its own, and clutter has a density of its own for each.
+Types come in families: siblings have one body and share the looks of most features, so that often few data tell which
+of them stands there. Each look is reported with a hit rate of its own, and clutter has a density of its own for each.
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ FAMILIES, SIBLINGS, FEATURES, LOOKS = 4, 3, 60, 20
 OWN = 0.12
 """Share of its features that a sibling redraws the looks of."""
 DETECTOR = Detector("poor", 0.5, 1.0, float(np.radians(8.0)))
-"""What perception is told before it has learnt: half of what is in view is reported, one pixel and eight degrees off."""
+"""What perception is told before it has learnt: half of what is in view is reported, one pixel and eight degrees
+off."""
 HIT = 0.2, 0.7
 """Least and greatest true hit rate of a look."""
 CLUTTER = 300.0
@@ -76,7 +78,9 @@ def random_world(seed: int) -> World:
     bodies = random_types(FAMILIES, FEATURES, LOOKS, rng, DETECTOR, round(CLUTTER))
     types = [kind for body in bodies.types for kind in _family(body, bodies.appearance_types, rng)]
     hit, share = rng.uniform(*HIT, LOOKS), rng.gamma(2.0, 1.0, LOOKS)
-    return World(knowledge_base(types, bodies.appearance_types, DETECTOR, round(CLUTTER)), hit, CLUTTER * share / share.sum())
+    return World(
+        knowledge_base(types, bodies.appearance_types, DETECTOR, round(CLUTTER)), hit, CLUTTER * share / share.sum()
+    )
 
 
 def _family(body: ObjectType, names: Sequence[str], rng: np.random.Generator) -> list[ObjectType]:
@@ -95,12 +99,15 @@ def scene(world: World, seed: int) -> CalibrationScene:
     rng = np.random.default_rng([seed, SCENES])
     placed = _placed(world.kb, rng)
     shown = [in_view(world.kb, one, placed) for one in placed]
-    parts = [_reported(one, there, world, rng) for one, (there, _) in zip(placed, shown, strict=True)] + [_noise(world, rng)]
+    parts = [_reported(one, there, world, rng) for one, (there, _) in zip(placed, shown, strict=True)] + [
+        _noise(world, rng)
+    ]
     uv, looks, angle = (np.concatenate([part[i] for part in parts]) for i in range(3))
     inside, names = CAMERA.contains(uv), world.kb.appearance_types
     order = [i for i in rng.permutation(len(uv)) if inside[i]]
     data = tuple(
-        Appearance(f"d{n}", names[looks[i]], (float(uv[i, 0]), float(uv[i, 1])), "simulated", angle=float(angle[i])) for n, i in enumerate(order)
+        Appearance(f"d{n}", names[looks[i]], (float(uv[i, 0]), float(uv[i, 1])), "simulated", angle=float(angle[i]))
+        for n, i in enumerate(order)
     )
     objects = [TrueObject(kind.name, pose, share) for (kind, pose), (_, share) in zip(placed, shown, strict=True)]
     return CalibrationScene(Gamma(CAMERA, data), Truth(tuple(objects), complete=True))

@@ -41,7 +41,12 @@ posterior takes each pose as if it had been known before it was fitted."""
 
 def rows(found: Sequence[Forecast], seed: int = 0) -> list[dict[str, Any]]:
     """One for each set of hypotheses and each reading."""
-    return [_row(found, among, reading, seed) for among in (GATE, CYCLE) for reading in READINGS if any(f.among == among for f in found)]
+    return [
+        _row(found, among, reading, seed)
+        for among in (GATE, CYCLE)
+        for reading in READINGS
+        if any(f.among == among for f in found)
+    ]
 
 
 def _row(found: Sequence[Forecast], among: str, reading: str, seed: int) -> dict[str, Any]:
@@ -65,7 +70,11 @@ def _row(found: Sequence[Forecast], among: str, reading: str, seed: int) -> dict
 def said(found: Sequence[Forecast], among: str, reading: str) -> tuple[Floats, Floats, NDArray[np.intp]]:
     """Probabilities (N,), what is true (N,), and the scenes (N,) of one set of hypotheses by one reading."""
     mine = [f for f in found if f.among == among]
-    return np.array([f.said[reading] for f in mine]), np.array([float(f.true) for f in mine]), np.array([f.scene for f in mine], np.intp)
+    return (
+        np.array([f.said[reading] for f in mine]),
+        np.array([float(f.true) for f in mine]),
+        np.array([f.scene for f in mine], np.intp),
+    )
 
 
 def _open(p: Floats) -> int:
@@ -88,6 +97,8 @@ def drawn(found: Sequence[Forecast]) -> str:
     panels = []
     for reading in (POSTERIOR, P_EV):
         p, y, _ = said(found, GATE, reading)
-        figures = f"ECE {expected_calibration_error(p, y):.3f} · Brier {brier(p, y):.3f} · skill {brier_skill(p, y):+.2f}".replace("-", "−")
+        figures = f"ECE {expected_calibration_error(p, y):.3f} · Brier {brier(p, y):.3f} · skill {brier_skill(p, y):+.2f}".replace(
+            "-", "−"
+        )
         panels.append(Panel(reading, figures, p, y))
     return diagram(f"Do probabilities mean what they say? {len(p)} hypotheses, {BINS} bins of equal mass", panels)

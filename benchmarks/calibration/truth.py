@@ -1,7 +1,7 @@
 """Which hypotheses of a scene are true: the one place where that is defined.
 
-A hypothesis is true if an object of its type stands at its pose, up to symmetry, within the tolerance by which near-duplicates are merged (§8).
-An object makes one hypothesis true at most, the one whose pose is nearest.
+A hypothesis is true if an object of its type stands at its pose, up to symmetry, within the tolerance by which
+near-duplicates are merged (§8). An object makes one hypothesis true at most, the one whose pose is nearest.
 """
 
 from __future__ import annotations
@@ -42,4 +42,6 @@ def true_ones(hypotheses: Hypotheses, objects: Sequence[TrueObject]) -> frozense
 def _apart(kind: ObjectType, pose: NDArray[np.float64], true: TrueObject) -> float:
     """Rotation and translation, each as a share of what is tolerated."""
     turned, moved = pose_error(pose, true.camera_from_object, kind.symmetries)
-    return float(turned) / SAME_ROTATION + float(moved) / (SAME_PLACE * float(np.linalg.norm(true.camera_from_object[:3, 3])))
+    return float(turned) / SAME_ROTATION + float(moved) / (
+        SAME_PLACE * float(np.linalg.norm(true.camera_from_object[:3, 3]))
+    )

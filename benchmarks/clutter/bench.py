@@ -1,7 +1,7 @@
 """``plogic bench clutter``: one object of a hundred types, or of a thousand, among a thousand appearances, beside peers in the same run.
 
-A third of the trials are of types made of what was learnt from the YCB meshes; where these are not there those trials are left out, and the
-table says so. ``--quick``: ten trials a row, peers asked in three of them, one row less.
+A third of the trials are of types made of what was learnt from the YCB meshes; where these are not there those trials
+are left out, and the table says so. ``--quick``: ten trials a row, peers asked in three of them, one row less.
 """
 
 from __future__ import annotations
@@ -89,8 +89,14 @@ def of_learnt(number: int) -> bool:
 
 
 def run(
-    *, seed: int, limit: float, quick: bool, as_json: bool, say: Callable[[str], None],
-    learn: Callable[[Callable[[str], None], int], KnowledgeBase | None] | None = None, plan: Plan | None = None,
+    *,
+    seed: int,
+    limit: float,
+    quick: bool,
+    as_json: bool,
+    say: Callable[[str], None],
+    learn: Callable[[Callable[[str], None], int], KnowledgeBase | None] | None = None,
+    plan: Plan | None = None,
 ) -> tuple[str, bool]:
     """Run the benchmark; a line of progress a trial on ``say``. ``limit``: most seconds that a peer may take a trial.
 
@@ -159,7 +165,9 @@ def series_of(case: Case, learnt: KnowledgeBase | None, seed: int) -> Series:
     return Series(case, kb, kinds, kb.types[len(kinds) :])
 
 
-def answered(series: Series, perceiver: Perceiver, which: tuple[int, int], peers: Sequence[Peer], seconds: float) -> list[Outcome]:
+def answered(
+    series: Series, perceiver: Perceiver, which: tuple[int, int], peers: Sequence[Peer], seconds: float
+) -> list[Outcome]:
     """The trial of ``which`` seed and number: ours first, then who was told, then the peers, who may take so many seconds, on the same Γ."""
     posed = series.trial(*which)
     asked: dict[str, Callable[[], list[Found]]] = {TOLD: lambda: told(series.kb, posed)}
@@ -173,7 +181,10 @@ def answered(series: Series, perceiver: Perceiver, which: tuple[int, int], peers
         start = processor_seconds()
         answers[who] = ask(), processor_seconds() - start
     learnt, own = of_learnt(which[1]), len(posed.causes)
-    return [Outcome(series.case, who, learnt, own, *judged(found, posed.truth), taken) for who, (found, taken) in answers.items()]
+    return [
+        Outcome(series.case, who, learnt, own, *judged(found, posed.truth), taken)
+        for who, (found, taken) in answers.items()
+    ]
 
 
 def ours(perceiver: Perceiver, gamma: Gamma) -> tuple[list[Found], list[Found]]:

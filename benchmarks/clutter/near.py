@@ -108,7 +108,9 @@ def _climbed(posed: Trial, perceiver: Perceiver, data: Data, start: Floats, _: f
     if search is None:
         return None
     asked = search.asked
-    kind = np.array([next(i for i, index in enumerate(asked.index.indices) if index.object_type.name == posed.truth.type)])
+    kind = np.array(
+        [next(i for i, index in enumerate(asked.index.indices) if index.object_type.name == posed.truth.type)]
+    )
     poses = poses_turned(start, asked.turn)[None]
     for each in USUAL.rounds:
         poses = climbed(asked, kind, poses, each.share, each.steps, each.squares)[0]
@@ -122,20 +124,33 @@ def _soft(posed: Trial, perceiver: Perceiver, data: Data, start: Floats, off: fl
         return None
     camera, kb, pairs = data.camera, perceiver.kb, pairs_of(type_index, data)
     allowed, xy = pairs.mask(len(data.ids)), camera.normalised(data.uv)
-    found = softposit_near(start, pairs.points, xy, off=off, allowed=allowed, noise=kb.rates.sigma, pixel=1.0 / camera.f)
+    found = softposit_near(
+        start, pairs.points, xy, off=off, allowed=allowed, noise=kb.rates.sigma, pixel=1.0 / camera.f
+    )
     some = np.flatnonzero(found.matches[0] >= 0)
-    return refined(found.camera_from_object[0], pairs.points[some], found.matches[0][some], posed.gamma, kb) if found.converged[0] else None
+    return (
+        refined(found.camera_from_object[0], pairs.points[some], found.matches[0][some], posed.gamma, kb)
+        if found.converged[0]
+        else None
+    )
 
 
 def near_rows(outcomes: Sequence[Refined]) -> list[dict[str, Any]]:
     """A row a case and a start: of each refiner the share of right poses, and its median seconds."""
-    return [_row([o for o in outcomes if (o.case, o.turned, o.moved) == key]) for key in dict.fromkeys((o.case, o.turned, o.moved) for o in outcomes)]
+    return [
+        _row([o for o in outcomes if (o.case, o.turned, o.moved) == key])
+        for key in dict.fromkeys((o.case, o.turned, o.moved) for o in outcomes)
+    ]
 
 
 def _row(mine: Sequence[Refined]) -> dict[str, Any]:
     names = list(dict.fromkeys(o.who for o in mine))
     first = mine[0]
-    row: dict[str, Any] = {"case": first.case.detector.name, "turned": f"{first.turned:g} deg", "moved": f"{100 * first.moved:g} %"}
+    row: dict[str, Any] = {
+        "case": first.case.detector.name,
+        "turned": f"{first.turned:g} deg",
+        "moved": f"{100 * first.moved:g} %",
+    }
     row["trials"] = sum(o.who == names[0] for o in mine)
     for who in names:
         row[who] = share(o.pose for o in mine if o.who == who)

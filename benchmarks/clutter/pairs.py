@@ -26,7 +26,9 @@ Answer = tuple[str, "NDArray[np.float64]"]
 def typed(kb: KnowledgeBase, gamma: Gamma) -> list[Typed]:
     """Of all types of which ``FEWEST`` features or more find data that look like them; most pairs first, for whose data are there has more."""
     data = by_type(gamma)
-    some = [pairs for pairs in (correspondences(kind, data) for kind in kb.types) if len(np.unique(pairs.feature)) >= FEWEST]
+    some = [
+        pairs for pairs in (correspondences(kind, data) for kind in kb.types) if len(np.unique(pairs.feature)) >= FEWEST
+    ]
     return sorted(some, key=lambda pairs: -len(pairs.feature))
 
 
@@ -61,4 +63,6 @@ def different(pairs: Typed, inlying: Indices) -> int:
 def refined(pose: Floats, points: Floats, datum: Indices, gamma: Gamma, kb: KnowledgeBase) -> Floats:
     """The pose (4, 4) after least squares on points (N, 3) m matched with data (N,); a residual beyond the noise weighs less."""
     weights = np.ones((1, len(datum)))
-    return refine_poses(pose[None], points[None], gamma.uv[datum][None], weights, gamma.camera, huber=kb.rates.sigma)[0][0]
+    return refine_poses(pose[None], points[None], gamma.uv[datum][None], weights, gamma.camera, huber=kb.rates.sigma)[
+        0
+    ][0]

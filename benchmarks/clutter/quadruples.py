@@ -51,8 +51,9 @@ class _Best(NamedTuple):
 def quadruples(kb: KnowledgeBase, gamma: Gamma, budget_seconds: float) -> Answer | None:
     """Random sets of four co-visible features that are not coplanar, each with a datum that looks like it, and POSIT; the most inliers win.
 
-    Rounds over all types, most pairs first, until the time is over; in each the sets of highest dv. It gets its best: inliers by the KB's
-    tolerance, features and data counted once, and in the end the best pose is refined on them, for four noisy points fix none well.
+    Rounds over all types, most pairs first, until the time is over; in each the sets of highest dv. It gets its best:
+    inliers by the KB's tolerance, features and data counted once, and in the end the best pose is refined on them, for
+    four noisy points fix none well.
     """
     end = processor_seconds() + budget_seconds
     kinds, dv, rng = typed(kb, gamma), distinctiveness(instance_counts(kb.types)), np.random.default_rng(0)
@@ -70,7 +71,9 @@ def quadruples(kb: KnowledgeBase, gamma: Gamma, budget_seconds: float) -> Answer
     return best.pairs.kind.name, refined(best.pose, best.pairs.points[feature], datum, gamma, kb)
 
 
-def _round(pairs: Typed, dv: Mapping[str, float], gamma: Gamma, kb: KnowledgeBase, rng: np.random.Generator) -> _Best | None:
+def _round(
+    pairs: Typed, dv: Mapping[str, float], gamma: Gamma, kb: KnowledgeBase, rng: np.random.Generator
+) -> _Best | None:
     """The best of a type's next sets, None where none has enough inliers."""
     worth = np.array([dv[f.type] for f in pairs.kind.features])
     feature, datum = drawn(pairs, _seen(pairs, rng), worth, rng)
@@ -90,4 +93,6 @@ def _round(pairs: Typed, dv: Mapping[str, float], gamma: Gamma, kb: KnowledgeBas
 def _seen(pairs: Typed, rng: np.random.Generator) -> NDArray[np.bool_]:
     """(``VIEWS``, F) what lobes show from random viewpoints all around."""
     views = rng.normal(size=(VIEWS, 3))
-    return feature_in_lobe(pairs.kind.lobes, pairs.points.mean(axis=0) + FAR * views / np.linalg.norm(views, axis=1, keepdims=True))
+    return feature_in_lobe(
+        pairs.kind.lobes, pairs.points.mean(axis=0) + FAR * views / np.linalg.norm(views, axis=1, keepdims=True)
+    )

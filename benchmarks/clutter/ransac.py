@@ -34,8 +34,8 @@ SURE = 0.9999
 def lo_ransac(kb: KnowledgeBase, gamma: Gamma, budget_seconds: float) -> Answer | None:
     """Poselib's LO-RANSAC (P3P, local optimisation, bundle adjustment) on the typed correspondences of every type; the most inliers win.
 
-    It gets its best: rounds over all types, each of twice as many iterations from another seed, until the time is over, and the best of all;
-    the tolerance of the KB for inliers; pairs that share a feature or a datum counted once.
+    It gets its best: rounds over all types, each of twice as many iterations from another seed, until the time is over,
+    and the best of all; the tolerance of the KB for inliers; pairs that share a feature or a datum counted once.
     """
     end = processor_seconds() + budget_seconds
     kinds, uv = typed(kb, gamma), ideal(gamma)
@@ -53,19 +53,28 @@ def lo_ransac(kb: KnowledgeBase, gamma: Gamma, budget_seconds: float) -> Answer 
     return best[1] if best else None
 
 
-def estimated(pairs: Typed, uv: Floats, camera: Camera, kb: KnowledgeBase, iterations: int, seed: int = 0) -> tuple[Floats, Indices, float]:
+def estimated(
+    pairs: Typed, uv: Floats, camera: Camera, kb: KnowledgeBase, iterations: int, seed: int = 0
+) -> tuple[Floats, Indices, float]:
     """Of one type ``camera_from_object`` (4, 4), the pairs (N,) that agree with it, and poselib's score, less for better; ``uv`` (A, 2) ideal px."""
     poselib: Any = import_module("poselib")
     options = {"max_iterations": iterations, "min_iterations": min(iterations, 100), "success_prob": SURE, "seed": seed}
     options["max_reproj_error"] = kb.rates.match_tolerance
     bundle = {"loss_type": "CAUCHY", "loss_scale": kb.rates.sigma}
-    pose, found = poselib.estimate_absolute_pose(uv[pairs.datum], pairs.points[pairs.feature], _pinhole(camera), options, bundle)
+    pose, found = poselib.estimate_absolute_pose(
+        uv[pairs.datum], pairs.points[pairs.feature], _pinhole(camera), options, bundle
+    )
     return _matrix(pose), np.flatnonzero(found["inliers"]), float(found["model_score"])
 
 
 def _pinhole(camera: Camera) -> dict[str, Any]:
     K = camera.K
-    return {"model": "PINHOLE", "width": camera.width, "height": camera.height, "params": [K[0, 0], K[1, 1], K[0, 2], K[1, 2]]}
+    return {
+        "model": "PINHOLE",
+        "width": camera.width,
+        "height": camera.height,
+        "params": [K[0, 0], K[1, 1], K[0, 2], K[1, 2]],
+    }
 
 
 def _matrix(pose: Any) -> Floats:  # noqa: ANN401 - poselib has no types

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0.0, 320.0], [0.0, 600.0, 240.0], [0.0, 0.0, 1.0]]))
 PIXELS = 100.0, 300.0
-"""Least and greatest longer side of the box around the object's picture. Smaller ones leave the pose open, as narrower lobes do (``HALF_ANGLE``)."""
+"""Least and greatest longer side of the box around the object's picture. Smaller ones leave the pose open, as narrower
+lobes do (``HALF_ANGLE``)."""
 MARGIN = 10.0
 """Pixels between the object's picture and the image's border: noise leads nothing out of it."""
 ROUNDS = 12
@@ -54,7 +55,14 @@ class Case:
         return f"{self.detector.name}, {self.types} types, {self.appearance_types} appearance types"
 
 
-PLAN = (Case(EASY, 100, 300), Case(EASY, 100, 100), Case(HARD, 100, 300), Case(HARD, 100, 100), Case(EASY, 1000, 300), Case(EASY, 1000, 100))
+PLAN = (
+    Case(EASY, 100, 300),
+    Case(EASY, 100, 100),
+    Case(HARD, 100, 300),
+    Case(HARD, 100, 100),
+    Case(EASY, 1000, 300),
+    Case(EASY, 1000, 100),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,20 +74,27 @@ class Trial:
     causes: Mapping[str, int]
 
 
-def trial(kind: ObjectType, kb: KnowledgeBase, detector: Detector, rng: np.random.Generator, appearances: int = APPEARANCES) -> Trial:
+def trial(
+    kind: ObjectType, kb: KnowledgeBase, detector: Detector, rng: np.random.Generator, appearances: int = APPEARANCES
+) -> Trial:
     """One object of a type that has a surface, somewhere in the image, and clutter to make up the number of appearances."""
     pose = random_pose(kind, rng)
     at = transform_points(pose, kind.lobes.at)
     seen = np.flatnonzero(visible(kind, pose, kb.f_ref) & (rng.random(len(at)) < detector.hit))
     x_axes = np.array([feature.rotation[:, 0] for feature in kind.features]) @ pose[:3, :3].T
     noise = appearances - len(seen)
-    uv = np.concatenate([CAMERA.project(at[seen]) + rng.normal(0.0, detector.sigma, (len(seen), 2)), _anywhere(noise, rng)])
+    uv = np.concatenate(
+        [CAMERA.project(at[seen]) + rng.normal(0.0, detector.sigma, (len(seen), 2)), _anywhere(noise, rng)]
+    )
     turned = screen_angle(x_axes[seen], at[seen]) + rng.normal(0.0, detector.turn, len(seen))
     angle = np.concatenate([turned, rng.uniform(0.0, 2.0 * np.pi, noise)]) % (2.0 * np.pi)
-    types = [kind.lobes.types[f] for f in seen] + [kb.appearance_types[i] for i in rng.integers(len(kb.appearance_types), size=noise)]
+    types = [kind.lobes.types[f] for f in seen] + [
+        kb.appearance_types[i] for i in rng.integers(len(kb.appearance_types), size=noise)
+    ]
     order = rng.permutation(appearances)  # neither the place in Γ nor the id tells whose a datum is
     data = tuple(
-        Appearance(f"d{n}", types[i], (float(uv[i, 0]), float(uv[i, 1])), "simulated", angle=float(angle[i])) for n, i in enumerate(order)
+        Appearance(f"d{n}", types[i], (float(uv[i, 0]), float(uv[i, 1])), "simulated", angle=float(angle[i]))
+        for n, i in enumerate(order)
     )
     causes = {f"d{n}": int(seen[i]) for n, i in enumerate(order) if i < len(seen)}
     return Trial(Gamma(CAMERA, data), _truth(kind, pose), causes)
@@ -116,7 +131,9 @@ def visible(kind: ObjectType, pose: Floats, f_ref: float) -> NDArray[np.bool_]:
     """(F,) the viewpoint is in the feature's lobe, and the own surface does not hide it."""
     surface = surface_of(kind)
     held = feature_in_lobe(kind.lobes, inverse(pose)[:3, 3], CAMERA.f / f_ref)[0]
-    return np.asarray(held & ~behind(transform_points(pose, kind.lobes.at), surface.rays, pose, SLACK * surface.diameter))
+    return np.asarray(
+        held & ~behind(transform_points(pose, kind.lobes.at), surface.rays, pose, SLACK * surface.diameter)
+    )
 
 
 def _anywhere(count: int, rng: np.random.Generator) -> Floats:

@@ -59,7 +59,10 @@ def judged(found: Sequence[Found], truth: Truth) -> tuple[bool, bool, bool]:
 
 def rows(outcomes: Sequence[Outcome], builds: Mapping[Case, float]) -> list[dict[str, Any]]:
     """A row a case and a side; ``builds``: seconds in which our side made each case's knowledge base ready."""
-    return [_row([o for o in outcomes if (o.case, o.who) == side], builds) for side in dict.fromkeys((o.case, o.who) for o in outcomes)]
+    return [
+        _row([o for o in outcomes if (o.case, o.who) == side], builds)
+        for side in dict.fromkeys((o.case, o.who) for o in outcomes)
+    ]
 
 
 def _row(mine: Sequence[Outcome], builds: Mapping[Case, float]) -> dict[str, Any]:
@@ -92,7 +95,15 @@ def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
     mine = [o for o in outcomes if o.who == OURS]
     cases = list(dict.fromkeys(o.case for o in mine))
     listed = [claim for case in cases for claim in _of_case(case, mine)]
-    return [*listed, Claim("share of the trials with clouds learnt from meshes", ">=", LEARNT, sum(o.learnt for o in mine) / max(len(mine), 1))]
+    return [
+        *listed,
+        Claim(
+            "share of the trials with clouds learnt from meshes",
+            ">=",
+            LEARNT,
+            sum(o.learnt for o in mine) / max(len(mine), 1),
+        ),
+    ]
 
 
 def _of_case(case: Case, mine: Sequence[Outcome]) -> list[Claim]:
@@ -104,7 +115,10 @@ def _of_case(case: Case, mine: Sequence[Outcome]) -> list[Claim]:
         return [Claim(f"{case}: median seconds over those of {fewest[0].case.types} types", "<=", SLOWER, slower)]
     identity, pose = share(o.identity for o in some), share(o.pose for o in some)
     if case.detector.name == "hard":
-        return [Claim(f"{case}: identity right", ">=", HARD_IDENTITY, identity), Claim(f"{case}: pose right", ">=", HARD_POSE, pose)]
+        return [
+            Claim(f"{case}: identity right", ">=", HARD_IDENTITY, identity),
+            Claim(f"{case}: pose right", ">=", HARD_POSE, pose),
+        ]
     return [
         Claim(f"{case}: identity right", ">=", IDENTITY, identity),
         Claim(f"{case}: identity and pose right", ">=", POSE, pose),

@@ -35,4 +35,9 @@ def told(kb: KnowledgeBase, posed: Trial) -> list[Found]:
     uv, angle = np.array([a.uv for a in own]), np.array([np.nan if a.angle is None else a.angle for a in own])
     held = Held(points[None], turns[None], uv[None], angle[None], np.ones((1, len(own))))
     start, camera = posed.truth.camera_from_object[None], posed.gamma.camera
-    return [Found(kind.name, refined(start, held, Noise(kb.rates.sigma, kb.rates.sigma_angle), camera, steps=STEPS, robust=np.inf)[0])]
+    return [
+        Found(
+            kind.name,
+            refined(start, held, Noise(kb.rates.sigma, kb.rates.sigma_angle), camera, steps=STEPS, robust=np.inf)[0],
+        )
+    ]

@@ -2,7 +2,8 @@
 
 * ``Detector``: how well features are seen, ``Detector("easy", hit=0.6, sigma=1.0, turn=0.087)``
 
-Every feature has one appearance, seen from a lobe about the z axis of its frame; its x axis is what a datum's angle is on the screen.
+Every feature has one appearance, seen from a lobe about the z axis of its frame; its x axis is what a datum's angle is
+on the screen.
 """
 
 from __future__ import annotations
@@ -37,8 +38,8 @@ SQUARE = 2.0, 6.0
 HALF_ANGLE, LEAST_HALF_ANGLE = np.radians(75.0), np.radians(75.0)
 """Of the lobes of random features, and the least of learnt ones, where nothing else is asked for.
 
-Narrower lobes leave the pose open even to somebody who is told the correspondences (the table's row ``told``), and so do smaller pictures.
-"""
+Narrower lobes leave the pose open even to somebody who is told the correspondences (the table's row ``told``), and so
+do smaller pictures."""
 RANGE = 0.05, 20.0
 """Metres from which features are seen: more than any trial needs."""
 DIRECTIONS = 40
@@ -80,7 +81,9 @@ def type_names(count: int) -> tuple[str, ...]:
     return tuple(f"a{i:03d}" for i in range(count))
 
 
-def knowledge_base(types: Sequence[ObjectType], names: tuple[str, ...], detector: Detector, appearances: int = APPEARANCES) -> KnowledgeBase:
+def knowledge_base(
+    types: Sequence[ObjectType], names: tuple[str, ...], detector: Detector, appearances: int = APPEARANCES
+) -> KnowledgeBase:
     """Σ of these types for images of so many appearances, with the statistics of the detector, as they would be learnt from such images."""
     rates = Rates(
         hit=dict.fromkeys(names, detector.hit),
@@ -93,22 +96,31 @@ def knowledge_base(types: Sequence[ObjectType], names: tuple[str, ...], detector
     return KnowledgeBase("clutter", tuple(types), names, rates, F_REF, "", _digest(types, rates))
 
 
-def learnt_types(kb: KnowledgeBase, features: int, appearance_types: int, least: float = LEAST_HALF_ANGLE) -> tuple[ObjectType, ...]:
+def learnt_types(
+    kb: KnowledgeBase, features: int, appearance_types: int, least: float = LEAST_HALF_ANGLE
+) -> tuple[ObjectType, ...]:
     """Of each learnt type one like a type written by hand, of up to ``features`` of its keypoints: the surest, spread over the directions of view.
 
-    A feature's z axis is the lobe's, its x axis the keypoint's direction; its appearance type is that of its visual word, modulo their number.
+    A feature's z axis is the lobe's, its x axis the keypoint's direction; its appearance type is that of its visual
+    word, modulo their number.
     """
     names = type_names(appearance_types)
-    return tuple(_of_learnt(kind, kind.learnt.keypoints, features, names, least) for kind in kb.types if kind.learnt is not None)
+    return tuple(
+        _of_learnt(kind, kind.learnt.keypoints, features, names, least) for kind in kb.types if kind.learnt is not None
+    )
 
 
-def with_learnt(kb: KnowledgeBase, learnt: Sequence[ObjectType], detector: Detector, appearances: int = APPEARANCES) -> KnowledgeBase:
+def with_learnt(
+    kb: KnowledgeBase, learnt: Sequence[ObjectType], detector: Detector, appearances: int = APPEARANCES
+) -> KnowledgeBase:
     """The learnt types, and as many of the random ones as make up the number."""
     types = (*learnt, *kb.types)[: max(len(kb.types), len(learnt))]
     return knowledge_base(types, kb.appearance_types, detector, appearances)
 
 
-def _random_type(name: str, features: int, names: tuple[str, ...], rng: np.random.Generator, half_angle: float) -> ObjectType:
+def _random_type(
+    name: str, features: int, names: tuple[str, ...], rng: np.random.Generator, half_angle: float
+) -> ObjectType:
     surface = random_body(rng)
     at, normal = scattered(surface, features, rng)
     frames = body_frames(normal, rng)
@@ -151,7 +163,9 @@ def _frame(z: Floats, towards: Floats) -> Floats:
     return np.stack([x, np.cross(z, x), z], axis=1)
 
 
-def made(name: str, surface: Surface | None, at: Floats, frames: Floats, looks: Sequence[str], half_angle: Floats) -> ObjectType:
+def made(
+    name: str, surface: Surface | None, at: Floats, frames: Floats, looks: Sequence[str], half_angle: Floats
+) -> ObjectType:
     """A type of N features: places (N, 3), object_from_feature (N, 3, 3), appearance types, half angles (N,) of the lobes.
 
     What a feature looks like is its own type as well.
@@ -169,9 +183,18 @@ def made(name: str, surface: Surface | None, at: Floats, frames: Floats, looks: 
 
 def _of_learnt(kind: ObjectType, cloud: LearntCloud, features: int, names: tuple[str, ...], least: float) -> ObjectType:
     lobes = np.array(list(islice(_spread(cloud, kind.surface), features)), np.intp)
-    frames = np.array([_frame(cloud.axis[lobe] / np.linalg.norm(cloud.axis[lobe]), cloud.up[lobe]) for lobe in lobes]).reshape(-1, 3, 3)
+    frames = np.array(
+        [_frame(cloud.axis[lobe] / np.linalg.norm(cloud.axis[lobe]), cloud.up[lobe]) for lobe in lobes]
+    ).reshape(-1, 3, 3)
     looks = [names[word % len(names)] for word in cloud.lobe_word[lobes]]
-    return made(kind.name, kind.surface, cloud.at[cloud.feature[lobes]], frames, looks, np.maximum(cloud.half_angle[lobes], least))
+    return made(
+        kind.name,
+        kind.surface,
+        cloud.at[cloud.feature[lobes]],
+        frames,
+        looks,
+        np.maximum(cloud.half_angle[lobes], least),
+    )
 
 
 def _spread(cloud: LearntCloud, surface: Surface | None) -> Iterator[int]:
@@ -181,7 +204,10 @@ def _spread(cloud: LearntCloud, surface: Surface | None) -> Iterator[int]:
     for lobe in _by_turns(cloud):
         place = cloud.at[cloud.feature[lobe]]
         near = (np.linalg.norm(taken - place, axis=1) < APART * size).any()
-        if not near and (surface is None or not surface.rays.blocks(place + 2.0 * size * cloud.axis[lobe], place[None], SLACK * size)[0]):
+        if not near and (
+            surface is None
+            or not surface.rays.blocks(place + 2.0 * size * cloud.axis[lobe], place[None], SLACK * size)[0]
+        ):
             taken = np.vstack([taken, place])
             yield lobe
 

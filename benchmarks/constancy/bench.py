@@ -1,6 +1,7 @@
 """``plogic bench constancy``: 40 sequences with known objects, unknown ones and clutter; what is called physical, and what noise, by views seen.
 
-The data of known objects are taken away by the engine's own interpretation of each view, never by ground truth. ``--quick``: four sequences.
+The data of known objects are taken away by the engine's own interpretation of each view, never by ground truth.
+``--quick``: four sequences.
 """
 
 from __future__ import annotations
@@ -37,7 +38,9 @@ class Seen(NamedTuple):
     bodies: Mapping[str, list[Body]]
 
 
-def run(*, seed: int, quick: bool, as_json: bool, say: Callable[[str], None], sequences: int | None = None) -> tuple[str, bool]:
+def run(
+    *, seed: int, quick: bool, as_json: bool, say: Callable[[str], None], sequences: int | None = None
+) -> tuple[str, bool]:
     """Run the benchmark; a line of progress a sequence on ``say``."""
     from plogic.run.perceive import Perceiver
 
@@ -60,7 +63,9 @@ def perceived(perceiver: Perceiver, moved: Sequence) -> Seen:
 
     documents = {view.id: perceiver(view.gamma, Options(reading="posterior")) for view in moved.views[:VIEWS]}
     unexplained = {name: unexplained_of(document) for name, document in documents.items()}
-    return Seen(moved, unexplained, {view.id: bodies_of(perceiver.kb, view, documents[view.id]) for view in moved.views})
+    return Seen(
+        moved, unexplained, {view.id: bodies_of(perceiver.kb, view, documents[view.id]) for view in moved.views}
+    )
 
 
 def judge(seen: Seen, count: int, kb: KnowledgeBase, tally: Tally) -> None:

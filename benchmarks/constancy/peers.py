@@ -1,7 +1,7 @@
 """A peer of ``plogic bench constancy``: plain two-view epipolar matching, as one would write it who only has pairs of images.
 
-Data of one type, each the other's nearest to its epipolar line, nearer than three standard deviations, with a place in front of both cameras:
-physical. All the rest is noise. Of more views, each is matched with the next one.
+Data of one type, each the other's nearest to its epipolar line, nearer than three standard deviations, with a place in
+front of both cameras: physical. All the rest is noise. Of more views, each is matched with the next one.
 """
 
 from __future__ import annotations
@@ -47,4 +47,7 @@ def _matched(sights: Sights, i: int, j: int) -> list[dict[str, str]]:
     tracks: NDArray[np.intp] = np.full((int(mutual.sum()), len(sights.views)), -1, np.intp)
     tracks[:, i], tracks[:, j] = a[mutual], b[mutual]
     good = places_of(sights, tracks, sights.kind[i, tracks[:, i]]).good
-    return [{sights.views[i].id: sights.ids[i][row[i]], sights.views[j].id: sights.ids[j][row[j]]} for row in tracks[good].tolist()]
+    return [
+        {sights.views[i].id: sights.ids[i][row[i]], sights.views[j].id: sights.ids[j][row[j]]}
+        for row in tracks[good].tolist()
+    ]

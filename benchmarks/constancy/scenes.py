@@ -2,7 +2,8 @@
 
 * ``Sequence``: its views, what they show, and which datum is of which feature of whom
 
-The types of the knowledge base are polyhedra; so are the unknown bodies, of other shapes, which look like features of the same vocabulary.
+The types of the knowledge base are polyhedra; so are the unknown bodies, of other shapes, which look like features of
+the same vocabulary.
 """
 
 from __future__ import annotations
@@ -88,7 +89,9 @@ def constancy_kb(seed: int) -> KnowledgeBase:
     kb = knowledge_base([polyhedron(f"p{i}", names, rng) for i in range(TYPES)], names, DETECTOR)
     share = rng.gamma(2.0, 1.0, LOOKS)
     clutter = {name: float(CLUTTER * part) for name, part in zip(names, share / share.sum(), strict=True)}
-    return replace(kb, name="constancy", rates=replace(kb.rates, clutter=clutter, prior=dict.fromkeys(kb.rates.prior, 0.2)))
+    return replace(
+        kb, name="constancy", rates=replace(kb.rates, clutter=clutter, prior=dict.fromkeys(kb.rates.prior, 0.2))
+    )
 
 
 def sequence(kb: KnowledgeBase, seed: int, views: int = VIEWS) -> Sequence:
@@ -151,7 +154,10 @@ def _view(
     data = [datum for datum in data if CAMERA.contains(datum[1])]
     order = rng.permutation(len(data))
     rows = [data[i] for i in order]
-    appearances = tuple(Appearance(f"a{n}", look, (float(uv[0]), float(uv[1])), "simulated", angle) for n, (look, uv, angle, _) in enumerate(rows))
+    appearances = tuple(
+        Appearance(f"a{n}", look, (float(uv[0]), float(uv[1])), "simulated", angle)
+        for n, (look, uv, angle, _) in enumerate(rows)
+    )
     causes = {f"a{n}": cause for n, (_, _, _, cause) in enumerate(rows) if cause is not None}
     return View(name, Gamma(CAMERA, appearances), world_from_camera), causes, frozenset(visible)
 

@@ -30,11 +30,11 @@ class Called(NamedTuple):
 class Score:
     """Counts, which add up.
 
-    Of unknown features: ``visible`` in a view or more, detected ``twice`` or more, and those of them that were ``found``: a physical
-    feature holds two of its data. Of what was called physical: ``called``, and ``right``: most of its data are of one true feature, unknown or
-    left over of a known object. Of clutter: ``clutter``, called ``noise``, called ``undecided``. ``called_noise``: all that was called noise.
-    Of unknown bodies: ``bodies`` with four features found, and those that are ``whole``: one cluster has at least 80 % of them and holds at
-    most 10 % of others.
+    Of unknown features: ``visible`` in a view or more, detected ``twice`` or more, and those of them that were
+    ``found``: a physical feature holds two of its data. Of what was called physical: ``called``, and ``right``: most of
+    its data are of one true feature, unknown or left over of a known object. Of clutter: ``clutter``, called ``noise``,
+    called ``undecided``. ``called_noise``: all that was called noise. Of unknown bodies: ``bodies`` with four features
+    found, and those that are ``whole``: one cluster has at least 80 % of them and holds at most 10 % of others.
     """
 
     visible: int = 0
@@ -62,7 +62,9 @@ def called_of(constancy: Constancy) -> Called:
     features = [feature for one in constancy.unknown for feature in one.features]
     number = {feature.id: i for i, feature in enumerate(features)}
     objects = tuple(tuple(number[feature.id] for feature in one.features) for one in constancy.unknown)
-    noise, undecided = ({view: frozenset(ids) for view, ids in some.items()} for some in (constancy.noise, constancy.undecided))
+    noise, undecided = (
+        {view: frozenset(ids) for view, ids in some.items()} for some in (constancy.noise, constancy.undecided)
+    )
     return Called(tuple(feature.data for feature in features), objects, noise, undecided)
 
 
@@ -72,9 +74,21 @@ def score(sequence: Sequence, count: int, called: Called) -> Score:
     unknown = {c for view in views for c in sequence.visible[view] if not sequence.known[c.object]}
     times = Counter(c for view in views for c in sequence.causes[view].values() if not sequence.known[c.object])
     causes = [whose(sequence, data) for data in called.physical]
-    found = {cause for row in causes for cause, n in row.items() if cause is not None and n >= 2 and not sequence.known[cause.object]}
-    clutter = {(view.id, a.id) for view in sequence.views[:count] for a in view.gamma.appearances if a.id not in sequence.causes[view.id]}
-    noise, undecided = ({(view, datum) for view, ids in some.items() for datum in ids} for some in (called.noise, called.undecided))
+    found = {
+        cause
+        for row in causes
+        for cause, n in row.items()
+        if cause is not None and n >= 2 and not sequence.known[cause.object]
+    }
+    clutter = {
+        (view.id, a.id)
+        for view in sequence.views[:count]
+        for a in view.gamma.appearances
+        if a.id not in sequence.causes[view.id]
+    }
+    noise, undecided = (
+        {(view, datum) for view, ids in some.items() for datum in ids} for some in (called.noise, called.undecided)
+    )
     return Score(
         visible=len(unknown),
         twice=sum(n >= 2 for n in times.values()),
@@ -103,8 +117,13 @@ def _bodies(called: Called, causes: list[Counter[Cause | None]], found: set[Caus
     of = Counter(c.object for c in found)
     whole = 0
     for which, count in of.items():
-        shares = [(sum(body[i] is not None and _object(body[i]) == which for i in cluster), len(cluster)) for cluster in called.objects]
-        whole += count >= FEWEST and any(own >= MOST_OF * count and own >= (1 - AT_MOST_OTHERS) * size for own, size in shares)
+        shares = [
+            (sum(body[i] is not None and _object(body[i]) == which for i in cluster), len(cluster))
+            for cluster in called.objects
+        ]
+        whole += count >= FEWEST and any(
+            own >= MOST_OF * count and own >= (1 - AT_MOST_OTHERS) * size for own, size in shares
+        )
     return Score(bodies=sum(count >= FEWEST for count in of.values()), whole=whole)
 
 

@@ -49,7 +49,12 @@ class Tally:
 
 def rows(tally: Tally) -> list[dict[str, Any]]:
     """A row a number of views and side."""
-    return [_row(who, count, tally) for count in COUNTS for who in (OURS, ONE_LOOK, ANGLELESS, PEER) if (who, count) in tally.scores]
+    return [
+        _row(who, count, tally)
+        for count in COUNTS
+        for who in (OURS, ONE_LOOK, ANGLELESS, PEER)
+        if (who, count) in tally.scores
+    ]
 
 
 def _row(who: str, count: int, tally: Tally) -> dict[str, Any]:
@@ -79,7 +84,12 @@ def claims(tally: Tally) -> list[Claim]:
     """The issue's bars."""
     s = tally.scores[OURS, AFTER]
     return [
-        Claim(f"unknown features, detected twice or more in {AFTER} views, called physical", ">=", PHYSICAL, s.found / max(s.twice, 1)),
+        Claim(
+            f"unknown features, detected twice or more in {AFTER} views, called physical",
+            ">=",
+            PHYSICAL,
+            s.found / max(s.twice, 1),
+        ),
         Claim(f"noise called noise after {AFTER} views", ">=", NOISE, s.noise / max(s.clutter, 1)),
         Claim(f"seconds a sequence of {COUNTS[-1]} views, median", "<=", SECONDS, median(tally.seconds[COUNTS[-1]])),
     ]

@@ -1,7 +1,8 @@
 """Families of situations to measure with: deterministic by seed, as many hypotheses as asked, numbers as real scenes have them.
 
-Every hypothesis has eight candidate features; there are two appearances a hypothesis. Rates are those of the knowledge base ``towers``.
-``clusters``: what hangs together is small, but conflicts in every way. ``grid``: everything hangs together, treewidth the shorter side.
+Every hypothesis has eight candidate features; there are two appearances a hypothesis. Rates are those of the knowledge
+base ``towers``. ``clusters``: what hangs together is small, but conflicts in every way. ``grid``: everything hangs
+together, treewidth the shorter side.
 """
 
 from __future__ import annotations
@@ -46,7 +47,9 @@ class _Draft:
         """A hypothesis without features as yet."""
         self.features[name], self.group[name] = [], group
 
-    def feature(self, h: str, match: str | None, *, good: bool = True, candidate: bool = True, hidden_by: Iterable[str] = ()) -> None:
+    def feature(
+        self, h: str, match: str | None, *, good: bool = True, candidate: bool = True, hidden_by: Iterable[str] = ()
+    ) -> None:
         """One more feature: a match of a right hypothesis lies within the noise, of a wrong one anywhere within the tolerance."""
         kind, hit, dv = self.random.choices(KINDS, weights=(1, 4, 4))[0]
         residual = None if match is None else self._residual(good=good)
@@ -76,13 +79,22 @@ class _Draft:
     def situation(self, reading: Reading, appearances: int) -> Situation:
         """The whole. In the score reading, pairs that exclude each other do so by their shared data too."""
         hypotheses = tuple(
-            HypothesisFact(name, "t1" if int(name[1:]) % 2 else "t2", POSE, opaque=True, group=self.group[name], features=tuple(features))
+            HypothesisFact(
+                name,
+                "t1" if int(name[1:]) % 2 else "t2",
+                POSE,
+                opaque=True,
+                group=self.group[name],
+                features=tuple(features),
+            )
             for name, features in self.features.items()
         )
         return Situation(
             reading=reading,
             hypotheses=hypotheses,
-            appearances=tuple(AppearanceFact(f"a{i}", "l_junction", (1.0, 1.0), CLUTTER) for i in range(1, appearances + 1)),
+            appearances=tuple(
+                AppearanceFact(f"a{i}", "l_junction", (1.0, 1.0), CLUTTER) for i in range(1, appearances + 1)
+            ),
             overlaps=frozenset(self.overlaps),
             rivals=frozenset(self.overlaps | self.rivals),
             exclusive=frozenset(self.overlaps | self.rivals),
@@ -148,7 +160,8 @@ def _instances(members: Sequence[str], random: Random) -> list[list[str]]:
 def _features(draft: _Draft, h: str, data: Sequence[str], before: Sequence[str], *, good: bool) -> None:
     """Eight candidates, of which most of a good one's are detected and half of another's; then two that are not in view.
 
-    The last candidate is missed by all: P(ev) of 1 would be dogmatic, and rivals that are certain leave no world (§8, trap c).
+    The last candidate is missed by all: P(ev) of 1 would be dogmatic, and rivals that are certain leave no world (§8,
+    trap c).
     """
     random = draft.random
     share = 0.85 if good else 0.5
@@ -164,8 +177,8 @@ def _features(draft: _Draft, h: str, data: Sequence[str], before: Sequence[str],
 def grid(number: int, columns: int, seed: int, reading: Reading = "posterior") -> Situation:
     """Hypotheses row by row; each shares an appearance with the one to its right, and volume (A4) with the one below it.
 
-    Most have an appearance of their own, too. The treewidth is that of the grid: the shorter side, when it is full. Every hypothesis stands
-    for an instance of its own.
+    Most have an appearance of their own, too. The treewidth is that of the grid: the shorter side, when it is full.
+    Every hypothesis stands for an instance of its own.
     """
     draft = _Draft(_random(f"grid {number} {columns} {seed}"))
     for i in range(1, number + 1):

@@ -1,6 +1,7 @@
 """``plogic bench look-again``: how many views until the true world is probable, for the next view by what it would tell, and for others.
 
-Every policy goes to places of the same ring, sees the same there, and judges all views together. ``--quick``: few scenes, which promise means alone.
+Every policy goes to places of the same ring, sees the same there, and judges all views together. ``--quick``: few
+scenes, which promise means alone.
 """
 
 from __future__ import annotations
@@ -32,10 +33,14 @@ POLICIES: dict[str, Policy] = {
 }
 
 
-def run(*, seed: int, quick: bool, as_json: bool, say: Callable[[str], None], scenes: int | None = None) -> tuple[str, bool]:
+def run(
+    *, seed: int, quick: bool, as_json: bool, say: Callable[[str], None], scenes: int | None = None
+) -> tuple[str, bool]:
     """Run the benchmark; a line of progress a scene on ``say``."""
     found = counted(seed, scenes or (QUICK if quick else SCENES), say)
-    text, met = report("look-again", rows(found, seed), claims(found, OURS, seed, QUICK if quick else None), as_json=as_json)
+    text, met = report(
+        "look-again", rows(found, seed), claims(found, OURS, seed, QUICK if quick else None), as_json=as_json
+    )
     return (text if as_json else f"{CAPTION}\n\n{text}"), met
 
 
@@ -54,5 +59,8 @@ def counted(seed: int, scenes: int, say: Callable[[str], None]) -> list[Counted]
             continue
         needed = {name: views_needed(begun, policy) for name, policy in POLICIES.items()}
         found.append(Counted(one.sort, first, needed, tried))
-        say(f"scene {len(found)} ({one.sort}, the {tried}. tried), {first:.2f} at first: " + ", ".join(f"{n} {v}" for n, v in needed.items()))
+        say(
+            f"scene {len(found)} ({one.sort}, the {tried}. tried), {first:.2f} at first: "
+            + ", ".join(f"{n} {v}" for n, v in needed.items())
+        )
     return found

@@ -76,9 +76,13 @@ class Tour:
 
     def _judged(self, visited: Sequence[int]) -> State:
         looks = [self.look(place) for place in visited]
-        together, _ = joint([one.seen for one in looks], merged(looks, self.perceiver.kb), self.perceiver, Options(reading="posterior"))
+        together, _ = joint(
+            [one.seen for one in looks], merged(looks, self.perceiver.kb), self.perceiver, Options(reading="posterior")
+        )
         ranking = ranked_worlds(together.situation, LISTED)
-        return State(prospect_of_views(together, ranking, self.perceiver.kb), ranking, true_mass(together, ranking, self.scene))
+        return State(
+            prospect_of_views(together, ranking, self.perceiver.kb), ranking, true_mass(together, ranking, self.scene)
+        )
 
     def look(self, place: int) -> Found:
         """What is seen from a place, and the hypotheses that it leads to by itself."""
@@ -113,7 +117,9 @@ def _true(some: Standing, scene: Scene) -> int | None:
     """Which object a hypothesis is true of."""
     camera_from_world = inverse(scene.first)
     for i, one in enumerate(scene.objects):
-        turned, moved = pose_error(camera_from_world @ some.world_from_object, camera_from_world @ one.pose, some.object_type.symmetries)
+        turned, moved = pose_error(
+            camera_from_world @ some.world_from_object, camera_from_world @ one.pose, some.object_type.symmetries
+        )
         far = float(np.linalg.norm((camera_from_world @ one.pose)[:3, 3]))
         if one.kind.name == some.object_type.name and turned <= TURN and moved <= PLACE * far:
             return i

@@ -2,8 +2,9 @@
 
 * ``Scene``: what stands where in the world, where the camera is first, and what it would report from anywhere
 
-A third of the scenes each: ``behind``, one object whose mark is on a side that the first view does not show; ``before``, one whose mark faces the
-camera, with a plain box before it; ``two``, two objects whose marks are turned away, each its own way.
+A third of the scenes each: ``behind``, one object whose mark is on a side that the first view does not show;
+``before``, one whose mark faces the camera, with a plain box before it; ``two``, two objects whose marks are turned
+away, each its own way.
 """
 
 from __future__ import annotations
@@ -71,10 +72,14 @@ class Scene:
         inside = CAMERA.contains(uv)
         order = [i for i in rng.permutation(len(uv)).tolist() if inside[i]]
         rows = [(looks[i], (float(uv[i, 0]), float(uv[i, 1])), float(angle[i])) for i in order]
-        data = tuple(Appearance(f"d{n}", look, at, "simulated", angle=turned) for n, (look, at, turned) in enumerate(rows))
+        data = tuple(
+            Appearance(f"d{n}", look, at, "simulated", angle=turned) for n, (look, at, turned) in enumerate(rows)
+        )
         return View(name, Gamma(CAMERA, data), world_from_camera)
 
-    def _reported(self, which: int, world_from_camera: Floats, rng: np.random.Generator) -> tuple[Floats, Floats, list[str]]:
+    def _reported(
+        self, which: int, world_from_camera: Floats, rng: np.random.Generator
+    ) -> tuple[Floats, Floats, list[str]]:
         """Places, angles and looks of what is reported of one object."""
         camera_from_world = inverse(world_from_camera)
         poses = [camera_from_world @ one.pose for one in self.objects]
@@ -117,7 +122,10 @@ def _placed(kb: KnowledgeBase, sort: str, azimuth: float, rng: np.random.Generat
         if sort == "two":
             across = azimuth + np.pi / 2.0 + rng.uniform(-0.4, 0.4)
             place = rng.uniform(*APART) / 2.0 * np.array([np.cos(across), np.sin(across)])
-            found = [_stood(kind, s * place, azimuth + np.radians(rng.uniform(*AWAY))) for kind, s in zip(kinds, (1.0, -1.0), strict=True)]
+            found = [
+                _stood(kind, s * place, azimuth + np.radians(rng.uniform(*AWAY)))
+                for kind, s in zip(kinds, (1.0, -1.0), strict=True)
+            ]
         elif sort == "behind":
             found = [_stood(kinds[0], np.zeros(2), azimuth + np.radians(rng.uniform(*AWAY)))]
         else:

@@ -50,7 +50,9 @@ def claims(found: Sequence[Counted], ours: str, seed: int, few: int | None = Non
     if few is not None:
         means = [Claim(f"views saved over {name}", ">=", 0.0, float(some.mean())) for name, some in saved.items()]
         return [Claim("ambiguous scenes", ">=", few, len(found)), *means]
-    listed = [Claim(f"views saved over {name}, low end", ">=", 0.001, interval(some, seed)[0]) for name, some in saved.items()]
+    listed = [
+        Claim(f"views saved over {name}, low end", ">=", 0.001, interval(some, seed)[0]) for name, some in saved.items()
+    ]
     return [Claim("ambiguous scenes", ">=", 50, len(found)), *listed]
 
 

@@ -59,7 +59,9 @@ def _twins(name: str, names: Sequence[str], rng: np.random.Generator) -> list[Ob
     size = _size(TALL, rng)
     common, (at, frames, looks) = _scattered(size, FEATURES, names, rng), _mark(size, names, rng)
     others = [names[(names.index(look) + 1 + int(rng.integers(len(names) - 1))) % len(names)] for look in looks]
-    return [_type(f"{name}_{which}", size, [common, (at, frames, some)]) for which, some in (("a", looks), ("b", others))]
+    return [
+        _type(f"{name}_{which}", size, [common, (at, frames, some)]) for which, some in (("a", looks), ("b", others))
+    ]
 
 
 def _turned(name: str, names: Sequence[str], rng: np.random.Generator) -> ObjectType:

@@ -1,7 +1,7 @@
 """``plogic bench many``: scenes of five to ten objects, partly one behind another, of a knowledge base of fifty types, beside a peer; and of more.
 
-Half of the types are polyhedra, half are made of what was learnt from the YCB meshes; where these are not there all are polyhedra, and the text
-says so. ``--quick``: few scenes.
+Half of the types are polyhedra, half are made of what was learnt from the YCB meshes; where these are not there all are
+polyhedra, and the text says so. ``--quick``: few scenes.
 """
 
 from __future__ import annotations
@@ -96,7 +96,10 @@ def all_told(kb: KnowledgeBase, posed: Scene) -> list[Found]:
     """The ceiling: the true poses, each refined on its own data."""
     found: list[Found] = []
     for i, truth in enumerate(posed.truths):
-        found += told(kb, Trial(posed.gamma, truth, {name: feature for name, (whose, feature) in posed.causes.items() if whose == i}))
+        found += told(
+            kb,
+            Trial(posed.gamma, truth, {name: feature for name, (whose, feature) in posed.causes.items() if whose == i}),
+        )
     return found
 
 
@@ -129,7 +132,9 @@ def _judgement(
 def _peers(cases: Sequence[Case], least: int, kb: KnowledgeBase | None = None) -> list[Answer]:
     """What the peer accepts with so many inliers or more; with Σ, how far it reaches into each other too, which takes longer to tell."""
     found = [(c, kept(c.peer[0], least), c.peer[1]) for c in cases if c.peer]
-    return [Answer(verdict(some, c.scene.truths), seconds, deepest(some, kb) if kb else 0.0) for c, some, seconds in found]
+    return [
+        Answer(verdict(some, c.scene.truths), seconds, deepest(some, kb) if kb else 0.0) for c, some, seconds in found
+    ]
 
 
 def _told_of(seed: int, mine: Answer) -> str:

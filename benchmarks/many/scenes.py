@@ -62,10 +62,18 @@ def scene_of(kb: KnowledgeBase, objects: Sequence[Placed], rng: np.random.Genera
     own = [_reported(kb, objects, which, rng) for which in range(len(objects))]
     whose = [(which, int(f)) for which, reported in enumerate(own) for f in reported.feature]
     every = [*own, _clutter(kb, round(len(whose) * NOISE / (1.0 - NOISE)), rng)]
-    looks, uv, angle = (np.concatenate([getattr(reported, name) for reported in every]) for name in ("looks", "uv", "angle"))
+    looks, uv, angle = (
+        np.concatenate([getattr(reported, name) for reported in every]) for name in ("looks", "uv", "angle")
+    )
     order = rng.permutation(len(looks))
     data = tuple(
-        Appearance(f"d{n}", kb.appearance_types[looks[i]], (float(uv[i, 0]), float(uv[i, 1])), "simulated", angle=float(angle[i]))
+        Appearance(
+            f"d{n}",
+            kb.appearance_types[looks[i]],
+            (float(uv[i, 0]), float(uv[i, 1])),
+            "simulated",
+            angle=float(angle[i]),
+        )
         for n, i in enumerate(order)
     )
     causes = {f"d{n}": whose[i] for n, i in enumerate(order) if i < len(whose)}
@@ -88,8 +96,17 @@ def truths_of(objects: Sequence[Placed]) -> tuple[Truth, ...]:
     """What stands there, each with the share of it that shows."""
     shares = visible_shares(objects)
     return tuple(
-        Truth(one.kind.name, one.pose, float(share), np.stack(picture(surface, one.pose)), surface.centre, one.kind.symmetries)
-        for one, share, surface in ((one, share, surface_of(one.kind)) for one, share in zip(objects, shares, strict=True))
+        Truth(
+            one.kind.name,
+            one.pose,
+            float(share),
+            np.stack(picture(surface, one.pose)),
+            surface.centre,
+            one.kind.symmetries,
+        )
+        for one, share, surface in (
+            (one, share, surface_of(one.kind)) for one, share in zip(objects, shares, strict=True)
+        )
     )
 
 

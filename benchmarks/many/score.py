@@ -2,8 +2,9 @@
 
 * ``Verdict``: what one side made of one scene
 
-An accepted object is right that stands for a true one of its type within 5 degrees and 5 % of its distance, up to symmetries; each true one is
-stood for once. Objects less than 40 % visible need not be found; who stands right for one is no mistake.
+An accepted object is right that stands for a true one of its type within 5 degrees and 5 % of its distance, up to
+symmetries; each true one is stood for once. Objects less than 40 % visible need not be found; who stands right for one
+is no mistake.
 """
 
 from __future__ import annotations
@@ -61,7 +62,13 @@ def verdict(found: Sequence[Found], truths: Sequence[Truth]) -> Verdict:
 
 def deepest(found: Sequence[Found], kb: KnowledgeBase) -> float:
     """Metres by which two of these bodies reach into each other, at most (A4)."""
-    return max((depth(kb.type(a.type), a.camera_from_object, kb.type(b.type), b.camera_from_object) for a, b in combinations(found, 2)), default=0.0)
+    return max(
+        (
+            depth(kb.type(a.type), a.camera_from_object, kb.type(b.type), b.camera_from_object)
+            for a, b in combinations(found, 2)
+        ),
+        default=0.0,
+    )
 
 
 def depth(kind: ObjectType, pose: Floats, other: ObjectType, at: Floats) -> float:

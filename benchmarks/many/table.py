@@ -104,15 +104,28 @@ def rows(ours: Totals, others: dict[str, Totals], learnt: Callable[[str], bool])
 
 def _row(name: str, t: Totals) -> dict[str, Any]:
     part = _part(name, t.seen)
-    counts = {"accepted": t.accepted, "wrong": t.accepted - t.right, "askew": t.askew, "precision": round(t.precision, 3)}
-    return part | counts | {"reach": round(1000.0 * t.deep, 2), "median s": round(median(t.seconds), 3) if t.seconds else ""}
+    counts = {
+        "accepted": t.accepted,
+        "wrong": t.accepted - t.right,
+        "askew": t.askew,
+        "precision": round(t.precision, 3),
+    }
+    return (
+        part
+        | counts
+        | {"reach": round(1000.0 * t.deep, 2), "median s": round(median(t.seconds), 3) if t.seconds else ""}
+    )
 
 
 def _part(name: str, seen: Sequence[Seen]) -> dict[str, Any]:
     some = Totals(tuple(seen), 0, 0, 0, 0.0, ())
     nobody = dict.fromkeys(("accepted", "wrong", "askew", "precision", "reach", "median s"), "")
     turned = some.turned
-    angles = {"rotation": round(median(turned), 2), "p90": round(float(np.percentile(turned, 90)), 2)} if turned else {"rotation": "", "p90": ""}
+    angles = (
+        {"rotation": round(median(turned), 2), "p90": round(float(np.percentile(turned, 90)), 2)}
+        if turned
+        else {"rotation": "", "p90": ""}
+    )
     return {"row": name, "there": len(seen), "found": len(turned), "recall": round(some.recall, 3), **angles, **nobody}
 
 
@@ -121,7 +134,12 @@ def claims(ours: Totals) -> list[Claim]:
     return [
         Claim(f"recall of objects at least {IN_VIEW:.0%} visible", ">=", RECALL, ours.recall),
         Claim("precision", ">=", PRECISION, ours.precision),
-        Claim("rotation of the found, median degrees", "<=", ROTATION, median(ours.turned) if ours.turned else float("inf")),
+        Claim(
+            "rotation of the found, median degrees",
+            "<=",
+            ROTATION,
+            median(ours.turned) if ours.turned else float("inf"),
+        ),
         Claim("how far accepted bodies reach into each other at most, mm", "<=", REACH, 1000.0 * ours.deep),
         Claim("seconds a scene, median", "<=", SECONDS, median(ours.seconds) if ours.seconds else 0.0),
     ]

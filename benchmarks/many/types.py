@@ -2,9 +2,10 @@
 
 * ``many_kb(learnt)``: Σ of 50 types, half of them polyhedra with corners and with patches on their faces
 
-There are ten YCB meshes only. The other learnt types are new prints of these, as packages of one make have: the same surface, but other places of
-it are features where the learnt cloud has enough, their words are exchanged and their directions turned on the surface. All types look like ones
-of one vocabulary; the corners of polyhedra share a small part of it, as the junctions of edges do.
+There are ten YCB meshes only. The other learnt types are new prints of these, as packages of one make have: the same
+surface, but other places of it are features where the learnt cloud has enough, their words are exchanged and their
+directions turned on the surface. All types look like ones of one vocabulary; the corners of polyhedra share a small
+part of it, as the junctions of edges do.
 """
 
 from __future__ import annotations
@@ -66,7 +67,9 @@ def with_rates(types: Sequence[ObjectType], names: tuple[str, ...]) -> Knowledge
     """Σ of some types with the statistics of the detector; clutter is as frequent as what it looks like is among the features."""
     kb = knowledge_base(types, names, DETECTOR)
     clutter = {name: CLUTTER * share for name, share in zip(names, frequencies(kb), strict=True)}
-    return replace(kb, name="many", rates=replace(kb.rates, clutter=clutter, prior=dict.fromkeys(kb.rates.prior, PRIOR)))
+    return replace(
+        kb, name="many", rates=replace(kb.rates, clutter=clutter, prior=dict.fromkeys(kb.rates.prior, PRIOR))
+    )
 
 
 def frequencies(kb: KnowledgeBase) -> Floats:
@@ -83,8 +86,12 @@ def polyhedron(name: str, names: Sequence[str], rng: np.random.Generator) -> Obj
     corners = surface.vertices
     at, normal = scattered(surface, FEATURES - len(corners), rng)
     frames = body_frames(np.concatenate([_outward(surface), normal]), rng)
-    looks = np.concatenate([rng.integers(JUNCTIONS, size=len(corners)), rng.integers(JUNCTIONS, len(names), size=len(at))])
-    return made(name, surface, np.concatenate([corners, at]), frames, [names[i] for i in looks], np.full(FEATURES, HALF_ANGLE))
+    looks = np.concatenate(
+        [rng.integers(JUNCTIONS, size=len(corners)), rng.integers(JUNCTIONS, len(names), size=len(at))]
+    )
+    return made(
+        name, surface, np.concatenate([corners, at]), frames, [names[i] for i in looks], np.full(FEATURES, HALF_ANGLE)
+    )
 
 
 def random_polyhedron(rng: np.random.Generator) -> Surface:
@@ -137,4 +144,11 @@ def reprinted(kind: ObjectType, suffix: str, names: Sequence[str], rng: np.rando
     other = dict(zip(names, rng.permutation(names).tolist(), strict=True))
     frames = body_frames(np.array([f.rotation[:, 2] for f in part.features]), rng)
     half = np.full(len(part.features), LEAST_HALF_ANGLE)
-    return made(f"{kind.name}_{suffix}", kind.surface, np.array([f.at for f in part.features]), frames, [other[f.type] for f in part.features], half)
+    return made(
+        f"{kind.name}_{suffix}",
+        kind.surface,
+        np.array([f.at for f in part.features]),
+        frames,
+        [other[f.type] for f in part.features],
+        half,
+    )

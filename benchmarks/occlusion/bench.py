@@ -1,6 +1,7 @@
 """``plogic bench occlusion``: ROC-20 over random posed pairs: exactly one, converse, against dense rays, each of the twenty; and its tables.
 
-Every pair is asked both ways, and told by the rays of ``benchmarks.occlusion.oracle``; where its making decides the relation, by that.
+Every pair is asked both ways, and told by the rays of ``benchmarks.occlusion.oracle``; where its making decides the
+relation, by that.
 """
 
 from __future__ import annotations
@@ -69,7 +70,11 @@ def run(*, seed: int, quick: bool, as_json: bool, say: Callable[[str], None]) ->
     say("composition: done")
     found = neighbours(QUICK_MOTIONS if quick else MOTIONS, seed)
     say(f"neighbours: {len(found)} ordered pairs")
-    printed = {"pairs": [_row(kind, judged) for kind in KINDS], "relations": _relations(judged, found), "composition": [tables]}
+    printed = {
+        "pairs": [_row(kind, judged) for kind in KINDS],
+        "relations": _relations(judged, found),
+        "composition": [tables],
+    }
     promised = claims(judged, tables, quick=quick)
     documents = [claim.document() for claim in promised]
     met = all(claim.met for claim in promised)
@@ -88,7 +93,9 @@ def judge(pair: Pair) -> Judged:
     relation = occlusion(pair.x, pair.y, CAMERA, images=images)
     end = time.process_time()
     backward = occlusion(pair.y, pair.x, CAMERA)
-    sure = all(occlusion(pair.x, pair.y, CAMERA, other, images=images) == relation for other in (TOLERANCE / 2, 2 * TOLERANCE))
+    sure = all(
+        occlusion(pair.x, pair.y, CAMERA, other, images=images) == relation for other in (TOLERANCE / 2, 2 * TOLERANCE)
+    )
     rays = raster_relation(pair.x, pair.y) if sure else None
     if rays not in (None, relation):
         rays = raster_relation(pair.x, pair.y, FINE)
@@ -127,7 +134,13 @@ def _relations(judged: Sequence[Judged], found: frozenset[tuple[Roc, Roc]]) -> l
     """Each of the twenty: how often it occurred, and its neighbours."""
     count = Counter(j.relation for j in judged)
     return [
-        {"relation": r, "sign": sign(r), "coarse": coarse(r), "pairs": count[r], "neighbours": " ".join(sign(t) for t in ROC20 if (r, t) in found)}
+        {
+            "relation": r,
+            "sign": sign(r),
+            "coarse": coarse(r),
+            "pairs": count[r],
+            "neighbours": " ".join(sign(t) for t in ROC20 if (r, t) in found),
+        }
         for r in ROC20
     ]
 
@@ -140,12 +153,39 @@ def claims(judged: Sequence[Judged], tables: dict[str, Any], *, quick: bool) -> 
     listed = [
         Claim("posed pairs, exactly one relation each", ">=", QUICK_PAIRS * len(KINDS) if quick else 10_000, len(one)),
         Claim("pairs without exactly one relation", "<=", 0, len(judged) - len(one)),
-        Claim("pairs of which R(x, y) is not the converse of R(y, x)", "<=", 0, sum(converse(j.relation) != j.backward for j in judged)),
-        Claim("agreement with the rays where they decide", ">=", 1.0, sum(j.rays == j.relation for j in decided) / max(len(decided), 1)),
-        Claim("pairs that the rays or their making decide, share", ">=", 0.8, len({id(j) for j in (*decided, *known)}) / len(judged)),
-        Claim("agreement with how a pair was made", ">=", 1.0, sum(j.known == j.relation for j in known) / max(len(known), 1)),
+        Claim(
+            "pairs of which R(x, y) is not the converse of R(y, x)",
+            "<=",
+            0,
+            sum(converse(j.relation) != j.backward for j in judged),
+        ),
+        Claim(
+            "agreement with the rays where they decide",
+            ">=",
+            1.0,
+            sum(j.rays == j.relation for j in decided) / max(len(decided), 1),
+        ),
+        Claim(
+            "pairs that the rays or their making decide, share",
+            ">=",
+            0.8,
+            len({id(j) for j in (*decided, *known)}) / len(judged),
+        ),
+        Claim(
+            "agreement with how a pair was made",
+            ">=",
+            1.0,
+            sum(j.known == j.relation for j in known) / max(len(known), 1),
+        ),
         Claim("relations of the twenty that occur", ">=", 15 if quick else 20, len({j.relation for j in judged})),
         Claim("composition: triples that bodies reach and no model allows", "<=", 0, tables["beyond"]),
         Claim("composition: built bodies in another relation", "<=", 0, tables["built wrong"]),
     ]
-    return listed if quick else [*listed, Claim("composition: possible triples not reached", "<=", 0, tables["possible"] - tables["reached"])]
+    return (
+        listed
+        if quick
+        else [
+            *listed,
+            Claim("composition: possible triples not reached", "<=", 0, tables["possible"] - tables["reached"]),
+        ]
+    )

@@ -62,7 +62,11 @@ def convex_bodies() -> list[Body]:
     six = [(np.cos(a), np.sin(a)) for a in np.arange(6) * np.pi / 3]
     apex = np.array([[-0.4, -0.4, 0.0], [0.4, -0.4, 0.0], [0.4, 0.4, 0.0], [-0.4, 0.4, 0.0], [0.0, 0.0, 0.9]])
     sides = np.array([[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
-    rings = [shapely.box(-0.4, -0.3, 0.4, 0.3), shapely.box(-0.7, -0.7, 0.7, 0.7), shapely.Polygon([(0, 0), (0.9, 0), (0, 0.6)])]
+    rings = [
+        shapely.box(-0.4, -0.3, 0.4, 0.3),
+        shapely.box(-0.7, -0.7, 0.7, 0.7),
+        shapely.Polygon([(0, 0), (0.9, 0), (0, 0.6)]),
+    ]
     return [prism(ring, high) for ring, high in zip(rings, (1.1, 0.2, 0.5), strict=True)] + [
         prism(shapely.Polygon([(0.4 * x, 0.4 * y) for x, y in six]), 0.7),
         body(apex, sides),
@@ -88,7 +92,9 @@ def prism(shape: Any, height: float) -> Body:  # noqa: ANN401 - shapely ships no
     count = len(corners)
     facets: list[tuple[int, int, int]] = []
     for triangle in shapely.constrained_delaunay_triangles(shape).geoms:
-        a, b, c = (index[tuple(point)] for point in shapely.get_coordinates(shapely.orient_polygons(triangle))[:3].tolist())
+        a, b, c = (
+            index[tuple(point)] for point in shapely.get_coordinates(shapely.orient_polygons(triangle))[:3].tolist()
+        )
         facets += [(c, b, a), (a + count, b + count, c + count)]
     for ring in rings:
         here = [index[tuple(point)] for point in ring.tolist()]

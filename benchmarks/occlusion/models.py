@@ -1,10 +1,11 @@
 """Which triples R(x, y), S(y, z), T(x, z) of occlusion relations there can be at all: every abstract model, enumerated.
 
-An abstract model of three images says which *cells* there are (a cell: in x or not, in y or not, in z or not, having an interior), which
-*contacts* (a point on the boundary of two or three of the images, and inside, outside or on the boundary of the third), and for every cell in
-two or more images the nonempty set of depth orders that occur in it. Any three bodies without coincident surfaces have one: near a contact
-there are cells on both sides of each boundary that it lies on, and along a ray that meets several bodies one is first, one second. So what
-no model has, no bodies have: the triples of all models bound the composition table from above (§3.7).
+An abstract model of three images says which *cells* there are (a cell: in x or not, in y or not, in z or not, having an
+interior), which *contacts* (a point on the boundary of two or three of the images, and inside, outside or on the
+boundary of the third), and for every cell in two or more images the nonempty set of depth orders that occur in it. Any
+three bodies without coincident surfaces have one: near a contact there are cells on both sides of each boundary that it
+lies on, and along a ray that meets several bodies one is first, one second. So what no model has, no bodies have: the
+triples of all models bound the composition table from above (§3.7).
 
 ``Triple``: ``("partially_occludes_po", "totally_occludes_ntppi", "partially_occludes_po")``, of (x, y), (y, z), (x, z).
 """
@@ -33,7 +34,9 @@ Firsts = tuple[frozenset[int], frozenset[int], frozenset[int]]
 
 PAIRS = ((0, 1), (1, 2), (0, 2))
 CELLS: tuple[Cell, ...] = tuple((x, y, z) for x, y, z in product((False, True), repeat=3) if x or y or z)
-CONTACTS: tuple[Contact, ...] = tuple((x, y, z) for x, y, z in product((False, True, None), repeat=3) if (x, y, z).count(None) >= 2)
+CONTACTS: tuple[Contact, ...] = tuple(
+    (x, y, z) for x, y, z in product((False, True, None), repeat=3) if (x, y, z).count(None) >= 2
+)
 _OUTSIDE: Cell = (False, False, False)
 
 
@@ -63,7 +66,11 @@ def triple_of(terms: Terms, fronts: Fronts) -> Triple:
 def _cell_sets() -> Iterator[frozenset[Cell]]:
     """Every set of cells in which each of the three has an image."""
     for size in range(1, len(CELLS) + 1):
-        yield from (frozenset(some) for some in combinations(CELLS, size) if all(any(cell[i] for cell in some) for i in range(3)))
+        yield from (
+            frozenset(some)
+            for some in combinations(CELLS, size)
+            if all(any(cell[i] for cell in some) for i in range(3))
+        )
 
 
 def _with_contacts(cells: frozenset[Cell]) -> Iterator[Images]:
@@ -75,7 +82,11 @@ def _with_contacts(cells: frozenset[Cell]) -> Iterator[Images]:
 
 def _has_room(contact: Contact, cells: frozenset[Cell]) -> bool:
     """Whether some cells that may meet at the contact lie on both sides of every boundary through it."""
-    around = [cell for cell in (*cells, _OUTSIDE) if all(side is None or side == inside for side, inside in zip(contact, cell, strict=True))]
+    around = [
+        cell
+        for cell in (*cells, _OUTSIDE)
+        if all(side is None or side == inside for side, inside in zip(contact, cell, strict=True))
+    ]
     return all(len({cell[i] for cell in around}) == 2 for i in range(3) if contact[i] is None)
 
 
@@ -86,7 +97,10 @@ def rcc_terms(images: Images) -> Terms:
 
 def _rcc(images: Images, i: int, j: int) -> Rcc8:
     touching = any(contact[i] is None and contact[j] is None for contact in images.contacts)
-    both, i_alone, j_alone = (any((cell[i], cell[j]) == where for cell in images.cells) for where in ((True, True), (True, False), (False, True)))
+    both, i_alone, j_alone = (
+        any((cell[i], cell[j]) == where for cell in images.cells)
+        for where in ((True, True), (True, False), (False, True))
+    )
     if not both:
         return "EC" if touching else "DC"
     if i_alone and j_alone:

@@ -1,10 +1,11 @@
 """Conceptual neighbours: the relations between which a continuous motion leads at once, found by bisection (§3.7).
 
-One body of a pair moves, the other stays: rigidly; across the image, each corner keeping its depth; or swelling and shrinking in the image about a
-point of it. Where the relation differs between two moments the change is bisected till the moments are ``INSTANT`` of the motion apart; a third
-relation in between is two changes. A change counts only if the bodies share no volume on either side of it: bodies do not pass through each
-other. At a tolerance relations such as EC, TPP and EQ last, so that a motion does not jump over them. What is found are neighbours; a pair
-that no motion showed may be neighbours all the same.
+One body of a pair moves, the other stays: rigidly; across the image, each corner keeping its depth; or swelling and
+shrinking in the image about a point of it. Where the relation differs between two moments the change is bisected till
+the moments are ``INSTANT`` of the motion apart; a third relation in between is two changes. A change counts only if the
+bodies share no volume on either side of it: bodies do not pass through each other. At a tolerance relations such as EC,
+TPP and EQ last, so that a motion does not jump over them. What is found are neighbours; a pair that no motion showed
+may be neighbours all the same.
 """
 
 from __future__ import annotations
@@ -56,7 +57,9 @@ def changes(still: PosedSurface, motion: Motion) -> Iterator[tuple[Roc, Roc]]:
         yield from _between(still, motion, (float(start), float(end)), (before, after))
 
 
-def _between(still: PosedSurface, motion: Motion, when: tuple[float, float], ends: tuple[Roc, Roc]) -> Iterator[tuple[Roc, Roc]]:
+def _between(
+    still: PosedSurface, motion: Motion, when: tuple[float, float], ends: tuple[Roc, Roc]
+) -> Iterator[tuple[Roc, Roc]]:
     (start, end), (before, after) = when, ends
     if before == after:
         return
@@ -77,7 +80,10 @@ def _at(still: PosedSurface, motion: Motion, time: float) -> Roc:
 def _apart(x: PosedSurface, y: PosedSurface) -> bool:
     """Whether the two share no volume; of a surface that is not a manifold nothing is known, and no change is counted."""
     try:
-        return overlap_volume(x.vertices, x.triangles, x.camera_from_object, y.vertices, y.triangles, y.camera_from_object) == 0
+        return (
+            overlap_volume(x.vertices, x.triangles, x.camera_from_object, y.vertices, y.triangles, y.camera_from_object)
+            == 0
+        )
     except GeometryError:
         return False
 
@@ -106,11 +112,19 @@ def _rigid(rng: np.random.Generator, body: PosedSurface) -> Motion:
     return at
 
 
-def _across(seen: NDArray[np.float64], depth: NDArray[np.float64], body: PosedSurface, way: NDArray[np.float64]) -> Motion:
+def _across(
+    seen: NDArray[np.float64], depth: NDArray[np.float64], body: PosedSurface, way: NDArray[np.float64]
+) -> Motion:
     return lambda time: placed(np.c_[seen + way * time, np.ones(len(seen))] * depth, body.triangles)
 
 
 def _swelling(
-    seen: NDArray[np.float64], depth: NDArray[np.float64], body: PosedSurface, middle: NDArray[np.float64], growth: float
+    seen: NDArray[np.float64],
+    depth: NDArray[np.float64],
+    body: PosedSurface,
+    middle: NDArray[np.float64],
+    growth: float,
 ) -> Motion:
-    return lambda time: placed(np.c_[middle + (seen - middle) * (1 + growth * time), np.ones(len(seen))] * depth, body.triangles)
+    return lambda time: placed(
+        np.c_[middle + (seen - middle) * (1 + growth * time), np.ones(len(seen))] * depth, body.triangles
+    )

@@ -1,7 +1,8 @@
 """The oracle: dense rays over both bodies' boxes; what a raster can tell of the relation, and nothing where it hangs on a few rays.
 
-A raster cannot tell DC from EC, nor TPP from NTPP and EQ, at less than its grain. It decides a pair only where every question it asks is
-answered by ``FEW`` rays or more, or by none within ``MARGIN`` rays: then there is one relation that it allows.
+A raster cannot tell DC from EC, nor TPP from NTPP and EQ, at less than its grain. It decides a pair only where every
+question it asks is answered by ``FEW`` rays or more, or by none within ``MARGIN`` rays: then there is one relation that
+it allows.
 """
 
 from __future__ import annotations

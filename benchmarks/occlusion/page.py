@@ -85,16 +85,19 @@ processor a pair, its two outlines given; outlines: µs of drawing the two.
 _DOUBT = """\
 ## What a relation predicts
 
-Each relation puts an inequality on ev (formalism §3.8; `plogic/scene/worlds/predictions.py`): not to occlude changes neither ev; a partial occluder keeps its
-own, and raises or keeps the other's unless it hides a detected feature of it; what is totally occluded has no evidence either way; of a mutual
-pair each may rise. Every interpretation is held to them; where one fails, that is a *reason to doubt* the poses or the matches: it is in the
-document under `doubts`, on the page, in what `plogic worlds` prints, and on stderr from `plogic perceive`.
+Each relation puts an inequality on ev (formalism §3.8; `plogic/scene/worlds/predictions.py`): not to occlude changes
+neither ev; a partial occluder keeps its own, and raises or keeps the other's unless it hides a detected feature of it;
+what is totally occluded has no evidence either way; of a mutual pair each may rise. Every interpretation is held to
+them; where one fails, that is a *reason to doubt* the poses or the matches: it is in the document under `doubts`, on
+the page, in what `plogic worlds` prints, and on stderr from `plogic perceive`.
 """
 
 
 def page(bench: Mapping[str, Any], lower: Composition, upper: Composition, kinds: int, motions: int) -> str:
     """The text of docs/occlusion.md; ``bench``: the document of the benchmark."""
-    rows = {name: [row for row in bench["rows"] if row["table"] == name] for name in ("pairs", "relations", "composition")}
+    rows = {
+        name: [row for row in bench["rows"] if row["table"] == name] for name in ("pairs", "relations", "composition")
+    }
     (composed,) = rows["composition"]
     same = sum(lower[pair] == upper[pair] for pair in upper)
     proved = f"Of the 400 entries {same} are proved: what no model excludes, bodies reach."

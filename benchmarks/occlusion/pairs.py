@@ -76,7 +76,9 @@ def _rod() -> Body:
     low, high = np.array([-0.08, -0.08, -1.5]), np.array([0.08, 0.08, 1.5])
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    return body(low + corners * (high - low), np.array([facet for a, b, c, d in sides for facet in ((a, b, c), (a, c, d))]))
+    return body(
+        low + corners * (high - low), np.array([facet for a, b, c, d in sides for facet in ((a, b, c), (a, c, d))])
+    )
 
 
 def _turn(rng: np.random.Generator) -> NDArray[np.float64]:
@@ -107,7 +109,11 @@ def _interlocking(rng: np.random.Generator) -> Pair:
     T = _pose(rng, 0.3, 4.0, 6.0)
     other = _rod() if rng.random() < 0.7 else _pick(rng, _concave())
     for _ in range(TRIES):
-        lean = rotation_from_quat_xyzw(np.array([[*rng.normal(0, 0.15, 2), 0.0, 1.0]]))[0] if other is _rod() else _turn(rng)
+        lean = (
+            rotation_from_quat_xyzw(np.array([[*rng.normal(0, 0.15, 2), 0.0, 1.0]]))[0]
+            if other is _rod()
+            else _turn(rng)
+        )
         inside = from_rotation_translation(lean, [*rng.uniform(-0.25, 0.25, 2), rng.uniform(0.0, 0.4)])
         if not solid_overlap(frame.solid, T, other.solid, T @ inside):
             break
@@ -153,7 +159,9 @@ def _equal(rng: np.random.Generator) -> Pair:
         return Pair("equal", placed(points, one.triangles), placed(points * factor, one.triangles), front)
     side = points[:, 0] / points[:, 2]
     leaning = 1.0 + 0.8 * (side - side.mean()) / np.ptp(side)
-    return Pair("equal", placed(points, one.triangles), placed(points * leaning[:, None], one.triangles), "mutually_occludes_eq")
+    return Pair(
+        "equal", placed(points, one.triangles), placed(points * leaning[:, None], one.triangles), "mutually_occludes_eq"
+    )
 
 
 def _stacks(rng: np.random.Generator, count: int) -> Iterator[Pair]:
@@ -161,7 +169,11 @@ def _stacks(rng: np.random.Generator, count: int) -> Iterator[Pair]:
     grids = np.concatenate(list(grown(rng, max(count, 400), bodies=2)))
     found = codes(grids, 1, 2)
     for n in range(count):
-        some = np.flatnonzero(found == int(rng.choice(np.unique(found[found >= 0])))) if n % 2 else np.flatnonzero(found >= 0)
+        some = (
+            np.flatnonzero(found == int(rng.choice(np.unique(found[found >= 0]))))
+            if n % 2
+            else np.flatnonzero(found >= 0)
+        )
         yield _of_grid(rng, grids[int(rng.choice(some))])
 
 

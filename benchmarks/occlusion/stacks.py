@@ -1,9 +1,9 @@
 """Connected bodies of blocks that stand in rows along the lines of sight: their occlusion relations can be read off exactly.
 
-A *stack* is a grid over a piece of the image, U x V squares, with L layers of depth behind each square; a body is a set of its blocks that is
-connected by faces. As a solid a block is a frustum, its sides in planes through the camera's centre: the image of a body is exactly the
-union of its squares, and of two bodies the one in the nearer layer is first. Bodies of one grid share no volume (A4), and may be concave,
-interlocked, nested in the image, and of equal silhouettes.
+A *stack* is a grid over a piece of the image, U x V squares, with L layers of depth behind each square; a body is a set
+of its blocks that is connected by faces. As a solid a block is a frustum, its sides in planes through the camera's
+centre: the image of a body is exactly the union of its squares, and of two bodies the one in the nearer layer is first.
+Bodies of one grid share no volume (A4), and may be concave, interlocked, nested in the image, and of equal silhouettes.
 
 ``Grids`` (B, U, V, L) of small numbers: 0 nobody's, 1, 2, ... the body whose block it is.
 """
@@ -33,7 +33,9 @@ STEPS = 9
 """Rounds of growth."""
 
 
-def grown(rng: np.random.Generator, count: int, bodies: int = 3, side: int = SIDE, layers: int = LAYERS) -> Iterator[Grids]:
+def grown(
+    rng: np.random.Generator, count: int, bodies: int = 3, side: int = SIDE, layers: int = LAYERS
+) -> Iterator[Grids]:
     """Grids (count, side, side, layers) of connected bodies as they grow, each within an image of its own: after some rounds, and full-grown."""
     masks = masks_of(rng, count, bodies, side)
     grids = np.zeros((count, side, side, layers), dtype=np.int8)
@@ -73,8 +75,9 @@ def _beside(mine: Masks, along: Masks) -> Masks:
 def clamps(rng: np.random.Generator, count: int, side: int = 9) -> Grids:
     """(count, side, side, 7) two bodies that reach round each other and have room to move: a clamp, 2, and what it holds, 1.
 
-    The clamp has a plate in front and one at the back, and a pillar between them; the other a plate between those two, one behind both, and a
-    pillar that leads through a hole of the clamp's back plate, which its front plate covers. One square is free round each pillar.
+    The clamp has a plate in front and one at the back, and a pillar between them; the other a plate between those two,
+    one behind both, and a pillar that leads through a hole of the clamp's back plate, which its front plate covers. One
+    square is free round each pillar.
     """
     made: list[Grids] = []
     while len(made) < count:
@@ -99,7 +102,13 @@ def _clamp(rng: np.random.Generator, side: int) -> Grids | None:
     behind = kinds[kind] | mine
     between = (between & ~widened(theirs) & (clamp | (kind in (0, 3)))) | mine
     grid = np.zeros((side, side, 7), dtype=np.int8)
-    for layer, squares in ((0, front | theirs), (4, (back & ~widened(mine)) | theirs), (1, theirs), (2, theirs), (3, theirs)):
+    for layer, squares in (
+        (0, front | theirs),
+        (4, (back & ~widened(mine)) | theirs),
+        (1, theirs),
+        (2, theirs),
+        (3, theirs),
+    ):
         grid[squares, layer] = 2
     for layer, squares in ((2, between), (6, behind), (3, mine), (4, mine), (5, mine)):
         grid[squares, layer] = 1

@@ -1,7 +1,8 @@
 """The tables of ROC-20 as text: short signs, converses, coarsenings, conceptual neighbours, and the composition table (§3.7).
 
-A sign is who is in front on the common interior (``>`` x, ``<`` y, ``*`` each somewhere; nothing where there is none) and the RCC-8 term of the
-images in small letters: ``>tpp`` is partially_occludes_tpp, ``<tpp`` totally_occluded_by_tpp, ``dc`` non_occludes_dc.
+A sign is who is in front on the common interior (``>`` x, ``<`` y, ``*`` each somewhere; nothing where there is none)
+and the RCC-8 term of the images in small letters: ``>tpp`` is partially_occludes_tpp, ``<tpp`` totally_occluded_by_tpp,
+``dc`` non_occludes_dc.
 """
 
 from __future__ import annotations
@@ -52,7 +53,9 @@ def _signs(some: Iterable[Roc]) -> str:
 def counts_table(lower: Composition, upper: Composition) -> list[str]:
     """As Markdown: how many relations each entry has; with a `+` where it is a lower bound."""
     head = ["| R \\ S | " + " | ".join(f"`{sign(s)}`" for s in ROC20) + " |", "|---" * (len(ROC20) + 1) + "|"]
-    return head + [f"| `{sign(r)}` | " + " | ".join(_count(lower[r, s], upper[r, s]) for s in ROC20) + " |" for r in ROC20]
+    return head + [
+        f"| `{sign(r)}` | " + " | ".join(_count(lower[r, s], upper[r, s]) for s in ROC20) + " |" for r in ROC20
+    ]
 
 
 def _count(lower: frozenset[Roc], upper: frozenset[Roc]) -> str:

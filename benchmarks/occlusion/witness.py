@@ -1,9 +1,10 @@
 """Three connected bodies for a triple of occlusion relations: what bounds the composition table from below (§3.7).
 
-An *arrangement* is three connected sets of squares on the image. Over it any nonempty set of depth orders in each cell can be built by bodies
-that are connected and share no volume: every square is cut into 5 x 3 small ones with 8 layers. The layers 0, 1, 2 hold the bodies of the
-square in its order, the layers 3, 4, 5 hold x, y and z again, one layer each over the whole of a body's image: there each body is one. Three
-small squares in the middle lead from the front to the back, one for each body::
+An *arrangement* is three connected sets of squares on the image. Over it any nonempty set of depth orders in each cell
+can be built by bodies that are connected and share no volume: every square is cut into 5 x 3 small ones with 8 layers.
+The layers 0, 1, 2 hold the bodies of the square in its order, the layers 3, 4, 5 hold x, y and z again, one layer each
+over the whole of a body's image: there each body is one. Three small squares in the middle lead from the front to the
+back, one for each body::
 
       the first's column      the second's      the third's        everywhere else
       first    0 .. back      0                 0                  0, back
@@ -119,7 +120,8 @@ def _holds(triple: Triple, by_terms: Mapping[Terms, list[Arrangement]]) -> bool:
 def built(one: Arrangement, triple: Triple) -> Grids:
     """The bodies 1, 2, 3 that stand in the relations of the ``triple``, one grid (1, U, V, 8), over an arrangement that has its terms.
 
-    In each cell all the orders occur that do not contradict the triple: where some choice of orders builds it, this one does.
+    In each cell all the orders occur that do not contradict the triple: where some choice of orders builds it, this one
+    does.
     """
     squares = one.squares.repeat(FINER, axis=1).repeat(FINER, axis=2)
     first, second, third = (parts_of(relation)[1] for relation in triple)
@@ -128,7 +130,11 @@ def built(one: Arrangement, triple: Triple) -> Grids:
     count: dict[tuple[int, ...], int] = {}
     for i, j in np.argwhere(squares.any(axis=0)).tolist():
         members = tuple(np.flatnonzero(squares[:, i, j]).tolist())
-        orders = [order for order in permutations(members) if all(_keeps(order, pair, sides) for pair, sides in allowed.items())]
+        orders = [
+            order
+            for order in permutations(members)
+            if all(_keeps(order, pair, sides) for pair, sides in allowed.items())
+        ]
         turn = count[members] = count.get(members, -1) + 1
         if orders:
             grid[i * WIDE : (i + 1) * WIDE, j * HIGH : (j + 1) * HIGH] = _block(orders[turn % len(orders)])

@@ -1,7 +1,8 @@
 """``plogic bench panorama``: a camera that turns away from the two towers and back; what is remembered, and what remembering spares.
 
-Each sequence has five frames, rendered and detected from their pixels: the scene; turned by some 25 degrees; turned away, with nothing in view;
-and back again. No frame is taken from quite the same place as another, and none has another's noise.
+Each sequence has five frames, rendered and detected from their pixels: the scene; turned by some 25 degrees; turned
+away, with nothing in view; and back again. No frame is taken from quite the same place as another, and none has
+another's noise.
 """
 
 from __future__ import annotations
@@ -69,7 +70,9 @@ def run(*, seed: int, quick: bool, as_json: bool, say: Callable[[str], None]) ->
         outcomes.append(one_sequence(kb, perceiver, FIRST_SEED + 1000 * seed + i, KINDS[i % len(KINDS)]))
         o = outcomes[-1]
         search = "searched" if o.searched else "no search"
-        say(f"{i + 1}: {sum(o.kept)} of {o.told} kept, {sum(o.posed)} posed, {search}, {o.warm:.2f} s, cold {o.cold:.2f} s")
+        say(
+            f"{i + 1}: {sum(o.kept)} of {o.told} kept, {sum(o.posed)} posed, {search}, {o.warm:.2f} s, cold {o.cold:.2f} s"
+        )
     return report("panorama", _rows(outcomes), claims(outcomes), as_json=as_json)
 
 
@@ -100,7 +103,9 @@ def elsewhere(scene: Scene, degrees: float, rng: np.random.Generator) -> Scene:
     pose = scene.camera.world_from_camera
     if pose is None:
         raise ValueError("a scene's camera has a place")
-    turned = Rotation.from_rotvec([0.0, 0.0, np.radians(degrees)]) * Rotation.from_rotvec(np.radians(rng.uniform(-OFF[0], OFF[0], 3)))
+    turned = Rotation.from_rotvec([0.0, 0.0, np.radians(degrees)]) * Rotation.from_rotvec(
+        np.radians(rng.uniform(-OFF[0], OFF[0], 3))
+    )
     moved = np.eye(4)
     moved[:3, :3] = turned.as_matrix() @ pose[:3, :3]
     moved[:3, 3] = pose[:3, 3] + rng.uniform(-OFF[1], OFF[1], 3)
@@ -117,17 +122,29 @@ def taken(scene: Scene, number: int, kb: KnowledgeBase) -> View:
     return View(f"v{number}", gamma, np.asarray(scene.camera.world_from_camera))
 
 
-def judged(kb: KnowledgeBase, scene: Scene, panorama: Panorama, first: Sequence[Known], look: Look, more: tuple[int, int, float, float]) -> Outcome:
+def judged(
+    kb: KnowledgeBase,
+    scene: Scene,
+    panorama: Panorama,
+    first: Sequence[Known],
+    look: Look,
+    more: tuple[int, int, float, float],
+) -> Outcome:
     """Compare Δp at the end with the truth, and with what it was after the first frame; ``more``: seed, age, seconds warm and cold."""
     truth = [(body.label, body.world_from_body) for body in scene.bodies if body.label is not None]
     eye = np.asarray(scene.camera.world_from_camera)[:3, 3]
     told = [known for known in first if any(right(kb, known, label, pose, eye) for label, pose in truth)]
     now = {known.id: known for known in panorama.known}
     posed = [k.id in now and any(right(kb, now[k.id], label, pose, eye) for label, pose in truth) for k in told]
-    kept = [k.id in now and now[k.id].age == 0 and now[k.id].standing.object_type.name == k.standing.object_type.name for k in told]
+    kept = [
+        k.id in now and now[k.id].age == 0 and now[k.id].standing.object_type.name == k.standing.object_type.name
+        for k in told
+    ]
     events = {step["event"] for step in look.interpretation["trace"]}
     seed, away, warm, cold = more
-    return Outcome(seed, len(told), len(first) - len(told), tuple(kept), tuple(posed), away, "no search" not in events, warm, cold)
+    return Outcome(
+        seed, len(told), len(first) - len(told), tuple(kept), tuple(posed), away, "no search" not in events, warm, cold
+    )
 
 
 def right(kb: KnowledgeBase, known: Known, label: str, pose: Floats, eye: Floats) -> bool:
@@ -158,8 +175,20 @@ def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
     """The issue's bars."""
     told = max(sum(o.told for o in outcomes), 1)
     return [
-        Claim("towers, told rightly at first, that are back under their names", ">=", 1.0, sum(sum(o.kept) for o in outcomes) / told),
-        Claim("their poses in the world within 2 degrees and 2 %", ">=", 1.0, sum(sum(o.posed) for o in outcomes) / told),
+        Claim(
+            "towers, told rightly at first, that are back under their names",
+            ">=",
+            1.0,
+            sum(sum(o.kept) for o in outcomes) / told,
+        ),
+        Claim(
+            "their poses in the world within 2 degrees and 2 %", ">=", 1.0, sum(sum(o.posed) for o in outcomes) / told
+        ),
         Claim("sequences that needed a search on return", "<=", 0, sum(o.searched for o in outcomes)),
-        Claim("seconds of the last frame, all told, over those of the same Γ cold, median", "<=", 1.0, median(o.warm / o.cold for o in outcomes)),
+        Claim(
+            "seconds of the last frame, all told, over those of the same Γ cold, median",
+            "<=",
+            1.0,
+            median(o.warm / o.cold for o in outcomes),
+        ),
     ]

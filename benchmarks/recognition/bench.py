@@ -39,7 +39,12 @@ class Answer:
 
 
 def run(
-    *, seed: int, limit: float, quick: bool, as_json: bool, say: Callable[[str], None],
+    *,
+    seed: int,
+    limit: float,
+    quick: bool,
+    as_json: bool,
+    say: Callable[[str], None],
     learn: Callable[[Mapping[str, Path], Path, Callable[[str], None]], Ours] = learnt_ours,
 ) -> tuple[str, bool]:
     """Run the benchmark; a line of progress a picture on ``say``. ``limit``: seconds that the peer may take a picture, all settings together.
@@ -58,7 +63,14 @@ def run(
 
 
 def answered(
-    mine: Ours, shapes: Sequence[tuple[str, TexturedMesh]], folder: Path, *, seed: int, limit: float, quick: bool, say: Callable[[str], None]
+    mine: Ours,
+    shapes: Sequence[tuple[str, TexturedMesh]],
+    folder: Path,
+    *,
+    seed: int,
+    limit: float,
+    quick: bool,
+    say: Callable[[str], None],
 ) -> list[Answer]:
     """Both sides on every picture, each read back from its file."""
     peer = Peer(mine.learnt, SEEN if quick else SEEN[:1])  # with points along edges too a picture takes half a minute

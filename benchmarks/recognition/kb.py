@@ -48,7 +48,9 @@ def ours(meshes: Mapping[str, Path], folder: Path, say: Callable[[str], None]) -
     if missing:
         raise InputError(f"bench recognition: nothing was learnt of {', '.join(missing)}")
     look = look_of(kb)
-    return Ours(lambda image, camera: [Found(name, np.array(pose), sure) for name, pose, sure in look(image, camera)], clouds)
+    return Ours(
+        lambda image, camera: [Found(name, np.array(pose), sure) for name, pose, sure in look(image, camera)], clouds
+    )
 
 
 def learn_into(folder: Path, meshes: Mapping[str, Path], say: Callable[[str], None], seed: int = 0) -> None:

@@ -1,9 +1,10 @@
 """The peer of ``plogic bench recognition``: SIFT, the ratio test against a type's learnt keypoints, OpenCV's USAC RANSAC per type.
 
-It gets its best: exact nearest neighbours instead of approximate ones, the next best of *another* feature in the ratio test (a learnt feature
-has many descriptors), local optimisation, several instances of a type, Levenberg-Marquardt on the inliers, and of all that
-it may look at (SIFT's keypoints, or the points along edges that ours sees as well), its ratios, inlier thresholds and minimal numbers of inliers
-those that are best over all scenes, chosen with the truth known.
+It gets its best: exact nearest neighbours instead of approximate ones, the next best of *another* feature in the ratio
+test (a learnt feature has many descriptors), local optimisation, several instances of a type, Levenberg-Marquardt on
+the inliers, and of all that it may look at (SIFT's keypoints, or the points along edges that ours sees as well), its
+ratios, inlier thresholds and minimal numbers of inliers those that are best over all scenes, chosen with the truth
+known.
 """
 
 from __future__ import annotations
@@ -98,7 +99,9 @@ class Peer:
         self._seen = tuple(seen)
         self._types = {name: _sorted(cloud) for name, cloud in learnt.items() if len(np.unique(cloud.feature)) > 1}
 
-    def candidates(self, image: NDArray[np.uint8], camera: Camera, limit: float = np.inf) -> tuple[Candidates, dict[str, float]]:
+    def candidates(
+        self, image: NDArray[np.uint8], camera: Camera, limit: float = np.inf
+    ) -> tuple[Candidates, dict[str, float]]:
         """Of all settings, the poses with at least ``FEWEST`` inliers; and of all that it looks at, the seconds that one setting takes on average.
 
         What has not been tried after ``limit`` seconds is left out.
@@ -121,7 +124,14 @@ class Peer:
         from sensing.detectors.keypoints import keypoints
 
         seen = described(image) if edges else keypoints(image)
-        return {name: _matches(np.asarray(seen.uv), seen.descriptors[:, :WIDTH], *rows) for name, rows in self._types.items()} if len(seen) else {}
+        return (
+            {
+                name: _matches(np.asarray(seen.uv), seen.descriptors[:, :WIDTH], *rows)
+                for name, rows in self._types.items()
+            }
+            if len(seen)
+            else {}
+        )
 
 
 def accepted(candidates: Candidates, setting: Setting) -> list[Found]:
@@ -142,7 +152,11 @@ def _sorted(cloud: Learnt) -> tuple[NDArray[np.float32], NDArray[np.int64], NDAr
 
 
 def _matches(
-    uv: NDArray[np.float64], seen: NDArray[np.uint8], learnt: NDArray[np.float32], first: NDArray[np.int64], at: NDArray[np.float64]
+    uv: NDArray[np.float64],
+    seen: NDArray[np.uint8],
+    learnt: NDArray[np.float32],
+    first: NDArray[np.int64],
+    at: NDArray[np.float64],
 ) -> Matches:
     """Each keypoint's nearest feature, exactly."""
     mine = np.asarray(seen, np.float32)

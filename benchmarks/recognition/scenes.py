@@ -1,6 +1,7 @@
 """The pictures of ``plogic bench recognition``: rendered once to a folder, so that all sides read the same pixels, with their truth.
 
-* ``Case``: one picture, ``Case(seed=7, hard=0.3, empty=False, image=PosixPath(...), camera=Camera(...), truths=(Truth(...), ...))``
+* ``Case``: one picture, ``Case(seed=7, hard=0.3, empty=False, image=PosixPath(...), camera=Camera(...),
+  truths=(Truth(...), ...))``
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ HARD = (0.0, 0.3, 0.6)
 YCB = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "ycb"
 """``../shared/data/ycb`` seen from the project's root: others' data, of which the repository carries none."""
 BOXES = ("foam_brick",)
-"""Types of one colour whose half turns about the axes of their box leave them as they are: those that their holes allow."""
+"""Types of one colour whose half turns about the axes of their box leave them as they are: those that their holes
+allow."""
 NEAR = 0.05
 """Share of a mesh's size by which a half turn may miss it."""
 
@@ -55,7 +57,9 @@ def ycb_meshes() -> dict[str, Path]:
     folders = sorted(YCB.iterdir()) if YCB.is_dir() else []
     found = {p.name.partition("_")[2]: p / "textured.obj" for p in folders if (p / "textured.obj").is_file()}
     if not found:
-        raise InputError(f"bench recognition: needs the textured meshes of the YCB objects in {YCB}, and they are not there")
+        raise InputError(
+            f"bench recognition: needs the textured meshes of the YCB objects in {YCB}, and they are not there"
+        )
     return found
 
 
@@ -67,10 +71,18 @@ def cases(shapes: Sequence[tuple[str, TexturedMesh]], folder: Path, seed: int, *
     for i in range(QUICK_SCENES if quick else SCENES):
         number, empty = SCENES * seed + i, i % EMPTY_EVERY == EMPTY_EVERY - 1
         hard = HARD[(i + i // EMPTY_EVERY) % len(HARD)]
-        yield case(recognition_scene(shapes, number, empty=empty, hard=hard), folder / f"{number:05d}", number, hard, symmetries)
+        yield case(
+            recognition_scene(shapes, number, empty=empty, hard=hard),
+            folder / f"{number:05d}",
+            number,
+            hard,
+            symmetries,
+        )
 
 
-def case(scene: TabletopScene, folder: Path, seed: int, hard: float, symmetries: Mapping[str, NDArray[np.float64]]) -> Case:
+def case(
+    scene: TabletopScene, folder: Path, seed: int, hard: float, symmetries: Mapping[str, NDArray[np.float64]]
+) -> Case:
     """Write the scene's folder and keep its truth; the camera that is handed on does not know where in the world it is."""
     from sensing.simulated.scene_files import write_scene
     from sensing.simulated.seen import bounds
@@ -78,7 +90,9 @@ def case(scene: TabletopScene, folder: Path, seed: int, hard: float, symmetries:
     write_scene(scene, folder, supersample=2)
     rows = zip(scene.bodies, scene.camera_from_bodies, scene.fractions, strict=True)
     truths = tuple(
-        Truth(b.label, pose, fraction, np.stack(bounds(b, scene.camera)), middle(b.mesh.vertices), symmetries.get(b.label))
+        Truth(
+            b.label, pose, fraction, np.stack(bounds(b, scene.camera)), middle(b.mesh.vertices), symmetries.get(b.label)
+        )
         for b, pose, fraction in rows
         if b.label is not None
     )

@@ -4,8 +4,9 @@
 * ``Truth``: an object that is there, with its visible fraction and the box of its picture
 * ``Tally``: counts of one or many images; they add up
 
-A found object stands for a true one of its type whose picture's box holds the projected centre of the found; each true one is stood for
-once, by the nearest pose. A true object less than half visible need not be found: neither is it counted, nor who stands for it.
+A found object stands for a true one of its type whose picture's box holds the projected centre of the found; each true
+one is stood for once, by the nearest pose. A true object less than half visible need not be found: neither is it
+counted, nor who stands for it.
 """
 
 from __future__ import annotations

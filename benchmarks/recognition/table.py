@@ -58,8 +58,11 @@ def judged(answers: Sequence[Answer]) -> Verdict:
     seen = [name for name in SEEN if any(key[0] == name for a in answers for key in a.peer)]
     tallies = {s: _total(answers, textured, lambda a, s=s: accepted(a.peer, s)) for s in settings(seen)}  # type: ignore[misc]
     return Verdict(
-        tuple(answers), textured, frozenset(names & set(PLAIN)),
-        best_setting({s: t.f1 for s, t in tallies.items()}), best_setting({s: t.pose_f1 for s, t in tallies.items()}),
+        tuple(answers),
+        textured,
+        frozenset(names & set(PLAIN)),
+        best_setting({s: t.f1 for s, t in tallies.items()}),
+        best_setting({s: t.pose_f1 for s, t in tallies.items()}),
     )
 
 
@@ -72,10 +75,19 @@ def rows(verdict: Verdict) -> list[dict[str, Any]]:
     v = verdict
     listed = []
     for group, types in (("", v.textured), (", plain", v.plain)):
-        listed.append(_row(f"ours{group}", v.mine(types), _in_empty(v, types, _ours), median(a.seconds for a in v.answers)))
+        listed.append(
+            _row(f"ours{group}", v.mine(types), _in_empty(v, types, _ours), median(a.seconds for a in v.answers))
+        )
         for name, setting in (("peer", v.by_f1), ("peer by pose F1", v.by_pose_f1)):
             empty = _in_empty(v, types, lambda a, s=setting: accepted(a.peer, s))  # type: ignore[misc]
-            listed.append(_row(f"{name}{group}", v.peers(types, setting), empty, median(a.peer_seconds[setting.seen] for a in v.answers)))
+            listed.append(
+                _row(
+                    f"{name}{group}",
+                    v.peers(types, setting),
+                    empty,
+                    median(a.peer_seconds[setting.seen] for a in v.answers),
+                )
+            )
     listed += [_row(name, v.mine({name}), _in_empty(v, {name}, _ours)) for name in sorted(v.textured | v.plain)]
     for hard in sorted({a.case.hard for a in v.answers}):
         some = [a for a in v.answers if a.case.hard == hard]
@@ -87,7 +99,12 @@ def rows(verdict: Verdict) -> list[dict[str, Any]]:
 def _row(name: str, t: Tally, empty: int, seconds: float | None = None) -> dict[str, Any]:
     shares = {"recall": t.recall, "precision": t.precision, "poses": t.poses, "F1": t.f1, "pose F1": t.pose_f1}
     counts = {"there": t.there, "found": t.found, "posed": t.posed, "false": t.false, "empty": empty}
-    return {"row": name, **counts, **{k: round(x, 3) for k, x in shares.items()}, "seconds": "" if seconds is None else f"{seconds:.2f}"}
+    return {
+        "row": name,
+        **counts,
+        **{k: round(x, 3) for k, x in shares.items()},
+        "seconds": "" if seconds is None else f"{seconds:.2f}",
+    }
 
 
 def _ours(answer: Answer) -> Sequence[Found]:

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 class Plan:
     """How many types, told apart by how many appearance types; how many trials of each kind.
 
-    ``frames`` are timed at each size; ``trials`` vote at the two greatest; ``caps`` of them with fewer entries; ``deep`` of them among the votes of
-    ``passes`` (one number for each of ``looks``) times as many types more.
+    ``frames`` are timed at each size; ``trials`` vote at the two greatest; ``caps`` of them with fewer entries;
+    ``deep`` of them among the votes of ``passes`` (one number for each of ``looks``) times as many types more.
     """
 
     sizes: Sequence[int] = (10, 30, 100, 300, 1000)
@@ -49,13 +49,18 @@ class Plan:
 QUICK = Plan((10, 30, 100), (300, 100), frames=3, trials=8, caps=3, deep=1, passes=(9, 9), built=30)
 
 
-def run(*, seed: int, quick: bool, as_json: bool, say: Callable[[str], None], plan: Plan | None = None) -> tuple[str, bool]:
+def run(
+    *, seed: int, quick: bool, as_json: bool, say: Callable[[str], None], plan: Plan | None = None
+) -> tuple[str, bool]:
     """Run the benchmark; a line of progress a step on ``say``."""
     plan = plan or (QUICK if quick else Plan())
     made = bodies(max(plan.sizes), seed)
     say(f"{len(made.types)} bodies")
     memory = {"Σ": object_bytes(max(1, plan.kept // 4), seed), "disk": disk_bytes(plan.kept, seed)}
-    measured = [_of_vocabulary(made, looks, passes, plan, seed, say) for looks, passes in zip(plan.looks, plan.passes, strict=True)]
+    measured = [
+        _of_vocabulary(made, looks, passes, plan, seed, say)
+        for looks, passes in zip(plan.looks, plan.passes, strict=True)
+    ]
     printed = tables(measured, made.seconds, memory, np.random.default_rng(seed))
     listed = claims(measured)
     met, documents = all(claim.met for claim in listed), [claim.document() for claim in listed]
@@ -66,7 +71,9 @@ def run(*, seed: int, quick: bool, as_json: bool, say: Callable[[str], None], pl
     return f"{CAPTION}\n\n{text}\n{plain_table('claims', documents)}", met
 
 
-def _of_vocabulary(made: Bodies, looks: int, passes: int, plan: Plan, seed: int, say: Callable[[str], None]) -> Vocabulary:
+def _of_vocabulary(
+    made: Bodies, looks: int, passes: int, plan: Plan, seed: int, say: Callable[[str], None]
+) -> Vocabulary:
     """All that is measured with so many appearance types."""
     types = made.alike(looks)
     whole = made_ready(types, made.cells, looks)
@@ -76,17 +83,31 @@ def _of_vocabulary(made: Bodies, looks: int, passes: int, plan: Plan, seed: int,
     say(f"{looks} looks: frames timed")
     sizes = sorted(plan.sizes)[-2:]
     posed = [_trial(whole, sizes[0], seed, i) for i in range(plan.trials)]
-    standings = {size: [standing(ready, one) for one in posed] for size, ready in ((size, first(whole, size)) for size in sizes)}
+    standings = {
+        size: [standing(ready, one) for one in posed] for size, ready in ((size, first(whole, size)) for size in sizes)
+    }
     say(f"{looks} looks: {plan.trials} trials voted")
     asked = entries(whole, posed[: plan.caps])
     rng = np.random.default_rng([seed, looks, 1])
-    deep = [with_more(whole, one, before, passes, rng) for one, before in zip(posed[: plan.deep], standings[sizes[1]], strict=False)]
+    deep = [
+        with_more(whole, one, before, passes, rng)
+        for one, before in zip(posed[: plan.deep], standings[sizes[1]], strict=False)
+    ]
     say(f"{looks} looks: {plan.deep} trials among the votes of {(1 + passes) * sizes[1]} types")
     caps = {many: _capped(whole, posed[: plan.caps], many, asked) for many in (10**4, 10**5, 10**6)}
     false = sum(falsely_accepted(whole, one.gamma, rng) for one in posed[: plan.caps])
     say(f"{looks} looks: done")
     return Vocabulary(
-        looks, index_bytes(whole), {plan.built: few.seconds, len(types): whole.seconds}, frames, standings, deep, asked, caps, false, plan.caps
+        looks,
+        index_bytes(whole),
+        {plan.built: few.seconds, len(types): whole.seconds},
+        frames,
+        standings,
+        deep,
+        asked,
+        caps,
+        false,
+        plan.caps,
     )
 
 

@@ -26,10 +26,13 @@ class Need:
     cores: int
 
 
-def need(types: int, frames: float, of_type: float, growth: tuple[float, float], memory: float, most: float = TYPES) -> Need:
+def need(
+    types: int, frames: float, of_type: float, growth: tuple[float, float], memory: float, most: float = TYPES
+) -> Need:
     """Of ``frames`` an hour that are searched for so many types, ``of_type`` bytes each, in indices of ``most`` types, on machines of ``memory`` GB.
 
-    ``growth``: seconds that a frame takes in an index without types, and for each type of it. A machine holds one index or several.
+    ``growth``: seconds that a frame takes in an index without types, and for each type of it. A machine holds one index
+    or several.
     """
     index = max(1, min(TYPES, int(most), int(FREE * memory * GB / of_type)))
     indices = ceil(types / index)

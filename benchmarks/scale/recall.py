@@ -2,7 +2,8 @@
 
 * ``Standing``: in one trial, how much weight the box of the right vote has, and how much those of the others have
 
-The votes of a type depend on no other type. So those of T types are T times as many as those of one, and where the right one stands follows.
+The votes of a type depend on no other type. So those of T types are T times as many as those of one, and where the
+right one stands follows.
 """
 
 from __future__ import annotations
@@ -27,7 +28,8 @@ INTERVAL = 2.5, 97.5
 class Standing:
     """``right``: the greatest weight of a right vote, 0 where there is none; ``alike``: right votes of this weight.
 
-    ``above``, ``level``: wrong votes of the same type with more, with as much. ``others`` (H,): votes of ``types`` other types, by their weight.
+    ``above``, ``level``: wrong votes of the same type with more, with as much. ``others`` (H,): votes of ``types``
+    other types, by their weight.
     """
 
     right: int

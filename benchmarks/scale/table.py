@@ -51,7 +51,8 @@ MEMORIES = 64, 256
 class Vocabulary:
     """``sizes`` bytes a type; ``builds`` seconds by number of types; ``frames`` and ``standings`` by number of types; ``deep`` among more types.
 
-    ``asked`` entries a type and frame; ``caps`` by number of types where they are limited as there; ``false`` accepted in so many ``images``.
+    ``asked`` entries a type and frame; ``caps`` by number of types where they are limited as there; ``false`` accepted
+    in so many ``images``.
     """
 
     looks: int
@@ -84,7 +85,9 @@ class Vocabulary:
         return [replace(standing, others=others, types=types) for standing in self.standings[self.types]]
 
 
-def tables(measured: Sequence[Vocabulary], cells: float, memory: Mapping[str, float], rng: np.random.Generator) -> dict[str, Rows]:
+def tables(
+    measured: Sequence[Vocabulary], cells: float, memory: Mapping[str, float], rng: np.random.Generator
+) -> dict[str, Rows]:
     """By title, the rows; ``cells``: seconds a type for its view cells; ``memory``: bytes a type of Σ, and of the index on the disk."""
     return {
         "a type": [_type(v, cells, memory) for v in measured],
@@ -92,19 +95,30 @@ def tables(measured: Sequence[Vocabulary], cells: float, memory: Mapping[str, fl
         "growth: ms and, a type, µs": [_growth(v) for v in measured],
         "recall": [_recall(v, size, rng) for v in measured for size in SIZES],
         "prediction from fewer types, and measurement": [row for v in measured for row in _checked(v)],
-        "wrong votes in boxes so heavy: predicted from fewer types, and measured": [_tail(v) for v in measured if v.deep],
+        "wrong votes in boxes so heavy: predicted from fewer types, and measured": [
+            _tail(v) for v in measured if v.deep
+        ],
         "one index": [_limits(v) for v in measured],
-        "10^6 types, 10^6 frames an hour": [_million(v, memory["Σ"], gigabytes) for v in measured for gigabytes in MEMORIES],
+        "10^6 types, 10^6 frames an hour": [
+            _million(v, memory["Σ"], gigabytes) for v in measured for gigabytes in MEMORIES
+        ],
     }
 
 
 def claims(measured: Sequence[Vocabulary]) -> list[Claim]:
     """Whether what is foretold of more types comes about, and how large an index is."""
     off = [abs(row["predicted"] - row["measured"]) for v in measured for row in _checked(v)]
-    tails = [abs(foretold / max(1.0, there) - 1.0) for v in measured for foretold, there in _tails(v) if foretold >= ENOUGH]
+    tails = [
+        abs(foretold / max(1.0, there) - 1.0) for v in measured for foretold, there in _tails(v) if foretold >= ENOUGH
+    ]
     return [
         Claim("recall: prediction from fewer types off measurement at most", "<=", CLOSE, max(off)),
-        Claim(f"wrong votes where there are {ENOUGH} or more: prediction off measurement at most", "<=", NEAR, max(tails, default=0.0)),
+        Claim(
+            f"wrong votes where there are {ENOUGH} or more: prediction off measurement at most",
+            "<=",
+            NEAR,
+            max(tails, default=0.0),
+        ),
         Claim("bytes of the index a type", "<=", BYTES, max(sum(v.sizes.values()) for v in measured)),
     ]
 
@@ -114,7 +128,9 @@ def _seconds(some: Sequence[Seen], stage: int | None) -> float:
 
 
 def _type(v: Vocabulary, cells: float, memory: Mapping[str, float]) -> dict[str, Any]:
-    kilobytes = {name: round(size / 1e3, 1) for name, size in {**v.sizes, "index": sum(v.sizes.values()), **memory}.items()}
+    kilobytes = {
+        name: round(size / 1e3, 1) for name, size in {**v.sizes, "index": sum(v.sizes.values()), **memory}.items()
+    }
     built = {f"built {types}, ms": round(1e3 * (seconds / types + cells), 1) for types, seconds in v.builds.items()}
     return {"looks": v.looks} | {f"{name}, KB": size for name, size in kilobytes.items()} | built
 
@@ -124,7 +140,9 @@ def _frame(v: Vocabulary, size: int) -> dict[str, Any]:
     stages = {f"{name}, ms": round(1e3 * _seconds(some, i), 1) for i, name in enumerate(STAGES)}
     found = {"found": f"{sum(s.found for s in some)}/{len(some)}", "false": sum(s.false for s in some)}
     before = {"types before it": f"{median(s.place for s in some):.0%}"}
-    return {"looks": v.looks, "types": size} | stages | {"all, ms": round(1e3 * _seconds(some, None), 1)} | found | before
+    return (
+        {"looks": v.looks, "types": size} | stages | {"all, ms": round(1e3 * _seconds(some, None), 1)} | found | before
+    )
 
 
 def _growth(v: Vocabulary) -> dict[str, Any]:
@@ -166,7 +184,14 @@ def _tails(v: Vocabulary) -> list[tuple[float, float]]:
     few = v.standings[v.types][: len(v.deep)]
     return [
         (
-            float(np.mean([less.others[WHOLE * full :].sum() / less.types * more.types for less, more in zip(few, v.deep, strict=True)])),
+            float(
+                np.mean(
+                    [
+                        less.others[WHOLE * full :].sum() / less.types * more.types
+                        for less, more in zip(few, v.deep, strict=True)
+                    ]
+                )
+            ),
             float(np.mean([more.others[WHOLE * full :].sum() for more in v.deep])),
         )
         for full in FULL
@@ -175,7 +200,10 @@ def _tails(v: Vocabulary) -> list[tuple[float, float]]:
 
 
 def _tail(v: Vocabulary) -> dict[str, Any]:
-    said = {f"{full} or more": f"{foretold:.0f} / {there:.0f}" for full, (foretold, there) in zip(FULL, _tails(v), strict=True)}
+    said = {
+        f"{full} or more": f"{foretold:.0f} / {there:.0f}"
+        for full, (foretold, there) in zip(FULL, _tails(v), strict=True)
+    }
     return {"looks": v.looks, "from": v.types, "types": v.deep[0].types + 1, "trials": len(v.deep)} | said
 
 

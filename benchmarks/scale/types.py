@@ -113,7 +113,9 @@ def disk_bytes(count: int, seed: int) -> float:
 
 def object_bytes(count: int, seed: int) -> float:
     """Bytes of memory a type that Σ itself takes, as Python's objects: twice ``count`` types take so much more than ``count``."""
-    random_types(1, FEATURES, LOOKS, np.random.default_rng([seed, LOOKS]), EASY)  # what is imported, or made once, is no type's
+    random_types(
+        1, FEATURES, LOOKS, np.random.default_rng([seed, LOOKS]), EASY
+    )  # what is imported, or made once, is no type's
     held = []
     for number in (count, 2 * count):
         tracemalloc.start()

@@ -3,8 +3,9 @@
 * ``Capped``: an index that looks at fewer entries
 * ``Stages``: seconds of the processor a frame
 
-Where the looks of an image are exchanged for others at random, each type meets it as another random type would: nothing of it is there, and its
-votes are those of one more wrong type. A thousand types and a hundred exchanges are votes of 10^5 types.
+Where the looks of an image are exchanged for others at random, each type meets it as another random type would: nothing
+of it is there, and its votes are those of one more wrong type. A thousand types and a hundred exchanges are votes of
+10^5 types.
 """
 
 from __future__ import annotations
@@ -46,7 +47,8 @@ if TYPE_CHECKING:
 WIDTH = 128
 """Bytes of a descriptor, of which there are none."""
 TURNED, AWAY = np.radians(30.0), 0.15
-"""A vote is right that is of the right type, turned less, radians, and less far off, as a share of the distance: refinement has to do the rest."""
+"""A vote is right that is of the right type, turned less, radians, and less far off, as a share of the distance:
+refinement has to do the rest."""
 ALL = 1 << 62
 
 
@@ -113,7 +115,7 @@ def seen(ready: Ready, trial: Trial) -> Seen:
     laying = max(0.0, proposing - counting)
     stages = Stages(first, voting + counting, laying, max(0.0, whole - voting - counting - laying))
     right = is_right(ready, votes, data, trial)
-    best = np.argsort(-votes.weight, kind="stable")[:USUAL.laid]
+    best = np.argsort(-votes.weight, kind="stable")[: USUAL.laid]
     found = [_found(belief, trial) for belief in cycle.accepted]
     place = [row.type for row in attention].index(trial.truth.type) / len(attention)
     return Seen(stages, bool(right[best].any()), any(found), len(found) - sum(found), place)
@@ -173,8 +175,16 @@ def with_more(ready: Ready, trial: Trial, before: Standing, passes: int, rng: np
 
 def falsely_accepted(ready: Ready, gamma: Gamma, rng: np.random.Generator) -> int:
     """How many objects are accepted where the looks of the image were exchanged, so that nothing of it is there."""
-    new = dict(zip(ready.shared.looks, np.array(ready.shared.looks)[rng.permutation(len(ready.shared.looks))].tolist(), strict=True))
-    exchanged = Gamma(gamma.camera, tuple(replace(datum, type=new.get(datum.type, datum.type)) for datum in gamma.appearances))
+    new = dict(
+        zip(
+            ready.shared.looks,
+            np.array(ready.shared.looks)[rng.permutation(len(ready.shared.looks))].tolist(),
+            strict=True,
+        )
+    )
+    exchanged = Gamma(
+        gamma.camera, tuple(replace(datum, type=new.get(datum.type, datum.type)) for datum in gamma.appearances)
+    )
     data = data_of(exchanged.appearances, exchanged.camera, WIDTH)
     attention = attend(list(ready.indices.values()), data.types, ready.kb)
     with uncollected():

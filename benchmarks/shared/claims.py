@@ -37,13 +37,29 @@ class Claim:
 
 
 def report(
-    name: str, rows: Sequence[dict[str, Any]], claims: Sequence[Claim], *, as_json: bool, more: Mapping[str, Sequence[dict[str, Any]]] | None = None
+    name: str,
+    rows: Sequence[dict[str, Any]],
+    claims: Sequence[Claim],
+    *,
+    as_json: bool,
+    more: Mapping[str, Sequence[dict[str, Any]]] | None = None,
 ) -> tuple[str, bool]:
     """The benchmark's text (or JSON document), and whether every claim was met; ``more``: further tables, by name."""
     more = more or {}
     documents = [claim.document() for claim in claims]
     met = all(claim.met for claim in claims)
     if as_json:
-        return json.dumps({"bench": name, "rows": list(rows), **{key: list(table) for key, table in more.items()}, "claims": documents}), met
-    tables = [plain_table(f"bench {name}", rows), *(plain_table(key, table) for key, table in more.items()), plain_table("claims", documents)]
+        return json.dumps(
+            {
+                "bench": name,
+                "rows": list(rows),
+                **{key: list(table) for key, table in more.items()},
+                "claims": documents,
+            }
+        ), met
+    tables = [
+        plain_table(f"bench {name}", rows),
+        *(plain_table(key, table) for key, table in more.items()),
+        plain_table("claims", documents),
+    ]
     return "\n".join(tables), met

@@ -1,6 +1,7 @@
 """``plogic bench stereo``: the pose of one small object from one image, and from a calibrated pair of them (§3.3).
 
-The left image is the same for both. Objects are as small in it as a cup on a table two metres away; the right camera stands 12 cm to the right.
+The left image is the same for both. Objects are as small in it as a cup on a table two metres away; the right camera
+stands 12 cm to the right.
 """
 
 from __future__ import annotations
@@ -76,7 +77,9 @@ def one_trial(kb: KnowledgeBase, perceiver: Perceiver, rng: np.random.Generator)
     return Outcome(off(perceiver, left, kind, pose), off_of_pair(perceiver, both, right, pair, (kind, pose)), depths)
 
 
-def off_of_pair(perceiver: Perceiver, both: Gamma, right: Gamma, pair: Pair, truth: tuple[ObjectType, Floats]) -> tuple[float, float] | None:
+def off_of_pair(
+    perceiver: Perceiver, both: Gamma, right: Gamma, pair: Pair, truth: tuple[ObjectType, Floats]
+) -> tuple[float, float] | None:
     """As ``off``, of the best that is accepted of the pair's Γ, refined on both images."""
     from plogic.base.stopwatch import Stopwatch
     from plogic.cycle.delta import Options
@@ -92,16 +95,23 @@ def off_of_pair(perceiver: Perceiver, both: Gamma, right: Gamma, pair: Pair, tru
 def detected(kind: ObjectType, pose: Floats, kb: KnowledgeBase, rng: np.random.Generator) -> Gamma:
     """What one camera reports of an object at camera_from_object (4, 4), and clutter."""
     at = (pose[:3, :3] @ kind.lobes.at.T).T + pose[:3, 3]
-    seen = np.flatnonzero(visible(kind, pose, kb.f_ref) & CAMERA.contains(CAMERA.project(at)) & (rng.random(len(at)) < DETECTOR.hit))
+    seen = np.flatnonzero(
+        visible(kind, pose, kb.f_ref) & CAMERA.contains(CAMERA.project(at)) & (rng.random(len(at)) < DETECTOR.hit)
+    )
     x_axes = np.array([feature.rotation[:, 0] for feature in kind.features]) @ pose[:3, :3].T
     uv = CAMERA.project(at[seen]) + rng.normal(0.0, DETECTOR.sigma, (len(seen), 2))
     angle = screen_angle(x_axes[seen], at[seen]) + rng.normal(0.0, DETECTOR.turn, len(seen))
-    looks = [kind.lobes.types[f] for f in seen] + [kb.appearance_types[i] for i in rng.integers(len(kb.appearance_types), size=CLUTTER)]
+    looks = [kind.lobes.types[f] for f in seen] + [
+        kb.appearance_types[i] for i in rng.integers(len(kb.appearance_types), size=CLUTTER)
+    ]
     uv = np.concatenate([uv, rng.uniform(0.0, [CAMERA.width - 1.0, CAMERA.height - 1.0], (CLUTTER, 2))])
     angle = np.concatenate([angle, rng.uniform(0.0, 2.0 * np.pi, CLUTTER)]) % (2.0 * np.pi)
     order = rng.permutation(len(uv))
     rows = enumerate(order)
-    data = (Appearance(f"d{n}", looks[i], (float(uv[i, 0]), float(uv[i, 1])), "simulated", angle=float(angle[i])) for n, i in rows)
+    data = (
+        Appearance(f"d{n}", looks[i], (float(uv[i, 0]), float(uv[i, 1])), "simulated", angle=float(angle[i]))
+        for n, i in rows
+    )
     return Gamma(CAMERA, tuple(data))
 
 
@@ -156,5 +166,8 @@ def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
 
 
 def _said(outcome: Outcome) -> str:
-    sides = ("not found" if one is None else f"{np.degrees(one[0]):.2f} degrees, {100 * one[1]:.2f} %" for one in (outcome.mono, outcome.pair))
+    sides = (
+        "not found" if one is None else f"{np.degrees(one[0]):.2f} degrees, {100 * one[1]:.2f} %"
+        for one in (outcome.mono, outcome.pair)
+    )
     return "one image {}; pair {}; {} depths".format(*sides, outcome.depths)

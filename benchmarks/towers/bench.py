@@ -36,7 +36,8 @@ PLAN = (
     "hiding",
     "decoys",
 )
-"""The kinds of scenes, over and over: half of them with one tower partly hiding the other, a sixth with none but decoys."""
+"""The kinds of scenes, over and over: half of them with one tower partly hiding the other, a sixth with none but
+decoys."""
 ROTATION, TRANSLATION = np.radians(3.0), 0.02
 """A pose is right within this many radians and this share of the distance, up to the type's symmetries."""
 HALF = 0.5

@@ -117,7 +117,9 @@ def _stock(case: Case, text: str, knowledge: Knowledge, limit: float, failed: se
 
 def _differences(case: Case, mine: OurRun, stock: tuple[StockRun, ...]) -> dict[str, float]:
     """The largest difference of a marginal from each of ProbLog's ways, from the program text by ours, and from the oracles."""
-    found: dict[str, float] = {s.knowledge: _largest(mine.answers, _by_hypothesis(case, s.answers)) for s in stock if s.answers}
+    found: dict[str, float] = {
+        s.knowledge: _largest(mine.answers, _by_hypothesis(case, s.answers)) for s in stock if s.answers
+    }
     if mine.of_text:
         found["text"] = _largest(mine.answers, _by_hypothesis(case, mine.of_text))
     if case.number <= MOST:
@@ -127,7 +129,9 @@ def _differences(case: Case, mine: OurRun, stock: tuple[StockRun, ...]) -> dict[
         found["enumerated worlds"] = max(abs(p - q) for p, q in zip(mine.best, best, strict=False))
     if case.columns >= SWEPT:
         names = [h.id for h in case.situation.hypotheses]
-        found["frontier"] = _largest(mine.answers, by_frontier(case.situation, case.columns, (names[0], names[len(names) // 2], names[-1])))
+        found["frontier"] = _largest(
+            mine.answers, by_frontier(case.situation, case.columns, (names[0], names[len(names) // 2], names[-1]))
+        )
     return found
 
 

@@ -1,7 +1,8 @@
 """Marginals from the definition, for the benchmark to be held to: nothing of this comes from the engine that it judges.
 
-Vocabulary: a *term* is one factor of a world's weight, ``(("h1", "h4"), table)``: the hypotheses that it looks at, and plain weights of shape
-``(2, 2)``, 1 for present. Of the score reading only mode `to_B` without cyclic occlusion and smoothing, which the families keep to.
+Vocabulary: a *term* is one factor of a world's weight, ``(("h1", "h4"), table)``: the hypotheses that it looks at, and
+plain weights of shape ``(2, 2)``, 1 for present. Of the score reading only mode `to_B` without cyclic occlusion and
+smoothing, which the families keep to.
 """
 
 from __future__ import annotations
@@ -162,7 +163,9 @@ def _hiders(situation: Situation, h: HypothesisFact, f: FeatureFact) -> list[str
     return [g for g in f.hidden_by if g in opaque and g != h.id and (g, h.id) not in rivals and (h.id, g) not in rivals]
 
 
-def _expected(situation: Situation, h: HypothesisFact, f: FeatureFact, scope: tuple[str, ...], *, alone: bool = False) -> Table:
+def _expected(
+    situation: Situation, h: HypothesisFact, f: FeatureFact, scope: tuple[str, ...], *, alone: bool = False
+) -> Table:
     """1.0 in the worlds of the scope where the feature is expected (D7); ``alone`` takes its host as present."""
     result = np.full((2,) * len(scope), float(h.candidate(f)))
     if not alone:

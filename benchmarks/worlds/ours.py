@@ -24,9 +24,10 @@ FEW, MANY = 10, 1000
 class OurRun:
     """Median processor seconds, P(present(H)) by both ways, and the probabilities of the ``FEW`` best worlds.
 
-    ``build``: the graph from the typed description; ``infer``: all marginals from the graph; ``few``, ``many``: the best worlds from the
-    graph; ``listed``: ``ranked_worlds`` with ``MANY``, from the typed description to worlds with their causes; ``text``: from the characters
-    of the program to all marginals, None where that was not asked for. ``least``: build and infer, the least of all times.
+    ``build``: the graph from the typed description; ``infer``: all marginals from the graph; ``few``, ``many``: the
+    best worlds from the graph; ``listed``: ``ranked_worlds`` with ``MANY``, from the typed description to worlds with
+    their causes; ``text``: from the characters of the program to all marginals, None where that was not asked for.
+    ``least``: build and infer, the least of all times.
     """
 
     build: float

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 RIVALS = 10
 """Hypotheses an object that a photograph must be asked for: at least so many."""
 MOST_OBJECTS = 3
-"""Objects of one photograph: the simulator seldom finds room for more in view. Larger Δh are those of several photographs together."""
+"""Objects of one photograph: the simulator seldom finds room for more in view. Larger Δh are those of several
+photographs together."""
 
 SEEDS, SEED_STEP = 10, 1_000_000
 """Seeds that are tried for one photograph, and how far they are apart."""
@@ -32,7 +33,10 @@ def photographs(number: int) -> list[tuple[int, int]]:
 
 def simulated(perceiver: Perceiver, number: int, seed: int) -> Situation:
     """The posterior reading of ``number`` hypotheses of greatest worth, so many of each photograph; all appearances of each are Γ."""
-    views = [photographed(perceiver, objects, share, 100 * seed + i) for i, (objects, share) in enumerate(photographs(number))]
+    views = [
+        photographed(perceiver, objects, share, 100 * seed + i)
+        for i, (objects, share) in enumerate(photographs(number))
+    ]
     return views[0] if len(views) == 1 else joined(views)
 
 
@@ -97,6 +101,9 @@ def _renamed(view: Situation, prefix: str) -> Situation:
 
 def _renamed_hypothesis(h: HypothesisFact, prefix: str) -> HypothesisFact:
     features = tuple(
-        replace(f, hidden_by=tuple(prefix + g for g in f.hidden_by), match=None if f.match is None else prefix + f.match) for f in h.features
+        replace(
+            f, hidden_by=tuple(prefix + g for g in f.hidden_by), match=None if f.match is None else prefix + f.match
+        )
+        for f in h.features
     )
     return replace(h, id=prefix + h.id, group=prefix + h.group, features=features)

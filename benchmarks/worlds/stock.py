@@ -1,8 +1,9 @@
 """Stock ProbLog in a child process: one program, one knowledge compiler, a limit of time and one of memory; its times come apart.
 
-Run as ``python -m benchmarks.worlds.stock ddnnf MEGABYTES`` with the program on stdin, it is the child. It grounds as ProbLog's command
-line does (evidence propagated), and compiles and evaluates with ProbLog's own defaults (log semiring). ``plogic`` is our own way from the
-program's text, under the same conditions: a fresh process, so that nothing is remembered from an earlier run.
+Run as ``python -m benchmarks.worlds.stock ddnnf MEGABYTES`` with the program on stdin, it is the child. It grounds as
+ProbLog's command line does (evidence propagated), and compiles and evaluates with ProbLog's own defaults (log
+semiring). ``plogic`` is our own way from the program's text, under the same conditions: a fresh process, so that
+nothing is remembered from an earlier run.
 """
 
 from __future__ import annotations
@@ -81,7 +82,12 @@ def _reply(command: list[str], text: str, scratch: str, seconds: float) -> dict[
     path = os.pathsep.join([root, *(entry for entry in sys.path if entry)])
     environment = {**os.environ, "PYTHONPATH": path, "TMPDIR": scratch, "PYTHONHASHSEED": "0"}
     pipe = subprocess.PIPE
-    options: dict[str, Any] = {"stderr": subprocess.DEVNULL, "env": environment, "text": True, "start_new_session": True}
+    options: dict[str, Any] = {
+        "stderr": subprocess.DEVNULL,
+        "env": environment,
+        "text": True,
+        "start_new_session": True,
+    }
     with subprocess.Popen(command, stdin=pipe, stdout=pipe, **options) as child:  # noqa: S603 - our own module, no shell
         if child.stdout is not None:
             child.stdout.readline()

@@ -128,12 +128,16 @@ def _ranking(measured: Sequence[Measured]) -> list[Claim]:
     widest = max((m for m in measured if m.case.family == "grid"), key=lambda m: m.case.columns)
     dearest = max((m.ours.build + m.ours.few) / m.ours.marginals for m in measured)
     found = [
-        Claim(f"grid of width {widest.case.columns}: seconds for all marginals, exact", "<=", 10, widest.ours.marginals),
+        Claim(
+            f"grid of width {widest.case.columns}: seconds for all marginals, exact", "<=", 10, widest.ours.marginals
+        ),
         Claim("top-10 worlds over all marginals, both from the typed description, the largest ratio", "<=", 1, dearest),
     ]
     largest = [m.ours.listed for m in measured if m.case.number == 200]
     if largest:
-        found.append(Claim("K = 200, any family: seconds for the top-1000 worlds, listed with causes", "<=", 1, max(largest)))
+        found.append(
+            Claim("K = 200, any family: seconds for the top-1000 worlds, listed with causes", "<=", 1, max(largest))
+        )
     return found
 
 
@@ -141,7 +145,12 @@ def _agreement(measured: Sequence[Measured]) -> list[Claim]:
     stock = [d for m in measured for name, d in m.differences.items() if name in {"ddnnf", "sdd"}]
     oracles = [d for m in measured for name, d in m.differences.items() if name in ORACLES]
     return [
-        Claim("largest difference from stock ProbLog wherever it finishes, in 1e-9", "<=", 1, max(stock, default=0.0) / 1e-9),
+        Claim(
+            "largest difference from stock ProbLog wherever it finishes, in 1e-9",
+            "<=",
+            1,
+            max(stock, default=0.0) / 1e-9,
+        ),
         Claim("largest difference from enumeration and frontier, in 1e-9", "<=", 1, max(oracles, default=0.0) / 1e-9),
     ]
 

@@ -1,7 +1,8 @@
 """Who is above whom, and what stands on what: two bodies compared along the plumb lines that meet both.
 
-Along such a line X is *over* Y where the lowest point of X is no lower than the highest of Y, but for a tolerance (m) by which poses may be
-wrong, and the middle of X higher than that of Y. Where each is between parts of the other, a link in a chain say, neither is over the other.
+Along such a line X is *over* Y where the lowest point of X is no lower than the highest of Y, but for a tolerance (m)
+by which poses may be wrong, and the middle of X higher than that of Y. Where each is between parts of the other, a link
+in a chain say, neither is over the other.
 
 * ``Body``: a posed surface seen from straight above, see ``body_of``
 * ``Columns``: the plumb lines that two bodies share, ``Columns(level=(N, 2), gap=(N,), higher=(N,), flat=(N,))``
@@ -20,7 +21,8 @@ from geometry.visibility.outline import Area, drawn_together
 from geometry.visibility.samples import even_grid
 
 STEEP = np.pi / 4
-"""Radians from the level up to which a facet carries what stands on it (friction 1); what leans on a steeper one does not stand on it."""
+"""Radians from the level up to which a facet carries what stands on it (friction 1); what leans on a steeper one does
+not stand on it."""
 GRID = 300
 """Plumb lines, about, on an even grid over what two footprints share, besides those at its corners."""
 FINE = 1000.0
@@ -139,7 +141,10 @@ def _heights(body: Body, level: Floats) -> tuple[Floats, Floats, Floats]:
     """Lowest and highest (N,) m of a body along plumb lines, NaN where it is missed, and how steep, rad, its top is."""
     into = body.surface.object_from_camera
     up, margin = rotate(into, body.axes[2:]), body.surface.rays.size
-    below, over = (np.column_stack([level, np.full(len(level), height)]) @ body.axes for height in (body.low - margin, body.high + margin))
+    below, over = (
+        np.column_stack([level, np.full(len(level), height)]) @ body.axes
+        for height in (body.low - margin, body.high + margin)
+    )
     rise = body.surface.rays.first_hit(transform_points(into, below), up)
     fall, facet = body.surface.rays.first_triangle(transform_points(into, over), -up)
     a, b, c = np.moveaxis(body.surface.vertices[body.surface.triangles[facet]], 1, 0)

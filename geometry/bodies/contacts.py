@@ -1,7 +1,8 @@
 """Where bodies touch, or nearly: the closest places of two posed bodies, by a client of pybullet that the caller opens.
 
-A body is its convex parts where it can be cut into them exactly. What cannot (a scan, a surface that is not closed) is its hull where it is asked
-what it stands on, and its own facets where it is asked what stands on it; of more than ``MOST_FACETS``, its hull there too.
+A body is its convex parts where it can be cut into them exactly. What cannot (a scan, a surface that is not closed) is
+its hull where it is asked what it stands on, and its own facets where it is asked what stands on it; of more than
+``MOST_FACETS``, its hull there too.
 
 * ``Shape(parts=((8, 3) m,))``: a box, its corners in the common frame
 * ``Touch(gap=0.002, normal=(0, 0, 1), at=(0.1, 0, 0.4))``: it is 2 mm above, there
@@ -47,7 +48,9 @@ def shape_of(parts: Iterable[Floats], vertices: Floats, triangles: Ints, *, exac
     """Of a body whose convex ``parts`` fill it where ``exact``; else its hull and facets."""
     if exact:
         return Shape(tuple(parts))
-    return Shape((hull_corners(vertices),), (vertices, triangles) if len(triangles) <= MOST_FACETS else None, rough=True)
+    return Shape(
+        (hull_corners(vertices),), (vertices, triangles) if len(triangles) <= MOST_FACETS else None, rough=True
+    )
 
 
 def hull_corners(vertices: Floats) -> Floats:
@@ -94,7 +97,9 @@ class Bodies:
     def _load(self, key: tuple[str, int], corners: Floats, more: dict[str, Any]) -> int:
         if key not in self.loaded:
             placed = ((corners - self.middle) * self.scale).tolist()
-            shape = self.bullet.createCollisionShape(self.bullet.GEOM_MESH, vertices=placed, physicsClientId=self.number, **more)
+            shape = self.bullet.createCollisionShape(
+                self.bullet.GEOM_MESH, vertices=placed, physicsClientId=self.number, **more
+            )
             self.loaded[key] = int(self.bullet.createMultiBody(0, shape, physicsClientId=self.number))
         return self.loaded[key]
 

@@ -1,6 +1,7 @@
 """A solid cut into convex parts: along the planes of the facets that meet at its reflex edges (Chazelle's notches).
 
-* ``ConvexParts(parts=((8, 3) m, (8, 3) m), exact=True)``: an L has two; ``exact`` is False where cutting was given up, and the one part is the hull.
+* ``ConvexParts(parts=((8, 3) m, (8, 3) m), exact=True)``: an L has two; ``exact`` is False where cutting was given up,
+  and the one part is the hull.
 """
 
 from collections.abc import Iterator
@@ -62,7 +63,8 @@ def _corners(body: Any) -> Floats:  # noqa: ANN401 - as above
 def _notches(part: Any) -> Iterator[tuple[list[float], float]]:  # noqa: ANN401 - as above
     """Planes (unit normal, offset) of the facets beside reflex edges, those first over which a neighbour rises highest; none for too many.
 
-    In single precision a plane may run beside the part that it was cut along before: then it cuts nothing off, and another is tried.
+    In single precision a plane may run beside the part that it was cut along before: then it cuts nothing off, and
+    another is tried.
     """
     vertices, triangles = _mesh(part)
     one, opposite = _across(triangles)

@@ -1,8 +1,9 @@
 """Penetration depth of two solids (A4, §3.1): the shortest move, without a turn, after which the one shares no volume with the other.
 
-Of convex bodies it is the distance of the origin to the boundary of their Minkowski difference, exactly. Of concave ones, cut into convex
-parts, it is the shortest move out of all differences of two parts: found by trying, at the shortest move so far, the facets of a difference
-that still holds it, best first. What is too dented to be cut is known within bounds.
+Of convex bodies it is the distance of the origin to the boundary of their Minkowski difference, exactly. Of concave
+ones, cut into convex parts, it is the shortest move out of all differences of two parts: found by trying, at the
+shortest move so far, the facets of a difference that still holds it, best first. What is too dented to be cut is known
+within bounds.
 
 * ``Depth(low=0.03, high=0.03, way=array([1.0, 0.0, 0.0]))``: the second, moved by 3 cm along x, is free of the first
 """

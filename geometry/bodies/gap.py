@@ -16,7 +16,8 @@ from geometry.visibility.occlusion import PosedSurface
 from geometry.visibility.rays import RayMesh
 
 FEW = 20_000
-"""Pairs of facets that are gone through one by one; of more, the nearest are found from points spread over both surfaces."""
+"""Pairs of facets that are gone through one by one; of more, the nearest are found from points spread over both
+surfaces."""
 SPREAD = 500
 """Such points, and about as many corners at most."""
 STEPS = 20
@@ -37,14 +38,17 @@ class Spread(NamedTuple):
 def gap(x: PosedSurface, y: PosedSurface, solids: tuple[Solid | None, Solid | None] = (None, None)) -> float:
     """Metres between two posed surfaces, the least; 0 where their `solids`, if both are known, share volume or touch.
 
-    Exact for two solids of few facets; else it may be larger, by no more than is between the points that are spread over a surface.
+    Exact for two solids of few facets; else it may be larger, by no more than is between the points that are spread
+    over a surface.
     """
     first, second = solids
     own_from_other = x.object_from_camera @ y.camera_from_object
     if first is not None and second is not None:
         if len(first.triangles) * len(second.triangles) <= FEW:
             between = float(np.linalg.norm(transform_points(own_from_other, second.centre[None])[0] - first.centre))
-            return float(first.body.min_gap(second.body.transform(own_from_other[:3]), between + first.radius + second.radius))
+            return float(
+                first.body.min_gap(second.body.transform(own_from_other[:3]), between + first.radius + second.radius)
+            )
         if first.shared(own_from_other, second) > 0.0:
             return 0.0
     return _followed(x, y, own_from_other)
@@ -92,6 +96,8 @@ def spread(rays: RayMesh) -> Spread:
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     some = rng.choice(len(area), SPREAD, p=area / area.sum()) if area.sum() > 0.0 else np.zeros(SPREAD, dtype=np.intp)
     u, v = np.sort(rng.random((2, SPREAD)), axis=0)[..., None]
-    points = np.concatenate([rays.vertices[:: 1 + len(rays.vertices) // SPREAD], u * a[some] + (v - u) * b[some] + (1.0 - v) * c[some]])
+    points = np.concatenate(
+        [rays.vertices[:: 1 + len(rays.vertices) // SPREAD], u * a[some] + (v - u) * b[some] + (1.0 - v) * c[some]]
+    )
     middles = corners.mean(axis=1)
     return Spread(points, cKDTree(points), middles, np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1))

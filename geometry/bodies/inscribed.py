@@ -26,7 +26,9 @@ def inscribed_radius(body: Any) -> float:  # noqa: ANN401 - manifold3d ships no 
     inward = -normals[large] / area[large, None]
     starts = corners[large].mean(axis=1)
     rays = RayMesh(vertices, triangles)
-    chords = rays.first_hit(starts + 1e-6 * rays.size * inward, inward)  # a little inside, so that the facet itself is not met
+    chords = rays.first_hit(
+        starts + 1e-6 * rays.size * inward, inward
+    )  # a little inside, so that the facet itself is not met
     kept = np.isfinite(chords)
     middles, best = starts[kept] + 0.5 * chords[kept, None] * inward[kept], 0.0
     balls = corners.mean(axis=1), np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max(axis=1)

@@ -41,7 +41,9 @@ def reaches(a: Solid, T_a: ArrayLike, b: Solid, T_b: ArrayLike) -> list[Reach]:
         width = least_width(corners)
         if width is not None:
             depth, way = width
-            found.append(Reach(depth, way if way @ apart >= 0.0 else -way, 0.5 * (corners.min(axis=0) + corners.max(axis=0))))
+            found.append(
+                Reach(depth, way if way @ apart >= 0.0 else -way, 0.5 * (corners.min(axis=0) + corners.max(axis=0)))
+            )
     return found
 
 

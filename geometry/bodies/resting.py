@@ -1,6 +1,7 @@
 """How bodies rest on a plane: the faces that each can stand on, and the moves that leave it standing.
 
-* ``Plane``: ``Plane(up=array([0.0, -1.0, 0.0]), offset=0.4)``, the places x with up·x + offset = 0; what rests on it is above
+* ``Plane``: ``Plane(up=array([0.0, -1.0, 0.0]), offset=0.4)``, the places x with up·x + offset = 0; what rests on it is
+  above
 * ``RestingFaces``: of one body, the planes that touch it from below where it stands still
 """
 
@@ -21,7 +22,8 @@ GRAIN = 0.01
 ALIKE = 0.14
 """Radians by less than which two faces differ that are told as one, that of the larger support."""
 FIRM = 0.001
-"""Least way from under the middle of mass to the rim of its support, a share of the size; more would lack faces that bulging things lie on."""
+"""Least way from under the middle of mass to the rim of its support, a share of the size; more would lack faces that
+bulging things lie on."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ class JsonError(Exception):
 def json_of(path: Path | str, most: int, holds: str, *, finite: bool = False) -> Any:  # noqa: ANN401 - parsed JSON
     """The document of a file, of a pipe or, of '-', of stdin, of at most ``most`` bytes.
 
-    ``holds`` says what should be in it where it is nested too deeply; ``finite``: NaN and infinities are refused, as JSON has none.
+    ``holds`` says what should be in it where it is nested too deeply; ``finite``: NaN and infinities are refused, as
+    JSON has none.
 
     Raises:
         JsonError: The file cannot be read, or is no JSON.

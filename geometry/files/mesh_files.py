@@ -26,7 +26,11 @@ def meshes_of(path: Path) -> Placed:
 
     scene: Any = trimesh.load_scene(path, process=False, resolver=beside(path))
     order = {name: index for index, name in enumerate(scene.geometry)}  # the graph's own order changes from run to run
-    nodes = sorted((order[name], str(node), name, placed) for node in scene.graph.nodes_geometry for placed, name in [scene.graph[node]])
+    nodes = sorted(
+        (order[name], str(node), name, placed)
+        for node in scene.graph.nodes_geometry
+        for placed, name in [scene.graph[node]]
+    )
     meshes = [(scene.geometry[name], np.asarray(placed, dtype=np.float64)) for _, _, name, placed in nodes]
     return [(mesh, placed) for mesh, placed in meshes if isinstance(mesh, trimesh.Trimesh)]
 

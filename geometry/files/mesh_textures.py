@@ -25,7 +25,19 @@ MAX_PICTURE_BYTES = 256 * 1024 * 1024
 """Largest texture; the same that an image may have."""
 MAX_MTL_BYTES = 16_000_000
 """Largest material file."""
-OPTIONS = {"-s": 3, "-o": 3, "-t": 3, "-mm": 2, "-bm": 1, "-blendu": 1, "-blendv": 1, "-clamp": 1, "-imfchan": 1, "-texres": 1, "-boost": 1}
+OPTIONS = {
+    "-s": 3,
+    "-o": 3,
+    "-t": 3,
+    "-mm": 2,
+    "-bm": 1,
+    "-blendu": 1,
+    "-blendv": 1,
+    "-clamp": 1,
+    "-imfchan": 1,
+    "-texres": 1,
+    "-boost": 1,
+}
 """Words after an option of a line of MTL, before the picture's name."""
 
 
@@ -98,7 +110,11 @@ def _named_by_ply(path: Path) -> list[str]:
     with path.open("rb") as file:
         start = file.read(20_000)
     head = start.split(b"end_header")[0].decode("utf-8", errors="replace")
-    return [line.split(maxsplit=2)[2].strip() for line in head.splitlines() if line.startswith("comment TextureFile ") and len(line.split()) > 2]
+    return [
+        line.split(maxsplit=2)[2].strip()
+        for line in head.splitlines()
+        if line.startswith("comment TextureFile ") and len(line.split()) > 2
+    ]
 
 
 def _of_name(folder: Path, material: str, name: str) -> Texture:
@@ -111,9 +127,22 @@ def _of_gltf(path: Path) -> Found:
         tree, binary = _chunks(data) if data[:4] == b"glTF" else (json.loads(data), b"")
         rows = [(str(row.get("name", "")), row) for row in tree.get("materials", [])]
         found = {name: _bytes_of(tree, binary, row, path.parent) for name, row in rows}
-    except (ValueError, LookupError, TypeError, AttributeError, RecursionError, struct.error, OSError, binascii.Error) as error:
+    except (
+        ValueError,
+        LookupError,
+        TypeError,
+        AttributeError,
+        RecursionError,
+        struct.error,
+        OSError,
+        binascii.Error,
+    ) as error:
         return [], [f"the textures cannot be read ({type(error).__name__}): going on without"]
-    return [Texture(name, f"texture of material {name!r:.80}", content or None) for name, content in found.items() if content is not None], []
+    return [
+        Texture(name, f"texture of material {name!r:.80}", content or None)
+        for name, content in found.items()
+        if content is not None
+    ], []
 
 
 def _chunks(data: bytes) -> tuple[Any, bytes]:

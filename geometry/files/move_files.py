@@ -1,7 +1,8 @@
 """Camera moves as a file: where a camera may go, or shall go.
 
-``{"format": "moves/1", "moves": [{"name": "left", "T_present_candidate": [[...], ...]}, {"T_world_camera": [[...], ...]}]}``: a pose in the present
-camera's frame or in the world, 4x4, metres. A ``poses/1`` file (``frames`` with ``T_world_camera``) is read as well.
+``{"format": "moves/1", "moves": [{"name": "left", "T_present_candidate": [[...], ...]}, {"T_world_camera": [[...],
+...]}]}``: a pose in the present camera's frame or in the world, 4x4, metres. A ``poses/1`` file (``frames`` with
+``T_world_camera``) is read as well.
 """
 
 from __future__ import annotations
@@ -38,7 +39,9 @@ class Move(NamedTuple):
         if self.present_from_candidate is not None:
             return self.present_from_candidate
         if self.world_from_camera is None or world_from_present is None:
-            raise GeometryError(f"{self.name}: is told in the world ({WORLD}), but where the present camera is there is not known: give {PRESENT}")
+            raise GeometryError(
+                f"{self.name}: is told in the world ({WORLD}), but where the present camera is there is not known: give {PRESENT}"
+            )
         return np.asarray(inverse(world_from_present) @ self.world_from_camera)
 
     def world(self, world_from_present: Floats) -> Floats:

@@ -34,7 +34,11 @@ def fault_of(path: Path, limit: int | None = None) -> str | None:
         return "is no plain file, but a pipe or a device"
     if not os.access(path, os.R_OK):
         return "cannot be read: Permission denied"
-    return f"has {found.st_size} bytes, more than the {limit} that are read" if limit is not None and found.st_size > limit else None
+    return (
+        f"has {found.st_size} bytes, more than the {limit} that are read"
+        if limit is not None and found.st_size > limit
+        else None
+    )
 
 
 def is_there(path: Path) -> bool:

@@ -1,7 +1,7 @@
 """Where a moving camera stood: our ``poses/1``, or the lines of a TUM trajectory, ``name tx ty tz qx qy qz qw``.
 
-``{"format": "poses/1", "frames": [{"frame": "f1.png", "T_world_camera": [[...], ...]}, {"frame": null, "T_world_camera": ...}]}``; of a pose
-without a frame nothing was seen (yet): what is known is told for it.
+``{"format": "poses/1", "frames": [{"frame": "f1.png", "T_world_camera": [[...], ...]}, {"frame": null,
+"T_world_camera": ...}]}``; of a pose without a frame nothing was seen (yet): what is known is told for it.
 
 * ``Placed``: one pose, ``Placed("f1.png", world_from_camera)``
 """
@@ -72,7 +72,11 @@ def _entry(where: str, frame: Any) -> Placed | str:  # noqa: ANN401 - parsed JSO
     except (TypeError, ValueError):
         pose = np.zeros(0)
     nearest = nearest_rigid(pose)
-    return f"{where}.T_world_camera: must be a rigid 4x4 matrix (row-major, metres)" if nearest is None else Placed(name, nearest)
+    return (
+        f"{where}.T_world_camera: must be a rigid 4x4 matrix (row-major, metres)"
+        if nearest is None
+        else Placed(name, nearest)
+    )
 
 
 def nearest_rigid(pose: Floats) -> Floats | None:

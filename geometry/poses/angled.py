@@ -8,9 +8,11 @@ import numpy as np
 from geometry.arrays import Floats
 
 ARM = 2.0
-"""The point is so far away, on the screen, that the noise of the angle moves it by so many times the noise of a place."""
+"""The point is so far away, on the screen, that the noise of the angle moves it by so many times the noise of a
+place."""
 WEIGHT = 1.0 / (1.0 + ARM**2)
-"""How much it weighs beside a place: its own place is off by the noise of the feature's and, ``ARM`` times as far, by that of the angle."""
+"""How much it weighs beside a place: its own place is off by the noise of the feature's and, ``ARM`` times as far, by
+that of the angle."""
 
 
 def reach(pixels: Floats, angle: float) -> Floats:

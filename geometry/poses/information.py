@@ -10,7 +10,8 @@ from geometry.poses.reprojection import counting, jacobian_of, onto_lines
 def information(at: Floats, centre: Floats, weights: Floats, camera: Camera, across: Floats | None = None) -> Floats:
     """J^T W J (..., 6, 6) of places `at` (..., N, 3) m, before the camera, in its frame, that turn by w rad about `centre` (..., 3) and move by v m.
 
-    `weights` (..., N) are 1/variance of their pixels, undistorted; `across` (..., N, 2) as in `geometry.poses.refine.refine_poses`.
+    `weights` (..., N) are 1/variance of their pixels, undistorted; `across` (..., N, 2) as in
+    `geometry.poses.refine.refine_poses`.
     """
     batch = at.shape[:-2]
     placed = at.reshape(int(np.prod(batch)), *at.shape[-2:])

@@ -100,7 +100,11 @@ def _descended(poses: Floats, task: Task, steps: Steps) -> Floats:
         trial_cost = cost_of(there, task)
         better = trial_cost < cost
         poses = np.where(better[:, None, None], trial, poses)
-        here = there if better.all() else Seen(*(chosen_of(better, its, own) for its, own in zip(there, here, strict=True)))
+        here = (
+            there
+            if better.all()
+            else Seen(*(chosen_of(better, its, own) for its, own in zip(there, here, strict=True)))
+        )
         cost = np.where(better, trial_cost, cost)
         damping = np.where(better, damping * 0.2, np.minimum(damping * 10, STRONG))
         if np.abs(step[better]).max(initial=0.0) < 1e-12:

@@ -35,7 +35,9 @@ class Sight(NamedTuple):
     across: Floats | None = None
 
 
-def refine_sights(world_from_object: ArrayLike, sights: Sequence[Sight], iterations: int = 8, *, huber: float | None = None) -> Floats:
+def refine_sights(
+    world_from_object: ArrayLike, sights: Sequence[Sight], iterations: int = 8, *, huber: float | None = None
+) -> Floats:
     """The pose (4, 4) in the world that reprojects all sights of one object best, from the one given.
 
     It gets no worse than it came; without a sight it stays. `huber` (px) makes residuals beyond it count linearly.
@@ -66,7 +68,9 @@ def turned_step(R: Floats) -> Floats:
 
 def _task(sight: Sight, pose: Floats, huber: float) -> Task:
     across = None if sight.across is None else sight.across[None]
-    return task_of(_placed(sight, pose), sight.points[None], sight.uv[None], sight.weights[None], sight.camera, huber, across)
+    return task_of(
+        _placed(sight, pose), sight.points[None], sight.uv[None], sight.weights[None], sight.camera, huber, across
+    )
 
 
 def _placed(sight: Sight, pose: Floats) -> Floats:
@@ -75,7 +79,9 @@ def _placed(sight: Sight, pose: Floats) -> Floats:
 
 
 def _cost(pose: Floats, sights: Sequence[Sight], tasks: Sequence[Task]) -> float:
-    return float(sum(cost_of(reprojected(_placed(s, pose), task), task)[0] for s, task in zip(sights, tasks, strict=True)))
+    return float(
+        sum(cost_of(reprojected(_placed(s, pose), task), task)[0] for s, task in zip(sights, tasks, strict=True))
+    )
 
 
 def _equations(pose: Floats, sights: Sequence[Sight], tasks: Sequence[Task]) -> tuple[Floats, Floats]:

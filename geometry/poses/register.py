@@ -1,6 +1,7 @@
 """Registering a photo to an object from a few clicked points: the pose, and the focal length where nobody knows it.
 
-* ``register(points, uv, size)``: a ``Registration`` with ``camera``, ``camera_from_object``, ``residuals`` (N,) px, ``rms`` px
+* ``register(points, uv, size)``: a ``Registration`` with ``camera``, ``camera_from_object``, ``residuals`` (N,) px,
+  ``rms`` px
 """
 
 from collections.abc import Iterable
@@ -16,13 +17,15 @@ from geometry.frames import from_rotation_translation, transform_points
 from geometry.poses.refine import refine_poses
 
 FEWEST, FEWEST_UNKNOWN = 4, 6
-"""Points that are needed with a camera, and without one: a pose has six numbers, a focal length is a seventh, a point gives two."""
+"""Points that are needed with a camera, and without one: a pose has six numbers, a focal length is a seventh, a point
+gives two."""
 FOCAL_LENGTHS = (0.4, 8.0, 20)
 """Tried: least and greatest, as shares of the image's longer side, and how many."""
 CLICK = 0.5
 """Least standard deviation of a click, px, whatever the residuals say."""
 UNSURE = 0.05
-"""Greatest standard error of the focal length, as its share, were all clicks as good as ``CLICK``: beyond, the points lie too flat to tell it."""
+"""Greatest standard error of the focal length, as its share, were all clicks as good as ``CLICK``: beyond, the points
+lie too flat to tell it."""
 FLAT = 1e-3
 """Points whose second extent is below this share of their first lie on a line."""
 
@@ -51,10 +54,12 @@ class Registration:
 def register(points: ArrayLike, uv: ArrayLike, size: tuple[int, int], camera: Camera | None = None) -> Registration:
     """The pose that reprojects `points` (N, 3) m nearest to the clicked pixels `uv` (N, 2); without a camera, its focal length too.
 
-    `size` is (width, height) px. Every pose that is a local best from any of many starts is tried; the best of them is taken.
+    `size` is (width, height) px. Every pose that is a local best from any of many starts is tried; the best of them is
+    taken.
 
     Raises:
-        GeometryError: too few points, one that is not finite, all on a line, no pose with all points before the camera, or points that
+        GeometryError: too few points, one that is not finite, all on a line, no pose with all points before the camera,
+        or points that
             do not fix the focal length.
     """
     objects, seen = _checked(points, uv, FEWEST_UNKNOWN if camera is None else FEWEST)
@@ -99,7 +104,9 @@ def _checked(points: ArrayLike, uv: ArrayLike, fewest: int) -> tuple[Floats, Flo
     if objects.ndim != 2 or seen.ndim != 2 or len(objects) != len(seen):
         raise GeometryError(f"points (N, 3) and uv (N, 2) must agree in N, not {objects.shape} and {seen.shape}")
     if len(objects) < fewest:
-        raise GeometryError(f"{len(objects)} points are too few: {FEWEST} at least with a camera, {FEWEST_UNKNOWN} without")
+        raise GeometryError(
+            f"{len(objects)} points are too few: {FEWEST} at least with a camera, {FEWEST_UNKNOWN} without"
+        )
     bad = np.flatnonzero(~(np.isfinite(objects).all(axis=1) & np.isfinite(seen).all(axis=1)))
     if len(bad):
         raise GeometryError(f"point {bad[0] + 1} is not finite")
@@ -144,7 +151,9 @@ def _refined(objects: Floats, seen: Floats, camera: Camera, pose: Floats) -> tup
 
     def at(x: Floats) -> tuple[float, Floats]:
         turn = Rotation.from_rotvec(x[1:4]).as_matrix() @ pose[:3, :3]
-        return camera.f * float(np.exp(np.clip(x[0], -4.0, 4.0))), from_rotation_translation(turn, pose[:3, 3] + scale * x[4:])
+        return camera.f * float(np.exp(np.clip(x[0], -4.0, 4.0))), from_rotation_translation(
+            turn, pose[:3, 3] + scale * x[4:]
+        )
 
     def off(x: Floats) -> Floats:
         f, moved = at(x)

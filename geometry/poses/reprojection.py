@@ -30,7 +30,13 @@ class Task(NamedTuple):
 
 
 def task_of(
-    poses: Floats, points: ArrayLike, uv: ArrayLike, weights: ArrayLike, camera: Camera, huber: float, across: ArrayLike | None
+    poses: Floats,
+    points: ArrayLike,
+    uv: ArrayLike,
+    weights: ArrayLike,
+    camera: Camera,
+    huber: float,
+    across: ArrayLike | None,
 ) -> Task:
     """The task of `refine_poses`. Raises GeometryError where the shapes do not fit, or a weight is negative or not finite."""
     objects, seen = last_axes(points, (-1, 3), "points"), last_axes(uv, (-1, 2), "uv")

@@ -1,12 +1,14 @@
 """Soft assignment of model points to image points, with slack: Sinkhorn's normalisation, for many starts at once.
 
-Source: Sinkhorn 1964; with a slack row and column, Gold et al. 1998 and David et al. 2004 (SoftPOSIT, formalism §6.2). Given positive
-affinities k_ij and the slack value s, the rows and the columns of the matrix that s borders are scaled in turn until each row i but the slack
-row, and each column j but the slack column, sums to 1. The result has the form m_ij = r_i k_ij c_j, with slack r_i s and s c_j, and is unique:
-r and c minimise the strictly convex  sum r k c + s sum r + s sum c - sum log r - sum log c. So neither the order of the two scalings nor
-where c starts (here: where the last step of an annealing left it) changes what is reached, only how soon.
+Source: Sinkhorn 1964; with a slack row and column, Gold et al. 1998 and David et al. 2004 (SoftPOSIT, formalism §6.2).
+Given positive affinities k_ij and the slack value s, the rows and the columns of the matrix that s borders are scaled
+in turn until each row i but the slack row, and each column j but the slack column, sums to 1. The result has the form
+m_ij = r_i k_ij c_j, with slack r_i s and s c_j, and is unique: r and c minimise the strictly convex  sum r k c + s sum
+r + s sum c - sum log r - sum log c. So neither the order of the two scalings nor where c starts (here: where the last
+step of an annealing left it) changes what is reached, only how soon.
 
-Only pairs that may correspond are kept, as a list: with 300 types, 100 model points and 1000 image points, 333 of 100,000.
+Only pairs that may correspond are kept, as a list: with 300 types, 100 model points and 1000 image points, 333 of
+100,000.
 """
 
 from collections.abc import Callable
@@ -61,12 +63,19 @@ def pairs_of(allowed: ArrayLike) -> Pairs:
 
 
 def sinkhorn(
-    affinities: Floats, pairs: Pairs, slack: float, start: Floats | None = None, *, tolerance: float = TOLERANCE, rounds: int = ROUNDS
+    affinities: Floats,
+    pairs: Pairs,
+    slack: float,
+    start: Floats | None = None,
+    *,
+    tolerance: float = TOLERANCE,
+    rounds: int = ROUNDS,
 ) -> Assignment:
     """The assignments of K matrices of `affinities` (K, P), not negative, each bordered by the value `slack` > 0.
 
-    `start` (K, M) are the c_j to begin with, 1 if not given. Each start ends by itself, when its rows sum to 1 within `tolerance` or after
-    `rounds`; none depends on the others, and columns sum to 1 exactly whichever ended it. A point without any pair goes wholly to slack.
+    `start` (K, M) are the c_j to begin with, 1 if not given. Each start ends by itself, when its rows sum to 1 within
+    `tolerance` or after `rounds`; none depends on the others, and columns sum to 1 exactly whichever ended it. A point
+    without any pair goes wholly to slack.
     """
     count, (models, images) = len(affinities), pairs.shape
     per_model, per_image = _sums(affinities, pairs)
@@ -87,14 +96,18 @@ def sinkhorn(
 def sums_per_model(weights: Floats, pairs: Pairs, values: Floats) -> Floats:
     """The sums (K, N, D) over j of m_ij v_j, for `weights` (K, P) and the image points' `values` (M, D)."""
     matrix = _stacked(weights, pairs)
-    return np.asarray(matrix @ np.tile(values, (len(weights), 1))).reshape(len(weights), pairs.shape[0], values.shape[1])
+    return np.asarray(matrix @ np.tile(values, (len(weights), 1))).reshape(
+        len(weights), pairs.shape[0], values.shape[1]
+    )
 
 
 def _sums(affinities: Floats, pairs: Pairs) -> tuple[Callable[[Floats], Floats], Callable[[Floats], Floats]]:
     """The sums (K, N) of k_ij c_j over j, of c (K, M); and (K, M) of r_i k_ij over i, of r (K, N)."""
     matrix, count, (models, images) = _stacked(affinities, pairs), len(affinities), pairs.shape
     back = matrix.T
-    return (lambda c: (matrix @ c.ravel()).reshape(count, models)), (lambda r: (back @ r.ravel()).reshape(count, images))
+    return (lambda c: (matrix @ c.ravel()).reshape(count, models)), (
+        lambda r: (back @ r.ravel()).reshape(count, images)
+    )
 
 
 def _stacked(values: Floats, pairs: Pairs) -> "csr_array":
@@ -105,4 +118,6 @@ def _stacked(values: Floats, pairs: Pairs) -> "csr_array":
     step = np.arange(count, dtype=np.int64)[:, None]
     ends = np.searchsorted(pairs.model, np.arange(models + 1))
     starts = np.append((ends[:-1] + step * len(pairs)).ravel(), count * len(pairs))
-    return csr_array((values.ravel(), (pairs.image + step * images).ravel(), starts), shape=(count * models, count * images))
+    return csr_array(
+        (values.ravel(), (pairs.image + step * images).ravel(), starts), shape=(count * models, count * images)
+    )

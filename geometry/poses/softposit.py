@@ -1,21 +1,24 @@
 """SoftPOSIT: pose and correspondence at once, from model points and image points of which nobody knows which is which.
 
-Source: David, DeMenthon, Duraiswami and Samet, SoftPOSIT: Simultaneous Pose and Correspondence Determination, IJCV 59(3), 2004 (formalism
-§6.2). With S_k = (P_k, 1) of the model, Q1 = (R1, Tx) / Tz and Q2 = (R2, Ty) / Tz of the pose, and w_k = 1 + R3 . P_k / Tz, a pair of a model
-point k and an image point j = (x, y) is off by  d_jk^2 = (Q1 . S_k - w_k x_j)^2 + (Q2 . S_k - w_k y_j)^2,  and
+Source: David, DeMenthon, Duraiswami and Samet, SoftPOSIT: Simultaneous Pose and Correspondence Determination, IJCV
+59(3), 2004 (formalism §6.2). With S_k = (P_k, 1) of the model, Q1 = (R1, Tx) / Tz and Q2 = (R2, Ty) / Tz of the pose,
+and w_k = 1 + R3 . P_k / Tz, a pair of a model point k and an image point j = (x, y) is off by  d_jk^2 = (Q1 . S_k - w_k
+x_j)^2 + (Q2 . S_k - w_k y_j)^2,  and
 
     E = sum_jk m_jk (d_jk^2 - alpha)
 
-is lowered in turn in the assignment m (softassign: m_jk = g exp(-beta (d_jk^2 - alpha)), with a slack row and column of g = 1 / (max(N, M) + 1),
-normalised by Sinkhorn), in Q1 and Q2 (linear: the sum L of m'_k S_k S_k^T is inverted, m'_k = sum_j m_jk), and in w; beta grows by 5 % a step.
+is lowered in turn in the assignment m (softassign: m_jk = g exp(-beta (d_jk^2 - alpha)), with a slack row and column of
+g = 1 / (max(N, M) + 1), normalised by Sinkhorn), in Q1 and Q2 (linear: the sum L of m'_k S_k S_k^T is inverted, m'_k =
+sum_j m_jk), and in w; beta grows by 5 % a step.
 
-**Convergence does not mean that the pose is right: check the match count.** A local minimum converges as well as the true pose does.
-Without types few random starts find it; the more types there are, the more do.
+**Convergence does not mean that the pose is right: check the match count.** A local minimum converges as well as the
+true pose does. Without types few random starts find it; the more types there are, the more do.
 
-Ours, not the paper's: `allowed` pairs, for features that have types; many starts annealed together; starts given by the caller, so that it
-refines a near pose too (then with a greater `beta`: a small one forgets the start); w_k kept positive; matches taken at the end as those of
-m > 1/2 at `beta_final`, whatever the beta at which the start ended. Not done: the paper's decision tree that gives a start up early by its match
-count so far; the tweak in the authors' published program that holds the slack of maximal pairs. Coplanar models are beyond it: L is singular.
+Ours, not the paper's: `allowed` pairs, for features that have types; many starts annealed together; starts given by the
+caller, so that it refines a near pose too (then with a greater `beta`: a small one forgets the start); w_k kept
+positive; matches taken at the end as those of m > 1/2 at `beta_final`, whatever the beta at which the start ended. Not
+done: the paper's decision tree that gives a start up early by its match count so far; the tweak in the authors'
+published program that holds the slack of maximal pairs. Coplanar models are beyond it: L is singular.
 """
 
 from dataclasses import dataclass, fields
@@ -30,7 +33,9 @@ from geometry.poses.posit import turned
 from geometry.poses.sinkhorn import Assignment, Pairs, pairs_of, sinkhorn, sums_per_model
 
 BLOCK = 50_000  # pairs x starts that are annealed together: what a processor's cache holds was the fastest
-SINGULAR = 1e-10  # least over greatest eigenvalue of L (or over 1, the mass of one match) below which a start is given up
+SINGULAR = (
+    1e-10  # least over greatest eigenvalue of L (or over 1, the mass of one match) below which a start is given up
+)
 STRAIGHT = 1e-9  # how far from orthonormal a rotation may come out
 ROUGH = 1e-3  # how far from a rotation a start may be
 HUGE = 1e6  # a start's greatest entry, and the sizes and depths of the image beyond which it lies nowhere
@@ -103,23 +108,35 @@ class _State:
 
     def put(self, which: Ints, other: "_State") -> None:
         """Write the starts `which` of `other` into this one."""
-        self.rotation[which], self.zoom[which], self.shift[which], self.columns[which] = other.rotation, other.zoom, other.shift, other.columns
+        self.rotation[which], self.zoom[which], self.shift[which], self.columns[which] = (
+            other.rotation,
+            other.zoom,
+            other.shift,
+            other.columns,
+        )
 
 
 def softposit(
-    points: ArrayLike, xy: ArrayLike, start: ArrayLike, *, allowed: ArrayLike | None = None, annealing: Annealing | None = None
+    points: ArrayLike,
+    xy: ArrayLike,
+    start: ArrayLike,
+    *,
+    allowed: ArrayLike | None = None,
+    annealing: Annealing | None = None,
 ) -> SoftPositResult:
     """Poses from `points` (N, 3) m in the object's frame, some of them seen among `xy` (M, 2) = x/z, y/z, each from one of K starts.
 
-    `start` (K, 4, 4) are rough `camera_from_object`; one that is not finite, not a rotation or has the model's middle behind the camera is given
-    up at once. `allowed` (N, M) bool says which point may be which, all any if not given.
+    `start` (K, 4, 4) are rough `camera_from_object`; one that is not finite, not a rotation or has the model's middle
+    behind the camera is given up at once. `allowed` (N, M) bool says which point may be which, all any if not given.
 
-    A start ends when it is near after `patience` steps, when beta passes `beta_final`, or when its assignment fixes no pose. Each ends as if it
-    were alone. Work: about 160 steps of up to 60 normalisations of P pairs, so types save time, and many starts at once take less than one by one.
-    Memory: some ten arrays of max(P, 50,000) doubles, so P = N M beyond 10^7 is not for it.
+    A start ends when it is near after `patience` steps, when beta passes `beta_final`, or when its assignment fixes no
+    pose. Each ends as if it were alone. Work: about 160 steps of up to 60 normalisations of P pairs, so types save
+    time, and many starts at once take less than one by one. Memory: some ten arrays of max(P, 50,000) doubles, so P = N
+    M beyond 10^7 is not for it.
 
     Raises:
-        GeometryError: where the shapes do not fit, a point is not finite, the model has no size, or the schedule does not rise.
+        GeometryError: where the shapes do not fit, a point is not finite, the model has no size, or the schedule does
+        not rise.
     """
     problem = _problem(points, xy, allowed, annealing or Annealing())
     starts = last_axes(start, (4, 4), "start")
@@ -141,19 +158,36 @@ def _problem(points: ArrayLike, xy: ArrayLike, allowed: ArrayLike | None, anneal
     shape = (len(objects), len(seen))
     mask = np.ones(shape, dtype=np.bool_) if allowed is None else np.asarray(allowed, dtype=np.bool_)
     if objects.ndim != 2 or seen.ndim != 2 or mask.shape != shape:
-        raise GeometryError(f"points (N, 3), xy (M, 2) and allowed (N, M) must agree, not {objects.shape}, {seen.shape}, {mask.shape}")
+        raise GeometryError(
+            f"points (N, 3), xy (M, 2) and allowed (N, M) must agree, not {objects.shape}, {seen.shape}, {mask.shape}"
+        )
     if not (np.isfinite(objects).all() and np.isfinite(seen).all()):
         raise GeometryError("points and xy must be finite")
-    rising = annealing.rate > 1 and 0 < annealing.beta <= annealing.beta_final and annealing.beta_final * annealing.alpha < EXPONENT
+    rising = (
+        annealing.rate > 1
+        and 0 < annealing.beta <= annealing.beta_final
+        and annealing.beta_final * annealing.alpha < EXPONENT
+    )
     if not rising or annealing.pixel <= 0:
-        raise GeometryError(f"beta must rise to beta_final, of which alpha times must be below {EXPONENT:.0f}, not {annealing}")
+        raise GeometryError(
+            f"beta must rise to beta_final, of which alpha times must be below {EXPONENT:.0f}, not {annealing}"
+        )
     middle = objects.mean(axis=0) if len(objects) else np.zeros(3)
     size = float(np.sqrt(((objects - middle) ** 2).sum(axis=1).mean())) if len(objects) else 0.0
     if not size > 0:
         raise GeometryError(f"points must be two or more at different places, not {len(objects)} at one")
     scaled = np.concatenate([(objects - middle) / size, np.ones((len(objects), 1))], axis=1)
     used = np.nonzero(mask.any(axis=0))[0]
-    return _Problem(scaled, seen[used] / annealing.pixel, used, pairs_of(mask[:, used]), 1.0 / (max(shape) + 1), annealing, middle, size)
+    return _Problem(
+        scaled,
+        seen[used] / annealing.pixel,
+        used,
+        pairs_of(mask[:, used]),
+        1.0 / (max(shape) + 1),
+        annealing,
+        middle,
+        size,
+    )
 
 
 def _annealed(problem: _Problem, starts: Floats) -> SoftPositResult:
@@ -217,7 +251,13 @@ def _from_poses(problem: _Problem, starts: Floats) -> tuple[_State, Mask]:
     rotation, _, _ = turned(poses[:, 0, :3], poses[:, 1, :3])
     place = poses[:, :3, :3] @ problem.middle + poses[:, :3, 3]
     alike = np.abs(rotation - poses[:, :3, :3]).max(axis=(1, 2)) < ROUGH
-    sound = bounded & alike & _straight(rotation) & (place[:, 2] * HUGE > np.abs(place).max(axis=1)) & (place[:, 2] > problem.size / HUGE)
+    sound = (
+        bounded
+        & alike
+        & _straight(rotation)
+        & (place[:, 2] * HUGE > np.abs(place).max(axis=1))
+        & (place[:, 2] > problem.size / HUGE)
+    )
     unmoved = np.array([0.0, 0.0, 10 * problem.size])
     place = np.where(sound[:, None], place, unmoved)
     pixel = problem.annealing.pixel
@@ -240,13 +280,21 @@ def _result(problem: _Problem, ends: _State, sound: Mask) -> SoftPositResult:
     depth = problem.size / (ends.zoom * setting.pixel)
     place = np.concatenate([ends.shift * setting.pixel, np.ones((len(sound), 1))], axis=1) * depth[:, None]
     poses = from_rotation_translation(ends.rotation, place - ends.rotation @ problem.middle)
-    return SoftPositResult(poses, np.append(problem.of_image, -1)[matches], count, error, sound & near & (count >= FEWEST) & np.isfinite(error))
+    return SoftPositResult(
+        poses,
+        np.append(problem.of_image, -1)[matches],
+        count,
+        error,
+        sound & near & (count >= FEWEST) & np.isfinite(error),
+    )
 
 
 def _error(problem: _Problem, ends: _State, matches: Ints) -> Floats:
     """Mean squared distance (K,) of reprojection over the `matches` (K, N), normalised units^2; inf without any or with one behind."""
     pixel, there = problem.annealing.pixel, matches >= 0
-    placed = problem.points[:, :3] @ np.swapaxes(ends.rotation, 1, 2) * ends.zoom[:, None, None]  # px, at the depth of the middle
+    placed = (
+        problem.points[:, :3] @ np.swapaxes(ends.rotation, 1, 2) * ends.zoom[:, None, None]
+    )  # px, at the depth of the middle
     w = 1.0 + placed[..., 2] * pixel
     good = (there & (w > 0)).sum(axis=1) == np.maximum(there.sum(axis=1), 1)
     seen = problem.xy[matches] if len(problem.xy) else np.zeros((*matches.shape, 2))

@@ -1,8 +1,8 @@
 """The exact union of the images of many triangles, by their contour: a surface of thousands of triangles has a contour of hundreds of edges.
 
-Turned the same way round, neighbours run along a common edge in opposite ways, which cancel: what is left is the contour. How often the
-contour winds about a point is how many triangles cover it. So the contour, cut where it crosses itself, parts the plane into faces that are
-covered wholly or not at all, and those covered are the union.
+Turned the same way round, neighbours run along a common edge in opposite ways, which cancel: what is left is the
+contour. How often the contour winds about a point is how many triangles cover it. So the contour, cut where it crosses
+itself, parts the plane into faces that are covered wholly or not at all, and those covered are the union.
 """
 
 from typing import Any

@@ -1,9 +1,10 @@
 """The occlusion relation of a posed pair, by exact outlines and depth (§3.5-3.7): ROC-20, and the six coarse ones that it refines.
 
-The outlines decide how the images lie to each other (``geometry.visibility.rcc``); the first surface that a line of sight meets decides who is in
-front on the common interior; ``geometry.visibility.roc`` names the twenty. Exactly one holds of any pair at the stated tolerance, and R(x, y) is
-the converse of R(y, x), bit for bit: the two are taken in an order that does not depend on which came first. Where the images share an
-interior and neither is first anywhere (coincident surfaces), each is there at once with the other, and the relation is mutual.
+The outlines decide how the images lie to each other (``geometry.visibility.rcc``); the first surface that a line of
+sight meets decides who is in front on the common interior; ``geometry.visibility.roc`` names the twenty. Exactly one
+holds of any pair at the stated tolerance, and R(x, y) is the converse of R(y, x), bit for bit: the two are taken in an
+order that does not depend on which came first. Where the images share an interior and neither is first anywhere
+(coincident surfaces), each is there at once with the other, and the relation is mutual.
 """
 
 from dataclasses import dataclass
@@ -68,9 +69,9 @@ def occlusion(
 ) -> Roc:
     """The one relation of ROC-20 that holds of x and y as `camera` sees them: 'partially_occludes_po' has x before y.
 
-    `tolerance` (px) is that of the images (`geometry.visibility.rcc`); `depth_tolerance` (part of the distance) says when two are equally near.
-    Decided on ideal pixels: the relation is topological, so a lens does not change it. Give the
-    `images` of both (`drawn`) where they are known.
+    `tolerance` (px) is that of the images (`geometry.visibility.rcc`); `depth_tolerance` (part of the distance) says
+    when two are equally near. Decided on ideal pixels: the relation is topological, so a lens does not change it. Give
+    the `images` of both (`drawn`) where they are known.
     """
     image_x, image_y = images or (drawn(x, camera), drawn(y, camera))
     rcc, interior = related(image_x, image_y, tolerance)
@@ -96,7 +97,9 @@ def _key(surface: PosedSurface) -> tuple[bytes, ...]:
     return surface.camera_from_object.tobytes(), surface.vertices.tobytes(), surface.triangles.tobytes()
 
 
-def _first(pair: tuple[PosedSurface, PosedSurface], interior: Area, camera: Camera, depth_tolerance: float) -> tuple[bool, bool]:
+def _first(
+    pair: tuple[PosedSurface, PosedSurface], interior: Area, camera: Camera, depth_tolerance: float
+) -> tuple[bool, bool]:
     """Whether each of the two is the first that some line of sight through the common `interior` meets.
 
     Where the one ends before the other begins no ray is needed: along a ray the distance grows with z.

@@ -9,10 +9,11 @@
 | TPPi, NTPPi  | the converses                                                                                          |
 | EQ           | a common interior, and each is covered by the other                                                    |
 
-The common interior is what is left of the intersection less a seam of t: what is thinner than 2 t is none. Of two areas one is
-covered by the other if no point of it is farther than t from the other. Read from the top each row says what the rows before it
-leave open, so exactly one relation holds; each row is the mirror of its converse's, and the areas are taken in an order of their
-own, so that R(a, b) is the converse of R(b, a), bit for bit. An area without points is DC from everything.
+The common interior is what is left of the intersection less a seam of t: what is thinner than 2 t is none. Of two areas
+one is covered by the other if no point of it is farther than t from the other. Read from the top each row says what the
+rows before it leave open, so exactly one relation holds; each row is the mirror of its converse's, and the areas are
+taken in an order of their own, so that R(a, b) is the converse of R(b, a), bit for bit. An area without points is DC
+from everything.
 """
 
 from typing import NamedTuple
@@ -44,7 +45,9 @@ def related(a: Area, b: Area, tolerance: float) -> Related:
     """As ``rcc8``, with the common interior less a seam of ``tolerance`` px."""
     if a.is_empty or b.is_empty or _boxes_gap(a, b) > tolerance:
         return Related("DC", shapely.Polygon())
-    with np.errstate(divide="ignore", invalid="ignore"):  # GEOS divides by the turn of edges that run on straight, and copes
+    with np.errstate(
+        divide="ignore", invalid="ignore"
+    ):  # GEOS divides by the turn of edges that run on straight, and copes
         if b.wkb < a.wkb:
             found = _related(b, a, tolerance)
             return Related(rcc_converse(found.rcc), found.interior)

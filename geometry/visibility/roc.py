@@ -105,7 +105,8 @@ def coarse_converse(relation: CoarseRelation) -> CoarseRelation:
 def los14(relation: Roc) -> Los14 | None:
     """Galton's line-of-sight relation, which knows only convex bodies: None where it is mutual.
 
-    C clears, JC just clears; PH partially hides, JH just hides, H hides, EH exactly hides; JF just in front of, F in front of; I their inverses.
+    C clears, JC just clears; PH partially hides, JH just hides, H hides, EH exactly hides; JF just in front of, F in
+    front of; I their inverses.
     """
     return _LOS.get(relation)
 
@@ -115,7 +116,9 @@ def _all() -> dict[tuple[Rcc8, Front], Roc]:
     apart: tuple[Rcc8, ...] = ("DC", "EC")
     overlapping: tuple[Rcc8, ...] = ("PO", "TPP", "NTPP", "EQ", "TPPi", "NTPPi")
     ordered: tuple[Front, ...] = ("x", "y", "both")
-    pairs: list[tuple[Rcc8, Front]] = [(rcc, "nobody") for rcc in apart] + [(rcc, front) for front in ordered for rcc in overlapping]
+    pairs: list[tuple[Rcc8, Front]] = [(rcc, "nobody") for rcc in apart] + [
+        (rcc, front) for front in ordered for rcc in overlapping
+    ]
     named: dict[str, Roc] = {name: name for name in ROC20}
     return {(rcc, front): named[f"{_word(rcc, front)}_{rcc.lower()}"] for rcc, front in pairs}
 

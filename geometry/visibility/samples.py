@@ -44,7 +44,9 @@ def samples_inside(common: Area, pair: tuple[Placed, Placed], camera: Camera) ->
     At least one for an interior not empty.
     """
     shapely.prepare(common)
-    yield np.concatenate([shapely.get_coordinates(shapely.point_on_surface(shapely.get_parts(common))), _inside(common, _grid(common))])
+    yield np.concatenate(
+        [shapely.get_coordinates(shapely.point_on_surface(shapely.get_parts(common))), _inside(common, _grid(common))]
+    )
     yield _inside(common, _corners(_crossings(common, pair, camera)))
 
 

@@ -5,7 +5,8 @@ Vocabulary, each with an example value:
 * ``Lobe``, from where an appearance is seen: ``Lobe(axis=(0, 0, 1), half_angle=1.7, r_min=0.2, r_max=30.0)``
 * ``FeatureAppearance``, one way that a feature looks: ``FeatureAppearance("arrow_junction", lobe)``
 * ``Feature``: ``Feature("roof/apex", "apex", at=(0, 0, 3), ...)``
-* ``ObjectType``: ``ObjectType("t2", tree, features, ...)``, the tree being a ``networkx.DiGraph`` with frames on its edges
+* ``ObjectType``: ``ObjectType("t2", tree, features, ...)``, the tree being a ``networkx.DiGraph`` with frames on its
+  edges
 * ``KnowledgeBase``: ``KnowledgeBase("towers", types=(t1, t2), ...)``
 """
 
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
     from kb.surfaces.surface import Surface
 
 UNKNOWN_SUPPORT = 0.1
-"""Chance that something which the KB does not know holds what floats, where `gravity` does not say: one in ten things that seem to float."""
+"""Chance that something which the KB does not know holds what floats, where `gravity` does not say: one in ten things
+that seem to float."""
 
 
 def _freeze(holder: object, **shapes: tuple[int, ...]) -> None:
@@ -45,7 +47,8 @@ def _freeze(holder: object, **shapes: tuple[int, ...]) -> None:
 class Lobe:
     """What the detector can see of an appearance (§2.7): unit ``axis`` (3,) in the feature's frame, ``half_angle`` rad, range in m.
 
-    ``size``: how wide it is that the detector reports, m, by which a datum's ``scale`` tells the distance; NaN where nobody said.
+    ``size``: how wide it is that the detector reports, m, by which a datum's ``scale`` tells the distance; NaN where
+    nobody said.
     """
 
     axis: NDArray[np.float64]
@@ -70,7 +73,8 @@ class FeatureAppearance:
 class Feature:
     """One feature. ``at`` (3,) m and ``rotation`` (3, 3) = object_from_feature, object frame; ``name`` is its path in the tree.
 
-    ``arms`` (K, 3): unit directions, object frame, of the surface's edges that meet here. ``parts`` names the features of a compound.
+    ``arms`` (K, 3): unit directions, object frame, of the surface's edges that meet here. ``parts`` names the features
+    of a compound.
     """
 
     name: str
@@ -89,12 +93,13 @@ class Feature:
 class ObjectType:
     """One type of maximal object (D3).
 
-    ``features`` are the maximal features: valuation and ev score a compound once and not its parts again (A1). ``all_features`` is every
-    Feature node, which S of §5.1 counts. ``symmetries`` (S, 4, 4): rigid motions of the object's frame that change nothing, the identity
-    among them. A type without a mesh has no ``surface`` and hides nothing. ``mesh_file`` is what is rendered, the
-    textured mesh where there is one; ``mesh_scale`` is metres per unit of it. ``learnt``: the
-    cloud of a type whose features were learnt; ``learnt_features`` are then the same in the same order, but their appearances are
-    ``learnt_lobes``. Those that make up a compound are its parts, and no maximal features.
+    ``features`` are the maximal features: valuation and ev score a compound once and not its parts again (A1).
+    ``all_features`` is every Feature node, which S of §5.1 counts. ``symmetries`` (S, 4, 4): rigid motions of the
+    object's frame that change nothing, the identity among them. A type without a mesh has no ``surface`` and hides
+    nothing. ``mesh_file`` is what is rendered, the textured mesh where there is one; ``mesh_scale`` is metres per unit
+    of it. ``learnt``: the cloud of a type whose features were learnt; ``learnt_features`` are then the same in the same
+    order, but their appearances are ``learnt_lobes``. Those that make up a compound are its parts, and no maximal
+    features.
     """
 
     name: str
@@ -150,8 +155,8 @@ class ObjectType:
 class Counts:
     """What rates were learnt from: [n, of] per name, expected counts where not everything was observed.
 
-    ``hit``: detected, of the expected, per feature type. ``clutter``: appearances of noise, of so many images, per appearance type.
-    ``prior``: present, of so many instances and empty images, per object type.
+    ``hit``: detected, of the expected, per feature type. ``clutter``: appearances of noise, of so many images, per
+    appearance type. ``prior``: present, of so many instances and empty images, per object type.
     """
 
     hit: dict[str, tuple[float, float]] = field(default_factory=dict)
@@ -166,10 +171,11 @@ class Counts:
 class Rates:
     """Detector statistics and priors of a KB.
 
-    ``hit``: h_F per feature type. ``clutter``: expected clutter appearances an image per appearance type. ``prior`` per object type.
-    ``sigma``: location noise, pixels; ``sigmas`` per feature type where it differs. ``match_tolerance``: pixels (D8). ``counts``: what
-    was learnt from scenes (``plogic kb learn-rates``). ``sigma_angle``: noise, radians, of a datum's angle, which is how the x axis of its
-    feature's frame lies on the screen; None where angles say nothing.
+    ``hit``: h_F per feature type. ``clutter``: expected clutter appearances an image per appearance type. ``prior`` per
+    object type. ``sigma``: location noise, pixels; ``sigmas`` per feature type where it differs. ``match_tolerance``:
+    pixels (D8). ``counts``: what was learnt from scenes (``plogic kb learn-rates``). ``sigma_angle``: noise, radians,
+    of a datum's angle, which is how the x axis of its feature's frame lies on the screen; None where angles say
+    nothing.
     """
 
     hit: dict[str, float]
@@ -190,9 +196,9 @@ class Rates:
 class KnowledgeBase:
     """Σ. ``f_ref`` pixels: the focal length that lobes' ranges hold for. ``digest``: SHA-256 over the folder's contents.
 
-    ``words``: the visual words of learnt clouds; their names are among ``appearance_types``. ``gravity``: whether things rest on what is below;
-    then ``unknown_support`` is the chance that something unknown holds what floats, and ``ground`` the ground's height, world z in m, None where
-    it is not told.
+    ``words``: the visual words of learnt clouds; their names are among ``appearance_types``. ``gravity``: whether
+    things rest on what is below; then ``unknown_support`` is the chance that something unknown holds what floats, and
+    ``ground`` the ground's height, world z in m, None where it is not told.
     """
 
     name: str

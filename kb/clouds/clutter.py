@@ -1,6 +1,7 @@
 """The prior of clutter where a KB states none: λ·P(dv(F)) (§8, posterior; trap e).
 
-What objects often show, noise often looks like: a common appearance is the likelier clutter, a distinctive one the rarer.
+What objects often show, noise often looks like: a common appearance is the likelier clutter, a distinctive one the
+rarer.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Learnt clouds: features that a keypoint detector was measured to see, as arrays, and their file ``cloud.npz``.
 
-* ``LearntCloud``: F features and the L appearances of them, each with its lobe: from where it is seen, how often, and how it looks there.
-  One appearance fixes a whole pose: its lobe gives the direction of view, its ``up`` the roll, its ``size`` the distance.
+* ``LearntCloud``: F features and the L appearances of them, each with its lobe: from where it is seen, how often, and
+  how it looks there. One appearance fixes a whole pose: its lobe gives the direction of view, its ``up`` the roll, its
+  ``size`` the distance.
 """
 
 from __future__ import annotations
@@ -44,23 +45,19 @@ class LearntCloud:
     """All in metres, radians and the object's frame.
 
     Attributes:
-        at: (F, 3) places of the features.
-        sigma: (F,) standard deviation of a place along one axis.
-        normal: (F, 3) unit outward normal of the surface there.
-        word: (F,) index of the feature's dominant visual word.
-        feature: (L,) whose appearance it is; in order.
-        lobe_word: (L,) index of the appearance's visual word.
-        descriptor: (L, D) uint8, 128 of SIFT, or 138 with its colours, or 32 of ORB: its mean over the views of the lobe.
-        axis: (L, 3) unit axis of the lobe, from the feature to the viewpoint.
-        half_angle: (L,) of the lobe.
-        r_min: (L,) least distance at the reference focal length.
-        r_max: (L,) greatest.
-        hit: (L,) how often the detector reported it within the lobe, measured.
-        up: (L, 3) unit, perpendicular to the axis: what the keypoint's angle is on the screen, as a direction in space.
-        size: (L,) the keypoint's diameter in space; 0 of the side of an edge (``sensing.detectors.edge_sides``), whose ``up`` is across the edge towards
+        at: (F, 3) places of the features. sigma: (F,) standard deviation of a place along one axis. normal: (F, 3) unit
+        outward normal of the surface there. word: (F,) index of the feature's dominant visual word. feature: (L,) whose
+        appearance it is; in order. lobe_word: (L,) index of the appearance's visual word. descriptor: (L, D) uint8, 128
+        of SIFT, or 138 with its colours, or 32 of ORB: its mean over the views of the lobe. axis: (L, 3) unit axis of
+        the lobe, from the feature to the viewpoint. half_angle: (L,) of the lobe. r_min: (L,) least distance at the
+        reference focal length. r_max: (L,) greatest. hit: (L,) how often the detector reported it within the lobe,
+        measured. up: (L, 3) unit, perpendicular to the axis: what the keypoint's angle is on the screen, as a direction
+        in space. size: (L,) the keypoint's diameter in space; 0 of the side of an edge
+        (``sensing.detectors.edge_sides``), whose ``up`` is across the edge towards
             the side, and of whose descriptor bytes 128 to 132 are its looks, and 133 how much the last of them varied.
-        part: (F,) which object of its type's tree the feature belongs to (``kb.clouds.tree.object_nodes``); 0, the whole, where there are no parts.
-        compound: (F,) which compound feature it is a part of (A1; ``kb.learning.compounds``), counted from 1; 0 of those that are in none.
+        part: (F,) which object of its type's tree the feature belongs to (``kb.clouds.tree.object_nodes``); 0, the
+        whole, where there are no parts. compound: (F,) which compound feature it is a part of (A1;
+        ``kb.learning.compounds``), counted from 1; 0 of those that are in none.
     """
 
     at: Floats
@@ -102,7 +99,9 @@ class LearntCloud:
         """The same without the sides of edges."""
         lobes = np.flatnonzero(~self.sided)
         used, feature = np.unique(self.feature[lobes], return_inverse=True)
-        features = {name: getattr(self, name)[used] for name, (rows, _, _) in (_SHAPES | _OPTIONAL).items() if rows == "F"}
+        features = {
+            name: getattr(self, name)[used] for name, (rows, _, _) in (_SHAPES | _OPTIONAL).items() if rows == "F"
+        }
         appearances = {name: getattr(self, name)[lobes] for name, (rows, _, _) in _SHAPES.items() if rows == "L"}
         return LearntCloud(**features | appearances | {"feature": feature, "compound": numbered(features["compound"])})
 
@@ -129,14 +128,18 @@ def numbered(groups: NDArray[np.int64]) -> NDArray[np.int64]:
 def cloud_bytes(cloud: LearntCloud) -> bytes:
     """The file's contents, the same for the same cloud. Floats are kept in single precision, indices in 32 bits; no parts, no array of them."""
     memory = io.BytesIO()
-    arrays = {name: getattr(cloud, name) for name in (*_SHAPES, *(name for name in _OPTIONAL if getattr(cloud, name).any()))}
+    arrays = {
+        name: getattr(cloud, name) for name in (*_SHAPES, *(name for name in _OPTIONAL if getattr(cloud, name).any()))
+    }
     if cloud.compounds:
         arrays["format"] = np.array(FORMAT)
     with zipfile.ZipFile(memory, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, array in arrays.items():
             packed = io.BytesIO()
             np.save(packed, array.astype({"f": "<f4", "i": "<i4", "u": "u1"}[array.dtype.kind]), allow_pickle=False)
-            archive.writestr(zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0)), packed.getvalue(), zipfile.ZIP_DEFLATED)
+            archive.writestr(
+                zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0)), packed.getvalue(), zipfile.ZIP_DEFLATED
+            )
     return memory.getvalue()
 
 
@@ -166,15 +169,23 @@ def _check(arrays: dict[str, NDArray[Any]]) -> None:
     counts = {"F": len(np.atleast_1d(arrays["at"])), "L": len(np.atleast_1d(arrays["feature"]))}
     if counts["L"] > MAX_LOBES:
         raise CloudError(f"has {counts['L']} appearances; {MAX_LOBES} are the most")
-    for name, (rows, shape, kind) in (_SHAPES | {name: _OPTIONAL[name] for name in _OPTIONAL if name in arrays}).items():
+    for name, (rows, shape, kind) in (
+        _SHAPES | {name: _OPTIONAL[name] for name in _OPTIONAL if name in arrays}
+    ).items():
         array = arrays[name]
-        right = array.ndim == 1 + len(shape) and array.shape[0] == counts[rows] and (not shape or shape[0] in (-1, array.shape[1]))
+        right = (
+            array.ndim == 1 + len(shape)
+            and array.shape[0] == counts[rows]
+            and (not shape or shape[0] in (-1, array.shape[1]))
+        )
         if not right or array.dtype.kind != kind or (kind == "u" and array.dtype != np.uint8):
             raise CloudError(f"{name}: has shape {array.shape} of {array.dtype}")
         if kind == "f" and not np.isfinite(array.astype(np.float64)).all():
             raise CloudError(f"{name}: has a number that is not finite")
     _check_indices(arrays, counts["F"])
-    _check_numbers({name: np.asarray(arrays[name], np.float64) for name, (_, _, kind) in _SHAPES.items() if kind == "f"})
+    _check_numbers(
+        {name: np.asarray(arrays[name], np.float64) for name, (_, _, kind) in _SHAPES.items() if kind == "f"}
+    )
     if arrays["descriptor"].shape[1] not in (32, 128, 138):
         raise CloudError(f"descriptor: has {arrays['descriptor'].shape[1]} bytes, not 128 or 138 (SIFT) or 32 (ORB)")
 

@@ -65,8 +65,8 @@ def _frozen(values: ArrayLike) -> NDArray[np.float64]:
 def in_lobe(table: LobeTable, viewpoints: ArrayLike, granularity: float | None = None) -> NDArray[np.bool_]:
     """(V, L): r_min ≤ |v−p| ≤ r_max and angle(v−p, axis) ≤ half-angle (§2.7).
 
-    ``viewpoints`` (V, 3) m, object frame. ``granularity`` = f / f_ref scales the ranges: a longer lens sees as much from farther; None asks
-    for the direction alone. A viewpoint at the feature itself is in no lobe.
+    ``viewpoints`` (V, 3) m, object frame. ``granularity`` = f / f_ref scales the ranges: a longer lens sees as much
+    from farther; None asks for the direction alone. A viewpoint at the feature itself is in no lobe.
     """
     view = np.asarray(viewpoints, dtype=float).reshape(-1, 1, 3) - table.at[None]
     distance = np.linalg.norm(view, axis=2)

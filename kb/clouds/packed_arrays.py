@@ -17,10 +17,23 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-_FAULTS = (zipfile.BadZipFile, zlib.error, LookupError, ValueError, TypeError, EOFError, OSError, RuntimeError, MemoryError, OverflowError)
+_FAULTS = (
+    zipfile.BadZipFile,
+    zlib.error,
+    LookupError,
+    ValueError,
+    TypeError,
+    EOFError,
+    OSError,
+    RuntimeError,
+    MemoryError,
+    OverflowError,
+)
 
 
-def read_arrays(content: bytes, names: Iterable[str], most: int, optional: Iterable[str] = ()) -> dict[str, NDArray[Any]]:
+def read_arrays(
+    content: bytes, names: Iterable[str], most: int, optional: Iterable[str] = ()
+) -> dict[str, NDArray[Any]]:
     """The arrays of these names, and those of ``optional`` that are there.
 
     Raises CloudError where one is missing or no plain array, or all unpack to more than ``most`` bytes.
@@ -30,7 +43,10 @@ def read_arrays(content: bytes, names: Iterable[str], most: int, optional: Itera
             if sum(item.file_size for item in archive.infolist()) > most:
                 raise CloudError(f"unpacks to more than {most} bytes")
             there = set(archive.namelist())
-            return {name: _array(archive, f"{name}.npy") for name in (*names, *(name for name in optional if f"{name}.npy" in there))}
+            return {
+                name: _array(archive, f"{name}.npy")
+                for name in (*names, *(name for name in optional if f"{name}.npy" in there))
+            }
     except _FAULTS as error:
         raise CloudError(str(error).splitlines()[0] if str(error) else type(error).__name__) from None
 
@@ -49,6 +65,10 @@ def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
     for length in shape:
         count *= length
     longest = max(len(content), 4096)  # what is empty may be wide
-    if dtype.hasobject or any(not 0 <= length <= longest for length in shape) or count * dtype.itemsize != len(content) - stream.tell():
+    if (
+        dtype.hasobject
+        or any(not 0 <= length <= longest for length in shape)
+        or count * dtype.itemsize != len(content) - stream.tell()
+    ):
         raise ValueError(f"{name} does not hold the numbers that it says")
     return np.asarray(np.lib.format.read_array(io.BytesIO(content), allow_pickle=False))

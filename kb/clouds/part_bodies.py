@@ -1,8 +1,9 @@
 """What of a type's surface is which part's: a part that is an object has a body of its own, so that parts can occlude (§3.5-3.7).
 
-A facet belongs to the part that holds the feature nearest to the facet's middle (the first of equals, in the tree's order), and with it to
-every part that this part is a part of. So the bodies of parts that hold none of each other share no facet, and they are open where
-the part meets the rest. A part that no facet is nearest to has no body, and nothing is said of what it hides.
+A facet belongs to the part that holds the feature nearest to the facet's middle (the first of equals, in the tree's
+order), and with it to every part that this part is a part of. So the bodies of parts that hold none of each other share
+no facet, and they are open where the part meets the rest. A part that no facet is nearest to has no body, and nothing
+is said of what it hides.
 """
 
 from __future__ import annotations

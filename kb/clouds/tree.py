@@ -1,8 +1,8 @@
 """The tree of an object type: Φ(x, v, Type, parts) as a ``networkx.DiGraph`` (§2.1-§2.4).
 
-Vocabulary: ``Branch``, a nested description: ``Branch("object", "t2", "t2", parts=[Branch("object", "roof", "roof")])``.
-In the tree a node's name is its path: ``''`` the maximal object, ``'roof'``, ``'roof/apex'``, ``'roof/apex#0'`` an
-appearance.
+Vocabulary: ``Branch``, a nested description: ``Branch("object", "t2", "t2", parts=[Branch("object", "roof",
+"roof")])``. In the tree a node's name is its path: ``''`` the maximal object, ``'roof'``, ``'roof/apex'``,
+``'roof/apex#0'`` an appearance.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ MAY_HOLD: dict[Kind, tuple[Kind, ...]] = {
 class Branch:
     """One node and what hangs below it. ``at`` (3,) m and ``rotation`` (3, 3) are parent_from_child.
 
-    ``arms`` (K, 3), in the node's frame, are for features alone; ``lobe``, in its feature's, for appearances: viewpoints.
+    ``arms`` (K, 3), in the node's frame, are for features alone; ``lobe``, in its feature's, for appearances:
+    viewpoints.
     """
 
     kind: Kind
@@ -53,7 +54,9 @@ class Branch:
 
 def tree_mistakes(root: Branch) -> list[Mistaken]:
     """Every break of A1, A2, D3 and of the names' rules, as (indices into ``parts`` from the root, message)."""
-    found: list[Mistaken] = [] if root.kind == "object" else [((), f"D3: the maximal object must be an object, not a {root.kind}")]
+    found: list[Mistaken] = (
+        [] if root.kind == "object" else [((), f"D3: the maximal object must be an object, not a {root.kind}")]
+    )
     return found + list(_mistakes(root, (), ()))
 
 
@@ -87,14 +90,16 @@ def _own_mistakes(branch: Branch) -> Iterator[str]:
 
 def _repeated(branch: Branch) -> list[int]:
     first: dict[str, int] = {}
-    return [i for i, part in enumerate(branch.parts) if first.setdefault(part.name, i) != i and part.kind != "appearance"]
+    return [
+        i for i, part in enumerate(branch.parts) if first.setdefault(part.name, i) != i and part.kind != "appearance"
+    ]
 
 
 def build_tree(root: Branch) -> nx.DiGraph:
     """The tree that ``root`` describes.
 
-    Nodes carry ``kind``, ``type``, ``at`` (3,) m relative to the parent, ``viewpoint`` (a Lobe, or None: Φ's second slot
-    for appearances) and ``arms`` (K, 3); an edge carries its frame ``parent_from_child`` (4, 4).
+    Nodes carry ``kind``, ``type``, ``at`` (3,) m relative to the parent, ``viewpoint`` (a Lobe, or None: Φ's second
+    slot for appearances) and ``arms`` (K, 3); an edge carries its frame ``parent_from_child`` (4, 4).
 
     Raises:
         TreeError: for the first of ``tree_mistakes``.

@@ -25,9 +25,11 @@ MAX_BYTES = 10_000_000
 WIDTHS = {128: "sift", 138: "sift", 32: "orb"}
 """Whose descriptors have so many bytes; those of SIFT in an image with colours have ten more."""
 POINT, SIDE = 128, 5
-"""Bytes of a descriptor of SIFT before its colours, and of the looks of the side of an edge, which has those and 0 before them."""
+"""Bytes of a descriptor of SIFT before its colours, and of the looks of the side of an edge, which has those and 0
+before them."""
 COLOURS = 4
-"""Those of these bytes that are the side's own, whatever is beyond the edge; the other is its brightness against that."""
+"""Those of these bytes that are the side's own, whatever is beyond the edge; the other is its brightness against
+that."""
 _BLOCK = 4096
 
 
@@ -85,7 +87,9 @@ def learn_words(descriptors: NDArray[np.uint8], seed: int = 0) -> Words:
     labels = np.zeros((len(spread), 1), np.int32)
     centres = np.asarray(cv2.kmeans(spread, count, labels, criteria, 1, cv2.KMEANS_PP_CENTERS)[2])
     width = descriptors.shape[1]
-    centroids = np.packbits(centres > 0.5, axis=1) if width == 32 else np.clip(np.rint(centres), 0, 255).astype(np.uint8)
+    centroids = (
+        np.packbits(centres > 0.5, axis=1) if width == 32 else np.clip(np.rint(centres), 0, 255).astype(np.uint8)
+    )
     return Words(WIDTHS[width], centroids)
 
 
@@ -102,12 +106,21 @@ def read_words(content: bytes) -> Words:
         centroids = np.asarray(read_arrays(content, ("centroids",), MAX_BYTES)["centroids"])
     except CloudError as error:
         raise CloudError(f"is no vocabulary of visual words: {error}") from None
-    if centroids.ndim != 2 or centroids.shape[1] not in WIDTHS or centroids.dtype != np.uint8 or not 0 < len(centroids) <= MOST:
-        raise CloudError(f"centroids: has shape {centroids.shape} of {centroids.dtype}, not (W, 128), (W, 138) or (W, 32) of uint8")
+    if (
+        centroids.ndim != 2
+        or centroids.shape[1] not in WIDTHS
+        or centroids.dtype != np.uint8
+        or not 0 < len(centroids) <= MOST
+    ):
+        raise CloudError(
+            f"centroids: has shape {centroids.shape} of {centroids.dtype}, not (W, 128), (W, 138) or (W, 32) of uint8"
+        )
     return Words(WIDTHS[centroids.shape[1]], centroids.astype(np.uint8))
 
 
-def dominant(feature: NDArray[np.int64], word: NDArray[np.int64], hit: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+def dominant(
+    feature: NDArray[np.int64], word: NDArray[np.int64], hit: NDArray[np.float64], count: int
+) -> NDArray[np.int64]:
     """(F,) the word that most of a feature's lobes (L,) report, by their hit rates; of equals the least."""
     pairs, which = np.unique(np.column_stack([feature, word]), axis=0, return_inverse=True)
     weight = np.bincount(which.ravel(), weights=hit, minlength=len(pairs))

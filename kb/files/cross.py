@@ -14,10 +14,13 @@ if TYPE_CHECKING:
     from kb.files.yaml_text import Document
 
 
-def cross_mistakes(kb: Document, model: KBModel | None, objects: Sequence[Document], *, complete: bool) -> Iterator[Mistake]:
+def cross_mistakes(
+    kb: Document, model: KBModel | None, objects: Sequence[Document], *, complete: bool
+) -> Iterator[Mistake]:
     """Types of appearances, features and objects that are nowhere declared, and types of objects that are declared twice.
 
-    Where the objects are not ``complete``, some being unreadable, nobody can say which feature and object types are unknown.
+    Where the objects are not ``complete``, some being unreadable, nobody can say which feature and object types are
+    unknown.
     """
     yield from _repeated_objects(objects)
     vocabulary = _vocabulary(kb)
@@ -26,7 +29,9 @@ def cross_mistakes(kb: Document, model: KBModel | None, objects: Sequence[Docume
         for document in objects:
             yield from _unknown_appearances(document, vocabulary, known)
     if model is not None:
-        yield from _unknown(kb, ("detector", "clutter"), model.detector.clutter, set(model.appearance_types), "appearance")
+        yield from _unknown(
+            kb, ("detector", "clutter"), model.detector.clutter, set(model.appearance_types), "appearance"
+        )
         yield from _unknown(kb, ("counts", "clutter"), model.counts.clutter, set(model.appearance_types), "appearance")
         yield from _repeated_types(kb, model)
     if model is not None and complete:
@@ -60,10 +65,14 @@ def _unknown_appearances(document: Document, vocabulary: list[Any], known: set[s
     for path, kind, entry in nodes(document.data):
         name = entry.get("type") if kind == "appearance" and isinstance(entry, dict) else None
         if isinstance(name, str) and name not in known:
-            yield document.mistake((*path, "type"), f"unknown appearance type {name!r}; appearance_types in kb.yaml: {listed}")
+            yield document.mistake(
+                (*path, "type"), f"unknown appearance type {name!r}; appearance_types in kb.yaml: {listed}"
+            )
 
 
-def _unknown(kb: Document, path: tuple[str, ...], given: Mapping[str, object], known: set[Any], what: str) -> Iterator[Mistake]:
+def _unknown(
+    kb: Document, path: tuple[str, ...], given: Mapping[str, object], known: set[Any], what: str
+) -> Iterator[Mistake]:
     listed = ", ".join(sorted(map(str, known))[:12]) or "none"
     for name in given:
         if name not in known:

@@ -38,7 +38,9 @@ def learnt_of(place: Folder, document: Document, folder: Path) -> LearntCloud | 
     return _read(place, document, folder, "cloud", MAX_BYTES, read_cloud)
 
 
-def _read(place: Folder, document: Document, folder: Path, key: str, limit: int, read: Callable[[bytes], Kind]) -> Kind | None:
+def _read(
+    place: Folder, document: Document, folder: Path, key: str, limit: int, read: Callable[[bytes], Kind]
+) -> Kind | None:
     entry = document.data.get(key) if isinstance(document.data, dict) else None
     file = entry.get("file") if isinstance(entry, dict) else None
     if not isinstance(file, str) or not file or "\0" in file:
@@ -60,9 +62,19 @@ def check_words(place: Folder, document: Document, cloud: LearntCloud | None, wo
     if cloud is None:
         return
     if words is None:
-        place.mistakes.append(document.mistake(("cloud",), "the knowledge base has no words (kb.yaml: words): learn the type again", key=True))
-    elif words.detector != cloud.detector or max(cloud.word.max(initial=-1), cloud.lobe_word.max(initial=-1)) >= len(words.centroids):
-        place.mistakes.append(document.mistake(("cloud",), "was learnt with other words than kb.yaml names: learn the type again", key=True))
+        place.mistakes.append(
+            document.mistake(
+                ("cloud",), "the knowledge base has no words (kb.yaml: words): learn the type again", key=True
+            )
+        )
+    elif words.detector != cloud.detector or max(cloud.word.max(initial=-1), cloud.lobe_word.max(initial=-1)) >= len(
+        words.centroids
+    ):
+        place.mistakes.append(
+            document.mistake(
+                ("cloud",), "was learnt with other words than kb.yaml names: learn the type again", key=True
+            )
+        )
 
 
 def check_parts(place: Folder, document: Document, cloud: LearntCloud | None) -> None:
@@ -87,10 +99,13 @@ def learnt_features(cloud: LearntCloud, words: Words, parts: Sequence[str] = (""
     )
 
 
-def with_compounds(seen: tuple[Feature, ...], cloud: LearntCloud, words: Words) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
+def with_compounds(
+    seen: tuple[Feature, ...], cloud: LearntCloud, words: Words
+) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
     """The maximal features, and every Feature node, of a learnt cloud whose features are ``seen``: a compound before its parts (A1).
 
-    A compound has the type of the word that dominates its parts' appearances, stands in their middle, and looks like any of them.
+    A compound has the type of the word that dominates its parts' appearances, stands in their middle, and looks like
+    any of them.
     """
     whole = dominant(cloud.compound[cloud.feature], cloud.lobe_word, cloud.hit, cloud.compounds + 1)
     maximal: list[Feature] = []
@@ -104,7 +119,9 @@ def with_compounds(seen: tuple[Feature, ...], cloud: LearntCloud, words: Words) 
         elif row == members[group][0]:
             its = [seen[i] for i in members[group].tolist()]
             name, middle = its[0].name.rpartition("/")[0], np.mean([part.at for part in its], axis=0)
-            one = Feature(name, words.names[whole[group]], middle, np.eye(3), (), parts=tuple(part.name for part in its))
+            one = Feature(
+                name, words.names[whole[group]], middle, np.eye(3), (), parts=tuple(part.name for part in its)
+            )
             maximal.append(one)
             every += [one, *its]
     return tuple(maximal), tuple(every)

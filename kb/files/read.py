@@ -77,7 +77,9 @@ def read_kb(folder: Path | str) -> KnowledgeBase:
     for item in objects:
         check_words(place, item.document, item.learnt, words)
         check_parts(place, item.document, item.learnt)
-    wrong += cross_mistakes(document, model, [item.document for item in objects], complete=complete and len(objects) == len(files))
+    wrong += cross_mistakes(
+        document, model, [item.document for item in objects], complete=complete and len(objects) == len(files)
+    )
     mistakes = list(dict.fromkeys(place.mistakes + wrong))
     if mistakes or model is None:
         raise KBErrors(mistakes)
@@ -89,7 +91,13 @@ def _check_folder(root: Path) -> None:
     if not is_there(root / "kb.yaml"):
         what = {IS_FOLDER: "the folder holds no kb.yaml", IS_MISSING: "there is no such folder"}
         fault = fault_of(root) or "is a file, not a folder"
-        raise KBErrors([Mistake(str(root), 0, 0, "", f"{what.get(fault, fault)}; a knowledge base is a folder with a kb.yaml in it")])
+        raise KBErrors(
+            [
+                Mistake(
+                    str(root), 0, 0, "", f"{what.get(fault, fault)}; a knowledge base is a folder with a kb.yaml in it"
+                )
+            ]
+        )
 
 
 def _object_files(place: Folder) -> list[Path]:
@@ -98,8 +106,13 @@ def _object_files(place: Folder) -> list[Path]:
     if not is_there(folder):
         return []
     inside = sorted(folder.iterdir()) if fault_of(folder) == IS_FOLDER else [folder]
-    lost = [path for path in inside if path == folder or (path.is_symlink() and fault_of(path) not in (IS_FOLDER, None))]
-    place.mistakes += [Mistake(place.name(path), 0, 0, "", f"must be a folder, but it {fault_of(path) or 'is a file'}") for path in lost]
+    lost = [
+        path for path in inside if path == folder or (path.is_symlink() and fault_of(path) not in (IS_FOLDER, None))
+    ]
+    place.mistakes += [
+        Mistake(place.name(path), 0, 0, "", f"must be a folder, but it {fault_of(path) or 'is a file'}")
+        for path in lost
+    ]
     return [path / "object.yaml" for path in inside if fault_of(path) == IS_FOLDER and not path.name.startswith(".")]
 
 
@@ -134,7 +147,9 @@ def _symmetry_mistakes(document: Document, model: ObjectModel) -> Iterator[Mista
         yield document.mistake(("symmetries",), str(error))
 
 
-def _surface(place: Folder, document: Document, folder: Path, file: object, scale: float) -> tuple[Path | None, Surface | None]:
+def _surface(
+    place: Folder, document: Document, folder: Path, file: object, scale: float
+) -> tuple[Path | None, Surface | None]:
     """The mesh of a document, sought even where the document has other mistakes."""
     path = _mesh_file(place, document, folder, file, "file")
     if path is not None and place.content(path, MAX_MESH_BYTES) is not None:
@@ -203,7 +218,9 @@ def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
     )
 
 
-def _knowledge_base(place: Folder, model: KBModel, types: tuple[ObjectType, ...], rules: str, words: Words | None) -> KnowledgeBase:
+def _knowledge_base(
+    place: Folder, model: KBModel, types: tuple[ObjectType, ...], rules: str, words: Words | None
+) -> KnowledgeBase:
     named, gravity = words.names if words is not None else (), model.gravity
     return KnowledgeBase(
         name=model.name,
@@ -237,5 +254,7 @@ def _rates(model: KBModel, types: tuple[ObjectType, ...], words: tuple[str, ...]
 
 
 def _counts(model: CountsModel) -> Counts:
-    tables = ({name: (pair[0], pair[1]) for name, pair in table.items()} for table in (model.hit, model.clutter, model.prior))
+    tables = (
+        {name: (pair[0], pair[1]) for name, pair in table.items()} for table in (model.hit, model.clutter, model.prior)
+    )
     return Counts(*tables)

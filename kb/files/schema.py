@@ -38,7 +38,9 @@ class Model(BaseModel):
 class LobeModel(Model):
     """From where a detector can see the appearance (§2.7)."""
 
-    axis: Direction = Field(description="The cone's axis, in the feature's frame, towards the viewer; its length is free.")
+    axis: Direction = Field(
+        description="The cone's axis, in the feature's frame, towards the viewer; its length is free."
+    )
     half_angle: HalfAngle = Field(description="The cone's half-angle, such as '60 deg'.")
     range: Range = Field(description="Nearest and farthest distance at the KB's f_ref, such as [0.2 m, 30 m].")
 
@@ -47,8 +49,12 @@ class AppearanceModel(Model):
     """One way that a feature looks."""
 
     type: Name = Field(description="The appearance's type, one of the KB's appearance_types: what a detector reports.")
-    size: PositiveLength | None = Field(None, description="How wide it is, such as '3 cm': what the detector's scale, in pixels, is the picture of.")
-    lobe: LobeModel | None = Field(None, description="From where it is seen. May be absent only above other appearances.")
+    size: PositiveLength | None = Field(
+        None, description="How wide it is, such as '3 cm': what the detector's scale, in pixels, is the picture of."
+    )
+    lobe: LobeModel | None = Field(
+        None, description="From where it is seen. May be absent only above other appearances."
+    )
     appearances: list["AppearanceModel"] = Field([], description="Appearances that this one is made of.")
 
     @model_validator(mode="after")
@@ -56,7 +62,9 @@ class AppearanceModel(Model):
         if self.lobe is None and not self.appearances:
             raise ValueError("missing key 'lobe': from where the appearance is seen")
         if self.lobe is None and self.size is not None:
-            raise ValueError("'size' without 'lobe': what is not seen itself has no width in the picture; say it of the appearances below")
+            raise ValueError(
+                "'size' without 'lobe': what is not seen itself has no width in the picture; say it of the appearances below"
+            )
         return self
 
 
@@ -83,7 +91,9 @@ class FeatureModel(Model):
     at: Place = Field(description="Its place in its parent's frame, m.")
     rotation: RotationModel | None = Field(None, description="Its frame, turned against its parent's.")
     arms: list[Direction] = Field([], description="Directions, in its frame, of the surface's edges that meet here.")
-    features: list["FeatureModel"] = Field([], description="A compound's features; then it has no appearances of its own.")
+    features: list["FeatureModel"] = Field(
+        [], description="A compound's features; then it has no appearances of its own."
+    )
     appearances: list[AppearanceModel] = Field([], description="The ways it looks, each with its viewpoints.")
 
 
@@ -102,8 +112,12 @@ class MeshModel(Model):
     """The type's surface, closed where it can be, and what shows it painted."""
 
     file: Text = Field(description="The mesh's file, beside object.yaml; anything that trimesh reads.")
-    units: Units = Field(description="The unit of the mesh's coordinates. No mesh format carries it, so it must be stated.")
-    textured: Text | None = Field(None, description="The same mesh with its texture, an OBJ in the same unit: what is rendered.")
+    units: Units = Field(
+        description="The unit of the mesh's coordinates. No mesh format carries it, so it must be stated."
+    )
+    textured: Text | None = Field(
+        None, description="The same mesh with its texture, an OBJ in the same unit: what is rendered."
+    )
 
 
 class FileModel(Model):
@@ -119,7 +133,9 @@ class SymmetryModel(Model):
     fold: Fold | None = Field(None, description="How many turns make a full one: 4 for a square tower.")
     continuous: Flag = Field(default=False, description="Any turn about the axis changes nothing; sampled every 5 deg.")
     quat_xyzw: Quaternion | None = Field(None, description="Instead of an axis: one rotation.")
-    at: Place = Field((0.0, 0.0, 0.0), description="A point that the axis runs through; for a single motion, the shift.")
+    at: Place = Field(
+        (0.0, 0.0, 0.0), description="A point that the axis runs through; for a single motion, the shift."
+    )
 
     @model_validator(mode="after")
     def _one_form(self) -> Self:
@@ -139,27 +155,42 @@ class ObjectModel(Model):
     symmetries: list[SymmetryModel] = Field([], description="Motions of its frame that change nothing.")
     parts: list[PartModel] = Field([], description="Its parts; or else features (A1).")
     features: list[FeatureModel] = Field([], description="Its features, if it has no parts.")
-    cloud: FileModel | None = Field(None, description="Its learnt features (`plogic kb learn`), each of its nearest part; none by hand.")
+    cloud: FileModel | None = Field(
+        None, description="Its learnt features (`plogic kb learn`), each of its nearest part; none by hand."
+    )
 
 
 class DetectorModel(Model):
     """Detector statistics."""
 
-    hit: dict[Name, Share] = Field({}, description="Chance that an expected feature is detected, per feature type; 0.8.")
-    clutter: dict[Name, Positive] = Field({}, description="Appearances of noise per image and appearance type; by P(dv), 1 on the average.")
-    sigma: Positive = Field(1.0, description="Location noise, pixels.")
-    sigmas: dict[Name, Positive] = Field({}, description="Location noise per feature type, pixels, where it is not sigma.")
-    sigma_angle: HalfAngle | None = Field(
-        None, description="Noise of a datum's angle, which is how its feature's x axis lies on the screen; left out, angles say nothing."
+    hit: dict[Name, Share] = Field(
+        {}, description="Chance that an expected feature is detected, per feature type; 0.8."
     )
-    match_tolerance: Positive = Field(4.0, description="How far from its predicted place a feature may be found, px (D8).")
+    clutter: dict[Name, Positive] = Field(
+        {}, description="Appearances of noise per image and appearance type; by P(dv), 1 on the average."
+    )
+    sigma: Positive = Field(1.0, description="Location noise, pixels.")
+    sigmas: dict[Name, Positive] = Field(
+        {}, description="Location noise per feature type, pixels, where it is not sigma."
+    )
+    sigma_angle: HalfAngle | None = Field(
+        None,
+        description="Noise of a datum's angle, which is how its feature's x axis lies on the screen; left out, angles say nothing.",
+    )
+    match_tolerance: Positive = Field(
+        4.0, description="How far from its predicted place a feature may be found, px (D8)."
+    )
 
 
 class GravityModel(Model):
     """That things rest, and what is not known of it."""
 
-    unknown_support: Chance = Field(UNKNOWN_SUPPORT, description="Chance that something unknown holds what floats; 1: nothing is made of it.")
-    ground: Length | None = Field(None, description="The ground's height, world z; left out, it is where the lowest object of a world stands.")
+    unknown_support: Chance = Field(
+        UNKNOWN_SUPPORT, description="Chance that something unknown holds what floats; 1: nothing is made of it."
+    )
+    ground: Length | None = Field(
+        None, description="The ground's height, world z; left out, it is where the lowest object of a world stands."
+    )
 
 
 def _gravity(value: object) -> object:
@@ -200,16 +231,21 @@ class KBModel(Model):
     appearance_types: list[Name] = Field(description="The vocabulary of appearance types, which detectors report.")
     f_ref: Positive = Field(600.0, description="The focal length, pixels, that the lobes' ranges hold for.")
     detector: DetectorModel = Field(
-        default_factory=_no_statistics, description="What is known of the detectors: hit rates, clutter, location noise."
+        default_factory=_no_statistics,
+        description="What is known of the detectors: hit rates, clutter, location noise.",
     )
     gravity: Gravity = Field(
         default=False,
         validate_default=True,
         description="Whether things rest: what floats is less probable, and what is not found yet is looked for on the plane that others stand on.",
     )
-    words: FileModel | None = Field(None, description="The visual words that learnt clouds are made of (`plogic kb learn`).")
+    words: FileModel | None = Field(
+        None, description="The visual words that learnt clouds are made of (`plogic kb learn`)."
+    )
     priors: dict[Name, Share] = Field({}, description="Chance of an instance, per object type; 0.5.")
-    counts: CountsModel = Field(default_factory=_no_counts, description="What the rates were learnt from: [n, of] each.")
+    counts: CountsModel = Field(
+        default_factory=_no_counts, description="What the rates were learnt from: [n, of] each."
+    )
 
 
 def json_schema(which: Literal["kb", "object"]) -> dict[str, Any]:

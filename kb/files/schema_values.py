@@ -1,6 +1,7 @@
 """The values of ``kb.yaml`` and ``object.yaml``, as pydantic reads them: names, places, directions, angles, rates, and their JSON Schemas.
 
-Vocabulary: ``HalfAngle``, written ``'60 deg'``; ``Range``, ``[0.2 m, 30 m]``; ``Pair``, ``[12, 20]``. Plain numbers are in SI units.
+Vocabulary: ``HalfAngle``, written ``'60 deg'``; ``Range``, ``[0.2 m, 30 m]``; ``Pair``, ``[12, 20]``. Plain numbers are
+in SI units.
 """
 
 from __future__ import annotations
@@ -131,7 +132,9 @@ _OPEN = {"type": "number", "exclusiveMinimum": 0}
 Name = Annotated[str, BeforeValidator(_name), WithJsonSchema({"type": "string", "pattern": "^[^/#\n\t]+$"})]
 Text = Annotated[str, BeforeValidator(_text)]
 Place = Annotated[tuple[float, ...], BeforeValidator(_place), WithJsonSchema({**_TRIPLE, "items": _MEASURE})]
-Direction = Annotated[tuple[float, ...], BeforeValidator(_direction), WithJsonSchema({**_TRIPLE, "items": {"type": "number"}})]
+Direction = Annotated[
+    tuple[float, ...], BeforeValidator(_direction), WithJsonSchema({**_TRIPLE, "items": {"type": "number"}})
+]
 Quaternion = Annotated[
     tuple[float, ...],
     BeforeValidator(_quaternion),

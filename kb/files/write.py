@@ -43,7 +43,11 @@ def kb_text(kb: KnowledgeBase) -> str:
     } | ({"gravity": _gravity(kb)} if kb.gravity else {})
     lines = [f"{key}: {flow(value)}" for key, value in rows.items()]
     lines += ["detector:", f"  hit: {flow(rates.hit)}", f"  clutter: {flow(rates.clutter)}"]
-    lines += [f"  sigma: {flow(rates.sigma)}", f"  sigmas: {flow(rates.sigmas)}", f"  match_tolerance: {flow(rates.match_tolerance)}"]
+    lines += [
+        f"  sigma: {flow(rates.sigma)}",
+        f"  sigmas: {flow(rates.sigmas)}",
+        f"  match_tolerance: {flow(rates.match_tolerance)}",
+    ]
     lines += [] if rates.sigma_angle is None else [f"  sigma_angle: {flow(rates.sigma_angle)}"]
     lines += [f"priors: {flow(rates.prior)}", *_counts_lines(rates.counts)]
     return "\n".join(lines) + "\n"
@@ -80,11 +84,14 @@ def kb_files(kb: KnowledgeBase) -> dict[str, str]:
     """Every file of the folder, by relative path. Surfaces are written as ``mesh.obj`` in metres; textures do not travel.
 
     Raises:
-        KBError: for a type whose name cannot be a folder's; for learnt types and their words, which only a copy of the folder keeps.
+        KBError: for a type whose name cannot be a folder's; for learnt types and their words, which only a copy of the
+        folder keeps.
     """
     learnt = [kind.name for kind in kb.types if kind.learnt is not None]
     if learnt or kb.words is not None:
-        raise KBError(f"{kb.name}: what was learnt ({', '.join(learnt) or 'words'}) cannot be written anew: copy the knowledge base's folder")
+        raise KBError(
+            f"{kb.name}: what was learnt ({', '.join(learnt) or 'words'}) cannot be written anew: copy the knowledge base's folder"
+        )
     files = {"kb.yaml": kb_text(kb)} | ({"rules.pl": kb.rules} if kb.rules else {})
     for kind in kb.types:
         if not _SAFE_NAME.fullmatch(kind.name):
@@ -167,7 +174,11 @@ def flow(value: object) -> str:
         return str(value).lower()
     if isinstance(value, str):
         plain = _PLAIN.fullmatch(value) and value.lower() not in _RESERVED
-        return value if plain else _UNPRINTED.sub(lambda sign: f"\\u{ord(sign[0]):04x}", json.dumps(value, ensure_ascii=False))
+        return (
+            value
+            if plain
+            else _UNPRINTED.sub(lambda sign: f"\\u{ord(sign[0]):04x}", json.dumps(value, ensure_ascii=False))
+        )
     if isinstance(value, dict):
         return "{" + ", ".join(f"{flow(key)}: {flow(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list | tuple | np.ndarray):

@@ -68,7 +68,9 @@ class Document:
     def _child(self, node: Node | None, step: str | int) -> tuple[Node, Node] | None:
         if isinstance(node, MappingNode):
             if id(node) not in self._children:
-                named = [(name, value) for name, value in reversed(node.value) if isinstance(name, ScalarNode)]  # of namesakes the first
+                named = [
+                    (name, value) for name, value in reversed(node.value) if isinstance(name, ScalarNode)
+                ]  # of namesakes the first
                 self._children[id(node)] = {name.value: (name, value) for name, value in named}
             return self._children[id(node)].get(step)
         if isinstance(node, SequenceNode) and isinstance(step, int) and step < len(node.value):
@@ -215,7 +217,11 @@ class _Builder:
         try:
             return text.decode("utf-16-le")
         except UnicodeDecodeError:
-            self.report(node, tuple(str(step).encode(errors="replace").decode() for step in path), "holds half of a character, \\ud800 to \\udfff")
+            self.report(
+                node,
+                tuple(str(step).encode(errors="replace").decode() for step in path),
+                "holds half of a character, \\ud800 to \\udfff",
+            )
             return text.decode("utf-16-le", "replace")
 
     def plain(self, node: Node, path: Path) -> object:

@@ -1,7 +1,8 @@
 """Write the KB of look-alikes: ``python -m kb.intake.author_lookalikes FOLDER``; the same bytes each time.
 
-Two towers of one shape: the ``open_tower`` has windows on all sides, of the ``blind_tower`` the north wall has none. From the south nothing
-tells which of them stands there. The ``pyramid_tower`` looks like neither. ``plogic demo --look-again`` looks at them.
+Two towers of one shape: the ``open_tower`` has windows on all sides, of the ``blind_tower`` the north wall has none.
+From the south nothing tells which of them stands there. The ``pyramid_tower`` looks like neither. ``plogic demo
+--look-again`` looks at them.
 """
 
 from __future__ import annotations
@@ -14,7 +15,9 @@ from kb.intake.author_towers import KB_YAML, Tower, t1, t2, write_towers
 
 BLIND = "north"
 """The wall without windows."""
-YAML = KB_YAML.replace("name: towers", "name: lookalikes").replace("{t1: 0.5, t2: 0.5}", "{open_tower: 0.5, blind_tower: 0.5, pyramid_tower: 0.5}")
+YAML = KB_YAML.replace("name: towers", "name: lookalikes").replace(
+    "{t1: 0.5, t2: 0.5}", "{open_tower: 0.5, blind_tower: 0.5, pyramid_tower: 0.5}"
+)
 
 
 def look_alikes() -> tuple[Tower, ...]:

@@ -1,7 +1,7 @@
 """Write the towers' KB: ``python -m kb.intake.author_towers FOLDER``; the same bytes each time.
 
-T1 is a cuboid with a single-slope wedge top, T2 one with a pyramid; painted windows are their patches. Together they have 1 apex,
-16 corners and 95 patches, the composition that Table 1 of the paper asks for (§5.6).
+T1 is a cuboid with a single-slope wedge top, T2 one with a pyramid; painted windows are their patches. Together they
+have 1 apex, 16 corners and 95 patches, the composition that Table 1 of the paper asks for (§5.6).
 """
 
 from __future__ import annotations

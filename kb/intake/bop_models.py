@@ -73,7 +73,9 @@ def bop_symmetries(entry: dict[str, Any], units: str, where: str) -> list[str]:
     """
     scale = LENGTHS[units]
     found = [_motion(row, scale, f"{where}: symmetries_discrete") for row in _rows(entry, "symmetries_discrete", where)]
-    found += [_axis(row, scale, f"{where}: symmetries_continuous") for row in _rows(entry, "symmetries_continuous", where)]
+    found += [
+        _axis(row, scale, f"{where}: symmetries_continuous") for row in _rows(entry, "symmetries_continuous", where)
+    ]
     try:
         motions([SymmetryModel.model_validate(row) for row in found])
     except ValueError as error:

@@ -53,5 +53,7 @@ def new_kb_files(name: str) -> dict[str, bytes]:
         IntakeError: for a name of other signs than a folder's.
     """
     if not SAFE_NAME.fullmatch(name):
-        raise IntakeError(f"{name!r:.60} is no name for a knowledge base: letters, digits, '_', '-' and '.'; give one with --name")
+        raise IntakeError(
+            f"{name!r:.60} is no name for a knowledge base: letters, digits, '_', '-' and '.'; give one with --name"
+        )
     return {"kb.yaml": KB_YAML.format(name=json.dumps(name)).encode(), "rules.pl": RULES.encode()} | schema_files()

@@ -45,16 +45,20 @@ class NewType:
 def check_name(name: str) -> None:
     """Raise IntakeError for a name that cannot be a folder's."""
     if not SAFE_NAME.fullmatch(name):
-        raise IntakeError(f"{name!r:.60} is no name for a type: up to 100 letters, digits, '_', '-' and '.', not beginning with '-' or '.'")
+        raise IntakeError(
+            f"{name!r:.60} is no name for a type: up to 100 letters, digits, '_', '-' and '.', not beginning with '-' or '.'"
+        )
 
 
 def new_type(name: str, source: Source, units: str | None, origin: Path, symmetries: Sequence[str] = ()) -> NewType:
     """The type ``name`` of a mesh whose coordinates are in ``units``; ``origin`` names the file in errors.
 
-    ``symmetries`` are entries of object.yaml that somebody knows; without any, those of the shape are proposed in a comment.
+    ``symmetries`` are entries of object.yaml that somebody knows; without any, those of the shape are proposed in a
+    comment.
 
     Raises:
-        IntakeError: a name that cannot be a folder's, no units, a size outside of the limits, no surface, files too large to be read.
+        IntakeError: a name that cannot be a folder's, no units, a size outside of the limits, no surface, files too
+        large to be read.
     """
     check_name(name)
     vertices, triangles = source.whole
@@ -71,8 +75,12 @@ def new_type(name: str, source: Source, units: str | None, origin: Path, symmetr
     files = {"object.yaml": text.encode(), "mesh.ply": ply_bytes(mended.surface)} | files
     large = [name for name, data in files.items() if len(data) > MAX_FILE_BYTES]
     if large:
-        raise IntakeError(f"{origin}: would make a {large[0]} of more than the {MAX_FILE_BYTES} bytes that are read; simplify the mesh first")
-    document = _document(name, mended, paint, files, [str(turn) for turn in turns], list(symmetries)) | {"parts": len(parts)}
+        raise IntakeError(
+            f"{origin}: would make a {large[0]} of more than the {MAX_FILE_BYTES} bytes that are read; simplify the mesh first"
+        )
+    document = _document(name, mended, paint, files, [str(turn) for turn in turns], list(symmetries)) | {
+        "parts": len(parts)
+    }
     return NewType(name, files, document, tuple(_lines(document, mended)), source.notes)
 
 
@@ -80,15 +88,22 @@ def _object_text(
     name: str, origin: str, units: str, known: list[str], turns: list[Turn], parts: list[str], *, textured: bool
 ) -> str:
     paint = ", textured: textured.obj" if textured else ""
-    lines = [f"# Made from {_plain(origin)}, in {units}; its frame is kept, its unit is the metre.", f"object: {flow(name)}"]
+    lines = [
+        f"# Made from {_plain(origin)}, in {units}; its frame is kept, its unit is the metre.",
+        f"object: {flow(name)}",
+    ]
     lines += [f"mesh: {{file: mesh.ply, units: m{paint}}}"]
     if known:
         lines += ["symmetries:", *(f"  - {entry}" for entry in known)]
     elif turns:
-        lines += ["# The shape alone has these symmetries. Most textures break them; where yours does not, uncomment those that hold:"]
+        lines += [
+            "# The shape alone has these symmetries. Most textures break them; where yours does not, uncomment those that hold:"
+        ]
         lines += ["# symmetries:", *(f"#   - {turn}" for turn in turns)]
     if parts:
-        lines += ["parts:  # the mesh's pieces; rename them. Their features: by hand, or from the mesh: plogic kb learn"]
+        lines += [
+            "parts:  # the mesh's pieces; rename them. Their features: by hand, or from the mesh: plogic kb learn"
+        ]
         lines += [f"  - {part}" for part in parts]
     else:
         lines += ["features: []  # by hand, or from the mesh: plogic kb learn"]
@@ -99,7 +114,9 @@ def _plain(origin: str) -> str:
     return re.sub(r"[^\x20-\x7e]", "?", origin)
 
 
-def _document(name: str, mended: Repaired, paint: str, files: dict[str, bytes], turns: list[str], known: list[str]) -> dict[str, Any]:
+def _document(
+    name: str, mended: Repaired, paint: str, files: dict[str, bytes], turns: list[str], known: list[str]
+) -> dict[str, Any]:
     surface = mended.surface
     return {
         "type": name,
@@ -161,5 +178,7 @@ def _symmetries(document: dict[str, Any]) -> list[str]:
     if document["symmetries"]:
         return [f"  symmetries: {len(document['symmetries'])} listed"]
     if document["proposed_symmetries"]:
-        return [f"  symmetries of the shape: {len(document['proposed_symmetries'])} proposed in a comment of object.yaml"]
+        return [
+            f"  symmetries of the shape: {len(document['proposed_symmetries'])} proposed in a comment of object.yaml"
+        ]
     return []

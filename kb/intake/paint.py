@@ -51,7 +51,11 @@ def painted_files(source: Source, scale: float) -> tuple[dict[str, bytes], str]:
 
 def _files(rows: Sequence[Painted], picture: Picture, scale: float) -> dict[str, bytes]:
     name = f"texture.{picture.suffix}"
-    return {"textured.obj": _obj_text(rows, scale).encode(), "textured.mtl": MTL.format(name).encode(), name: picture.data}
+    return {
+        "textured.obj": _obj_text(rows, scale).encode(),
+        "textured.mtl": MTL.format(name).encode(),
+        name: picture.data,
+    }
 
 
 def _obj_text(rows: Sequence[Painted], scale: float) -> str:
@@ -96,7 +100,9 @@ def _within(piece: Piece, uv: NDArray[np.float64]) -> tuple[Piece, NDArray[np.fl
     corners = uv[piece.triangles]
     shifted = np.clip(corners - np.floor(corners.mean(axis=1, keepdims=True)), 0.0, 1.0)
     count = 3 * len(piece.triangles)
-    apart = replace(piece, vertices=piece.vertices[piece.triangles].reshape(-1, 3), triangles=np.arange(count).reshape(-1, 3))
+    apart = replace(
+        piece, vertices=piece.vertices[piece.triangles].reshape(-1, 3), triangles=np.arange(count).reshape(-1, 3)
+    )
     return apart, shifted.reshape(-1, 2)
 
 
@@ -117,7 +123,9 @@ def _coloured(piece: Piece, cell: int) -> tuple[Piece, NDArray[np.float64], Imag
     corner = np.stack([np.arange(number) % across, np.arange(number) // across], axis=1) * cell
     spots = corner[:, None] + np.array([[1.5, 1.5], [cell - 1.5, 1.5], [1.5, cell - 1.5]])
     uv = np.stack([spots[..., 0], across * cell - spots[..., 1]], axis=-1).reshape(-1, 2) / (across * cell)
-    apart = replace(piece, vertices=piece.vertices[piece.triangles].reshape(-1, 3), triangles=np.arange(3 * number).reshape(-1, 3))
+    apart = replace(
+        piece, vertices=piece.vertices[piece.triangles].reshape(-1, 3), triangles=np.arange(3 * number).reshape(-1, 3)
+    )
     return apart, uv, tile
 
 
@@ -130,5 +138,7 @@ def _fitting(tiles: list[Image]) -> list[Image]:
         high, wide = (max(1, side // 2) for side in tiles[largest].shape[:2])
         if (high, wide) == tiles[largest].shape[:2]:
             break
-        tiles[largest] = np.asarray(cv2.resize(tiles[largest], (wide, high), interpolation=cv2.INTER_AREA), dtype=np.uint8)
+        tiles[largest] = np.asarray(
+            cv2.resize(tiles[largest], (wide, high), interpolation=cv2.INTER_AREA), dtype=np.uint8
+        )
     return tiles

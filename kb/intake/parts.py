@@ -1,6 +1,7 @@
 """The connected pieces of a surface: what a mesh itself tells of an object's parts (§2).
 
-Vocabulary: ``Piece``, one of them, ``Piece(name="part_1", at=(0, 0, 0.1), share=0.7, triangles=...)``, the largest first.
+Vocabulary: ``Piece``, one of them, ``Piece(name="part_1", at=(0, 0, 0.1), share=0.7, triangles=...)``, the largest
+first.
 """
 
 from __future__ import annotations
@@ -48,7 +49,9 @@ def pieces_of(surface: Surface) -> tuple[Piece, ...]:
     if len(large) < 2:
         return ()
     label = _joined(surface, label, large)
-    return tuple(_piece(surface, number, np.flatnonzero(label == own), areas) for number, own in enumerate(large.tolist(), 1))
+    return tuple(
+        _piece(surface, number, np.flatnonzero(label == own), areas) for number, own in enumerate(large.tolist(), 1)
+    )
 
 
 def _connected(surface: Surface) -> NDArray[np.intp]:

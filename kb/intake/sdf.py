@@ -51,7 +51,9 @@ def _pose(element: Element, path: Path) -> Frame:
         return np.eye(4)
     relative = entry.get("relative_to") or entry.get("frame")
     if relative:
-        raise IntakeError(f"{path}: the pose of {element.tag} {element.get('name', '')!r:.60} is relative to {relative!r:.60}, which is not read")
+        raise IntakeError(
+            f"{path}: the pose of {element.tag} {element.get('name', '')!r:.60} is relative to {relative!r:.60}, which is not read"
+        )
     values = numbers(entry.text, 6, 0.0, f"{path}: pose of {element.tag} {element.get('name', '')!r:.60}")
     return frame(values[:3], values[3:])
 
@@ -63,5 +65,9 @@ def _shapes(visual: Element, place: Frame, path: Path) -> Iterator[Visual]:
             scale = numbers(shape.findtext("scale"), 3, 1.0, f"{what}: scale")
             yield Visual(place, (shape.findtext("uri") or "").strip(), tuple(scale))
         elif shape.tag in SIZES:
-            sizes = [size for key, count in SIZES[shape.tag] for size in numbers(shape.findtext(key), count, 0.0, f"{what}: {key}")]
+            sizes = [
+                size
+                for key, count in SIZES[shape.tag]
+                for size in numbers(shape.findtext(key), count, 0.0, f"{what}: {key}")
+            ]
             yield Visual(place, kind=shape.tag, sizes=primitive_sizes(shape.tag, sizes, path))

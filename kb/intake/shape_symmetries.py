@@ -57,7 +57,11 @@ def turns_of(surface: Surface) -> list[Turn]:
     probes = probes[:: max(1, len(probes) // PROBES)]
     for axes, centre in _boxes(surface):
         folds = [_fold(there, probes, centre, axis, NEAR * surface.diameter) for axis in axes]
-        found = [Turn(tuple(axis.tolist()), tuple(centre.tolist()), fold) for axis, fold in zip(axes, folds, strict=True) if fold is not None]
+        found = [
+            Turn(tuple(axis.tolist()), tuple(centre.tolist()), fold)
+            for axis, fold in zip(axes, folds, strict=True)
+            if fold is not None
+        ]
         if found:
             return found
     return []

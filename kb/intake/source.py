@@ -1,7 +1,7 @@
 """A mesh file, as somebody made it, to triangles with their paint.
 
-Vocabulary: ``Piece``, the triangles of one material, ``Piece(vertices, triangles, uv, picture)``; ``Source``, all pieces
-of a file in its own unit, with ``notes`` on what could not be had.
+Vocabulary: ``Piece``, the triangles of one material, ``Piece(vertices, triangles, uv, picture)``; ``Source``, all
+pieces of a file in its own unit, with ``notes`` on what could not be had.
 """
 
 from __future__ import annotations
@@ -60,9 +60,12 @@ class Source:
     def moved(self, motion: NDArray[np.float64]) -> Source:
         """The same by an affine ``motion`` (4, 4); a mirroring one turns the triangles over."""
         turned = slice(None, None, -1 if np.linalg.det(motion[:3, :3]) < 0 else 1)
-        with np.errstate(over="ignore", invalid="ignore"):  # a size that is no number is told where it is held to the limits
+        with np.errstate(
+            over="ignore", invalid="ignore"
+        ):  # a size that is no number is told where it is held to the limits
             pieces = [
-                replace(p, vertices=p.vertices @ motion[:3, :3].T + motion[:3, 3], triangles=p.triangles[:, turned]) for p in self.pieces
+                replace(p, vertices=p.vertices @ motion[:3, :3].T + motion[:3, 3], triangles=p.triangles[:, turned])
+                for p in self.pieces
             ]
         return Source(tuple(pieces), self.notes)
 
@@ -71,7 +74,8 @@ def read_source(path: Path) -> Source:
     """The triangles and paint of a mesh file.
 
     Raises:
-        IntakeError: no such file, larger than the limits, of another format, no triangles, coordinates that are not finite.
+        IntakeError: no such file, larger than the limits, of another format, no triangles, coordinates that are not
+        finite.
     """
     _check_file(path)
     meshes = _meshes(path)
@@ -79,7 +83,9 @@ def read_source(path: Path) -> Source:
     if not number:
         raise IntakeError(f"{path}: holds no triangles")
     if number > MAX_TRIANGLES:
-        raise IntakeError(f"{path}: has {number} triangles, more than the {MAX_TRIANGLES} that a mesh may have; simplify it first")
+        raise IntakeError(
+            f"{path}: has {number} triangles, more than the {MAX_TRIANGLES} that a mesh may have; simplify it first"
+        )
     pictures, notes = textures_of(path)
     pieces = tuple(_piece(mesh, placed, pictures) for mesh, placed in meshes if len(mesh.faces))
     for piece in pieces:

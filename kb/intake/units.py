@@ -50,9 +50,15 @@ def check_extent(name: object, extent: NDArray[np.float64], units: str | None) -
         IntakeError: no extent at all; no units, with what they may be; a size in these units that no camera sees.
     """
     if not extent.max() > 0 or not np.isfinite(extent).all():
-        raise IntakeError(f"{name}: has no extent: all vertices are at one place" if extent.max() == 0 else f"{name}: is too large for numbers")
+        raise IntakeError(
+            f"{name}: has no extent: all vertices are at one place"
+            if extent.max() == 0
+            else f"{name}: is too large for numbers"
+        )
     if units is None:
         raise IntakeError(f"{name}: --units is missing, and no mesh format carries its unit; {proposal(extent)}")
     longest = float(extent.max()) * LENGTHS[units]
     if not SMALLEST <= longest <= LARGEST:
-        raise IntakeError(f"{name}: would be {longest:.3g} m long in {units}, not {SMALLEST:g} m to {LARGEST:g} m; {proposal(extent)}")
+        raise IntakeError(
+            f"{name}: would be {longest:.3g} m long in {units}, not {SMALLEST:g} m to {LARGEST:g} m; {proposal(extent)}"
+        )

@@ -31,8 +31,12 @@ def urdf_visuals(path: Path) -> list[Visual]:
     if root.tag != "robot":
         raise IntakeError(f"{path}: is no URDF: its first element is <{root.tag}>, not <robot>")
     frames = _link_frames(root, path)
-    colours = {row.get("name", ""): colour for row in root.findall("material") if (colour := _rgb(row, path)) is not None}
-    return [shape for link in root.findall("link") for shape in _shapes(link, frames[link.get("name", "")], colours, path)]
+    colours = {
+        row.get("name", ""): colour for row in root.findall("material") if (colour := _rgb(row, path)) is not None
+    }
+    return [
+        shape for link in root.findall("link") for shape in _shapes(link, frames[link.get("name", "")], colours, path)
+    ]
 
 
 def _link_frames(root: Element, path: Path) -> dict[str, Frame]:
@@ -81,7 +85,11 @@ def _shapes(link: Element, root_from_link: Frame, colours: dict[str, Colour], pa
                 scale = numbers(shape.get("scale"), 3, 1.0, f"{what}: scale")
                 yield Visual(place, shape.get("filename", ""), tuple(scale), colour=colour)
             elif shape.tag in SIZES:
-                sizes = [size for key, count in SIZES[shape.tag] for size in numbers(shape.get(key), count, 0.0, f"{what}: {key}")]
+                sizes = [
+                    size
+                    for key, count in SIZES[shape.tag]
+                    for size in numbers(shape.get(key), count, 0.0, f"{what}: {key}")
+                ]
                 yield Visual(place, kind=shape.tag, sizes=primitive_sizes(shape.tag, sizes, path), colour=colour)
 
 
@@ -93,5 +101,7 @@ def _rgb(material: Element, path: Path) -> Colour | None:
     entry = material.find("color")
     if entry is None or entry.get("rgba") is None:
         return None
-    red, green, blue, _ = (round(255 * min(max(x, 0.0), 1.0)) for x in numbers(entry.get("rgba"), 4, 1.0, f"{path}: rgba"))
+    red, green, blue, _ = (
+        round(255 * min(max(x, 0.0), 1.0)) for x in numbers(entry.get("rgba"), 4, 1.0, f"{path}: rgba")
+    )
     return red, green, blue

@@ -1,6 +1,7 @@
 """The visible shapes of a description, each at its place, to one mesh.
 
-Vocabulary: ``Visual``, one shape: a mesh file with its scale, or a primitive, at ``root_from_shape``; its colour, if the description has one.
+Vocabulary: ``Visual``, one shape: a mesh file with its scale, or a primitive, at ``root_from_shape``; its colour, if
+the description has one.
 """
 
 from __future__ import annotations
@@ -70,7 +71,11 @@ def _source(folder: Path, visual: Visual, read: dict[str, Source | str]) -> Sour
     if visual.file not in read:
         file = found_file(folder, visual.file)
         try:
-            read[visual.file] = f"the mesh {visual.file!r:.80} is missing or no plain file: left out" if file is None else read_source(file)
+            read[visual.file] = (
+                f"the mesh {visual.file!r:.80} is missing or no plain file: left out"
+                if file is None
+                else read_source(file)
+            )
         except IntakeError as error:
             read[visual.file] = f"{error}: left out"
     return read[visual.file]

@@ -52,7 +52,9 @@ def read_xml(path: Path) -> ET.Element:
     while level:
         level, depth = [child for element in level for child in element], depth + 1
         if depth > MAX_DEPTH:
-            raise IntakeError(f"{path}: its elements are nested deeper than {MAX_DEPTH} levels, which no robot description needs")
+            raise IntakeError(
+                f"{path}: its elements are nested deeper than {MAX_DEPTH} levels, which no robot description needs"
+            )
     return root
 
 
@@ -65,7 +67,9 @@ def numbers(text: str | None, count: int, default: float, what: str) -> list[flo
     except ValueError:
         found = []
     if len(found) != count or not all(abs(number) < LARGEST for number in found):
-        raise IntakeError(f"{what}: must be {count} finite number{'s'[: count > 1]} below {LARGEST:g}, not {text.strip()!r:.60}")
+        raise IntakeError(
+            f"{what}: must be {count} finite number{'s'[: count > 1]} below {LARGEST:g}, not {text.strip()!r:.60}"
+        )
     return found
 
 

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 NEAR, SIMILAR, TURNED = 3.0, 0.3, 0.35
 """The same keypoint: within so many pixels (plus 8 % of its size), a logarithm of the ratio of sizes, radians."""
 ALIKE = {128: 280.0, 138: 290.0, 32: 60.0}
-"""... and with descriptors no farther apart, by their bytes: Euclid's distance of SIFT's, without and with colours, Hamming's of ORB's."""
+"""... and with descriptors no farther apart, by their bytes: Euclid's distance of SIFT's, without and with colours,
+Hamming's of ORB's."""
 
 
 class Seen(Protocol):
@@ -54,7 +55,11 @@ def keypoints_again(first: Seen, others: Sequence[Seen]) -> tuple[Floats, Floats
         hits[mine] += 1.0
         uv[mine] += other.uv[its]
         descriptor[mine] += other.descriptors[its]
-    return hits / max(len(others), 1), uv / (1.0 + hits)[:, None], (descriptor / (1.0 + hits)[:, None]).astype(np.float32)
+    return (
+        hits / max(len(others), 1),
+        uv / (1.0 + hits)[:, None],
+        (descriptor / (1.0 + hits)[:, None]).astype(np.float32),
+    )
 
 
 def same(one: Seen, other: Seen) -> tuple[Indices, Indices]:
@@ -78,7 +83,9 @@ def same(one: Seen, other: Seen) -> tuple[Indices, Indices]:
 
 def flat(found: Sequence[Sequence[int]]) -> tuple[Indices, Indices]:
     """Lists of indices as pairs: the list's number, and the index."""
-    return np.repeat(np.arange(len(found)), [len(some) for some in found]), np.fromiter(chain.from_iterable(found), np.intp)
+    return np.repeat(np.arange(len(found)), [len(some) for some in found]), np.fromiter(
+        chain.from_iterable(found), np.intp
+    )
 
 
 def differences(some: NDArray[np.uint8], others: NDArray[np.uint8]) -> Floats:

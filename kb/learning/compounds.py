@@ -3,12 +3,15 @@
 Two features qualify as parts of one compound where all of this was measured of them:
 
 * they are near: within ``OF_SIZE`` of the larger one's width, as far as observations of one feature may be;
-* they share viewing directions: of the pictures for which the lobes of either hold, those of both hold for at least ``OFTEN``;
-* they were found together: of the pictures that showed either, at least ``OFTEN`` showed both, and no smaller share than the ``bar``.
+* they share viewing directions: of the pictures for which the lobes of either hold, those of both hold for at least
+  ``OFTEN``;
+* they were found together: of the pictures that showed either, at least ``OFTEN`` showed both, and no smaller share
+  than the ``bar``.
 
-What is seen from the same side is found together the more often for that alone, at any distance. So the bar is measured on the object itself,
-by its pairs that share viewing directions and stand apart: so high that at most ``BY_CHANCE`` of the pairs that qualify would reach it if to
-be near made no difference. Compounds are the groups of complete linkage: every pair of a group qualifies, and the groups are disjoint.
+What is seen from the same side is found together the more often for that alone, at any distance. So the bar is measured
+on the object itself, by its pairs that share viewing directions and stand apart: so high that at most ``BY_CHANCE`` of
+the pairs that qualify would reach it if to be near made no difference. Compounds are the groups of complete linkage:
+every pair of a group qualifies, and the groups are disjoint.
 """
 
 from __future__ import annotations
@@ -49,7 +52,9 @@ class Pictures(NamedTuple):
     directions: int
 
 
-def compounds_of(cloud: LearntCloud, seen: Observations, groups: Sequence[NDArray[np.intp]], pictures: Pictures) -> NDArray[np.int64]:
+def compounds_of(
+    cloud: LearntCloud, seen: Observations, groups: Sequence[NDArray[np.intp]], pictures: Pictures
+) -> NDArray[np.int64]:
     """(F,) the compound of each feature, counted from 1; 0 of those in none. Keypoints and sides of edges make compounds of their own.
 
     ``groups``: the observations in ``seen`` of each feature's lobes.
@@ -87,7 +92,8 @@ def widths(cloud: LearntCloud, diameter: float) -> Floats:
 def grouped(shown: Mask, held: Mask, at: Floats, width: Floats) -> NDArray[np.int64]:
     """(F,) the compound of each of F features of one kind, counted from 1; 0 of those in none.
 
-    ``shown`` (F, N) which pictures showed each, and ``held`` (F, N) for which its lobes hold; ``at`` (F, 3) m; ``width`` (F,) m.
+    ``shown`` (F, N) which pictures showed each, and ``held`` (F, N) for which its lobes hold; ``at`` (F, 3) m;
+    ``width`` (F,) m.
     """
     from scipy.spatial.distance import cdist
 
@@ -95,7 +101,9 @@ def grouped(shown: Mask, held: Mask, at: Floats, width: Floats) -> NDArray[np.in
     shared = together(held) >= OFTEN
     np.fill_diagonal(shared, val=False)
     near = shared & (apart < OF_SIZE * np.maximum(width[:, None], width))
-    qualify = near & (similar >= bar(similar[np.triu(near)], similar[np.triu(shared & (apart >= (width[:, None] + width) / 2.0))]))
+    qualify = near & (
+        similar >= bar(similar[np.triu(near)], similar[np.triu(shared & (apart >= (width[:, None] + width) / 2.0))])
+    )
     return linked(similar, apart, qualify)
 
 

@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     Indices = NDArray[np.intp]
 
 TOGETHER, SAME_UP, SAME_SIZE = 0.85, 0.8, 0.3
-"""Least cosines between directions of view and between ``up``, greatest logarithm of the ratio of sizes, of two that are alike."""
+"""Least cosines between directions of view and between ``up``, greatest logarithm of the ratio of sizes, of two that
+are alike."""
 ROUNDS = (0.025, 0.015, 0.01, 0.006)
-"""How far apart, in diameters, counterparts may stand while a motion is settled: scans are no exact shapes, and their boxes no exact axes."""
+"""How far apart, in diameters, counterparts may stand while a motion is settled: scans are no exact shapes, and their
+boxes no exact axes."""
 SIGMAS = 3.0 * 2.0**0.5
 """How far apart they may stand afterwards, in the cloud's median location noise; both have it."""
 BLOCK = 1_000_000
@@ -53,7 +55,11 @@ def counterparts(
         found.append((some[close], its[close], apart[close]))
     if not found:
         return np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0)
-    return np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found]), np.concatenate([f[2] for f in found])
+    return (
+        np.concatenate([f[0] for f in found]),
+        np.concatenate([f[1] for f in found]),
+        np.concatenate([f[2] for f in found]),
+    )
 
 
 def _alike(some: Floats, others: Floats, least: float) -> NDArray[np.bool_]:
@@ -120,7 +126,9 @@ def seen_again(cloud: LearntCloud, motion: Floats, seen: Observations, direction
         due += float(cloud.hit[held].sum())
         if not len(held) or not len(own):
             continue
-        i, j = flat(cKDTree(seen.at[own]).query_ball_point(at[cloud.feature[held]], reach_of(cloud), return_sorted=True))
+        i, j = flat(
+            cKDTree(seen.at[own]).query_ball_point(at[cloud.feature[held]], reach_of(cloud), return_sorted=True)
+        )
         a, b = held[i], own[j]
         like = _alike(up[a], seen.up[b], SAME_UP) & (np.abs(np.log(cloud.size[a] / seen.size[b])) < SAME_SIZE)
         a, b = a[like], b[like]

@@ -1,7 +1,8 @@
 """From observations to a cloud: what was seen at one place of the surface is one feature; what looked alike, one lobe of it.
 
-The hit rate of a lobe is measured over all pictures whose viewpoint it holds, also those in which nothing was seen; over as many as a cone of
-its size holds on average, where it holds fewer: a lobe around the one direction that showed it was not seen from beside it.
+The hit rate of a lobe is measured over all pictures whose viewpoint it holds, also those in which nothing was seen;
+over as many as a cone of its size holds on average, where it holds fewer: a lobe around the one direction that showed
+it was not seen from beside it.
 """
 
 from __future__ import annotations
@@ -26,8 +27,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 SAME_PLACE = 1.6
-"""Pixels (of the coarser of two pictures), or ``OF_SIZE`` of the size, within which observations are of one place: what is large has its middle
-less exactly, and the middle of what is round moves over it with the viewpoint. ORB's sizes are those of its patches, and do not count."""
+"""Pixels (of the coarser of two pictures), or ``OF_SIZE`` of the size, within which observations are of one place: what
+is large has its middle less exactly, and the middle of what is round moves over it with the viewpoint. ORB's sizes are
+those of its patches, and do not count."""
 SAME_SIZE, SAME_UP = 0.3, 0.8
 """Greatest logarithm of the ratio of sizes, least cosine between directions, of one feature."""
 ALIKE = {128: 200.0, 138: 210.0, 32: 45.0}
@@ -45,7 +47,8 @@ SIDES_SEEN = 0.25
 BEYOND = 0.8
 """So much of the angle between neighbouring directions a lobe reaches beyond those that showed it."""
 STEP, END = 1.25, 1.5
-"""By this factor a lobe reaches nearer and farther than the pictures that showed it: about half way to the next; END where there is no next."""
+"""By this factor a lobe reaches nearer and farther than the pictures that showed it: about half way to the next; END
+where there is no next."""
 
 
 class _Lobe(NamedTuple):
@@ -61,14 +64,18 @@ def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most
     points = _chosen(seen, _places(seen, np.flatnonzero(~seen.sided)), most)
     sides = _chosen(seen, side_places(seen, np.flatnonzero(seen.sided), diameter), MOST_SIDES)
     several = [(group, _lobes(seen, group, directions)) for group in points]
-    several += [(group, [lobe for lobe in _lobes(seen, group, directions) if lobe.hit >= SIDES_SEEN]) for group in sides]
+    several += [
+        (group, [lobe for lobe in _lobes(seen, group, directions) if lobe.hit >= SIDES_SEEN]) for group in sides
+    ]
     several = [(group, lobes) for group, lobes in several if lobes]
     cloud = LearntCloud(
         **_feature_arrays(seen, [group for group, _ in several]),
         **_lobe_arrays(seen, [(f, lobe) for f, (_, lobes) in enumerate(several) for lobe in lobes], diameter, f_ref),
     )
     shown = [np.concatenate([lobe.members for lobe in lobes]) for _, lobes in several]
-    return replace(cloud, compound=compounds_of(cloud, seen, shown, Pictures(diameter, _ranges(diameter, f_ref), count)))
+    return replace(
+        cloud, compound=compounds_of(cloud, seen, shown, Pictures(diameter, _ranges(diameter, f_ref), count))
+    )
 
 
 def _ranges(diameter: float, f_ref: float) -> Floats:
@@ -97,7 +104,9 @@ def _places(seen: Observations, which: NDArray[np.intp]) -> list[NDArray[np.intp
         near = which[tree.query_ball_point(seen.at[i], 2.0 * reach[i], return_sorted=True)]
         near = near[free[near]]
         apart = np.linalg.norm(seen.at[near] - seen.at[i], axis=1)
-        one = (apart <= np.maximum(reach[near], reach[i])) & (np.abs(np.log(seen.size[near] / seen.size[i])) < SAME_SIZE)
+        one = (apart <= np.maximum(reach[near], reach[i])) & (
+            np.abs(np.log(seen.size[near] / seen.size[i])) < SAME_SIZE
+        )
         one &= (seen.up[near] @ seen.up[i] > SAME_UP) | (near == i)
         free[near[one]] = False
         groups.append(near[one])

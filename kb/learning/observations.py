@@ -27,16 +27,19 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Detect = Callable[[NDArray[np.uint8], NDArray[np.uint8], int], "Seen"]
-    """Of a picture and the same before a calm background; the number is how many pixels lie between points along an edge."""
+    """Of a picture and the same before a calm background; the number is how many pixels lie between points along an
+    edge."""
 
 PICTURES = 4
 """Pictures of each size, all different; the first is where keypoints are looked for again in the others."""
 PICTURES_OF_SIDES, ALWAYS = 3, 1.0
-"""Those of them in which sides of edges are looked for, and the share of the others in which one must come again: noise makes edges too."""
+"""Those of them in which sides of edges are looked for, and the share of the others in which one must come again: noise
+makes edges too."""
 OFTEN = 0.5
 """Share of the other pictures in which a keypoint must come again: what comes less often is not expected (D7)."""
 SPARSE, DENSE = 9, 5
-"""Pixels between points along an edge: of those that become features, and of those among which they are looked for, as at run time."""
+"""Pixels between points along an edge: of those that become features, and of those among which they are looked for, as
+at run time."""
 SMALL = 200.0
 """Pixels: in a picture of a smaller object sides are taken densely, for a stretch of an edge is short there."""
 STEEP = 0.2
@@ -102,17 +105,23 @@ def observed(view: View, number: int, detect: Detect, seed: int = 0, look: Look 
         hit, uv, descriptor = keypoints_again(first, others)
         levels.append(_on_surface(view, inner, pixels, first, uv, hit, descriptor, (number, level)))
         if look is not None:
-            levels.append(_sides(view, pixels, [busy for busy, _ in pictures[:PICTURES_OF_SIDES]], look, (number, level)))
+            levels.append(
+                _sides(view, pixels, [busy for busy, _ in pictures[:PICTURES_OF_SIDES]], look, (number, level))
+            )
     return joined(levels)
 
 
-def _sides(view: View, pixels: float, pictures: Sequence[NDArray[np.uint8]], look: Look, number_level: tuple[int, int]) -> Observations:
+def _sides(
+    view: View, pixels: float, pictures: Sequence[NDArray[np.uint8]], look: Look, number_level: tuple[int, int]
+) -> Observations:
     """Carry sides of edges back to the surface that is on their side; those seldom seen are left out."""
     first, *others = [look(busy, SPARSE if i == 0 and pixels > SMALL else DENSE) for i, busy in enumerate(pictures)]
     large = np.array(view.image.shape[1::-1])
     factors = large / np.array(size_of(view, pixels))
     inward = np.column_stack([np.cos(first.angle), np.sin(first.angle)])
-    cells = [np.clip(np.rint((first.uv + deep * inward + 0.5) * factors - 0.5).astype(int), 0, large - 1) for deep in INSIDE]
+    cells = [
+        np.clip(np.rint((first.uv + deep * inward + 0.5) * factors - 0.5).astype(int), 0, large - 1) for deep in INSIDE
+    ]
     good = np.flatnonzero(np.all([view.mask[cell[:, 1], cell[:, 0]] for cell in cells[:2]], axis=0))
     hit = sides_again(first, others, good)
     good = good[hit[good] >= ALWAYS]
@@ -152,7 +161,9 @@ class _Taken:
     descriptor: NDArray[np.float32]
 
 
-def _carried(view: View, here: Floats, cell: NDArray[np.intp], factors: Floats, seen: _Taken, number_level: tuple[int, int]) -> Observations:
+def _carried(
+    view: View, here: Floats, cell: NDArray[np.intp], factors: Floats, seen: _Taken, number_level: tuple[int, int]
+) -> Observations:
     """What is seen at places (N, 3) in the camera's frame; at ``cell`` (N, 2) of the large picture, ``factors`` larger than what was looked at."""
     object_from_camera = view.camera.world_from_camera
     assert object_from_camera is not None  # noqa: S101 - a view has one

@@ -1,6 +1,7 @@
 """To which part of its type each learnt feature belongs: the one whose surface is nearest (A1, A3).
 
-Parts and pieces of the mesh know each other by their places, so that an author may rename parts, nest them, or take some out.
+Parts and pieces of the mesh know each other by their places, so that an author may rename parts, nest them, or take
+some out.
 """
 
 from __future__ import annotations
@@ -44,7 +45,9 @@ def _part_of(kind: ObjectType, cloud: LearntCloud) -> NDArray[np.int64]:
     pieces = pieces_of(kind.surface)
     if not pieces:  # nothing but the places tells the parts apart
         return np.array(leaves, np.int64)[_nearest(cloud.at, places)]
-    far = [Nearness(kind.surface.vertices, kind.surface.triangles[piece.triangles]).distance(cloud.at) for piece in pieces]
+    far = [
+        Nearness(kind.surface.vertices, kind.surface.triangles[piece.triangles]).distance(cloud.at) for piece in pieces
+    ]
     return np.array(leaves, np.int64)[_owners(pieces, places)[np.argmin(far, axis=0)]]
 
 
@@ -60,5 +63,7 @@ def _owners(pieces: Sequence[Piece], places: NDArray[np.float64]) -> NDArray[np.
     if len(pieces) != len(places):
         return _nearest(middles, places)
     far = np.linalg.norm(middles[:, None] - places[None], axis=2)
-    order = np.abs(np.arange(len(pieces))[:, None] - np.arange(len(places))[None])  # of pieces in one place the first is the first
+    order = np.abs(
+        np.arange(len(pieces))[:, None] - np.arange(len(places))[None]
+    )  # of pieces in one place the first is the first
     return np.asarray(linear_sum_assignment(far + 1e-9 * far.max() * order)[1], np.intp)

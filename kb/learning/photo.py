@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 TOO_FAR = 0.1
-"""Of a clicked place from the mesh's box, as a share of the mesh's diameter: beyond, its unit or its numbers are wrong."""
+"""Of a clicked place from the mesh's box, as a share of the mesh's diameter: beyond, its unit or its numbers are
+wrong."""
 HIDDEN = 0.05
 """A clicked place that the mesh itself hides by more than this share of its diameter is on the far side."""
 OFF = 0.012, 2.0
@@ -38,9 +39,11 @@ GRAZING = np.radians(75.0)
 TRIANGLES = 12_000
 """About how many the mesh is cut into, so that each is nearly flat to the camera's perspective."""
 GREY, STRIP = 128, 64
-"""Grey level of what the photo does not show, and height in pixels of the grey strip under the photo that they are painted with."""
+"""Grey level of what the photo does not show, and height in pixels of the grey strip under the photo that they are
+painted with."""
 SHARP = 1000.0
-"""Pixels that the object's diameter has at least in the texture (a photo of it that is smaller is enlarged, up to four times)."""
+"""Pixels that the object's diameter has at least in the texture (a photo of it that is smaller is enlarged, up to four
+times)."""
 CLEAR = 1.0
 """Of its diameter: a keypoint nearer to a grey triangle that the same view shows owes itself to the paint's rim."""
 SIDED = 8.0
@@ -62,8 +65,8 @@ def registered(points: Points, size: tuple[int, int], surface: Surface, camera: 
     """Camera and pose of a photo of ``size`` (width, height) px.
 
     Raises:
-        KBErrors: points outside the photo, off the mesh, hidden by it, or one that does not fit the others: each at its line.
-        IntakeError: too few points, or points that fix no pose or no focal length.
+        KBErrors: points outside the photo, off the mesh, hidden by it, or one that does not fit the others: each at its
+        line. IntakeError: too few points, or points that fix no pose or no focal length.
     """
     fewest = FEWEST_UNKNOWN if camera is None else FEWEST
     if len(points.at) < fewest:
@@ -88,7 +91,10 @@ def _check_places(points: Points, size: tuple[int, int], surface: Surface) -> No
     away = np.linalg.norm(points.at - np.clip(points.at, low, high), axis=1)
     width, height = size
     outside = ((points.uv < -0.5) | (points.uv > np.array([width, height]) - 0.5)).any(axis=1)
-    wrong = [points.mistake(int(i), f"the pixel must lie in the photo of {width} x {height}") for i in np.flatnonzero(outside)]
+    wrong = [
+        points.mistake(int(i), f"the pixel must lie in the photo of {width} x {height}")
+        for i in np.flatnonzero(outside)
+    ]
     for i in np.flatnonzero(away > TOO_FAR * surface.diameter):
         told = f"is {away[i]:.3g} m from the mesh, whose diameter is {surface.diameter:.3g} m: are its numbers and the units right?"
         wrong.append(points.mistake(int(i), told))
@@ -138,7 +144,12 @@ def _cut(surface: Surface) -> Floats:
         corners, which = corners[~small], sides[~small].argmax(axis=1)
         turned = corners[np.arange(len(corners))[:, None], (which[:, None] + np.arange(3)) % 3]
         middle = turned[:, :2].mean(axis=1)
-        corners = np.concatenate([np.stack([turned[:, 0], middle, turned[:, 2]], axis=1), np.stack([middle, turned[:, 1], turned[:, 2]], axis=1)])
+        corners = np.concatenate(
+            [
+                np.stack([turned[:, 0], middle, turned[:, 2]], axis=1),
+                np.stack([middle, turned[:, 1], turned[:, 2]], axis=1),
+            ]
+        )
     return np.concatenate(done)
 
 
@@ -166,7 +177,11 @@ def _texture(photo: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
     import cv2
 
     grey = np.full((STRIP * factor, photo.shape[1] * factor, 3), GREY, np.uint8)
-    large = np.asarray(cv2.resize(photo, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC), np.uint8) if factor > 1 else photo
+    large = (
+        np.asarray(cv2.resize(photo, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC), np.uint8)
+        if factor > 1
+        else photo
+    )
     return np.concatenate([large, grey])
 
 
@@ -189,5 +204,7 @@ def on_shown(mesh: PaintedMesh, seen: Observations) -> Observations:
         to_shown = cKDTree(middle[facing & mesh.shown]).query(seen.at[rows])[0]
         grey = facing & ~mesh.shown
         to_grey = cKDTree(middle[grey]).query(seen.at[rows])[0] if grey.any() else np.full(len(rows), np.inf)
-        keep[rows] = (to_shown < to_grey) & (to_grey > np.where(seen.sided[rows], SIDED * seen.pixel[rows], CLEAR * seen.size[rows]))
+        keep[rows] = (to_shown < to_grey) & (
+            to_grey > np.where(seen.sided[rows], SIDED * seen.pixel[rows], CLEAR * seen.size[rows])
+        )
     return replace(seen, **{field.name: getattr(seen, field.name)[keep] for field in fields(seen)})

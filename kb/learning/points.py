@@ -1,7 +1,8 @@
 """Clicked correspondences: pixels of a photo and the places of the object that they show, from a small text.
 
-YAML or JSON, a mapping with ``units`` (m where it is missing) and ``points``, each ``[u, v, x, y, z]`` or
-``{pixel: [u, v], at: [x, y, z]}``; or CSV, five numbers a line in the unit that is handed in, with or without the header ``u,v,x,y,z``.
+YAML or JSON, a mapping with ``units`` (m where it is missing) and ``points``, each ``[u, v, x, y, z]`` or ``{pixel: [u,
+v], at: [x, y, z]}``; or CSV, five numbers a line in the unit that is handed in, with or without the header
+``u,v,x,y,z``.
 """
 
 from __future__ import annotations
@@ -83,8 +84,14 @@ def _from_yaml(document: Document, units: str | None) -> Points:
 
 def _shape_mistakes(document: Document, data: object, rows: object) -> list[Mistake]:
     if not isinstance(data, dict) or not isinstance(rows, list) or not 0 < len(rows) <= MOST:
-        return [document.mistake(("points",), f"must be a mapping with points, a list of 1 to {MOST} of [u, v, x, y, z]")]
-    mistakes = [document.mistake((key,), "is no key of a file of points: units, points", key=True) for key in data if key not in ("units", "points")]
+        return [
+            document.mistake(("points",), f"must be a mapping with points, a list of 1 to {MOST} of [u, v, x, y, z]")
+        ]
+    mistakes = [
+        document.mistake((key,), "is no key of a file of points: units, points", key=True)
+        for key in data
+        if key not in ("units", "points")
+    ]
     if "units" in data and (not isinstance(data["units"], str) or data["units"] not in LENGTHS):
         mistakes.append(document.mistake(("units",), f"must be one of {', '.join(LENGTHS)}, not {data['units']!r:.40}"))
     return mistakes
@@ -128,7 +135,11 @@ def _from_csv(path: Path, content: bytes, scale: float) -> Points:
             numbers.append(found)
             places.append((number, 1))
     if len(numbers) > MOST:
-        mistakes.append(Mistake(str(path), *places[MOST], "", f"is point {MOST + 1} of {len(numbers)}: a file may have {MOST} points"))
+        mistakes.append(
+            Mistake(
+                str(path), *places[MOST], "", f"is point {MOST + 1} of {len(numbers)}: a file may have {MOST} points"
+            )
+        )
     if not numbers and not mistakes:
         mistakes.append(Mistake(str(path), 1, 1, "", "holds no points: u,v,x,y,z a line"))
     if mistakes:

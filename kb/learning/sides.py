@@ -1,8 +1,10 @@
 """What is seen of an object's edges from one direction: their sides that come again in worse pictures, carried back to its surface.
 
-Where along an edge a side is reported is arbitrary; so it is the same if it lies on the same line, and it belongs to all of a stretch of it.
+Where along an edge a side is reported is arbitrary; so it is the same if it lies on the same line, and it belongs to
+all of a stretch of it.
 
-* ``sides_again``: which come again; ``observations`` carries them back, as ``Observations`` of size 0: a side has a place, a direction and looks
+* ``sides_again``: which come again; ``observations`` carries them back, as ``Observations`` of size 0: a side has a
+  place, a direction and looks
 * ``side_places`` puts those of one stretch of an edge together
 """
 
@@ -26,9 +28,11 @@ if TYPE_CHECKING:
     """Of a picture; the number is how many pixels lie between points along an edge."""
 
 ACROSS, ALONG, TURNED, TINTED = 2.5, 4.5, 0.35, 40.0
-"""The same side: so near across its edge and along it (pixels), turned by less (radians), its colours less apart (bytes)."""
+"""The same side: so near across its edge and along it (pixels), turned by less (radians), its colours less apart
+(bytes)."""
 INSIDE = (1.5, 3.0, 5.0)
-"""Pixels from the edge at which the object must be, on the side that is its (the first two), and at which the plane that the edge is in is seen."""
+"""Pixels from the edge at which the object must be, on the side that is its (the first two), and at which the plane
+that the edge is in is seen."""
 STRETCH, WIDE = 0.045, 0.012
 """Of the object's diameter: what is one stretch along an edge, and across it."""
 PIXELS_WIDE = 1.5
@@ -36,8 +40,8 @@ PIXELS_WIDE = 1.5
 SAME_WAY = 0.8
 """Least cosine between the directions of one stretch."""
 LOOKS, VARIED = slice(POINT, POINT + SIDE), POINT + SIDE
-"""Where a side's looks are in a descriptor, and, in that of an appearance, how much its brightness against what is beyond varied (standard
-deviation): little within the object, much at its outline. All else in it is 0."""
+"""Where a side's looks are in a descriptor, and, in that of an appearance, how much its brightness against what is
+beyond varied (standard deviation): little within the object, much at its outline. All else in it is 0."""
 BYTES = 138
 """Of such a descriptor: as long as a keypoint's with colours."""
 
@@ -73,7 +77,9 @@ def _same(one: SeenSides, which: NDArray[np.intp], other: SeenSides) -> NDArray[
 
     if not len(which) or not len(other.uv):
         return np.zeros(0, np.intp)
-    pairs = cKDTree(one.uv[which]).sparse_distance_matrix(cKDTree(other.uv), float(np.hypot(ACROSS, ALONG)), output_type="ndarray")
+    pairs = cKDTree(one.uv[which]).sparse_distance_matrix(
+        cKDTree(other.uv), float(np.hypot(ACROSS, ALONG)), output_type="ndarray"
+    )
     mine, its = which[pairs["i"]], pairs["j"]
     apart, angle = other.uv[its] - one.uv[mine], one.angle[mine]
     across = apart[:, 0] * np.cos(angle) + apart[:, 1] * np.sin(angle)

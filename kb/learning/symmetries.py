@@ -1,9 +1,10 @@
 """Which turns of a shape its texture keeps: a learnt cloud is turned, and compared with itself, and with new pictures.
 
-A turn of the shape alone means nothing for a can with print on it. So the cloud is turned and must find itself again: at the turned places
-features that look alike, from like directions, the same way up. That is cheap, and most turns fail it. What is left must explain
-new pictures, which the cloud was not learnt from, about as well turned as unturned: also the unturned cloud finds only a part of itself there,
-and that part is the measure. What is equally bright is one to the detectors, whatever its colour.
+A turn of the shape alone means nothing for a can with print on it. So the cloud is turned and must find itself again:
+at the turned places features that look alike, from like directions, the same way up. That is cheap, and most turns fail
+it. What is left must explain new pictures, which the cloud was not learnt from, about as well turned as unturned: also
+the unturned cloud finds only a part of itself there, and that part is the measure. What is equally bright is one to the
+detectors, whatever its colour.
 
 * ``Trial``: one turn of the shape and how it went, ``Trial(turn, motions, share=0.43, control=0.002, ratio=0.98)``
 """
@@ -36,9 +37,11 @@ if TYPE_CHECKING:
 FOLDS = {0: (0, 4, 3, 2), 4: (4, 2), 2: (2,)}
 """What may be left of a shape's turns (0: any turn) under a texture, the most first."""
 LIKELY, CHANCE = 0.1, 3.0
-"""Least share of appearances with a counterpart, and how many times that of appearances dealt out anew, for a turn to be looked into."""
+"""Least share of appearances with a counterpart, and how many times that of appearances dealt out anew, for a turn to
+be looked into."""
 HOLDS, OPEN = 0.9, 0.5
-"""Share of what the unturned cloud shows in new pictures: from the one on a turn holds, from the other on nobody knows."""
+"""Share of what the unturned cloud shows in new pictures: from the one on a turn holds, from the other on nobody
+knows."""
 STRAY = math.radians(10.0)
 """The axes of a scan's box are no farther off than this."""
 DIRECTIONS = 10
@@ -79,7 +82,10 @@ def trials(cloud: LearntCloud, surface: Surface) -> list[list[Trial]]:
     rng = np.random.default_rng(0)
     dealt = cloud.descriptor[rng.permutation(len(cloud.feature))]
     turns = turns_of(surface) if len(cloud.feature) else []
-    return [[_trial(cloud, dealt, replace(turn, fold=fold), surface.diameter) for fold in FOLDS[turn.fold]] for turn in turns]
+    return [
+        [_trial(cloud, dealt, replace(turn, fold=fold), surface.diameter) for fold in FOLDS[turn.fold]]
+        for turn in turns
+    ]
 
 
 def _trial(cloud: LearntCloud, dealt: NDArray[np.uint8], turn: Turn, diameter: float) -> Trial:
@@ -104,7 +110,9 @@ def _motion(turn: Turn, angle: float) -> Floats:
     return np.asarray(from_rotation_translation(R, at - R @ at))
 
 
-def judged(groups: Sequence[Sequence[Trial]], cloud: LearntCloud, seen: Observations | None, directions: Floats) -> list[Trial]:
+def judged(
+    groups: Sequence[Sequence[Trial]], cloud: LearntCloud, seen: Observations | None, directions: Floats
+) -> list[Trial]:
     """One trial for each turn of the shape: the most that holds, or else what came nearest to it.
 
     ``seen``: new pictures from ``directions`` (V, 3); None where no trial is likely.
@@ -141,7 +149,9 @@ def entries(found: Sequence[Trial]) -> list[dict[str, Any]]:
         return []
     u, _, v = np.linalg.svd(np.array([_axis(trial) for trial in held]), full_matrices=False)
     at = _plain(_middle(held))
-    kinds: list[dict[str, Any]] = [{"fold": trial.turn.fold} if trial.turn.fold else {"continuous": True} for trial in held]
+    kinds: list[dict[str, Any]] = [
+        {"fold": trial.turn.fold} if trial.turn.fold else {"continuous": True} for trial in held
+    ]
     return [{"axis": _plain(axis), **kind, "at": at} for axis, kind in zip(u @ v, kinds, strict=True)]
 
 

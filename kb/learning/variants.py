@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     Variant = tuple[NDArray[np.uint8], NDArray[np.uint8]]
     """(h, w, 3) each: the view under random light, with blur and noise; before random spots, and before a calm background.
 
-    Before spots no keypoint at the outline comes twice; but a region of one colour, which ends there, would hardly ever come at all.
+    Before spots no keypoint at the outline comes twice; but a region of one colour, which ends there, would hardly ever
+    come at all.
     """
 
 GAIN, GAMMA = (0.7, 1.4), (0.8, 1.25)
@@ -22,7 +23,8 @@ GAIN, GAMMA = (0.7, 1.4), (0.8, 1.25)
 BLUR, NOISE = (0.4, 1.1), (2.0, 8.0)
 """Ranges of the blur's and the noise's standard deviation: pixels, grey levels."""
 LEVEL, TINT, CLOUDY = (20.0, 235.0), 20.0, 6.0
-"""Of a calm background: range of its brightness, standard deviations of its channels about it and of the clouds in it; grey levels."""
+"""Of a calm background: range of its brightness, standard deviations of its channels about it and of the clouds in it;
+grey levels."""
 
 
 def size_of(view: View, pixels: float) -> tuple[int, int]:
@@ -37,7 +39,9 @@ def variants(view: View, pixels: float, rng: np.random.Generator, count: int) ->
 
     size = size_of(view, pixels)
     whole = np.asarray(cv2.resize(view.image * view.mask[..., None], size, interpolation=cv2.INTER_AREA), np.float32)
-    share = np.asarray(cv2.resize(view.mask.astype(np.float32), size, interpolation=cv2.INTER_AREA), np.float32)[..., None]
+    share = np.asarray(cv2.resize(view.mask.astype(np.float32), size, interpolation=cv2.INTER_AREA), np.float32)[
+        ..., None
+    ]
     even = np.asarray(np.clip(whole / 255.0 / np.maximum(share, 1e-3), 0.0, 1.0), np.float32)
     return [_variant(even, share, rng) for _ in range(count)]
 

@@ -1,6 +1,7 @@
 """The views that a type is learnt from: directions on a sphere, and what a picture from one of them holds.
 
-* ``View``: one picture of the object alone, with its depth, large; smaller and worse pictures are made of it (``variants``)
+* ``View``: one picture of the object alone, with its depth, large; smaller and worse pictures are made of it
+  (``variants``)
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ if TYPE_CHECKING:
 DIRECTIONS = 80
 """Viewpoints on the sphere: one per 23°, within which SIFT holds."""
 PIXELS = (330.0, 230.0, 160.0, 110.0, 75.0)
-"""How large the object's diameter is in the pictures, pixels: what cameras see of a thing on a table and a room away."""
+"""How large the object's diameter is in the pictures, pixels: what cameras see of a thing on a table and a room
+away."""
 AWAY = 5.0
 """Distance of the viewpoints in diameters of the object."""
 MARGIN = 0.125

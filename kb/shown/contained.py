@@ -40,7 +40,9 @@ def contained_in(small: ObjectType, large: ObjectType) -> bool:
     return False
 
 
-def _placements(at: Places, there: Places, same: NDArray[np.bool_], near: float) -> Iterator[tuple[list[int], list[int]]]:
+def _placements(
+    at: Places, there: Places, same: NDArray[np.bool_], near: float
+) -> Iterator[tuple[list[int], list[int]]]:
     """Up to three features of the one, rare and far apart, with where they may be in the other: types and distances agree."""
     held = _wide(at, same.sum(axis=1))
     ways: list[list[int]] = [[]]

@@ -24,8 +24,9 @@ DIRECTIONS, AT_A_TIME = 200, 20
 class LearntSummary:
     """``features``: ``keypoints`` and ``sides`` of edges; ``words``: different visual words of its appearances; ``hit`` and ``sigma`` (m): medians.
 
-    ``distance`` (m at the reference focal length): where it is looked at from all around; ``share`` of these viewpoints expects at least
-    ``MANY`` features; ``most``: how many the best of them expects. ``compounds``: of ``joined`` features in all, ``largest`` of them in one.
+    ``distance`` (m at the reference focal length): where it is looked at from all around; ``share`` of these viewpoints
+    expects at least ``MANY`` features; ``most``: how many the best of them expects. ``compounds``: of ``joined``
+    features in all, ``largest`` of them in one.
     """
 
     detector: str
@@ -46,11 +47,15 @@ class LearntSummary:
     @property
     def lines(self) -> tuple[str, str]:
         """For people."""
-        what = f"{self.keypoints} keypoints and {self.sides} sides of edges" if self.sides else f"{self.features} features"
+        what = (
+            f"{self.keypoints} keypoints and {self.sides} sides of edges" if self.sides else f"{self.features} features"
+        )
         what += f", {self.joined} of them in {compounds_text(self.compounds, self.largest)}" if self.compounds else ""
         first = f"learnt with {self.detector}: {what}, {self.appearances} appearances, {self.words} visual words"
         sure = f"hit rate {self.hit:.2f} and sigma {1000.0 * self.sigma:.2g} mm (medians)"
-        seen = f"{MANY} or more features are expected from {self.share:.0%} of the view sphere, {self.distance:.2g} m away"
+        seen = (
+            f"{MANY} or more features are expected from {self.share:.0%} of the view sphere, {self.distance:.2g} m away"
+        )
         return first, f"{sure}; {seen}"
 
 

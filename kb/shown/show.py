@@ -60,7 +60,9 @@ def feature_counts(kind: ObjectType) -> dict[str, int]:
 def _notes(kb: KnowledgeBase) -> Iterator[str]:
     if not kb.types:
         yield "there is no type: nothing can be perceived"
-    seen = {name for kind in kb.types for name in kind.lobes.types} | set(kb.words.names if kb.words is not None else ())
+    seen = {name for kind in kb.types for name in kind.lobes.types} | set(
+        kb.words.names if kb.words is not None else ()
+    )
     unused = [repr(name) for name in kb.appearance_types if name not in seen]
     if unused and kb.types:
         yield f"no feature looks like {', '.join(unused[:MOST_NAMED])}{_more(len(unused))}"
@@ -98,7 +100,10 @@ def _moved(kind: ObjectType) -> list[float]:
 
 def tree_text(kb: KnowledgeBase) -> str:
     """The trees of all types: a line for each object and feature, one for all the appearances of a feature."""
-    return "\n".join(line for kind in kb.types for line in (*_tree_lines(kind, "", kind.name, ""), *_learnt_lines(kind))) + "\n"
+    return (
+        "\n".join(line for kind in kb.types for line in (*_tree_lines(kind, "", kind.name, ""), *_learnt_lines(kind)))
+        + "\n"
+    )
 
 
 def _learnt_lines(kind: ObjectType) -> list[str]:
@@ -130,7 +135,9 @@ def learnt_counts(kind: ObjectType) -> dict[str, int]:
 
 
 def _looks(tree: nx.DiGraph, node: str) -> str:
-    types = Counter(tree.nodes[part]["type"] for part in tree.successors(node) if tree.nodes[part]["kind"] == "appearance")
+    types = Counter(
+        tree.nodes[part]["type"] for part in tree.successors(node) if tree.nodes[part]["kind"] == "appearance"
+    )
     looks = ", ".join(name if number == 1 else f"{name} x{number}" for name, number in types.items())
     return f", looks like {looks}" if looks else ""
 
@@ -142,14 +149,19 @@ def _row(values: Iterable[float]) -> str:
 def part_rows(kind: ObjectType) -> list[dict[str, Any]]:
     """The whole and each object that is a part of it: ``{"name": "roof", "under": 0, "counts": {"apex": 1}}``.
 
-    ``under`` is the index of the part above, None for the whole; ``counts`` the Feature nodes of each type, those of its own parts left out.
+    ``under`` is the index of the part above, None for the whole; ``counts`` the Feature nodes of each type, those of
+    its own parts left out.
     """
     objects = _objects(kind)
     counts: list[Counter[str]] = [Counter() for _ in objects]
     for part, feature in zip(_parts_of(kind, kind.all_features), kind.all_features, strict=True):
         counts[part][feature.type] += 1
     return [
-        {"name": node.rsplit("/", 1)[-1] or kind.name, "under": _above(kind, node, objects), "counts": dict(sorted(own.items()))}
+        {
+            "name": node.rsplit("/", 1)[-1] or kind.name,
+            "under": _above(kind, node, objects),
+            "counts": dict(sorted(own.items())),
+        }
         for node, own in zip(objects, counts, strict=True)
     ]
 

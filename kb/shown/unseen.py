@@ -49,7 +49,9 @@ def most_together(kind: ObjectType) -> int:
     if not len(table.types):
         return 0
     viewpoints = _viewpoints(kind, table)
-    inside = np.concatenate([feature_in_lobe(table, some, 1.0) for some in np.array_split(viewpoints, max(1, len(viewpoints) // 100))])
+    inside = np.concatenate(
+        [feature_in_lobe(table, some, 1.0) for some in np.array_split(viewpoints, max(1, len(viewpoints) // 100))]
+    )
     at = np.array([feature.at for feature in kind.seen_features])
     most = 0
     for index in np.argsort(-inside.sum(axis=1), kind="stable")[:BEST]:

@@ -36,7 +36,8 @@ class Face:
 def faces(surface: Surface) -> tuple[Face, ...]:
     """The faces in the order of their first triangle; each triangle is in exactly one.
 
-    A flat region that is not convex is cut: neighbours join while they stay convex, so no two of its faces could be one.
+    A flat region that is not convex is cut: neighbours join while they stay convex, so no two of its faces could be
+    one.
     """
     normals, graph = normals_of(surface), _flat_neighbours(surface)
     groups: list[tuple[frozenset[int], tuple[int, ...]]] = []

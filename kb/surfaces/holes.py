@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 def filled(vertices: Places, triangles: Facets) -> tuple[Places, Facets, int, int]:
     """Vertices, triangles, and how many holes were filled and how many left: those larger than ``LARGEST_HOLE`` of the whole.
 
-    A hole is a loop of edges with a facet on one side only. One of three edges gets a triangle, any other a fan about its middle.
+    A hole is a loop of edges with a facet on one side only. One of three edges gets a triangle, any other a fan about
+    its middle.
     """
     loops = rims(triangles)
     most = LARGEST_HOLE * np.linalg.norm(np.ptp(vertices, axis=0))
@@ -33,7 +34,10 @@ def filled(vertices: Places, triangles: Facets) -> tuple[Places, Facets, int, in
         middles.append(vertices[loop].mean(axis=0))
         facets.append(np.stack([np.roll(loop, -1), loop, middle], axis=1))
     if small:
-        vertices, triangles = np.concatenate([vertices, *[m[None] for m in middles]]), np.concatenate([triangles, *facets])
+        vertices, triangles = (
+            np.concatenate([vertices, *[m[None] for m in middles]]),
+            np.concatenate([triangles, *facets]),
+        )
     return vertices, triangles, len(small), len(loops) - len(small)
 
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 def turned_outward(vertices: Places, triangles: Facets) -> Facets:
     """The triangles (T, 3), some of them turned over.
 
-    Where neighbours already agree everywhere, the whole is turned if its volume is negative, so that inner walls stay inner. Otherwise
-    each connected piece is made to agree with itself, and turned outward by its own volume.
+    Where neighbours already agree everywhere, the whole is turned if its volume is negative, so that inner walls stay
+    inner. Otherwise each connected piece is made to agree with itself, and turned outward by its own volume.
     """
     one, other, same = _neighbours(triangles)
     if not same.any():

@@ -56,7 +56,9 @@ def repaired(vertices: Places, triangles: Facets) -> Repaired:
     places, facets, holes, left = closed_up(joined)
     smaller, off = simplified(Surface(places, facets))
     lost = len(triangles) - len(joined.triangles) + joined_twice(joined.triangles)
-    return Repaired(smaller, len(vertices), len(triangles), len(vertices) - len(joined.vertices), lost, holes, left, off)
+    return Repaired(
+        smaller, len(vertices), len(triangles), len(vertices) - len(joined.vertices), lost, holes, left, off
+    )
 
 
 def closed_up(surface: Surface) -> tuple[Places, Facets, int, int]:
@@ -78,10 +80,13 @@ def joined_twice(triangles: Facets) -> int:
 def _once(triangles: Facets) -> list[Facets]:
     """Each triangle once, whichever way it faces, in one or two ways.
 
-    Of two triangles back to back, which enclose nothing, neither may be meant: a flap, or the wall between two bodies that touch. Or
-    one of them: a sheet drawn from both sides, which takes its vertices with it. The likelier way is the last.
+    Of two triangles back to back, which enclose nothing, neither may be meant: a flap, or the wall between two bodies
+    that touch. Or one of them: a sheet drawn from both sides, which takes its vertices with it. The likelier way is the
+    last.
     """
-    _, first, group, count = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True)
+    _, first, group, count = np.unique(
+        np.sort(triangles, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
+    )
     facing = np.bincount(group.ravel(), weights=_parity(triangles))
     flap = (count == 2) & (facing == 0)
     one, neither = triangles[np.sort(first)], triangles[np.sort(first[~flap])]

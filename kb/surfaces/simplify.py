@@ -29,7 +29,8 @@ AGGRESSION = 3
 def simplified(surface: Surface) -> tuple[Surface, float]:
     """The surface with at most ``FEW`` triangles, and how far it then is at most, m, of many points; with up to ``MOST``, where it would be too far.
 
-    What is too far: the last of ``DEVIATIONS``. Where even ``MOST`` triangles are farther, so be it: the distance tells.
+    What is too far: the last of ``DEVIATIONS``. Where even ``MOST`` triangles are farther, so be it: the distance
+    tells.
     """
     if len(surface.triangles) <= FEW:
         return surface, 0.0
@@ -48,15 +49,26 @@ def _capped(surface: Surface) -> tuple[NDArray[np.float64], NDArray[np.int64]] |
     return (np.concatenate(middles), extra) if whole else None
 
 
-def _within_tolerance(surface: Surface, vertices: NDArray[np.float64], caps: NDArray[np.int64]) -> tuple[Surface, float]:
+def _within_tolerance(
+    surface: Surface, vertices: NDArray[np.float64], caps: NDArray[np.int64]
+) -> tuple[Surface, float]:
     """By manifold3d: a subset of the vertices; each step moves nothing by more than the tolerance, several may add up a little."""
     from manifold3d import Manifold, Mesh64
 
-    name = Manifold.reserve_ids(2)  # of the surface's triangles; the caps' is the next, and between the two no edge is lost
+    name = Manifold.reserve_ids(
+        2
+    )  # of the surface's triangles; the caps' is the next, and between the two no edge is lost
     facets = np.concatenate([surface.triangles, caps]).astype(np.uint64)
     runs = np.array([0, 3 * len(surface.triangles), 3 * len(facets)], dtype=np.uint64)
     names = np.array([name, name + 1], dtype=np.uint32)
-    body = Manifold(Mesh64(np.array(vertices), facets, run_index=runs[: 2 + bool(len(caps))], run_original_id=names[: 1 + bool(len(caps))]))
+    body = Manifold(
+        Mesh64(
+            np.array(vertices),
+            facets,
+            run_index=runs[: 2 + bool(len(caps))],
+            run_original_id=names[: 1 + bool(len(caps))],
+        )
+    )
     best, shares = surface, list(DEVIATIONS)
     while shares:
         share = shares.pop(0)
@@ -110,7 +122,9 @@ def _decimated(surface: Surface, number: int) -> Surface | None:
 def deviation(surface: Surface, fewer: Surface) -> float:
     """The largest distance found between the two, m: from the one's vertices to the other's triangles, and back from points on it."""
     there = Nearness(fewer.vertices, fewer.triangles).distance(_some(surface.vertices))
-    back = Nearness(surface.vertices, surface.triangles).distance(_some(spread(fewer.vertices, fewer.triangles, PROBES)[0]))
+    back = Nearness(surface.vertices, surface.triangles).distance(
+        _some(spread(fewer.vertices, fewer.triangles, PROBES)[0])
+    )
     return float(max(there.max(), back.max()))
 
 

@@ -1,6 +1,7 @@
 """The volume that A4 is about: a closed surface as it is, one that can be closed repaired, any other refused, and which of these it was.
 
-* ``Mended(surface, done="1 hole filled", refused="")``: ``surface`` closed and outward; None where it is refused, and ``refused`` says why
+* ``Mended(surface, done="1 hole filled", refused="")``: ``surface`` closed and outward; None where it is refused, and
+  ``refused`` says why
 """
 
 from __future__ import annotations
@@ -41,7 +42,11 @@ def mended(surface: Surface) -> Mended:
     ]
     said = ", ".join(f"{count} {one if count == 1 else more}" for count, one, more in done if count)
     if left:
-        return Mended(None, "", f"{left} {'hole is' if left == 1 else 'holes are'} larger than {LARGEST_HOLE:.0%} of it, and may be meant")
+        return Mended(
+            None,
+            "",
+            f"{left} {'hole is' if left == 1 else 'holes are'} larger than {LARGEST_HOLE:.0%} of it, and may be meant",
+        )
     if not is_closed(facets):
         return Mended(None, "", "its facets meet in a way that leaves no inside")
     try:

@@ -1,7 +1,8 @@
 """Surfaces: Surface(surface(x), BoundingSurface, facets), of triangles, closed and manifold where it can be (§2.8).
 
-Vocabulary: ``Surface``, a tetrahedron having 4 vertices and 4 triangles; its edges lie each in exactly two facets. A surface that is
-not closed hides what is behind it all the same, for that is a matter of rays; for A4 it is repaired, or refused as a ``solid``.
+Vocabulary: ``Surface``, a tetrahedron having 4 vertices and 4 triangles; its edges lie each in exactly two facets. A
+surface that is not closed hides what is behind it all the same, for that is a matter of rays; for A4 it is repaired, or
+refused as a ``solid``.
 """
 
 from __future__ import annotations
@@ -67,7 +68,8 @@ class Surface:
     def closed(self) -> bool:
         """Whether each edge is run along as often one way as the other: an inside and an outside, and so a volume (§2.8).
 
-        Weaker than ``check_closed``: two bodies that touch along an edge, four facets meeting there, enclose a volume all the same.
+        Weaker than ``check_closed``: two bodies that touch along an edge, four facets meeting there, enclose a volume
+        all the same.
         """
         return is_closed(self.triangles)
 
@@ -100,7 +102,8 @@ def surface_from_mesh(path: Path, scale: float = 1.0) -> Surface:
     """The surface of a mesh file, closed or not; ``scale`` takes the file's unit to metres.
 
     Raises:
-        SurfaceError: for a file that is no mesh, and for a mesh with a coordinate that is not finite or without an extent.
+        SurfaceError: for a file that is no mesh, and for a mesh with a coordinate that is not finite or without an
+        extent.
     """
     vertices, triangles = _read(path)
     surface = welded(vertices * scale, triangles)

@@ -23,7 +23,8 @@ MOST = 400
 SAME = 1e-6
 """Motions whose entries differ by less are one, where a group is written."""
 CLOSES = 1e-3
-"""The same of products of what an author listed, whose six digits do not close any better (rad, m); fold 360 turns by 0.017."""
+"""The same of products of what an author listed, whose six digits do not close any better (rad, m); fold 360 turns by
+0.017."""
 
 
 def motions(symmetries: Sequence[SymmetryModel]) -> NDArray[np.float64]:

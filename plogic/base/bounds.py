@@ -1,7 +1,8 @@
 """Probabilities that ProbLog can read (§8, trap g).
 
-ProbLog's log semiring turns a written label below 1e-9 into 0 and one above 1 − 1e-9 into 1. So what is possible but very improbable is
-lifted to ``LEAST``, in the program text and in the exact worlds alike; what is impossible stays impossible.
+ProbLog's log semiring turns a written label below 1e-9 into 0 and one above 1 − 1e-9 into 1. So what is possible but
+very improbable is lifted to ``LEAST``, in the program text and in the exact worlds alike; what is impossible stays
+impossible.
 """
 
 from __future__ import annotations

@@ -32,11 +32,15 @@ def forget_beside(place: Path, folders: int = FOLDERS, most: int = BYTES) -> Non
     Nothing else is touched: no file, and no folder of another name.
     """
     try:
-        beside = {path: path.stat().st_mtime for path in place.parent.iterdir() if path.is_dir() and not path.is_symlink()}
+        beside = {
+            path: path.stat().st_mtime for path in place.parent.iterdir() if path.is_dir() and not path.is_symlink()
+        }
     except OSError:  # another process forgets at the same time
         return
     total = 0
-    for rank, path in enumerate(sorted((path for path in beside if _KEY.fullmatch(path.name)), key=lambda path: (path != place, -beside[path]))):
+    for rank, path in enumerate(
+        sorted((path for path in beside if _KEY.fullmatch(path.name)), key=lambda path: (path != place, -beside[path]))
+    ):
         total += _bytes(path)
         if rank and (rank >= folders or total > most):
             discard(path)

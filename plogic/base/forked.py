@@ -1,7 +1,8 @@
 """Independent jobs that copies of this process share in: the same results in the same order as one after another.
 
-A copy (``fork``) knows all that the process knows, so nothing is sent to it; what it finds comes back pickled, through a pipe that nobody else
-writes to. Threads would not do: most of a search is steps of Python between small arrays, and the interpreter takes one at a time.
+A copy (``fork``) knows all that the process knows, so nothing is sent to it; what it finds comes back pickled, through
+a pipe that nobody else writes to. Threads would not do: most of a search is steps of Python between small arrays, and
+the interpreter takes one at a time.
 
 * ``each(done, jobs, 2)``: as ``map``, by this process and one copy
 """
@@ -38,9 +39,10 @@ def processors() -> int:
 def each(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -> Generator[Result]:
     """As ``map``, by at most so many ``processes``, this one among them, for two jobs or more each; by this one alone where it may have no children.
 
-    Whoever is idle takes the next job. One that raises does so here, in its turn: where a copy fails, or is killed, this process does its job.
-    Of who stops asking no further job is begun. What jobs leave behind besides their results is lost with the copies. A process that has other
-    threads should ask for one process only: a copy has none of them, and what they held stays held.
+    Whoever is idle takes the next job. One that raises does so here, in its turn: where a copy fails, or is killed,
+    this process does its job. Of who stops asking no further job is begun. What jobs leave behind besides their results
+    is lost with the copies. A process that has other threads should ask for one process only: a copy has none of them,
+    and what they held stays held.
     """
     processes = min(processes, len(jobs) // 2)
     if processes < 2 or current_process().daemon:

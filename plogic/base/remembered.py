@@ -3,7 +3,8 @@
 Nobody has to remember to change a version: what other code made is not found, and made anew.
 
 * ``arrays_of(place, names, make)``: arrays that are mapped from files, or made and put there
-* ``source_digest(root, files)``: what code it is, of all of some folders (``sources_in``), or of what one file imports (``sources``)
+* ``source_digest(root, files)``: what code it is, of all of some folders (``sources_in``), or of what one file imports
+  (``sources``)
 """
 
 from __future__ import annotations
@@ -44,11 +45,13 @@ def cache_folder(what: str) -> Path | None:
         return None
 
 
-def arrays_of(place: Path, names: Iterable[str], make: Callable[[], Mapping[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
+def arrays_of(
+    place: Path, names: Iterable[str], make: Callable[[], Mapping[str, NDArray[Any]]]
+) -> dict[str, NDArray[Any]]:
     """The arrays ``names`` in the folder ``place``, mapped and read-only; else those that ``make`` gives, which are put there if that can be done.
 
-    A folder is written whole or not at all; one that is not, to the byte, what its manifest says was written is made anew. Of its siblings those
-    used last are kept (``plogic.base.forgotten``).
+    A folder is written whole or not at all; one that is not, to the byte, what its manifest says was written is made
+    anew. Of its siblings those used last are kept (``plogic.base.forgotten``).
     """
     with suppress(Exception):  # whatever is wrong with what is kept, it can be made anew
         return _kept(place, tuple(names))
@@ -73,7 +76,10 @@ def _file(place: Path, name: str) -> Path:
 
 def _manifest(place: Path, key: str, arrays: Mapping[str, NDArray[Any]]) -> bytes:
     """What the files in ``place`` are, as JSON: whose key, and of each its type, shape, length and checksum."""
-    said = {name: {"dtype": a.dtype.str, "shape": a.shape, **_measured(_file(place, name))} for name, a in sorted(arrays.items())}
+    said = {
+        name: {"dtype": a.dtype.str, "shape": a.shape, **_measured(_file(place, name))}
+        for name, a in sorted(arrays.items())
+    }
     return json.dumps({"key": key, "arrays": said}, indent=1).encode()
 
 
@@ -103,7 +109,9 @@ def _write(place: Path, made: Mapping[str, NDArray[Any]]) -> None:
 
 def sources_in(root: Path, places: Iterable[str]) -> set[str]:
     """All source files below ``root`` in some folders of it, and those that are named themselves."""
-    found = {file for place in places for file in ([root / place] if place.endswith(".py") else (root / place).rglob("*.py"))}
+    found = {
+        file for place in places for file in ([root / place] if place.endswith(".py") else (root / place).rglob("*.py"))
+    }
     return {file.relative_to(root).as_posix() for file in found}
 
 
@@ -118,14 +126,16 @@ def source_digest(root: Path, files: Iterable[str]) -> bytes:
 def sources(root: Path, first: str) -> set[str]:
     """A source file below ``root`` and all others there that it imports, at its top or in a function, directly or by way of others.
 
-    What is imported for the type checker alone is left out. So is the code of objects that are made elsewhere and handed in: for those all sources
-    count (``sources_in``), or what they hold is hashed.
+    What is imported for the type checker alone is left out. So is the code of objects that are made elsewhere and
+    handed in: for those all sources count (``sources_in``), or what they hold is hashed.
     """
     found, left = {first}, [first]
     while left:
         tree = ast.parse((root / left.pop()).read_bytes())
         names = (name.replace(".", "/") for node in _run(tree) for name in _imported(node))
-        new = {file for name in names for file in (f"{name}.py", f"{name}/__init__.py") if (root / file).is_file()} - found
+        new = {
+            file for name in names for file in (f"{name}.py", f"{name}/__init__.py") if (root / file).is_file()
+        } - found
         found |= new
         left += new
     return found

@@ -2,8 +2,9 @@
 
 * ``Stable``: what was accepted at one moment, made stable, as the cycle would end with it
 
-The *weight* of Δi is the sum of the log-likelihood ratios of what it accepts, as the interpretation states them: ln of how much likelier Γ is in
-its world than in the empty one. Law: more time never makes it less. A cycle with more time comes to the same ones first, in the same order.
+The *weight* of Δi is the sum of the log-likelihood ratios of what it accepts, as the interpretation states them: ln of
+how much likelier Γ is in its world than in the empty one. Law: more time never makes it less. A cycle with more time
+comes to the same ones first, in the same order.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ if TYPE_CHECKING:
 
 
 HEAVIER = 1e-6
-"""By how much a glance must be heavier than what is kept: two that only rounding tells apart are the same, whether there is a deadline or not."""
+"""By how much a glance must be heavier than what is kept: two that only rounding tells apart are the same, whether
+there is a deadline or not."""
 
 
 class Stable(NamedTuple):
@@ -97,7 +99,11 @@ class Anytime(Beside):
         """Δi is the heaviest stable one that there was; what was accepted else is rejected."""
         some, self.accepted = self.accepted, list(self.best.accepted)
         kept = [*self.best.of, *self.best.accepted]
-        lost = [belief for belief in some if not any(belief.posed.camera_from_object is one.posed.camera_from_object for one in kept)]
+        lost = [
+            belief
+            for belief in some
+            if not any(belief.posed.camera_from_object is one.posed.camera_from_object for one in kept)
+        ]
         self.rejected += [belief for belief in self.best.rejected if not any(belief is told for told in self.rejected)]
         self.trace.steps += self.best.steps
         for belief in lost:
@@ -122,7 +128,9 @@ class Anytime(Beside):
 
     def _accept(self, belief: Belief) -> None:
         self.accepted.append(replace(belief, status="accepted", why="explains its data better than chance, ev above 0"))
-        self.trace.add("accept", f"log-likelihood ratio {belief.worth:.1f}", of_type=name_of(belief), ev=belief.ev_reconsidered)
+        self.trace.add(
+            "accept", f"log-likelihood ratio {belief.worth:.1f}", of_type=name_of(belief), ev=belief.ev_reconsidered
+        )
 
     def _separate(self) -> None:
         """A4 to a millimetre: move apart, all together, what reaches into another; of two that cannot be, the one of less worth is rejected."""
@@ -132,13 +140,29 @@ class Anytime(Beside):
             if not deep:
                 break
             worst = min({k for pair in deep for k in pair}, key=lambda k: self.accepted[k].worth)
-            self.rejected.append(replace(self.accepted.pop(worst), status="rejected", why="shares volume with an accepted object (A4)"))
-            self.trace.add("release", "no poses near keep it out of the others (A4); its data are released", of_type=name_of(self.rejected[-1]))
+            self.rejected.append(
+                replace(self.accepted.pop(worst), status="rejected", why="shares volume with an accepted object (A4)")
+            )
+            self.trace.add(
+                "release",
+                "no poses near keep it out of the others (A4); its data are released",
+                of_type=name_of(self.rejected[-1]),
+            )
         for k, (belief, pose) in enumerate(zip(list(self.accepted), poses, strict=True)):
             if pose is not belief.posed.camera_from_object:
-                posed = settle(belief.index, pose, self.data, self.kb, free=self.free(belief), hidden=self._hidden(belief.posed, belief), rounds=0)
+                posed = settle(
+                    belief.index,
+                    pose,
+                    self.data,
+                    self.kb,
+                    free=self.free(belief),
+                    hidden=self._hidden(belief.posed, belief),
+                    rounds=0,
+                )
                 self.accepted[k] = replace(belief, posed=posed)
-                self.trace.add("move", "a little, so that it does not reach into what it touches (A4)", of_type=name_of(belief))
+                self.trace.add(
+                    "move", "a little, so that it does not reach into what it touches (A4)", of_type=name_of(belief)
+                )
 
     def _told_of(self, posed: Posed) -> NDArray[np.float64]:
         """(6, 6) what Γ tells of a pose (``plogic.match.judged.disjoint``)."""
@@ -153,12 +177,22 @@ class Anytime(Beside):
                 return
             worst = min(bad, key=lambda b: (b.ev_reconsidered is not None, b.ev_reconsidered or -1.0))
             self.accepted = [b for b in self.accepted if b is not worst]
-            self.rejected.append(replace(worst, status="rejected", why="ev or evidence is not above 0 beside the others"))
-            self.trace.add("release", "ev or evidence is not above 0 beside the others; its data are released", of_type=name_of(worst))
+            self.rejected.append(
+                replace(worst, status="rejected", why="ev or evidence is not above 0 beside the others")
+            )
+            self.trace.add(
+                "release",
+                "ev or evidence is not above 0 beside the others; its data are released",
+                of_type=name_of(worst),
+            )
 
     def _again(self, belief: Belief) -> Belief:
         """Ev of an accepted hypothesis with everything else that is accepted; as before where the same stand near it."""
-        near = [b.posed for b in self.accepted if b is not belief and not apart_on_screen(belief.posed, b.posed, *self.reach)]
+        near = [
+            b.posed
+            for b in self.accepted
+            if b is not belief and not apart_on_screen(belief.posed, b.posed, *self.reach)
+        ]
         key = tuple(id(posed) for posed in (belief.posed, *near))
         if key not in self.reconsidered:
             self.deadline.check()

@@ -1,6 +1,7 @@
 """Attention: in what order the types are tried (§5.3, §7).
 
-rank saturates in clutter, so ties go by the excess over chance, then by the rank within one lobe-consistent neighbourhood.
+rank saturates in clutter, so ties go by the excess over chance, then by the rank within one lobe-consistent
+neighbourhood.
 """
 
 from __future__ import annotations
@@ -58,7 +59,9 @@ def _attention(index: Index, here: Counter[str], by_chance: Counter[str]) -> Att
         return Attention(kind.name, ranks[0], ranks[0] - ranks[1], ranks[0])
     if index.in_line is not None:
         counted, chance = _counted(index, here), _counted(index, by_chance, neighbourhoods=1)
-        return Attention(kind.name, float(counted[0]), float(counted[0] - chance[0]), float(counted[1:].max(initial=0.0)))
+        return Attention(
+            kind.name, float(counted[0]), float(counted[0] - chance[0]), float(counted[1:].max(initial=0.0))
+        )
     looks = [frozenset(a.type for a in feature.appearances) for feature in kind.features]
     allowed, usual = (compatible(looks, list(some.elements())) for some in (here, by_chance))
     ranks = [rank(weights, allowed), rank(weights, usual)]

@@ -1,6 +1,7 @@
 """What the perceptual cycle holds of a hypothesis, and what a run came to (§7).
 
-Vocabulary: ``Belief``, one hypothesis under consideration with its verdict; ``Cycle``, what a run came to: Δh, Δi and the trace.
+Vocabulary: ``Belief``, one hypothesis under consideration with its verdict; ``Cycle``, what a run came to: Δh, Δi and
+the trace.
 """
 
 from __future__ import annotations

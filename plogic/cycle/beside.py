@@ -29,16 +29,17 @@ if TYPE_CHECKING:
     from plogic.match.oriented.pair_index import PairIndex
 
 FEWEST = 4
-"""Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8, trap b)."""
+"""Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8,
+trap b)."""
 
 
 @dataclass(eq=False)
 class Beside:
     """Δi over one Γ, and what can be said of a hypothesis beside it.
 
-    ``end``: a moment of ``time.monotonic`` at which a search stops, None for never; ``shared``: the index of the types that are searched for
-    together, if there is one; ``processes``: how many search for the others, this one and copies of it; ``generator``: who proposes poses of types
-    written by hand, one of ``plogic.match.indices.GENERATORS``.
+    ``end``: a moment of ``time.monotonic`` at which a search stops, None for never; ``shared``: the index of the types
+    that are searched for together, if there is one; ``processes``: how many search for the others, this one and copies
+    of it; ``generator``: who proposes poses of types written by hand, one of ``plogic.match.indices.GENERATORS``.
     """
 
     data: Data
@@ -131,7 +132,10 @@ class Beside:
             before = self._hidden(other.posed, other)
             after = before | hidden_by(other.posed, posed)
             if (after != before).any() and not overlap(posed, other.posed):
-                change += evidence(other.posed, self.data, self.kb, after).ratio - evidence(other.posed, self.data, self.kb, before).ratio
+                change += (
+                    evidence(other.posed, self.data, self.kb, after).ratio
+                    - evidence(other.posed, self.data, self.kb, before).ratio
+                )
         return min(0.0, change)
 
 

@@ -64,12 +64,19 @@ class Delta:
 
 @uncollected()
 def delta_of(
-    cycle: Cycle, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], options: Options, fitted: Fitted = as_fitted, *, related: bool = True
+    cycle: Cycle,
+    data: Data,
+    kb: KnowledgeBase,
+    dv: Mapping[str, float],
+    options: Options,
+    fitted: Fitted = as_fitted,
+    *,
+    related: bool = True,
 ) -> Delta:
     """Name the hypotheses that were not rejected and collect the facts that decide their probabilities.
 
-    ``fitted(posed, data, kb, hidden)`` gives the hit rates (F,) and densities (F,) that the program is told. ``related``: whether relations and
-    space, which decide no probability of a world, are worked out as well.
+    ``fitted(posed, data, kb, hidden)`` gives the hit rates (F,) and densities (F,) that the program is told.
+    ``related``: whether relations and space, which decide no probability of a world, are worked out as well.
     """
     beliefs = {f"h{i}": belief for i, belief in enumerate((*cycle.accepted, *cycle.considered), 1)}
     names = list(beliefs)
@@ -82,7 +89,10 @@ def delta_of(
     rivals = exclusive | {pair for pair, share in shared.items() if share > 0.0}
     hiding = {(x, y): hidden_by(posed[x], posed[y]) for x in names for y in names if x != y}
     group = instances({name: p.object_type.name for name, p in posed.items()}, exclusive)
-    rates = {name: fitted(belief.posed, data, kb, _hidden(name, beliefs, hiding, exclusive)) for name, belief in beliefs.items()}
+    rates = {
+        name: fitted(belief.posed, data, kb, _hidden(name, beliefs, hiding, exclusive))
+        for name, belief in beliefs.items()
+    }
     hypotheses = tuple(_hypothesis(name, posed[name], group[name], hiding, rates[name], data, dv) for name in names)
     return Delta(
         beliefs,
@@ -113,9 +123,15 @@ def _share_volume(one: Belief, other: Belief) -> bool:
     return overlap(one.posed, other.posed) or (told and reaches_into(one.posed, other.posed))
 
 
-def unpruned(data: Data, kb: KnowledgeBase, indices: Sequence[Index], dv: Mapping[str, float], options: Options, most: int) -> Delta:
+def unpruned(
+    data: Data, kb: KnowledgeBase, indices: Sequence[Index], dv: Mapping[str, float], options: Options, most: int
+) -> Delta:
     """Δh before anything is accepted or rejected: every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth."""
-    found = [_open_belief(posed, index, data, kb, dv) for index in indices for _, posed in generate(index, data, kb, refined=EVERY, verified=EVERY)]
+    found = [
+        _open_belief(posed, index, data, kb, dv)
+        for index in indices
+        for _, posed in generate(index, data, kb, refined=EVERY, verified=EVERY)
+    ]
     best = sorted(found, key=lambda b: -b.worth)[:most]
     return delta_of(Cycle((), tuple(best), (), (), Trace()), data, kb, dv, options)
 

@@ -1,8 +1,9 @@
 """Who may hold whom, by geometry (``plogic.facts.gravity``): where bodies of Δh begin, and which touches which from above, as far as poses are known.
 
-Tolerances are stated, in favour of what stands. Each body gives way by half of what ``on`` allows a pair (``plogic.cycle.placing.CONTACT``), or by three
-standard deviations of its pose at that place and in that direction, where this is more: a hypothesis floats only if no pose of those that its
-matches leave would hold it. Contacts are by pybullet, of the bodies' convex parts; ``geometry.bodies.contacts`` says what stands in for a scan.
+Tolerances are stated, in favour of what stands. Each body gives way by half of what ``on`` allows a pair
+(``plogic.cycle.placing.CONTACT``), or by three standard deviations of its pose at that place and in that direction,
+where this is more: a hypothesis floats only if no pose of those that its matches leave would hold it. Contacts are by
+pybullet, of the bodies' convex parts; ``geometry.bodies.contacts`` says what stands in for a scan.
 """
 
 from __future__ import annotations
@@ -82,16 +83,24 @@ def gravity_of_view(
 ) -> Gravity | None:
     """Of Δh, by id; None where the KB does not say that gravity holds. ``overlaps``: pairs that A4 excludes from one world, which hold nobody.
 
-    ``information`` (6, 6) each: what is known of the poses, camera axes; left out, what this view tells. It speaks of the first ``MOST`` that
-    have a surface.
+    ``information`` (6, 6) each: what is known of the poses, camera axes; left out, what this view tells. It speaks of
+    the first ``MOST`` that have a surface.
     """
     if not kb.gravity:
         return None
     world_from_camera = camera.world_from_camera
     if world_from_camera is None or find_spec("pybullet") is None:
         return Gravity(kb.unknown_support, kb.ground, silent=NO_UP if world_from_camera is None else NO_PHYSICS)
-    known = {name: pose_information(some, camera, kb) for name, some in posed.items()} if information is None else information
-    laid = [one for name, some in list(posed.items())[:MOST] if (one := _laid(name, some, world_from_camera, known[name])) is not None]
+    known = (
+        {name: pose_information(some, camera, kb) for name, some in posed.items()}
+        if information is None
+        else information
+    )
+    laid = [
+        one
+        for name, some in list(posed.items())[:MOST]
+        if (one := _laid(name, some, world_from_camera, known[name])) is not None
+    ]
     feet = tuple(foot_of(one) for one in laid)
     grounded = [(foot.id, GROUND) for foot in feet if kb.ground is not None and foot.low <= kb.ground]
     return Gravity(kb.unknown_support, kb.ground, feet, (*grounded, *rests_of(laid, overlaps)))
@@ -103,7 +112,14 @@ def _laid(name: str, posed: Posed, world_from_camera: Floats, information: Float
         return None
     middle = transform_points(world_from_camera, posed.middle[None])[0]
     allowed = 0.5 * CONTACT * float(np.linalg.norm(posed.middle))
-    return Laid(name, surface, world_from_camera @ posed.camera_from_object, middle, allowed, turn @ np.linalg.inv(information) @ turn.T)
+    return Laid(
+        name,
+        surface,
+        world_from_camera @ posed.camera_from_object,
+        middle,
+        allowed,
+        turn @ np.linalg.inv(information) @ turn.T,
+    )
 
 
 def foot_of(one: Laid) -> Foot:
@@ -138,7 +154,8 @@ def _rests(x: Laid, y: Laid, bodies: Bodies) -> bool:
 def _from_above(touch: Touch, x: Laid, y: Laid, over: float, *, solid: bool) -> bool:
     """Whether the touch is one, and holds X: it is below it, or beside it where X as a whole is ``over`` Y, m, but for what poses may be off.
 
-    Where both are not ``solid``, one of them a hull that stands in, a deep touch is of what the hull adds, for A4 lets them be together.
+    Where both are not ``solid``, one of them a hull that stands in, a deep touch is of what the hull adds, for A4 lets
+    them be together.
     """
     slack = x.slack(touch.normal, touch.at) + y.slack(touch.normal, touch.at)
     if touch.gap > slack or (touch.gap < -slack and not solid):

@@ -1,12 +1,13 @@
 """What an interpretation need not tell feature by feature: the many features of a learnt type that this view leads nobody to expect.
 
-A type learnt from a mesh has up to 4,000 features, of which one view shows a hundred. The others are case B in every world: not expected, since
-the hypothesis alone does not lead to expect them, and not detected, since nothing is matched to them. To P(ev) they give the sum of their
-dv, to the posterior nothing; so one feature named ``OTHERS`` that carries their sum stands for all of them, and every probability stays.
-Features outside the image count nowhere and are left out. Types written by hand are told in full.
+A type learnt from a mesh has up to 4,000 features, of which one view shows a hundred. The others are case B in every
+world: not expected, since the hypothesis alone does not lead to expect them, and not detected, since nothing is matched
+to them. To P(ev) they give the sum of their dv, to the posterior nothing; so one feature named ``OTHERS`` that carries
+their sum stands for all of them, and every probability stays. Features outside the image count nowhere and are left
+out. Types written by hand are told in full.
 
-A learnt compound is told, and counts, once: by the part that stands for it (``Posed.stands``). Its other parts are told for the data that they
-explain, and have no dv.
+A learnt compound is told, and counts, once: by the part that stands for it (``Posed.stands``). Its other parts are told
+for the data that they explain, and have no dv.
 """
 
 from __future__ import annotations
@@ -51,7 +52,11 @@ def counts(posed: Posed, f: int) -> int:
 def compound_parts(posed: Posed) -> tuple[PartFact, ...]:
     """The learnt compounds of which something is told, as nodes of the part-whole tree (A1)."""
     kind = posed.object_type
-    whole = [kind.features[w] for w in np.unique(kind.whole[told(posed)])] if len(kind.features) < len(kind.seen_features) else []
+    whole = (
+        [kind.features[w] for w in np.unique(kind.whole[told(posed)])]
+        if len(kind.features) < len(kind.seen_features)
+        else []
+    )
     return tuple(PartFact(f.name, f.name.rpartition("/")[0], "feature", f.type) for f in whole if f.parts)
 
 
@@ -63,14 +68,29 @@ def lumped(posed: Posed, dv: Mapping[str, float]) -> tuple[FeatureFact, ...]:
     u, v = posed.uv[rest].mean(axis=0).tolist()
     x, y, z = posed.at[rest].mean(axis=0).tolist()
     weight = float(np.sum([dv[told_as(posed, f).type] for f in rest.tolist()]))
-    return (FeatureFact(OTHERS, OTHERS, (x, y, z), (u, v), weight, in_image=True, in_lobe=False, self_hidden=False, stands_for=len(rest)),)
+    return (
+        FeatureFact(
+            OTHERS,
+            OTHERS,
+            (x, y, z),
+            (u, v),
+            weight,
+            in_image=True,
+            in_lobe=False,
+            self_hidden=False,
+            stands_for=len(rest),
+        ),
+    )
 
 
 def left_out(posed: Posed) -> dict[str, int] | None:
     """How many features are not told: those that ``OTHERS`` stands for, and those outside the image; None of a type written by hand."""
     if posed.object_type.learnt is None:
         return None
-    return {"in_image": int(_rest(posed).sum()), "outside_image": int((posed.stands & ~_notable(posed) & ~posed.in_image).sum())}
+    return {
+        "in_image": int(_rest(posed).sum()),
+        "outside_image": int((posed.stands & ~_notable(posed) & ~posed.in_image).sum()),
+    }
 
 
 def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[HypothesisFact]) -> dict[str, float]:
@@ -91,7 +111,9 @@ def support_document(posed: Posed, dv: Mapping[str, float]) -> dict[str, Any]:
     if posed.object_type.learnt is None:
         return {name: {cell: getattr(count, letter) for letter, cell in CELLS.items()} for name, count in rows.items()}
     counts = {cell: sum(getattr(c, letter) for c in rows.values()) for letter, cell in CELLS.items()}
-    weights = {cell: float(sum(getattr(c, letter) * dv[name] for name, c in rows.items())) for letter, cell in CELLS.items()}
+    weights = {
+        cell: float(sum(getattr(c, letter) * dv[name] for name, c in rows.items())) for letter, cell in CELLS.items()
+    }
     return {"visual words": {**counts, "weights": weights}}
 
 

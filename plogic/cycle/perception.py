@@ -39,9 +39,11 @@ POOL_OF_TYPE = 3
 POLISHED = 6
 """Poses of a round that are refined beside Δi before they are accepted or not, the best first."""
 POLISH = 10.0
-"""What refinement beside Δi may add to the evidence of a learnt type, which was refined when it was found: one that lacks more is not refined."""
+"""What refinement beside Δi may add to the evidence of a learnt type, which was refined when it was found: one that
+lacks more is not refined."""
 FEW_LEFT = 100
-"""Matches of a feature and a datum that looks like it: where no more are left, single data are asked beside what is accepted, too."""
+"""Matches of a feature and a datum that looks like it: where no more are left, single data are asked beside what is
+accepted, too."""
 AGAIN = 40
 """Poses of a learnt type whose sides are looked at where it is searched for again, after one of it was accepted."""
 
@@ -59,8 +61,9 @@ class Perception(Anytime):
     def run(self, attention: Sequence[Attention]) -> Cycle:
         """Search the free data, judge all poses beside Δi, accept the best, and again, until nothing is acceptable.
 
-        Each time Δi is made stable; the heaviest one of these is the answer, at the end or when the deadline comes. Every round but the last
-        claims data, or comes after one in which something was dropped for good, so that the cycle ends on every finite Γ.
+        Each time Δi is made stable; the heaviest one of these is the answer, at the end or when the deadline comes.
+        Every round but the last claims data, or comes after one in which something was dropped for good, so that the
+        cycle ends on every finite Γ.
         """
         for row in attention:
             self.trace.add("rank", f"rank {row.rank:.2f}, {row.excess:+.2f} against chance", of_type=row.type)
@@ -78,10 +81,14 @@ class Perception(Anytime):
     def _round(self, attention: Sequence[Attention], pool: list[Posed]) -> bool:
         """Accept the best acceptable pose of the pool; where it has none, add to it what the free data give first. True where one was accepted."""
         left = self.data.only(self.free())
-        if self._accepts([b for b in self._judged(pool) if self._search_for(b.posed) and self._refusal(b) is None], pool, left):
+        if self._accepts(
+            [b for b in self._judged(pool) if self._search_for(b.posed) and self._refusal(b) is None], pool, left
+        ):
             return True
         together = self._together(left)
-        alone = [self.indices[row.type] for row in attention if row.type not in together and not self._exhausted(row.type)]
+        alone = [
+            self.indices[row.type] for row in attention if row.type not in together and not self._exhausted(row.type)
+        ]
         by_hand = any(not isinstance(index, LearntIndex) for index in alone)
         taken = bodies(self.accepted)
         covered = covered_by([b.posed for b in self.accepted], self.data) if by_hand else None
@@ -112,7 +119,9 @@ class Perception(Anytime):
             if isinstance(belief.index, LearntIndex) and belief.surplus < significant(belief.posed) - POLISH:
                 continue
             better = self._tilted(self._judge(belief.posed, self.free(), rounds=2), left)
-            either = [better] if isinstance(belief.index, LearntIndex) else [better, belief]  # places alone may fit better and lose a match
+            either = (
+                [better] if isinstance(belief.index, LearntIndex) else [better, belief]
+            )  # places alone may fit better and lose a match
             holds = next((b for b in either if self._refusal(b) is None), None)
             if holds is not None:
                 self._accept(holds)
@@ -128,7 +137,10 @@ class Perception(Anytime):
         known = self.together.unasked
         found = generate_together(self.together, left, self.kb, self._hidden, self._glance)
         if self.together.unasked > known:
-            self.trace.add("deepen", f"{self.together.unasked} types were left out, those that pairs vote for least: too many data look alike")
+            self.trace.add(
+                "deepen",
+                f"{self.together.unasked} types were left out, those that pairs vote for least: too many data look alike",
+            )
         return found
 
     def _fewer(self, index: Index) -> dict[str, int]:
@@ -141,7 +153,9 @@ class Perception(Anytime):
         if not self.kb.gravity or self.standing == len(self.accepted):
             return False
         self.standing = len(self.accepted)
-        found, why = supported(self.accepted, self.indices, self.data.only(self.free()), self.kb, self.processes, self.deadline.check)
+        found, why = supported(
+            self.accepted, self.indices, self.data.only(self.free()), self.kb, self.processes, self.deadline.check
+        )
         if why is not None:
             self.trace.add("support", why)
         pool += found
@@ -174,7 +188,9 @@ class Perception(Anytime):
 
     def _exhausted(self, name: str) -> bool:
         """Whether another search would find nothing new: of a learnt type all poses are in the pool, unless one of it was accepted since."""
-        return isinstance(self.indices[name], LearntIndex) and self.searched.get(name) == sum(name_of(b) == name for b in self.accepted)
+        return isinstance(self.indices[name], LearntIndex) and self.searched.get(name) == sum(
+            name_of(b) == name for b in self.accepted
+        )
 
     def _judged(self, pool: Sequence[Posed]) -> list[Belief]:
         """Each pose beside what is accepted: matched on free data, hidden features not expected; as before where nothing near was accepted."""
@@ -182,7 +198,9 @@ class Perception(Anytime):
         for posed in pool:
             self.deadline.check()
             known, accepted = self.known.get(id(posed), (None, 0))
-            stale = known is None or any(not apart_on_screen(posed, b.posed, *self.reach) for b in self.accepted[accepted:])
+            stale = known is None or any(
+                not apart_on_screen(posed, b.posed, *self.reach) for b in self.accepted[accepted:]
+            )
             judged.append(self._judge(posed, free, rounds=0) if known is None or stale else known)
         self.known = {id(belief.posed): (belief, len(self.accepted)) for belief in judged}
         return judged
@@ -202,19 +220,29 @@ class Perception(Anytime):
         pool[:] = [belief.posed for belief in judged]
         for belief in judged:
             self.deadline.check()
-            self._set_aside(belief, self._refusal(belief) or "of less worth than what was refined, and not acceptable then")
+            self._set_aside(
+                belief, self._refusal(belief) or "of less worth than what was refined, and not acceptable then"
+            )
             del pool[0]
 
     def _leave(self, pool: Sequence[Posed]) -> None:
         """Reject what there was no time to tell."""
-        for belief in (self.known[id(posed)][0] for posed in pool if id(posed) in self.known and not self._is_accepted(posed)):
+        for belief in (
+            self.known[id(posed)][0] for posed in pool if id(posed) in self.known and not self._is_accepted(posed)
+        ):
             self.rejected.append(replace(belief, status="rejected", why="the deadline came first"))
 
     def _set_aside(self, belief: Belief, reason: str) -> None:
         """Keep as a rival what would be acceptable alone; reject the rest, which releases its data."""
         alone = self._alone(belief)
         if alone is not None:
-            self.rivals.append(replace(alone, status="rival", why=f"would be accepted in the place of what it conflicts with; beside that, {reason}"))
+            self.rivals.append(
+                replace(
+                    alone,
+                    status="rival",
+                    why=f"would be accepted in the place of what it conflicts with; beside that, {reason}",
+                )
+            )
         else:
             self.rejected.append(replace(belief, status="rejected", why=reason))
             self.trace.add("reject", reason, of_type=name_of(belief), ev=belief.ev_reconsidered)
@@ -242,7 +270,11 @@ class Perception(Anytime):
         poses, deep = moved_apart(beside, lambda k: self._told_of(beside[k]), still=len(others))
         if deep or poses[-1] is rival.posed.camera_from_object:
             return rival
-        self.trace.add("move", "a little, so that it does not reach into an accepted object that it touches (A4)", of_type=name_of(rival))
+        self.trace.add(
+            "move",
+            "a little, so that it does not reach into an accepted object that it touches (A4)",
+            of_type=name_of(rival),
+        )
         return replace(self._among(rival, poses[-1], others, rounds=0), status=rival.status, why=rival.why)
 
     def _among(self, belief: Belief, pose: NDArray[np.float64], others: Sequence[Posed], rounds: int) -> Belief:

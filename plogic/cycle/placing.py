@@ -1,7 +1,8 @@
-"""From posed hypotheses to the facts of space (``plogic.facts.spatial``): which way is up, who is above and on whom, and what A4 says of two in numbers.
+"""Derive the facts of space (``plogic.facts.spatial``) from posed hypotheses: up, above, on, and A4 in numbers.
 
-Up is the world's z where the camera knows its place in the world; else, where the knowledge base says that gravity holds, away from the plane
-that two accepted objects or more stand on (``plogic.cycle.support``); else nobody knows, and nothing is above or on anything.
+Up is the world's z where the camera knows its place in the world; else, where the knowledge base says that gravity
+holds, away from the plane that two accepted objects or more stand on (``plogic.cycle.support``); else nobody knows, and
+nothing is above or on anything.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ if TYPE_CHECKING:
     Pair = tuple[str, str]
 
 CONTACT = 0.01
-"""Share of the distance from the camera, up to which a gap, or a depth, between two bodies is what pose errors make of contact."""
+"""Share of the distance from the camera, up to which a gap, or a depth, between two bodies is what pose errors make of
+contact."""
 MOST = 60
 """Hypotheses whose bodies are compared, in the order of Δh; the others are told of by themselves."""
 ROUND = 6
@@ -62,7 +64,9 @@ def space_of_view(
     placed = {name: _placed(name, belief.posed) for name, belief in beliefs.items()}
     up, up_from = upward(beliefs.values(), camera, gravity=kb.gravity)
     apart = {frozenset(pair) for pair in overlaps}
-    pairs = [(x, y) for x, y in combinations(list(placed.values())[:MOST], 2) if frozenset((x.name, y.name)) not in apart]
+    pairs = [
+        (x, y) for x, y in combinations(list(placed.values())[:MOST], 2) if frozenset((x.name, y.name)) not in apart
+    ]
     over, on, on_both = ((), (), ()) if up is None else _stacked(pairs, up)
     return Space(
         up=None if up is None else _triple(up),
@@ -92,7 +96,13 @@ def _placed(name: str, posed: Posed) -> _Placed:
     if surface is None:
         return _Placed(name, posed, None, None, reach)
     solid = None if surface.solid is None else solid_of(surface.solid)
-    return _Placed(name, posed, PosedSurface(surface.vertices, surface.triangles, surface.rays, posed.camera_from_object), solid, reach)
+    return _Placed(
+        name,
+        posed,
+        PosedSurface(surface.vertices, surface.triangles, surface.rays, posed.camera_from_object),
+        solid,
+        reach,
+    )
 
 
 def _body(one: _Placed, camera: Camera) -> BodyFact:
@@ -105,7 +115,10 @@ def _view(one: _Placed, camera: Camera) -> View:
     """Whether its outline is in the image: wholly, in part, or not at all. What reaches behind the camera is not wholly in it."""
     if one.surface is None:
         return "inside" if bool(camera.contains(camera.project(one.posed.middle))) else "outside"
-    shown, image = outline(one.surface.vertices, one.surface.triangles, one.posed.camera_from_object, camera), image_area(camera)
+    shown, image = (
+        outline(one.surface.vertices, one.surface.triangles, one.posed.camera_from_object, camera),
+        image_area(camera),
+    )
     if shown.is_empty or not shapely.intersects(image, shown):
         return "outside"
     ahead = one.surface.vertices @ one.posed.camera_from_object[2, :3] + one.posed.camera_from_object[2, 3] > 0.0
@@ -123,7 +136,9 @@ def _gap(x: _Placed, y: _Placed) -> float:
     return distance(body.surface, point.posed.middle)
 
 
-def _stacked(pairs: Iterable[tuple[_Placed, _Placed]], up: Floats) -> tuple[tuple[Pair, ...], tuple[Pair, ...], tuple[tuple[str, str, str], ...]]:
+def _stacked(
+    pairs: Iterable[tuple[_Placed, _Placed]], up: Floats
+) -> tuple[tuple[Pair, ...], tuple[Pair, ...], tuple[tuple[str, str, str], ...]]:
     """Who is above whom; who stands on one alone; who stands on two together, and on neither alone."""
     seen: dict[str, Body] = {}
 
@@ -148,7 +163,12 @@ def _stacked(pairs: Iterable[tuple[_Placed, _Placed]], up: Floats) -> tuple[tupl
                 slack[x.name] = max(tolerance, slack.get(x.name, 0.0))
     on = [(x, y) for x, below in under.items() for y, contact in below.items() if steady([contact], slack[x])]
     leaning = {x: [y for y in below if (x, y) not in on] for x, below in under.items()}
-    both = [(x, y, z) for x, some in leaning.items() for y, z in combinations(some, 2) if steady([under[x][y], under[x][z]], slack[x])]
+    both = [
+        (x, y, z)
+        for x, some in leaning.items()
+        for y, z in combinations(some, 2)
+        if steady([under[x][y], under[x][z]], slack[x])
+    ]
     return tuple(over), tuple(on), tuple(both)
 
 

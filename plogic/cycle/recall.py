@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from plogic.match.indices import Index
 
 RARE = 0.001
-"""Data that nobody explains are searched where clutter alone gives so many, of a type or of all, in less than this share of images."""
+"""Data that nobody explains are searched where clutter alone gives so many, of a type or of all, in less than this
+share of images."""
 
 
 class Seed(NamedTuple):
@@ -77,13 +78,16 @@ class Recall(Perception):
             if not self._is_accepted(belief.posed):
                 self._set_aside(belief, f"remembered here, but: {belief.why}")
         more = tuple(map(self._makes_way, self.rivals[rivals:]))
-        return replace(cycle, considered=cycle.considered + more, rejected=cycle.rejected + tuple(self.rejected[rejected:]))
+        return replace(
+            cycle, considered=cycle.considered + more, rejected=cycle.rejected + tuple(self.rejected[rejected:])
+        )
 
 
 def unexplained(types: Sequence[str], kb: KnowledgeBase, usual: Mapping[str, int]) -> str | None:
     """Of what data of these ``types`` there are more than clutter gives, in words; None where there are no more.
 
-    ``usual``: how many of each type were left where a search found no more: where that is above the KB's clutter rate, this place has so much.
+    ``usual``: how many of each type were left where a search found no more: where that is above the KB's clutter rate,
+    this place has so much.
     """
     from scipy.stats import poisson
 

@@ -1,7 +1,8 @@
-"""Where to look, where gravity holds: on the plane that accepted objects stand on. No constraint (that is ``plogic.facts.gravity``): it proposes poses.
+"""Propose poses on the plane that accepted objects stand on, where gravity holds (its constraint: ``plogic.facts.gravity``).
 
-What two accepted objects or more stand on is one plane. What else stands there is then looked for on it alone, with far fewer ways to stand
-than a free body has poses; what leans, hangs or lies on something else is found as before, by the search that knows of no plane.
+What two accepted objects or more stand on is one plane. What else stands there is then looked for on it alone, with far
+fewer ways to stand than a free body has poses; what leans, hangs or lies on something else is found as before, by the
+search that knows of no plane.
 
 * ``Support``: the plane, and which hypotheses stand on it, ``Support(Plane(...), (0, 2))``
 """
@@ -33,7 +34,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 TILT, GAP = 0.087, 0.02
-"""Two objects stand on one plane whose normals differ by less (radians, 5 degrees), and whose heights do by less than this share of the distance."""
+"""Two objects stand on one plane whose normals differ by less (radians, 5 degrees), and whose heights do by less than
+this share of the distance."""
 FEWEST = 2
 """Objects that must agree on a plane: one alone could stand on any of its faces."""
 
@@ -73,7 +75,11 @@ def support_of(posed: Sequence[tuple[LearntIndex, Floats]]) -> Support | None:
 def _stands(owner: int, index: LearntIndex, pose: Floats) -> list[_Stand]:
     middle = pose[:3, :3] @ index.centre + pose[:3, 3]
     ups, offsets = index.resting.planes(pose)
-    return [_Stand(owner, up, middle, float(up @ middle + offset)) for up, offset in zip(ups, offsets, strict=True) if offset > 0.0]
+    return [
+        _Stand(owner, up, middle, float(up @ middle + offset))
+        for up, offset in zip(ups, offsets, strict=True)
+        if offset > 0.0
+    ]
 
 
 def _agreeing(mine: _Stand, stands: Sequence[_Stand]) -> list[_Stand]:
@@ -81,9 +87,19 @@ def _agreeing(mine: _Stand, stands: Sequence[_Stand]) -> list[_Stand]:
     best: dict[int, _Stand] = {mine.owner: mine}
     for other in stands:
         between = (mine.middle + other.middle) / 2.0  # an error of tilt does least where it is measured between the two
-        gap = (mine.up - other.up) @ between + mine.height - mine.up @ mine.middle - other.height + other.up @ other.middle
+        gap = (
+            (mine.up - other.up) @ between
+            + mine.height
+            - mine.up @ mine.middle
+            - other.height
+            + other.up @ other.middle
+        )
         near = mine.up @ other.up > np.cos(TILT) and abs(gap) < GAP * np.linalg.norm(between)
-        if other.owner != mine.owner and near and (other.owner not in best or mine.up @ other.up > mine.up @ best[other.owner].up):
+        if (
+            other.owner != mine.owner
+            and near
+            and (other.owner not in best or mine.up @ other.up > mine.up @ best[other.owner].up)
+        ):
             best[other.owner] = other
     return list(best.values())
 
@@ -95,13 +111,21 @@ def _spread(some: Sequence[_Stand]) -> float:
 
 
 def supported(
-    accepted: Sequence[Belief], indices: Mapping[str, Index], left: Data, kb: KnowledgeBase, processes: int = 1, check: Callable[[], None] = unhurried
+    accepted: Sequence[Belief],
+    indices: Mapping[str, Index],
+    left: Data,
+    kb: KnowledgeBase,
+    processes: int = 1,
+    check: Callable[[], None] = unhurried,
 ) -> tuple[list[Posed], str | None]:
     """What the free data suggest on the plane that accepted objects stand on, and that in words; nothing, and None, where there is no such plane.
 
-    Only types are looked for of which none is accepted, by so many ``processes``. ``check`` is called before each type, and may raise to end it.
+    Only types are looked for of which none is accepted, by so many ``processes``. ``check`` is called before each type,
+    and may raise to end it.
     """
-    learnt = [(belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearntIndex)]
+    learnt = [
+        (belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearntIndex)
+    ]
     support = support_of(learnt)
     if support is None:
         return [], None
@@ -109,15 +133,24 @@ def supported(
     known = {index.object_type.name for index, _ in learnt}
     some = [index for name, index in indices.items() if isinstance(index, LearntIndex) and name not in known]
     found: list[Posed] = []
-    with closing(searched(lambda index: resting(index, support.plane, left, kb, taken), some, left, processes)) as searches:
+    with closing(
+        searched(lambda index: resting(index, support.plane, left, kb, taken), some, left, processes)
+    ) as searches:
         for _ in some:
             check()
             found += [posed for _, posed in next(searches)]
     who = ", ".join(learnt[i][0].object_type.name for i in support.by)
-    return found, f"{who} stand on one plane, {support.plane.offset:.2f} m below the camera: {len(found)} poses that stand there are tried"
+    return (
+        found,
+        f"{who} stand on one plane, {support.plane.offset:.2f} m below the camera: {len(found)} poses that stand there are tried",
+    )
 
 
 def bodies(accepted: Sequence[Belief]) -> Floats:
     """(N, 4) middles, camera frame, and inner radii of accepted objects of learnt types, m: what reaches nearer than that is in them (A4)."""
-    learnt = [(belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearntIndex)]
-    return np.array([(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in learnt]).reshape(-1, 4)
+    learnt = [
+        (belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearntIndex)
+    ]
+    return np.array(
+        [(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in learnt]
+    ).reshape(-1, 4)

@@ -23,7 +23,13 @@ class Trace:
     steps: list[Step] = field(default_factory=list)
 
     def add(
-        self, event: str, why: str, *, of_type: str | None = None, hypothesis: str | None = None, ev: float | None = None
+        self,
+        event: str,
+        why: str,
+        *,
+        of_type: str | None = None,
+        hypothesis: str | None = None,
+        ev: float | None = None,
     ) -> None:  # the key's name in interpretation.json
         """Record one step."""
         self.steps.append(Step(event, why, of_type, hypothesis, ev))

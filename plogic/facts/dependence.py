@@ -5,7 +5,8 @@ Structure only, no numbers. Vocabulary:
 * ``hiders``, the opaque hypotheses, no rivals, whose surface lies before a feature: ``("h2",)``
 * ``Dependence.of["h1"] == ("h2", "h3")``: the presence of h2 and of h3 changes a cell of h1
 * ``Dependence.blocks``: the strongly connected components; one of more than one hypothesis is decided jointly
-* ``Dependence.left_out["h1"] == ("h9",)``: what was not looked at, since at most six occluders are (mode `drop`, and joint states)
+* ``Dependence.left_out["h1"] == ("h9",)``: what was not looked at, since at most six occluders are (mode `drop`, and
+  joint states)
 """
 
 from __future__ import annotations
@@ -83,7 +84,9 @@ class Dependence:
 
 def dependence(scene: Scene) -> Dependence:
     """The graph of the score reading; raises TooManyHypothesesError for a cycle that is too large."""
-    return arranged({h.id: _ordered_influences(scene, h) for h in scene.situation.hypotheses}, scene.situation.reconsider)
+    return arranged(
+        {h.id: _ordered_influences(scene, h) for h in scene.situation.hypotheses}, scene.situation.reconsider
+    )
 
 
 def arranged(wanted: dict[str, list[str]], reconsider: Reconsider) -> Dependence:

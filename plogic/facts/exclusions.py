@@ -17,14 +17,22 @@ LISTED = 5
 
 def exclusions(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The overlap facts of an interpretation: ``{"args": ["h1", "h3"], "volume": 2.1e-05, "depth": 0.012}``, as far as they are known."""
-    return [{key: value for key, value in fact.items() if key != "fact"} for fact in document.get("facts", []) if fact["fact"] == "overlap"]
+    return [
+        {key: value for key, value in fact.items() if key != "fact"}
+        for fact in document.get("facts", [])
+        if fact["fact"] == "overlap"
+    ]
 
 
 def exclusion_lines(document: Mapping[str, Any]) -> list[str]:
     """``h1 and h3 are never together (A4): they share 2.1e-05 m3, 12 mm deep``, by depth."""
     shared = sorted(space_of(None, document.get("facts", [])).shared, key=lambda s: (-s.depth[1], s.x, s.y))
     names = {h["id"]: f"{h.get('label') or h['type']} {h['id']}" for h in document.get("hypotheses", [])}
-    more = [f"{len(shared) - LISTED} more pairs are never together (A4); --json has them all"] if len(shared) > LISTED else []
+    more = (
+        [f"{len(shared) - LISTED} more pairs are never together (A4); --json has them all"]
+        if len(shared) > LISTED
+        else []
+    )
     return [_line(fact, names) for fact in shared[:LISTED]] + more
 
 
@@ -33,7 +41,9 @@ def apart_of(space: Space, types: Mapping[str, str]) -> dict[str, list[str]]:
     told: dict[str, list[str]] = {}
     for fact in sorted(space.shared, key=lambda s: (-s.depth[1], s.x, s.y)):
         for me, other in ((fact.x, fact.y), (fact.y, fact.x)):
-            told.setdefault(me, []).append(f"Never together with {types[other]} {other} (A4): they share {words_of_shared(fact)}.")
+            told.setdefault(me, []).append(
+                f"Never together with {types[other]} {other} (A4): they share {words_of_shared(fact)}."
+            )
     return {name: lines[:LISTED] for name, lines in told.items()}
 
 

@@ -3,8 +3,8 @@
 * ``Foot``: how high a body begins, as far as its pose tells, ``Foot("h2", 0.11, 0.13)``
 * ``Gravity``: all of it, ``Gravity(0.1, feet=(Foot(...), ...), rests=(("h2", "h1"),))``
 
-Everything here is plain data; ``plogic.cycle.holding`` makes it by geometry, and it comes back from ``interpretation.json``. ``Situation.gravity``
-is None where nobody said that gravity holds.
+Everything here is plain data; ``plogic.cycle.holding`` makes it by geometry, and it comes back from
+``interpretation.json``. ``Situation.gravity`` is None where nobody said that gravity holds.
 """
 
 from __future__ import annotations
@@ -31,9 +31,10 @@ class Foot(NamedTuple):
 class Gravity:
     """``unknown_support``: P(something unknown holds what floats). ``feet``: of the hypotheses that it speaks of; no other floats.
 
-    ``rests``: ordered pairs, the first rests on the second if both are present; ``rests`` on ``GROUND`` where the ground's height ``ground``, m,
-    is told. Where it is None, the ground is at the height of the lowest foot of the world: what may be no higher than it rests on the ground.
-    ``silent``: why it speaks of nobody, '' where it does not keep silent.
+    ``rests``: ordered pairs, the first rests on the second if both are present; ``rests`` on ``GROUND`` where the
+    ground's height ``ground``, m, is told. Where it is None, the ground is at the height of the lowest foot of the
+    world: what may be no higher than it rests on the ground. ``silent``: why it speaks of nobody, '' where it does not
+    keep silent.
     """
 
     unknown_support: float
@@ -45,7 +46,11 @@ class Gravity:
     def among(self, kept: Iterable[str]) -> Gravity:
         """What it says of these hypotheses alone."""
         ids = frozenset(kept) | {GROUND}
-        return replace(self, feet=tuple(f for f in self.feet if f.id in ids), rests=tuple(r for r in self.rests if ids.issuperset(r)))
+        return replace(
+            self,
+            feet=tuple(f for f in self.feet if f.id in ids),
+            rests=tuple(r for r in self.rests if ids.issuperset(r)),
+        )
 
     def holders(self, name: str) -> list[str]:
         """Whom it may rest on, the ground among them where that is told."""
@@ -54,14 +59,18 @@ class Gravity:
     def lower(self, name: str) -> list[str]:
         """Those that are surely lower: where one of them is present, this one does not stand on the lowest ground. None where that is told."""
         mine = next((foot for foot in self.feet if foot.id == name), None)
-        return [] if mine is None or self.ground is not None else [foot.id for foot in self.feet if foot.high < mine.low]
+        return (
+            [] if mine is None or self.ground is not None else [foot.id for foot in self.feet if foot.high < mine.low]
+        )
 
     def floating(self, name: str, world: Iterable[str]) -> bool:
         """Whether it is in the world and nothing there holds it."""
         present = frozenset(world)
         if name not in present or all(foot.id != name for foot in self.feet):
             return False
-        grounded = GROUND in self.holders(name) if self.ground is not None else not present.intersection(self.lower(name))
+        grounded = (
+            GROUND in self.holders(name) if self.ground is not None else not present.intersection(self.lower(name))
+        )
         return not grounded and not present.intersection(self.holders(name))
 
 

@@ -1,7 +1,7 @@
 """``interpretation.json``: one image's Δ, self-contained, so that no KB or image has to be at hand to ask it anything.
 
-``document_of`` writes what the cycle and the worlds came to; ``situation_of`` reads the typed situation back; the two are inverse on
-everything that decides a probability (tested).
+``document_of`` writes what the cycle and the worlds came to; ``situation_of`` reads the typed situation back; the two
+are inverse on everything that decides a probability (tested).
 """
 
 from __future__ import annotations
@@ -44,7 +44,9 @@ def facts_of(situation: Situation) -> list[Document]:
     facts = [overlap_document(fact, situation.space) if fact["fact"] == "overlap" else fact for fact in facts]
     facts += gravity_facts(situation.gravity)
     facts += [{"fact": "relation"} | _relation_document(r) for r in situation.relations]
-    facts += [{"fact": "part_relation"} | _relation_document(r) | {"parts": list(r.parts)} for r in situation.part_relations]
+    facts += [
+        {"fact": "part_relation"} | _relation_document(r) | {"parts": list(r.parts)} for r in situation.part_relations
+    ]
     for h in situation.hypotheses:
         facts += [{"fact": "behind", "args": [f"{h.id}/{f.id}", other]} for f in h.features for other in f.hidden_by]
     return facts
@@ -126,7 +128,10 @@ def _feature(f: Mapping[str, Any]) -> FeatureFact:
 
 def hypothesis_document(h: HypothesisFact, cases: Mapping[str, tuple[bool, bool, str | None]]) -> Document:
     """One hypothesis as in the file; ``cases`` gives (expected, detected, case) of each feature in Δi."""
-    row = vars(h) | {"features": [dict(vars(feature)) for feature in h.features], "parts": [dict(vars(part)) for part in h.parts]}
+    row = vars(h) | {
+        "features": [dict(vars(feature)) for feature in h.features],
+        "parts": [dict(vars(part)) for part in h.parts],
+    }
     row["T_camera_object"] = [list(r) for r in row.pop("camera_from_object")]
     for feature in row["features"]:
         expected, detected, case = cases[feature["id"]]

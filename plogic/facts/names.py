@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from plogic.facts.situation import HypothesisFact, Situation
 
+
 def names_of(situation: Situation) -> Names:
     """The table of one situation: deterministic, in the order in which the names appear there."""
     wanted = list(_labels(situation))

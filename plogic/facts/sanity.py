@@ -21,7 +21,11 @@ def check(situation: Situation) -> None:
     """Raise SituationError at the first duplicate or unknown id, and at the first number that is out of its range."""
     ids = _unique("hypothesis", [h.id for h in situation.hypotheses])
     data = _unique("appearance", [a.id for a in situation.appearances])
-    for pairs, name in ((situation.overlaps, "overlaps"), (situation.rivals, "rivals"), (situation.exclusive, "exclusive")):
+    for pairs, name in (
+        (situation.overlaps, "overlaps"),
+        (situation.rivals, "rivals"),
+        (situation.exclusive, "exclusive"),
+    ):
         for pair in sorted(pairs):
             _known(name, pair, ids)
     for relation in (*situation.relations, *situation.part_relations):
@@ -79,7 +83,9 @@ def _check_relation(fact: PairFact) -> None:
     """What is told of ROC-20 is the coarse relation in full."""
     fine = {name for name in ROC20 if coarse(name) == fact.relation}
     if fact.roc and fact.roc not in fine:
-        raise SituationError(f"relation {fact.relation}: {fact.roc!r} is no case of it, as {', '.join(sorted(fine)) or 'nothing'} would be")
+        raise SituationError(
+            f"relation {fact.relation}: {fact.roc!r} is no case of it, as {', '.join(sorted(fine)) or 'nothing'} would be"
+        )
 
 
 def _check_hypothesis(h: HypothesisFact, ids: frozenset[str], data: frozenset[str]) -> None:

@@ -2,13 +2,16 @@
 
 Vocabulary, each with an example value:
 
-* ``FeatureFact``: one feature of one hypothesis as the geometry sees it, ``FeatureFact(id="roof/apex", type="apex", ...)``
+* ``FeatureFact``: one feature of one hypothesis as the geometry sees it, ``FeatureFact(id="roof/apex", type="apex",
+  ...)``
 * ``HypothesisFact``: one element of Δh, ``HypothesisFact(id="h1", type="t2", features=(...), ...)``
 * ``AppearanceFact``: one datum of Γ, ``AppearanceFact(id="a1", type="l_junction", uv=(312.4, 201.9), clutter=2e-5)``
-* ``PairFact``: a relation that geometry computed of two posed objects, ``PairFact("partially_occludes", "h1", "h2", "partially_occludes_po")``
+* ``PairFact``: a relation that geometry computed of two posed objects, ``PairFact("partially_occludes", "h1", "h2",
+  "partially_occludes_po")``
 * ``Situation``: all of it, with the reading, the mode of reconsideration and the side tables.
 
-Nothing here is computed from probabilities; everything here is plain data that goes into ``interpretation.json`` and comes back.
+Nothing here is computed from probabilities; everything here is plain data that goes into ``interpretation.json`` and
+comes back.
 """
 
 from __future__ import annotations
@@ -44,13 +47,14 @@ class AppearanceFact:
 class FeatureFact:
     """One feature of a posed hypothesis, seen from the camera (D7, D8).
 
-    ``id`` is the path of the feature in its type's tree, unique within a hypothesis. ``at`` is in metres in the camera frame, ``uv`` its
-    projection in pixels. ``in_image``, ``in_lobe`` and ``self_hidden`` (Behind its own host) are what geometry says of the hypothesis
-    alone; ``hidden_by`` names the *other* hypotheses whose surface the line of sight meets first, transparent ones and rivals included (the
-    rules sort these out). ``match`` is the appearance that the hypothesis' one fixed assignment gives it, with its ``residual`` in pixels and
-    ``density``, N(u; û, Σ) per pixel². ``hit_rate`` is h_F. ``stands_for`` > 1: it sums up so many features in the image that are neither
-    expected nor detected in any world (case B), and ``dv`` is their sum; 0: it is a part of a compound that another part stands for, and its
-    ``dv`` is 0 (``plogic.cycle.lumped``).
+    ``id`` is the path of the feature in its type's tree, unique within a hypothesis. ``at`` is in metres in the camera
+    frame, ``uv`` its projection in pixels. ``in_image``, ``in_lobe`` and ``self_hidden`` (Behind its own host) are what
+    geometry says of the hypothesis alone; ``hidden_by`` names the *other* hypotheses whose surface the line of sight
+    meets first, transparent ones and rivals included (the rules sort these out). ``match`` is the appearance that the
+    hypothesis' one fixed assignment gives it, with its ``residual`` in pixels and ``density``, N(u; û, Σ) per pixel².
+    ``hit_rate`` is h_F. ``stands_for`` > 1: it sums up so many features in the image that are neither expected nor
+    detected in any world (case B), and ``dv`` is their sum; 0: it is a part of a compound that another part stands for,
+    and its ``dv`` is 0 (``plogic.cycle.lumped``).
     """
 
     id: str
@@ -100,8 +104,8 @@ class HypothesisFact:
 class PairFact:
     """``relation`` holds of the ordered pair ``(x, y)`` of hypotheses, decided by outlines and depth (§3.5-3.7).
 
-    ``roc`` is the relation of ROC-20 that it is the coarse form of, '' in documents that do not tell it. ``parts``: of which part of x, and of
-    which part of y, it is said; '' is the whole.
+    ``roc`` is the relation of ROC-20 that it is the coarse form of, '' in documents that do not tell it. ``parts``: of
+    which part of x, and of which part of y, it is said; '' is the whole.
     """
 
     relation: str
@@ -115,14 +119,16 @@ class PairFact:
 class Situation:
     """Everything that decides the probabilities of one image's worlds.
 
-    ``overlaps``: unordered pairs that share volume (A4). ``rivals``: unordered pairs that never hide each other (§4.1): those that A4
-    excludes from one world and those that claim the same appearances; ``exclusive`` is the part of ``rivals`` that the constraints of the
-    score reading forbid to be present together (an appearance serves one feature, D8). ``priors`` per type (posterior). ``smoothing`` ε
-    replaces p by ε + (1 − 2ε) p in the *score* program's choices (trap c), never in the measures; 0 by default. ``dv`` per feature type
-    and ``rank`` per object type are side tables for queries. ``relations`` are of whole hypotheses that can be present together,
-    ``part_relations`` of a part of one and a part of another, or the whole of it. ``space`` says where bodies are, and decides no probability of a
-    world; ``gravity`` who holds whom, which decides some (Σc); None where nobody said that it holds. ``rules`` is the author's ``rules.pl``.
-    ``stopped`` says whether more time would have found more; it decides no probability of what was.
+    ``overlaps``: unordered pairs that share volume (A4). ``rivals``: unordered pairs that never hide each other (§4.1):
+    those that A4 excludes from one world and those that claim the same appearances; ``exclusive`` is the part of
+    ``rivals`` that the constraints of the score reading forbid to be present together (an appearance serves one
+    feature, D8). ``priors`` per type (posterior). ``smoothing`` ε replaces p by ε + (1 − 2ε) p in the *score* program's
+    choices (trap c), never in the measures; 0 by default. ``dv`` per feature type and ``rank`` per object type are side
+    tables for queries. ``relations`` are of whole hypotheses that can be present together, ``part_relations`` of a part
+    of one and a part of another, or the whole of it. ``space`` says where bodies are, and decides no probability of a
+    world; ``gravity`` who holds whom, which decides some (Σc); None where nobody said that it holds. ``rules`` is the
+    author's ``rules.pl``. ``stopped`` says whether more time would have found more; it decides no probability of what
+    was.
     """
 
     reading: Reading

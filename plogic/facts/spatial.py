@@ -2,9 +2,11 @@
 
 * ``BodyFact``: one hypothesis' body, ``BodyFact("h1", middle=(0.1, 0.0, 0.9), nearest=0.85, view="inside")``
 * ``SharedFact``: two bodies that A4 keeps apart, ``SharedFact("h1", "h3", volume=2.1e-5, depth=(0.012, 0.012))``
-* ``Space``: all of it. A hypothesis that it does not know is a point at its origin: so is everything in a file that was written without.
+* ``Space``: all of it. A hypothesis that it does not know is a point at its origin: so is everything in a file that was
+  written without.
 
-Everything here is plain data, of metres in the camera frame; ``plogic.cycle.placing`` makes it, and it comes back from ``interpretation.json``.
+Everything here is plain data, of metres in the camera frame; ``plogic.cycle.placing`` makes it, and it comes back from
+``interpretation.json``.
 """
 
 from __future__ import annotations
@@ -43,8 +45,9 @@ class SharedFact:
 class Space:
     """``up`` (3): against gravity, ``up_from`` what says so; None where nothing does, and then nothing is above anything.
 
-    ``gaps``: metres between the surfaces of two bodies, each unordered pair once. ``above``: ordered pairs; ``on``: ordered pairs, the first
-    standing on the second alone; ``on_both``: the first on the other two together, not on either alone. ``shared``: of ``Situation.overlaps``.
+    ``gaps``: metres between the surfaces of two bodies, each unordered pair once. ``above``: ordered pairs; ``on``:
+    ordered pairs, the first standing on the second alone; ``on_both``: the first on the other two together, not on
+    either alone. ``shared``: of ``Situation.overlaps``.
     """
 
     up: tuple[float, float, float] | None = None

@@ -4,7 +4,8 @@ Every predicate holds *in a world*: of hypotheses that are not present nothing i
 ``rank``, which speak of types. ``H`` is a hypothesis (``h1``), ``F`` a feature (``'roof/apex'``), ``A`` an appearance
 (``a1``); a *node* of the part-whole tree is a hypothesis, or ``H/P`` for a part or a feature of it.
 
-``Entry("present", 1, "the hypothesis H is in the world", "present(H)", "")``; an entry without a clause is defined by the choices.
+``Entry("present", 1, "the hypothesis H is in the world", "present(H)", "")``; an entry without a clause is defined by
+the choices.
 """
 
 from __future__ import annotations
@@ -24,13 +25,33 @@ def _coarse(name: str, meaning: str) -> Entry:
 
 VOCABULARY: tuple[Entry, ...] = (
     Entry("present", 1, "hypothesis H is in the world", "present(H)", ""),
-    Entry("object", 2, "H is present and is of the type", "object(H, Type)", "object(H, T) :- hypothesis(H, T), present(H)."),
-    Entry("node", 1, "X is a node of the part-whole tree of a present hypothesis", "node(X)", "node(X) :- belongs(X, H), present(H)."),
     Entry(
-        "part", 2, "P is a direct or indirect part of the present hypothesis H", "part(P, H)", "part(P, H) :- hypothesis(H, _), pp(P, H)."
+        "object",
+        2,
+        "H is present and is of the type",
+        "object(H, Type)",
+        "object(H, T) :- hypothesis(H, T), present(H).",
     ),
-    Entry("pp", 2, "X is a proper part of Y (A3)", "pp(X, Y)", "pp(X, Y) :- belongs(X, H), present(H), proper_part(X, Y)."),
-    Entry("p", 2, "X is a part of Y: the same, or a proper part", "p(X, Y)", "p(X, X) :- node(X).\np(X, Y) :- pp(X, Y)."),
+    Entry(
+        "node",
+        1,
+        "X is a node of the part-whole tree of a present hypothesis",
+        "node(X)",
+        "node(X) :- belongs(X, H), present(H).",
+    ),
+    Entry(
+        "part",
+        2,
+        "P is a direct or indirect part of the present hypothesis H",
+        "part(P, H)",
+        "part(P, H) :- hypothesis(H, _), pp(P, H).",
+    ),
+    Entry(
+        "pp", 2, "X is a proper part of Y (A3)", "pp(X, Y)", "pp(X, Y) :- belongs(X, H), present(H), proper_part(X, Y)."
+    ),
+    Entry(
+        "p", 2, "X is a part of Y: the same, or a proper part", "p(X, Y)", "p(X, X) :- node(X).\np(X, Y) :- pp(X, Y)."
+    ),
     Entry("o", 2, "X and Y have a part in common", "o(X, Y)", "o(X, Y) :- p(X, Y).\no(X, Y) :- pp(Y, X)."),
     Entry(
         "dr",

@@ -1,6 +1,7 @@
 """One row of the vocabulary of queries.
 
-``Entry("present", 1, "the hypothesis H is in the world", "present(H)", "")``; an entry without a clause is defined by the choices.
+``Entry("present", 1, "the hypothesis H is in the world", "present(H)", "")``; an entry without a clause is defined by
+the choices.
 """
 
 from __future__ import annotations

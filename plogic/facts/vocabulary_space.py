@@ -32,7 +32,11 @@ SPACE: tuple[Entry, ...] = (
         "gap(X, Y, V) :- body_gap(X, Y, V), present(X), present(Y).\ngap(X, Y, V) :- body_gap(Y, X, V), present(X), present(Y).",
     ),
     Entry(
-        "near", 3, "X's and Y's surfaces are at most D metres apart", "near(X, Y, D)", "near(X, Y, D) :- gap(X, Y, V), V =< D."
+        "near",
+        3,
+        "X's and Y's surfaces are at most D metres apart",
+        "near(X, Y, D)",
+        "near(X, Y, D) :- gap(X, Y, V), V =< D.",
     ),
     Entry(
         "above",
@@ -76,5 +80,11 @@ SPACE: tuple[Entry, ...] = (
         "higher_up(X) :- open_foot(X, A, _), open_foot(Y, _, B), B < A, present(Y).",
     ),
     Entry("held", 1, "X rests on something present, or on the ground", "held(X)", "held(X) :- rests_on(X, _)."),
-    Entry("floats", 1, "gravity is said to hold, and nothing holds X", "floats(X)", "floats(X) :- weighs(X), present(X), \\+ held(X)."),
+    Entry(
+        "floats",
+        1,
+        "gravity is said to hold, and nothing holds X",
+        "floats(X)",
+        "floats(X) :- weighs(X), present(X), \\+ held(X).",
+    ),
 )

@@ -1,7 +1,8 @@
 """Beliefs of a graph that changes: only the connected pieces whose content is new are solved.
 
-A piece is known by its content (cards and tables, in its own numbering), not by its place: a piece that comes back, or another one just like
-it, is not solved again. What is remembered is what would be found, so the answers are the bytes that ``marginals.beliefs`` gives.
+A piece is known by its content (cards and tables, in its own numbering), not by its place: a piece that comes back, or
+another one just like it, is not solved again. What is remembered is what would be found, so the answers are the bytes
+that ``marginals.beliefs`` gives.
 """
 
 from __future__ import annotations
@@ -47,7 +48,9 @@ class Remembered:
                 fresh[keys[i]] = bounded(parts[i], width, clock if easy else clock.share(len(new) - done))
         self.asked += len(parts)
         self.solved += len(fresh)
-        result = assembled(graph.cards, log_z, parts, [fresh[key] if key in fresh else self._known[key] for key in keys])
+        result = assembled(
+            graph.cards, log_z, parts, [fresh[key] if key in fresh else self._known[key] for key in keys]
+        )
         self._remember(keys, fresh)
         return result
 
@@ -62,4 +65,9 @@ class Remembered:
 
 
 def _key(part: Part, width: float) -> Key:
-    return part.cards, tuple([scope for scope, _ in part.tables]), tuple([table.tobytes() for _, table in part.tables]), width
+    return (
+        part.cards,
+        tuple([scope for scope, _ in part.tables]),
+        tuple([table.tobytes() for _, table in part.tables]),
+        width,
+    )

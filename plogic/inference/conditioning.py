@@ -1,12 +1,14 @@
 """A piece whose tables would be too large, case by case; and, when the time is over, what the cases so far prove.
 
-The states of a cutset are tried by a best-first search. Each node fixes the first few variables of the cutset and knows an upper bound of
-its mass (mini-buckets); each leaf fixes all, and is solved exactly. With Z and B the masses found (all, and with v = s), U the sum of the
-bounds of the open nodes where v = s is possible, and V of those where v ≠ s is, the exact value lies in
+The states of a cutset are tried by a best-first search. Each node fixes the first few variables of the cutset and knows
+an upper bound of its mass (mini-buckets); each leaf fixes all, and is solved exactly. With Z and B the masses found
+(all, and with v = s), U the sum of the bounds of the open nodes where v = s is possible, and V of those where v ≠ s is,
+the exact value lies in
 
     B / (Z + V)  ≤  P(v = s)  ≤  (B + U) / (Z + U),        Z  ≤  Σ weights  ≤  Z + Σ bounds,
 
-for what is open adds b ≤ U to B and o ≤ V besides, and (B + b) / (Z + b + o) grows with b and falls with o. No open node: exact.
+for what is open adds b ≤ U to B and o ≤ V besides, and (B + b) / (Z + b + o) grows with b and falls with o. No open
+node: exact.
 """
 
 from __future__ import annotations
@@ -168,7 +170,9 @@ class _Search:
         weighed = [(math.exp(-bound - top), node) for bound, node in nodes]
         return Interval(_outwards(log_z), *self.beliefs(states, done, weighed, SLACK + ROUNDING * abs(top)))
 
-    def beliefs(self, states: list[NDArray[np.float64]], done: float, nodes: list[Node], slack: float) -> tuple[Arrays, Arrays]:
+    def beliefs(
+        self, states: list[NDArray[np.float64]], done: float, nodes: list[Node], slack: float
+    ) -> tuple[Arrays, Arrays]:
         """(low, high) from B, Z, and the open nodes with their bounds, ``slack`` wider."""
         rest = math.fsum(bound for bound, _ in nodes)
         low, high = [], []
@@ -234,4 +238,6 @@ def _unknown(cards: tuple[int, ...]) -> tuple[Arrays, Arrays]:
 def _trivial(part: Part) -> tuple[float, float]:
     """An interval of ln Σ weights: the joint state of zeros, and all joint states at every table's greatest."""
     lower = math.fsum(float(table[(0,) * table.ndim]) for _, table in part.tables)
-    return lower, math.fsum(float(table.max()) for _, table in part.tables) + math.fsum(math.log(card) for card in part.cards)
+    return lower, math.fsum(float(table.max()) for _, table in part.tables) + math.fsum(
+        math.log(card) for card in part.cards
+    )

@@ -43,6 +43,8 @@ def plan(cards: tuple[int, ...], scopes: tuple[tuple[int, ...], ...]) -> tuple[O
     return _plan(cards, scopes, lambda: None)
 
 
-def _plan(cards: tuple[int, ...], scopes: tuple[tuple[int, ...], ...], check: Callable[[], None]) -> tuple[Order, tuple[Bucket, ...]]:
+def _plan(
+    cards: tuple[int, ...], scopes: tuple[tuple[int, ...], ...], check: Callable[[], None]
+) -> tuple[Order, tuple[Bucket, ...]]:
     order = elimination_order(cards, scopes, check)
     return order, bucket_tree(cards, scopes, order)

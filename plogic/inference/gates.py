@@ -3,10 +3,11 @@
 * ``Literal(3, frozenset({1, 2}))``: variable 3 is in state 1 or 2
 * ``And((Literal(3, ...), Not(Or((...,)))))``: a formula; ``And(())`` is true, ``Or(())`` is false
 
-Each step of a conjunction becomes a binary variable (state 1: it holds) with one deterministic factor over its two inputs (Tseitin, 1968);
-many inputs make a chain, so that no factor has more than three variables. A disjunction is the negation of a conjunction of negations, a
-negation costs nothing, equal steps are made once, and what is certain, or says twice the same of one variable, makes no step. No weight
-of a joint state of the old variables changes: each has exactly one continuation.
+Each step of a conjunction becomes a binary variable (state 1: it holds) with one deterministic factor over its two
+inputs (Tseitin, 1968); many inputs make a chain, so that no factor has more than three variables. A disjunction is the
+negation of a conjunction of negations, a negation costs nothing, equal steps are made once, and what is certain, or
+says twice the same of one variable, makes no step. No weight of a joint state of the old variables changes: each has
+exactly one continuation.
 """
 
 from __future__ import annotations
@@ -69,19 +70,25 @@ def with_formula(graph: FactorGraph, formula: Formula) -> tuple[FactorGraph, Lit
 def with_formulas(graph: FactorGraph, formulas: Sequence[Formula]) -> tuple[FactorGraph, tuple[Literal, ...]]:
     """The same for several, which share their equal steps; the old variables keep their numbers.
 
-    A formula that is certainly true, or false, is answered by a literal of a new variable of card 1, with or without its state.
+    A formula that is certainly true, or false, is answered by a literal of a new variable of card 1, with or without
+    its state.
     """
     gates = _Gates(graph)
     literals = [gates.literal(formula) for formula in formulas]
     if any(literal.variable < 0 for literal in literals):
         gates.cards.append(1)
-        literals = [Literal(len(gates.cards) - 1, literal.states) if literal.variable < 0 else literal for literal in literals]
+        literals = [
+            Literal(len(gates.cards) - 1, literal.states) if literal.variable < 0 else literal for literal in literals
+        ]
     return FactorGraph(tuple(gates.cards), (*graph.factors, *gates.factors), graph.constant), tuple(literals)
 
 
 def observed(graph: FactorGraph, literals: Iterable[Literal]) -> FactorGraph:
     """The graph where all the literals hold: what else was possible weighs −inf."""
-    evidence = [Factor((one.variable,), np.where(_mask(graph.cards[one.variable], one.states), 0.0, -np.inf)) for one in literals]
+    evidence = [
+        Factor((one.variable,), np.where(_mask(graph.cards[one.variable], one.states), 0.0, -np.inf))
+        for one in literals
+    ]
     return FactorGraph(graph.cards, (*graph.factors, *evidence), graph.constant)
 
 
@@ -92,7 +99,9 @@ def probability(beliefs: Beliefs, literal: Literal) -> tuple[float, float]:
     if low is high:
         exact = min(float(low[inside].sum()), 1.0)
         return exact, exact
-    return max(float(low[inside].sum()), 1.0 - float(high[~inside].sum()), 0.0), min(float(high[inside].sum()), 1.0 - float(low[~inside].sum()), 1.0)
+    return max(float(low[inside].sum()), 1.0 - float(high[~inside].sum()), 0.0), min(
+        float(high[inside].sum()), 1.0 - float(low[~inside].sum()), 1.0
+    )
 
 
 def _mask(card: int, states: frozenset[int]) -> NDArray[np.bool_]:
@@ -138,7 +147,13 @@ class _Gates:
     def simple(self, literal: Literal) -> Literal:
         """The literal, or a constant if it holds in all states or none."""
         inside = literal.states & frozenset(range(self.cards[literal.variable]))
-        return _FALSE if not inside else _TRUE if len(inside) == self.cards[literal.variable] else Literal(literal.variable, inside)
+        return (
+            _FALSE
+            if not inside
+            else _TRUE
+            if len(inside) == self.cards[literal.variable]
+            else Literal(literal.variable, inside)
+        )
 
     def negated(self, literal: Literal) -> Literal:
         """What holds exactly where the literal does not."""
@@ -170,10 +185,14 @@ class _Gates:
 
     def gate(self, first: Literal, second: Literal) -> Literal:
         """A new binary variable that is 1 exactly where both hold."""
-        holds = np.outer(_mask(self.cards[first.variable], first.states), _mask(self.cards[second.variable], second.states))
+        holds = np.outer(
+            _mask(self.cards[first.variable], first.states), _mask(self.cards[second.variable], second.states)
+        )
         new = len(self.cards)
         self.cards.append(2)
-        self.factors.append(Factor((first.variable, second.variable, new), np.where(np.stack([~holds, holds], axis=-1), 0.0, -np.inf)))
+        self.factors.append(
+            Factor((first.variable, second.variable, new), np.where(np.stack([~holds, holds], axis=-1), 0.0, -np.inf))
+        )
         return Literal(new, frozenset({1}))
 
 

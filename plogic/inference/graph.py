@@ -3,7 +3,8 @@
 Vocabulary, each with an example value:
 
 * a *variable* is a number, 0, 1, 2, ...; ``cards[v]`` is how many states it has
-* ``Factor((0, 2), table)``, log weights of the joint states of variables 0 and 2, shape ``(cards[0], cards[2])``; −inf is impossible
+* ``Factor((0, 2), table)``, log weights of the joint states of variables 0 and 2, shape ``(cards[0], cards[2])``; −inf
+  is impossible
 * ``FactorGraph((2, 3, 2), (Factor(...), ...))``; the weight of a joint state is the product of its factors' weights
 """
 

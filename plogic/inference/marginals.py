@@ -1,7 +1,8 @@
 """Exact marginals of all variables and the sum of all weights, by two passes over a tree of buckets.
 
-Every connected piece is solved apart. Conventions: tables are natural logarithms, −inf is impossible; a belief is P(state) given that some
-joint state holds; variables of card 1 are certain. Where no joint state is possible, ``log_z`` is (−inf, −inf) and every belief is NaN.
+Every connected piece is solved apart. Conventions: tables are natural logarithms, −inf is impossible; a belief is
+P(state) given that some joint state holds; variables of card 1 are certain. Where no joint state is possible, ``log_z``
+is (−inf, −inf) and every belief is NaN.
 """
 
 from __future__ import annotations
@@ -50,9 +51,9 @@ class Beliefs:
 def beliefs(graph: FactorGraph, *, width: float = WIDTH, seconds: float | None = None) -> Beliefs:
     """The sum of all weights and the belief of every variable.
 
-    A connected piece whose tables would be larger than 2^``width`` cells is solved case by case. Without ``seconds`` the answer is exact,
-    and the same at every call. With ``seconds`` it takes about that long at most, and what is not finished by then is an interval that
-    contains the exact value, however wide.
+    A connected piece whose tables would be larger than 2^``width`` cells is solved case by case. Without ``seconds``
+    the answer is exact, and the same at every call. With ``seconds`` it takes about that long at most, and what is not
+    finished by then is an interval that contains the exact value, however wide.
 
     Raises:
         WidthError: without ``seconds``, where the cases of some piece are hopelessly many.

@@ -1,11 +1,13 @@
 """Ordered lists of solutions that are made as far as they are asked for, and the ordered sums of such lists.
 
-A *solution* is one integer: its cost (units below the best log weight conceivable) above, its code below. In the code every variable has
-its own place, so that the order of solutions is by cost, then lexicographic by states; and solutions of independent parts are simply
-added. Hence the k-th best of a whole needs few solutions of its parts (E. Lawler, A procedure for computing the K best solutions to
-discrete optimization problems, 1972; L. Huang and D. Chiang, Better k-best parsing, 2005).
+A *solution* is one integer: its cost (units below the best log weight conceivable) above, its code below. In the code
+every variable has its own place, so that the order of solutions is by cost, then lexicographic by states; and solutions
+of independent parts are simply added. Hence the k-th best of a whole needs few solutions of its parts (E. Lawler, A
+procedure for computing the K best solutions to discrete optimization problems, 1972; L. Huang and D. Chiang, Better
+k-best parsing, 2005).
 
-Streams ask for what they need instead of calling each other: a chain of thousands of them does not deepen Python's stack.
+Streams ask for what they need instead of calling each other: a chain of thousands of them does not deepen Python's
+stack.
 """
 
 from __future__ import annotations
@@ -88,8 +90,8 @@ def product(streams: Sequence[Stream]) -> Stream:
 def sums(streams: Sequence[Stream], clock: Clock) -> Iterator[int]:
     """All sums of one solution of each stream, least first; OutOfTimeError past the clock.
 
-    Three successors a sum, however many streams: they are ordered by what the step from the first to the second solution costs, and a
-    sum remembers the last of them that it moved, and how far.
+    Three successors a sum, however many streams: they are ordered by what the step from the first to the second
+    solution costs, and a sum remembers the last of them that it moved, and how far.
     """
     clock.check()
     if len(streams) == 1:
@@ -99,7 +101,9 @@ def sums(streams: Sequence[Stream], clock: Clock) -> Iterator[int]:
         return
     least = sum([stream.found[0] for stream in streams])
     yield least
-    lists = sorted([stream for stream in streams if reach(stream, 1, clock)], key=lambda stream: stream.found[1] - stream.found[0])
+    lists = sorted(
+        [stream for stream in streams if reach(stream, 1, clock)], key=lambda stream: stream.found[1] - stream.found[0]
+    )
     steps = [stream.found[1] - stream.found[0] for stream in lists]
     heap = [(least + steps[0], 0, 1)] if steps else []
     while heap:

@@ -1,11 +1,14 @@
 """What one bucket tells its parent: the product of what enters it, summed over its residual.
 
-A small table, and one whose entries differ by more than floats can hold, is multiplied as logarithms. A large one is multiplied as plain
-numbers, several times faster, but only where the spreads of all that enters it (ln of greatest over least positive entry, measured) sum to
-less than ``SPREAD``: then no positive product can underflow, and both ways agree to rounding.
+A small table, and one whose entries differ by more than floats can hold, is multiplied as logarithms. A large one is
+multiplied as plain numbers, several times faster, but only where the spreads of all that enters it (ln of greatest over
+least positive entry, measured) sum to less than ``SPREAD``: then no positive product can underflow, and both ways agree
+to rounding.
 
-* ``Message(values)``: what enters a bucket, a given table or what a child tells; the scale that was taken out of it is kept apart
-* ``Weighed(weights, totals)``: shape (separator, residual) and (separator,): weights ÷ totals is P(residual | separator)
+* ``Message(values)``: what enters a bucket, a given table or what a child tells; the scale that was taken out of it is
+  kept apart
+* ``Weighed(weights, totals)``: shape (separator, residual) and (separator,): weights ÷ totals is P(residual |
+  separator)
 """
 
 from __future__ import annotations
@@ -105,7 +108,9 @@ def _log(entering: Sequence[Message], shape: Sequence[int], rows: int) -> tuple[
     return Weighed(weights, totals), Message(values), top
 
 
-def _plain(entering: Sequence[Message], shape: Sequence[int], rows: int, spread: float) -> tuple[Weighed, Message, float] | None:
+def _plain(
+    entering: Sequence[Message], shape: Sequence[int], rows: int, spread: float
+) -> tuple[Weighed, Message, float] | None:
     table = _product([message.plain() for message in entering], shape)
     weights = table.reshape(rows, -1)
     totals = row_sums(weights)

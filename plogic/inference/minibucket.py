@@ -1,7 +1,7 @@
 """An upper bound of the sum of all weights, by tables of bounded size (R. Dechter and I. Rish, Mini-buckets, 2003).
 
-Where the tables that a variable is to be summed out of would make too large a product, they go in several groups: the first is summed, the
-others are maximised, and Σ f·g ≤ Σ f · max g.
+Where the tables that a variable is to be summed out of would make too large a product, they go in several groups: the
+first is summed, the others are maximised, and Σ f·g ≤ Σ f · max g.
 """
 
 from __future__ import annotations
@@ -29,7 +29,9 @@ class Bound(NamedTuple):
     buckets: dict[int, list[Scoped]]
 
 
-def mini_buckets(cards: Sequence[int], tables: Sequence[Scoped], sequence: Sequence[int], bits: float, clock: Clock) -> Bound:
+def mini_buckets(
+    cards: Sequence[int], tables: Sequence[Scoped], sequence: Sequence[int], bits: float, clock: Clock
+) -> Bound:
     """The bound with products of at most 2^``bits`` cells (a given table may be larger); OutOfTimeError past the clock.
 
     ``sequence`` has all variables of the tables, none of which is over no variable.

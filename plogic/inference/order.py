@@ -1,11 +1,12 @@
 """In which order to sum variables out: min-fill, and sweeps where min-fill leaves large tables.
 
-The order decides the largest table of bucket elimination (R. Dechter, Bucket elimination: a unifying framework for reasoning, 1999); the
-best order is NP-hard to find, and min-fill (least new edges first) is the usual heuristic (U. Kjærulff, 1990). On grids a sweep is better:
-it eliminates from one end, always the variable that makes the boundary grow least. All orders are deterministic.
+The order decides the largest table of bucket elimination (R. Dechter, Bucket elimination: a unifying framework for
+reasoning, 1999); the best order is NP-hard to find, and min-fill (least new edges first) is the usual heuristic (U.
+Kjærulff, 1990). On grids a sweep is better: it eliminates from one end, always the variable that makes the boundary
+grow least. All orders are deterministic.
 
-* ``Order((2, 0, 1), ({0, 1}, {1}, ...), 3.0, 3.8)``: the variables as they go; per variable, the ones still there that its table then has
-  (as bits of an integer); the width and the work in bits
+* ``Order((2, 0, 1), ({0, 1}, {1}, ...), 3.0, 3.8)``: the variables as they go; per variable, the ones still there that
+  its table then has (as bits of an integer); the width and the work in bits
 """
 
 from __future__ import annotations
@@ -43,7 +44,9 @@ def neighbours(count: int, scopes: Iterable[Sequence[int]]) -> list[int]:
     return [mask & ~(1 << v) for v, mask in enumerate(result)]
 
 
-def elimination_order(cards: Sequence[int], scopes: Iterable[Sequence[int]], check: Callable[[], None] = lambda: None) -> Order:
+def elimination_order(
+    cards: Sequence[int], scopes: Iterable[Sequence[int]], check: Callable[[], None] = lambda: None
+) -> Order:
     """The best order found: min-fill's, and past ``EASY`` bits the one of least work among min-fill, a sweep and the numbering.
 
     ``check`` is called at every variable, and may raise.
@@ -89,14 +92,20 @@ def min_fill(
     return sequence, rests
 
 
-def _changed(graph: list[int], cards: Sequence[int], v: int, fill: int, keys: Mapping[int, tuple[int, int]]) -> list[tuple[int, tuple[int, int]]]:
+def _changed(
+    graph: list[int], cards: Sequence[int], v: int, fill: int, keys: Mapping[int, tuple[int, int]]
+) -> list[tuple[int, tuple[int, int]]]:
     """Eliminates v, which adds ``fill`` edges; (variable, key) of those of ``keys`` that it may have changed."""
     around = graph[v]
     touched = _eliminate(graph, v, filled=fill > 0)
     if fill:
         return [(u, _key(graph, cards, u)) for u in members(touched) if u in keys]
     # no edge is new: a neighbour only loses v, and the edges that joined v to its other neighbours would have been fill
-    return [(u, (keys[u][0] - (graph[u] & ~around).bit_count(), keys[u][1] // cards[v])) for u in members(around) if u in keys]
+    return [
+        (u, (keys[u][0] - (graph[u] & ~around).bit_count(), keys[u][1] // cards[v]))
+        for u in members(around)
+        if u in keys
+    ]
 
 
 def _key(graph: Sequence[int], cards: Sequence[int], v: int) -> tuple[int, int]:
@@ -190,4 +199,6 @@ def _order(search: tuple[Sequence[int], Sequence[int]], bits: Sequence[float]) -
     sequence, rests = search
     sizes = [bits[v] + sum(bits[u] for u in members(rests[v])) for v in sequence]
     width = max(sizes, default=0.0)
-    return Order(tuple(sequence), tuple(rests), width, width + math.log2(max(1.0, sum(2.0 ** (s - width) for s in sizes))))
+    return Order(
+        tuple(sequence), tuple(rests), width, width + math.log2(max(1.0, sum(2.0 ** (s - width) for s in sizes)))
+    )

@@ -1,7 +1,7 @@
 """A factor graph in connected pieces: what no factor joins is independent, and is solved apart.
 
-* ``Part((4, 7, 9), (2, 3, 2), (((0, 1), table), ...))``: the variables 4, 7 and 9 of the whole, which are 0, 1 and 2 of the part; their
-  cards; and what weighs them, one table a scope, in the part's numbering
+* ``Part((4, 7, 9), (2, 3, 2), (((0, 1), table), ...))``: the variables 4, 7 and 9 of the whole, which are 0, 1 and 2 of
+  the part; their cards; and what weighs them, one table a scope, in the part's numbering
 """
 
 from __future__ import annotations

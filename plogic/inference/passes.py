@@ -1,7 +1,8 @@
 """Two passes over a tree of buckets: up, what each tells its parent; down, the belief that each hands to its children.
 
-On the way down a bucket multiplies its parent's belief of the separator by P(residual | separator), which it kept from the way up:
-beliefs only ever shrink sums that are at most 1, so nothing overflows, and what underflows is less than 1e-300 of the whole.
+On the way down a bucket multiplies its parent's belief of the separator by P(residual | separator), which it kept from
+the way up: beliefs only ever shrink sums that are at most 1, so nothing overflows, and what underflows is less than
+1e-300 of the whole.
 """
 
 from __future__ import annotations
@@ -146,7 +147,13 @@ class _Passes:
                 self.tell(number, table, beliefs, handed)
         return tuple(beliefs)
 
-    def tell(self, number: int, table: NDArray[np.float64], beliefs: list[NDArray[np.float64]], handed: dict[int, NDArray[np.float64]]) -> None:
+    def tell(
+        self,
+        number: int,
+        table: NDArray[np.float64],
+        beliefs: list[NDArray[np.float64]],
+        handed: dict[int, NDArray[np.float64]],
+    ) -> None:
         """A bucket's joint belief, summed for its own variables and for each child's separator."""
         bucket = self.buckets[number]
         own = bucket.scope[bucket.shared :]
@@ -156,7 +163,9 @@ class _Passes:
             beliefs[v] = belief
         for child in bucket.children:
             inner = self.buckets[child]
-            handed[child] = _summed(table, [self.cards[v] for v in bucket.scope], bucket.scope, inner.scope[: inner.shared])
+            handed[child] = _summed(
+                table, [self.cards[v] for v in bucket.scope], bucket.scope, inner.scope[: inner.shared]
+            )
             self.messages[child] = None
 
     def _believed(self, number: int, belief: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -175,7 +184,9 @@ class _Passes:
         return table
 
 
-def _summed(table: NDArray[np.float64], shape: Sequence[int], scope: Sequence[int], kept: Sequence[int]) -> NDArray[np.float64]:
+def _summed(
+    table: NDArray[np.float64], shape: Sequence[int], scope: Sequence[int], kept: Sequence[int]
+) -> NDArray[np.float64]:
     """The table summed over all axes but ``kept`` (in the order of the scope), flat; neighbouring axes go together."""
     keep = set(kept)
     runs = [(math.prod(lengths), kind) for kind, lengths in _runs(scope, shape, keep)]
@@ -190,7 +201,10 @@ def _summed(table: NDArray[np.float64], shape: Sequence[int], scope: Sequence[in
 
 def _runs(scope: Sequence[int], shape: Sequence[int], keep: set[int]) -> list[tuple[bool, list[int]]]:
     """(whether they are kept, their lengths) of neighbouring axes alike."""
-    return [(kind, [length for _, length in run]) for kind, run in groupby(zip(scope, shape, strict=True), key=lambda one: one[0] in keep)]
+    return [
+        (kind, [length for _, length in run])
+        for kind, run in groupby(zip(scope, shape, strict=True), key=lambda one: one[0] in keep)
+    ]
 
 
 def _axis_summed(table: NDArray[np.float64]) -> NDArray[np.float64]:

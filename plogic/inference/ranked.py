@@ -5,12 +5,13 @@ Vocabulary, each with an example value:
 * ``ranked(graph)`` yields ``(-0.7, (0, 2, 1))``: the log weight and one state a variable
 * ``Ranked(graph, seconds=0.5)``: the same with a deadline; ``.states`` so far, ``.finished`` if there are no more
 
-What is guaranteed: every joint state of positive weight comes exactly once; the log weights never increase, and are within 1e-9 of the
-sums of the tables' entries (relative, where tables span more than a million); the same graph gives the same sequence, so the first n
-are the first n of any longer list. States within 1e-11 of each other are ties: of those that follow the first of them, up to ``AHEAD``
-are looked at together and come in lexicographic order, with one falling weight. More ties than that come by whole units of 2.3e-13
-(``ranked_units``), and in lexicographic order where these are equal; in a piece that is wider than ``WIDTH`` bits, in the order of the
-search; in a graph of few joint states (``ranked_whole``) all ties are looked at together.
+What is guaranteed: every joint state of positive weight comes exactly once; the log weights never increase, and are
+within 1e-9 of the sums of the tables' entries (relative, where tables span more than a million); the same graph gives
+the same sequence, so the first n are the first n of any longer list. States within 1e-11 of each other are ties: of
+those that follow the first of them, up to ``AHEAD`` are looked at together and come in lexicographic order, with one
+falling weight. More ties than that come by whole units of 2.3e-13 (``ranked_units``), and in lexicographic order where
+these are equal; in a piece that is wider than ``WIDTH`` bits, in the order of the search; in a graph of few joint
+states (``ranked_whole``) all ties are looked at together.
 """
 
 from __future__ import annotations
@@ -49,7 +50,8 @@ _UNITS = 1 << DIGITS
 class Ranked:
     """The joint states, heaviest first, with a deadline of ``seconds`` from now: an iterator that stops early once it has passed.
 
-    Of the last ties before the deadline some may be missing, and others stand in their place; otherwise what came is a prefix.
+    Of the last ties before the deadline some may be missing, and others stand in their place; otherwise what came is a
+    prefix.
     """
 
     def __init__(self, graph: FactorGraph, *, seconds: float | None = None) -> None:

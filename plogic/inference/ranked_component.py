@@ -1,9 +1,10 @@
 """The ranking of one connected piece: lazily ordered solutions of every bucket of its tree, under the exact heuristic.
 
-The upward pass of max-elimination (min, on costs) tells for every cell of every bucket the least cost of all that lies below it: a
-heuristic that is exact, so that best-first search opens nothing in vain. A *row* of a bucket is a joint state of its separator; its
-solutions are the joint states of all variables below: a *column* (a joint state of the residual) and a solution of a row of each child.
-Rows are shared by all that ask for them, and made when first asked for.
+The upward pass of max-elimination (min, on costs) tells for every cell of every bucket the least cost of all that lies
+below it: a heuristic that is exact, so that best-first search opens nothing in vain. A *row* of a bucket is a joint
+state of its separator; its solutions are the joint states of all variables below: a *column* (a joint state of the
+residual) and a solution of a row of each child. Rows are shared by all that ask for them, and made when first asked
+for.
 """
 
 from __future__ import annotations
@@ -32,7 +33,9 @@ if TYPE_CHECKING:
     from plogic.inference.tree import Bucket
 
 _AXES = operator.attrgetter("ndim")
-KEPT = 1 << 24  # cells: the tables of larger trees are forgotten once their least costs are known, and made again row by row
+KEPT = (
+    1 << 24
+)  # cells: the tables of larger trees are forgotten once their least costs are known, and made again row by row
 SUMMED = 1 << 12  # cells up to which a bucket's tables are added up before they become costs
 
 
@@ -42,8 +45,8 @@ class Node:
     def __init__(self, bucket: Bucket, cards: Sequence[int]) -> None:
         """Columns increase.
 
-        So do the rows of a small bucket, as its tables' scopes do; those of a large one stay in the order in which its parent has them,
-        so that nothing large is transposed.
+        So do the rows of a small bucket, as its tables' scopes do; those of a large one stay in the order in which its
+        parent has them, so that nothing large is transposed.
         """
         rows, columns = bucket.scope[: bucket.shared], bucket.scope[bucket.shared :]
         self.small = math.prod([cards[v] for v in bucket.scope]) <= SUMMED
@@ -119,7 +122,9 @@ class Row(Stream):
         self._opened = 0
         self._first: int | None = None  # least solution of the next column conceivable, with all states below 0
         self._heap: list[tuple[int, int, int, Stream]] = []
-        self._after: tuple[int, int, int, Stream] | None = None  # (column, the column's own share, rank, solutions below) to look at next
+        self._after: tuple[int, int, int, Stream] | None = (
+            None  # (column, the column's own share, rank, solutions below) to look at next
+        )
         states = _states(number, node.row_cards)
         self._bases = [_dot(states, strides) for _, strides, _ in node.children]
 

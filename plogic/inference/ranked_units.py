@@ -1,10 +1,11 @@
 """Log weights as whole numbers of units, so that sums are exact and equal weights are equal.
 
-Sums of floating-point numbers depend on their order: a bound and the weight that it bounds then differ by noise, and ties come out at
-random. Here a table becomes *costs*: how many units of ``2^−42`` (2.3e-13) its entries lie below its greatest entry, rounded once per
-entry; all later sums are exact. What is summed up before, in doubles, are the tables of one small piece or bucket: noise far below a tie
-(``ranked``). A table with a range so wide that its piece's costs would not fit in 64 bits keeps fewer digits, down to ``2^−36``
-(1.5e-11), and past that is in Python's own integers, of any size.
+Sums of floating-point numbers depend on their order: a bound and the weight that it bounds then differ by noise, and
+ties come out at random. Here a table becomes *costs*: how many units of ``2^−42`` (2.3e-13) its entries lie below its
+greatest entry, rounded once per entry; all later sums are exact. What is summed up before, in doubles, are the tables
+of one small piece or bucket: noise far below a tie (``ranked``). A table with a range so wide that its piece's costs
+would not fit in 64 bits keeps fewer digits, down to ``2^−36`` (1.5e-11), and past that is in Python's own integers, of
+any size.
 
 * ``Costs(-1.3, [array([0, 7]), ...], 2**58, 0)``: the greatest entries' sum; costs ≥ 0 by table, in units of
   ``2^−42 << shift``; the cost that stands for impossible
@@ -76,8 +77,15 @@ def _scaled(
     span = sum(ranges.tolist())
     digits = DIGITS if span < 2.0 ** (ROOM - DIGITS) else ROOM - 1 - math.ceil(math.log2(span))
     if digits >= FEWEST:
-        return np.where(below < np.inf, np.rint(below * 2.0**digits), float(IMPOSSIBLE)).astype(np.int64), IMPOSSIBLE, DIGITS - digits
-    values = [None if x == -math.inf else in_units(top) - in_units(x) for top, x in zip(greatest.tolist(), flat.tolist(), strict=True)]
+        return (
+            np.where(below < np.inf, np.rint(below * 2.0**digits), float(IMPOSSIBLE)).astype(np.int64),
+            IMPOSSIBLE,
+            DIGITS - digits,
+        )
+    values = [
+        None if x == -math.inf else in_units(top) - in_units(x)
+        for top, x in zip(greatest.tolist(), flat.tolist(), strict=True)
+    ]
     impossible = 2 * sum([x for x in values if x is not None]) + 1
     own = np.empty(len(values), dtype=object)
     own[:] = [impossible if x is None else x for x in values]

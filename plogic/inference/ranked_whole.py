@@ -1,6 +1,7 @@
 """The ranking of a small graph: all its joint states in one table, sorted at once, without a look at its pieces.
 
-A cost is how many nats a state lies below the sum of the tables' greatest entries, so that the best states' costs have the least noise.
+A cost is how many nats a state lies below the sum of the tables' greatest entries, so that the best states' costs have
+the least noise.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ _CHUNK = 64  # states that are decoded together
 def whole(graph: FactorGraph, tie: float) -> Iterator[tuple[float, tuple[int, ...]]] | None:
     """All joint states of positive weight with their log weights, those within ``tie`` nats of the first of them by states.
 
-    None where the graph is not small, or some state lies so far below the best that its cost is not known to within ``tie``.
+    None where the graph is not small, or some state lies so far below the best that its cost is not known to within
+    ``tie``.
     """
     cards, factors = graph.cards, graph.factors
     if not 0 < len(factors) <= FACTORS or math.prod(cards) > STATES or graph.constant == -math.inf:

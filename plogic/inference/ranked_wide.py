@@ -1,10 +1,11 @@
 """The ranking of a connected piece too wide for exact tables: A* under mini-bucket bounds.
 
-A bucket whose table would be too large is split into *minis* of few enough cells, each of which takes its own minimum over the bucket's
-variable: the sum of minima is no more than the minimum of the sum, so what is left is a bound that never overestimates a cost (R. Dechter
-and I. Rish, Mini-buckets, 2003), and A* under it finds all solutions in exact order, after opening more nodes than needed. The bounds are
-tightened by levelling the minis of a bucket: each gets the mean of their least costs per state (A. Ihler et al., Join-graph based
-cost-shifting schemes, 2012), which leaves their sum as it is.
+A bucket whose table would be too large is split into *minis* of few enough cells, each of which takes its own minimum
+over the bucket's variable: the sum of minima is no more than the minimum of the sum, so what is left is a bound that
+never overestimates a cost (R. Dechter and I. Rish, Mini-buckets, 2003), and A* under it finds all solutions in exact
+order, after opening more nodes than needed. The bounds are tightened by levelling the minis of a bucket: each gets the
+mean of their least costs per state (A. Ihler et al., Join-graph based cost-shifting schemes, 2012), which leaves their
+sum as it is.
 """
 
 from __future__ import annotations
@@ -117,7 +118,9 @@ def _bounds(part: Part, scaled: Costs, order: Order, clock: Clock) -> tuple[int,
     bound = 0
     buckets: dict[int, list[Mini]] = {}
     for v in order.sequence:
-        tables = [_total(group, part.cards, turn, scaled.impossible) for group in _groups(waiting.pop(v), part.cards, bits)]
+        tables = [
+            _total(group, part.cards, turn, scaled.impossible) for group in _groups(waiting.pop(v), part.cards, bits)
+        ]
         buckets[v] = [Mini(scope, table, scaled.impossible) for scope, table in _levelled(tables, room)]
         for mini in buckets[v]:
             if len(mini.scope) == 1:
@@ -178,8 +181,13 @@ def _levelled(tables: list[Term], room: _Room) -> list[Term]:
     mean = total // len(tables)
     steps = [np.where(possible, mean - least, 0) for least in own]
     steps[0] += total - mean * len(tables)
-    result = [(scope, np.where(table < room.impossible, table + step, room.impossible)) for (scope, table), step in zip(tables, steps, strict=True)]
-    growth = sum(_greatest(t, room.impossible) for _, t in result) - sum(_greatest(t, room.impossible) for _, t in tables)
+    result = [
+        (scope, np.where(table < room.impossible, table + step, room.impossible))
+        for (scope, table), step in zip(tables, steps, strict=True)
+    ]
+    growth = sum(_greatest(t, room.impossible) for _, t in result) - sum(
+        _greatest(t, room.impossible) for _, t in tables
+    )
     if room.used + max(0, growth) >= room.impossible:
         return tables
     room.used += max(0, growth)

@@ -40,7 +40,9 @@ def eliminated(graph: FactorGraph, variables: Sequence[int], width: float) -> Fa
         if told.scope:
             live[fresh] = told
     left = set(variables)
-    return FactorGraph(tuple(1 if v in left else card for v, card in enumerate(cards)), tuple(live.values()), math.fsum(constants))
+    return FactorGraph(
+        tuple(1 if v in left else card for v, card in enumerate(cards)), tuple(live.values()), math.fsum(constants)
+    )
 
 
 def _sum(factors: Sequence[Factor], v: int, cards: Sequence[int], width: float) -> tuple[float, Factor]:
@@ -48,6 +50,8 @@ def _sum(factors: Sequence[Factor], v: int, cards: Sequence[int], width: float) 
     scope = sorted({u for factor in factors for u in factor.scope} - {v})
     size = sum(math.log2(cards[u]) for u in (*scope, v))
     if size > width:
-        raise WidthError(f"summing out variable {v} needs a table of {size:.1f} bits; the limit is {width:g}: raise it, or keep the variable")
+        raise WidthError(
+            f"summing out variable {v} needs a table of {size:.1f} bits; the limit is {width:g}: raise it, or keep the variable"
+        )
     top, told = log_sum(product([(factor.scope, factor.table) for factor in factors], (*scope, v), cards))
     return top, Factor(tuple(scope), told) if top > -math.inf else Factor((), np.zeros(()))

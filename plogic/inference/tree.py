@@ -1,10 +1,12 @@
 """A tree of buckets: which variables are summed out together, over which table, and whom the sum is told.
 
-Bucket elimination, one bucket a variable (R. Dechter 1999), as a tree that is passed twice (S. Lauritzen and D. Spiegelhalter 1988). Small
-neighbouring buckets are merged into one: a table of a thousand cells costs numpy no more than one of ten.
+Bucket elimination, one bucket a variable (R. Dechter 1999), as a tree that is passed twice (S. Lauritzen and D.
+Spiegelhalter 1988). Small neighbouring buckets are merged into one: a table of a thousand cells costs numpy no more
+than one of ten.
 
-* ``Bucket((7, 3, 5), 2, 4, (0, 6), (1,))``: a table over the variables 7, 3, 5, in this order of axes; the first 2 (the separator) are
-  shared with the parent, bucket 4, the others (the residual) are in no later bucket; tables 0 and 6 and the message of bucket 1 enter it
+* ``Bucket((7, 3, 5), 2, 4, (0, 6), (1,))``: a table over the variables 7, 3, 5, in this order of axes; the first 2 (the
+  separator) are shared with the parent, bucket 4, the others (the residual) are in no later bucket; tables 0 and 6 and
+  the message of bucket 1 enter it
 """
 
 from __future__ import annotations
@@ -52,7 +54,9 @@ def bucket_tree(cards: Sequence[int], scopes: Sequence[tuple[int, ...]], order: 
     return tuple(result)
 
 
-def _merged(cards: Sequence[int], order: Order, turn: dict[int, int]) -> tuple[dict[int, int], dict[int, int], dict[int, list[int]]]:
+def _merged(
+    cards: Sequence[int], order: Order, turn: dict[int, int]
+) -> tuple[dict[int, int], dict[int, int], dict[int, list[int]]]:
     """(parent of each bucket that stays, bucket of every variable, residual of each bucket that stays), a bucket named by its last variable."""
     parents = {v: min(members(order.rests[v]), key=turn.__getitem__, default=-1) for v in order.sequence}
     residuals = {v: [v] for v in order.sequence}

@@ -29,8 +29,9 @@ _SAID = tuple(field.name for field in fields(Posed) if field.name != "object_typ
 def searched(search: Callable[[Kind], Found], indices: Sequence[Kind], data: Data, processes: int) -> Generator[Found]:
     """What ``search`` finds of each index in ``data``, in their order.
 
-    What a copy finds comes back without the type, which is large, and here already. What all types ask of Γ is found before copies are made.
-    Without learnt types there are none: to copy the process takes as long as to find a type written by hand.
+    What a copy finds comes back without the type, which is large, and here already. What all types ask of Γ is found
+    before copies are made. Without learnt types there are none: to copy the process takes as long as to find a type
+    written by hand.
     """
     lexicons = {id(index.lexicon): index.lexicon for index in indices if isinstance(index, LearntIndex)}
     processes = processes if lexicons else 1

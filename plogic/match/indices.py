@@ -43,11 +43,13 @@ Index: TypeAlias = TypeIndex | LearntIndex
 PLAIN = {"quadruples": quadruples.proposals, "softposit": softposit.proposals}
 """The plain generators of poses of a type written by hand: slow, and what the fast search is tested against."""
 FAST = "index"
-"""The generator of every day: the search by view cells and votes, which goes over all types at once where angles count."""
+"""The generator of every day: the search by view cells and votes, which goes over all types at once where angles
+count."""
 GENERATORS = FAST, *PLAIN
 """Who may propose poses of types written by hand; learnt types have their own."""
 SURE = 5.0
-"""Logarithm of the odds by which a type must explain its data better than clutter does, all its poses together: 150 to 1."""
+"""Logarithm of the odds by which a type must explain its data better than clutter does, all its poses together: 150 to
+1."""
 
 
 def index_of(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> Index:
@@ -60,8 +62,8 @@ def indices_of(
 ) -> tuple[dict[str, Index], PairIndex | None]:
     """The indices of all types that have features, of which the learnt ones share one lexicon; and the index over those written by hand.
 
-    Of these there is one where the angles of data say something, and the fast ``generator`` asks for it; ``folder``: where such are kept between
-    runs.
+    Of these there is one where the angles of data say something, and the fast ``generator`` asks for it; ``folder``:
+    where such are kept between runs.
     """
     types = sorted(kb.types, key=lambda t: t.name)  # of types that are equal in all but their names the first is found
     clouds = {t.name: t.learnt for t in types if t.learnt is not None and t.features}
@@ -75,8 +77,8 @@ def indices_of(
 def significant(posed: Posed) -> float:
     """What a log-likelihood ratio must exceed, beyond what any pose has.
 
-    Of a type written by hand the best of so many tries is good by luck: as many as there are pairs of appearances. Of a learnt one, and where
-    angles count, all poses are counted already.
+    Of a type written by hand the best of so many tries is good by luck: as many as there are pairs of appearances. Of a
+    learnt one, and where angles count, all poses are counted already.
     """
     return SURE if posed.object_type.learnt is not None or posed.axes is not None else log(MOST_PAIRS)
 
@@ -92,8 +94,9 @@ def generate(
 ) -> list[tuple[float, Posed]]:
     """The poses that Γ suggests, matched, best first, with their log-likelihood ratios; ``most``: ``refined``, ``verified``.
 
-    ``covered`` (H, W): where accepted objects stand, which a type written by hand is told; ``taken`` (N, 4): their middles and inner radii, m,
-    which a learnt one is told. ``check`` is called between the stages of the search for one written by hand, and may raise to end it.
+    ``covered`` (H, W): where accepted objects stand, which a type written by hand is told; ``taken`` (N, 4): their
+    middles and inner radii, m, which a learnt one is told. ``check`` is called between the stages of the search for one
+    written by hand, and may raise to end it.
     """
     if isinstance(index, LearntIndex):
         return learnt.generate(index, data, kb, taken, **most)
@@ -110,8 +113,8 @@ def generate_plainly(
 ) -> list[tuple[float, Posed]]:
     """The poses that a plain ``generator`` (a key of ``PLAIN``) proposes of a type, verified by matching: as ``generate`` gives them.
 
-    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide. ``check`` is called between sets or starts, and before each
-    pose is verified, and may raise to end the search.
+    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide. ``check`` is called between sets or
+    starts, and before each pose is verified, and may raise to end the search.
     """
     found = []
     for pose in PLAIN[generator](index, data, kb, check):
@@ -124,14 +127,18 @@ def generate_plainly(
     return distinct(sorted(found, key=lambda pair: -pair[0]), index.object_type)
 
 
-def search_of(shared: PairIndex | None, data: Data, kb: KnowledgeBase, check: Callable[[], None] = unhurried) -> Search | None:
+def search_of(
+    shared: PairIndex | None, data: Data, kb: KnowledgeBase, check: Callable[[], None] = unhurried
+) -> Search | None:
     """The search for all types of an index in one Γ; None where there is no such index, or no datum has an angle.
 
     ``check`` is called between its stages, and may raise to end it.
     """
     if shared is None or kb.rates.sigma_angle is None or not np.isfinite(data.angle).any():
         return None
-    return Search(Asked(shared, data, Noise(kb.rates.sigma, kb.rates.sigma_angle), chances_of(shared, kb.rates), check=check))
+    return Search(
+        Asked(shared, data, Noise(kb.rates.sigma, kb.rates.sigma_angle), chances_of(shared, kb.rates), check=check)
+    )
 
 
 def generate_together(
@@ -143,8 +150,8 @@ def generate_together(
 ) -> dict[str, list[tuple[float, Posed]]]:
     """By type, the poses that some data of Γ suggest of all types at once, as ``generate`` gives them of one.
 
-    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``seen`` is told each type's as soon as they are there, that of
-    the best proposal first.
+    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``seen`` is told each type's as soon
+    as they are there, that of the best proposal first.
     """
     indices = search.index.indices
     poses: dict[int, list[NDArray[np.float64]]] = {}

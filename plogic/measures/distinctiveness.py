@@ -1,6 +1,7 @@
 """Distinctiveness dv of feature types (§5.1).
 
-Vocabulary: ``Counts``, the number of instances |S(F)| of each feature type F, for example ``{"apex": 1, "corner": 16, "patch": 95}``.
+Vocabulary: ``Counts``, the number of instances |S(F)| of each feature type F, for example ``{"apex": 1, "corner": 16,
+"patch": 95}``.
 """
 
 from __future__ import annotations

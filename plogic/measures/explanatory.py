@@ -47,7 +47,9 @@ class Cells:
 Support = dict[str, Cells]
 
 
-def tally(names: Sequence[str], kind: NDArray[np.intp], expected: NDArray[np.bool_], detected: NDArray[np.bool_]) -> Support:
+def tally(
+    names: Sequence[str], kind: NDArray[np.intp], expected: NDArray[np.bool_], detected: NDArray[np.bool_]
+) -> Support:
     """Count the cases of F features into the cells of their types: ``kind`` (F,) are indices into ``names``, which are in alphabetical order."""
     column = np.where(expected, np.where(detected, 0, 1), np.where(detected, 3, 2))
     counts = np.bincount(kind * 4 + column, minlength=4 * len(names)).reshape(-1, 4)
@@ -83,9 +85,10 @@ def reconsidered(
 ) -> Support:
     """Take the cells anew once occluders are accepted (§5.5).
 
-    ``explained`` counts, per feature type, the C cells that an accepted occluder hides; ``displaced`` the D cells whose appearance another
-    accepted object claims (used by ``reassign`` only). ``drop`` takes the explained C cells out of the sum (the paper's), ``to_B`` makes
-    them ¬E∧¬D (strict D7), ``reassign`` does that and moves the displaced D items away too, which leaves ¬E∧¬D.
+    ``explained`` counts, per feature type, the C cells that an accepted occluder hides; ``displaced`` the D cells whose
+    appearance another accepted object claims (used by ``reassign`` only). ``drop`` takes the explained C cells out of
+    the sum (the paper's), ``to_B`` makes them ¬E∧¬D (strict D7), ``reassign`` does that and moves the displaced D items
+    away too, which leaves ¬E∧¬D.
 
     Raises ValueError where more cells are explained or displaced than there are.
     """

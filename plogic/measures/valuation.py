@@ -20,7 +20,9 @@ def compatible(feature_types: Sequence[frozenset[str]], appearance_types: Sequen
     """(F, A) mask: appearance a is of one of the types in which feature f can appear."""
     number: dict[str, int] = {}
     which = [number.setdefault(name, len(number)) for name in appearance_types]
-    mask = np.array([[name in types for name in number] for types in feature_types], dtype=bool).reshape(len(feature_types), len(number))
+    mask = np.array([[name in types for name in number] for types in feature_types], dtype=bool).reshape(
+        len(feature_types), len(number)
+    )
     return np.asarray(mask[:, which])
 
 
@@ -33,12 +35,15 @@ def is_legal(substitution: Mapping[int, int], allowed: NDArray[np.bool_]) -> boo
 def best_substitution(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> dict[int, int]:
     """The legal θ of greatest Σ weight over matched features: a maximum-weight bipartite matching (§5.3).
 
-    ``weights`` (F,) ≥ 0 per feature, ``allowed`` (F, A). Features of weight 0 are matched where that costs nothing. Oracle: brute force.
+    ``weights`` (F,) ≥ 0 per feature, ``allowed`` (F, A). Features of weight 0 are matched where that costs nothing.
+    Oracle: brute force.
     """
     if allowed.size == 0:
         return {}
     loss = np.where(allowed, -weights[:, None] - 1e-12, 0.0)
-    rows, columns = linear_sum_assignment(loss)  # with maximize=True SciPy makes a copy, and ends the process where there is no room for it
+    rows, columns = linear_sum_assignment(
+        loss
+    )  # with maximize=True SciPy makes a copy, and ends the process where there is no room for it
     return {int(f): int(a) for f, a in zip(rows, columns, strict=True) if allowed[f, a]}
 
 
@@ -46,7 +51,9 @@ def valuation(weights: NDArray[np.float64], substitution: Mapping[int, int]) -> 
     """Take v(Type, θ) = Σ dv(matched features) / Σ dv(all features of Type); 0 where every dv is 0 (§5.3, §5.1)."""
     total = float(weights.sum())
     heavy = weights.tolist()
-    return min(1.0, sum(heavy[f] for f in substitution) / total) if total > 0.0 else 0.0  # sums of different order may differ
+    return (
+        min(1.0, sum(heavy[f] for f in substitution) / total) if total > 0.0 else 0.0
+    )  # sums of different order may differ
 
 
 def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:

@@ -1,6 +1,7 @@
 """Rates where a slot's presence is not known: expectation maximisation by ProbLog's learning from interpretations (LFI).
 
-The model, one example a slot: an expected feature is near an appearance if the object is there and the feature is hit, or by chance::
+The model, one example a slot: an expected feature is near an appearance if the object is there and the feature is hit,
+or by chance::
 
     t(p)::present(K, I) :- slot(I, K).          t(h)::hit(J, I, F) :- seen(I, F, J).
     near(I, F) :- slot(I, K), present(K, I), seen(I, F, J), hit(J, I, F).        near(I, F) :- chance(I, F).

@@ -1,7 +1,7 @@
 """From records to counts, and from counts to rates.
 
-Where every object of a scene is known, its counts are counted. Where a slot's presence is not known, its share comes from EM
-(``plogic.rates.em``): expected counts, which need not be whole numbers.
+Where every object of a scene is known, its counts are counted. Where a slot's presence is not known, its share comes
+from EM (``plogic.rates.em``): expected counts, which need not be whole numbers.
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ def added(*counts: Counts) -> Counts:
 
 def without(counts: Counts, names: Collection[str]) -> Counts:
     """Counts but those of some features and appearances: of visual words, whose rates are measured in learning and whose names change with it."""
-    hit, clutter = ({name: pair for name, pair in table.items() if name not in names} for table in (counts.hit, counts.clutter))
+    hit, clutter = (
+        {name: pair for name, pair in table.items() if name not in names} for table in (counts.hit, counts.clutter)
+    )
     return Counts(hit=hit, clutter=clutter, prior=counts.prior)
 
 

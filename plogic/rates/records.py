@@ -2,8 +2,8 @@
 
 Vocabulary, each with an example value:
 
-* ``Sighting("corner", near=True, chance=0.002)``: a feature that should be seen; whether an appearance that it may cause lies at its place,
-  and how probable it is that clutter alone puts one there
+* ``Sighting("corner", near=True, chance=0.002)``: a feature that should be seen; whether an appearance that it may
+  cause lies at its place, and how probable it is that clutter alone puts one there
 * ``Slot("t1", present=True, sightings=(...))``: one place where an object of the type is, is not, or may be (None)
 * ``Record((Slot(...), ...), {"l_junction": 7})``: one scene; its clutter is None where not every object is known
 """

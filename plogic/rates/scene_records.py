@@ -1,6 +1,7 @@
 """One scene's folder to a record: where its objects truly stand, which of their features were detected, and what nobody caused.
 
-A scene is a folder with ``truth.json`` and one of ``interpretation.json``, ``gamma.json``, or ``image.*`` with ``camera.json``.
+A scene is a folder with ``truth.json`` and one of ``interpretation.json``, ``gamma.json``, or ``image.*`` with
+``camera.json``.
 """
 
 from __future__ import annotations
@@ -56,14 +57,20 @@ def record_of(folder: Path, kb: KnowledgeBase, perceive: Perceive) -> Record:
 
 def _known(truth: Truth, kb: KnowledgeBase) -> list[tuple[str, NDArray[np.float64]]]:
     """(type, pose) of the true objects that the knowledge base knows and of which something is to be seen."""
-    return [(str(o.label), o.camera_from_object) for o in truth.objects if o.label in _names(kb) and o.visible_fraction > 0.0]
+    return [
+        (str(o.label), o.camera_from_object)
+        for o in truth.objects
+        if o.label in _names(kb) and o.visible_fraction > 0.0
+    ]
 
 
 def found_in(folder: Path, kb: KnowledgeBase) -> Found:
     """Γ of a scene, from the first of ``SOURCES`` that the folder has."""
     path = next((folder / name for name in SOURCES if (folder / name).exists()), None)
     if path is None:
-        raise InputError(f"{folder}: holds no picture and no Γ: one of {', '.join(SOURCES)} is needed beside truth.json")
+        raise InputError(
+            f"{folder}: holds no picture and no Γ: one of {', '.join(SOURCES)} is needed beside truth.json"
+        )
     if path.name == "interpretation.json":
         return _interpreted(path, kb)
     return Found(_gamma(path, folder, kb), None)
@@ -82,7 +89,9 @@ def _interpreted(path: Path, kb: KnowledgeBase) -> Found:
 
 def accepted_in(document: dict[str, Any]) -> tuple[tuple[str, NDArray[np.float64]], ...]:
     """(type, pose) of Δi."""
-    return tuple((h["type"], np.array(h["T_camera_object"])) for h in document["hypotheses"] if h["status"] == "accepted")
+    return tuple(
+        (h["type"], np.array(h["T_camera_object"])) for h in document["hypotheses"] if h["status"] == "accepted"
+    )
 
 
 def _gamma(path: Path, folder: Path, kb: KnowledgeBase) -> Gamma:
@@ -112,7 +121,9 @@ def _open(
     ]
 
 
-def record_in(truth: Truth, data: Data, kb: KnowledgeBase, others: Sequence[tuple[str, NDArray[np.float64]]] = ()) -> Record:
+def record_in(
+    truth: Truth, data: Data, kb: KnowledgeBase, others: Sequence[tuple[str, NDArray[np.float64]]] = ()
+) -> Record:
     """The record of one Γ; ``others``: (type, pose) of what was accepted where nobody knows what stands."""
     true = _known(truth, kb)
     posed = [pose_of(kb.type(name), pose, data, kb) for name, pose in true]
@@ -175,6 +186,8 @@ def scene_folders(paths: Sequence[str]) -> list[Path]:
         path = Path(name)
         inside = [path] if is_scene(path) else sorted(p for p in path.iterdir() if is_scene(p)) if path.is_dir() else []
         if not inside:
-            raise InputError(f"{name}: is no scene: a folder with truth.json (as `plogic simulate` writes), or a folder of such folders")
+            raise InputError(
+                f"{name}: is no scene: a folder with truth.json (as `plogic simulate` writes), or a folder of such folders"
+            )
         found += inside
     return list(dict.fromkeys(found))

@@ -74,7 +74,11 @@ def _pose(place: str, value: object) -> NDArray[np.float64]:
         pose = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
         pose = np.zeros(0)
-    rigid = pose.shape == (4, 4) and np.isfinite(pose).all() and np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-4)
+    rigid = (
+        pose.shape == (4, 4)
+        and np.isfinite(pose).all()
+        and np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-4)
+    )
     if not rigid or not np.allclose(pose[3], (0.0, 0.0, 0.0, 1.0)):
         raise InputError(f"{place}: should be a rigid motion, 4 rows of 4 numbers, metres")
     return pose

@@ -22,7 +22,8 @@ LONGEST_SIDE = 1280
 MOST_TRIANGLES = 4000
 """Of a carried mesh; a larger one is carried coarser."""
 GRIDS = (80, 56, 40, 28, 20, 14, 10, 7)
-"""Cells to the longest side in which a large mesh's vertices are made one, finest first, until its triangles are few enough."""
+"""Cells to the longest side in which a large mesh's vertices are made one, finest first, until its triangles are few
+enough."""
 
 
 def image_asset(image: NDArray[np.uint8] | None) -> dict[str, Any]:
@@ -64,7 +65,9 @@ def _carried(
     return *fewer, float(np.sqrt(3.0) * np.ptp(vertices, axis=0).max() / cells)
 
 
-def _clustered(vertices: NDArray[np.float64], triangles: NDArray[np.intp], cells: int) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+def _clustered(
+    vertices: NDArray[np.float64], triangles: NDArray[np.intp], cells: int
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     """The mesh with the vertices of each cell of a grid, ``cells`` to its longest side, made one: their mean."""
     low = vertices.min(axis=0)
     side = float((vertices.max(axis=0) - low).max()) / cells or 1.0

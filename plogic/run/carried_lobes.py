@@ -1,7 +1,7 @@
 """What an interpretation carries along of its types to look ahead by: from where which feature is reported as what, and how often (§2.7).
 
-Types written by hand are carried whole. Of a learnt type, which has thousands of lobes, ``MOST_LOBES`` are: the surest of each direction of view in
-turn; how many were left out is said.
+Types written by hand are carried whole. Of a learnt type, which has thousands of lobes, ``MOST_LOBES`` are: the surest
+of each direction of view in turn; how many were left out is said.
 """
 
 from __future__ import annotations
@@ -19,20 +19,27 @@ if TYPE_CHECKING:
 
 MOST_LOBES = 1500
 """Of one type: some 60 bytes each."""
-DIRECTIONS = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (x, y, z) != (0, 0, 0)], float)
+DIRECTIONS = np.array(
+    [[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (x, y, z) != (0, 0, 0)], float
+)
 DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
 DIRECTIONS.setflags(write=False)
 
 
 def sensing_document(kb: KnowledgeBase) -> dict[str, Any]:
     """What holds of the detector whatever is there: focal length of reference, tolerance (pixels), data of clutter an image by type."""
-    return {"f_ref": kb.f_ref, "match_tolerance": kb.rates.match_tolerance, "clutter": dict(sorted(kb.rates.clutter.items()))}
+    return {
+        "f_ref": kb.f_ref,
+        "match_tolerance": kb.rates.match_tolerance,
+        "clutter": dict(sorted(kb.rates.clutter.items())),
+    }
 
 
 def types_document(types: Mapping[str, ObjectType], kb: KnowledgeBase) -> dict[str, Any]:
     """By type: its ``features`` as [id, type, x, y, z], the appearance types ``looks``, and ``lobes`` as rows of numbers.
 
-    A lobe is [feature, look, axis x, y, z, half angle, least and greatest distance, hit rate]; metres, radians, object frame, rounded.
+    A lobe is [feature, look, axis x, y, z, half angle, least and greatest distance, hit rate]; metres, radians, object
+    frame, rounded.
     """
     return {name: _table(kind, kb) for name, kind in sorted(types.items())}
 
@@ -49,7 +56,10 @@ def _table(kind: ObjectType, kb: KnowledgeBase) -> dict[str, Any]:
     document = {
         "features": [[f.name, f.type, *np.round(f.at, 5).tolist()] for f in seen],
         "looks": looks,
-        "lobes": [[f, place[table.types[lobe]], *row] for f, lobe, row in zip(np.asarray(feature).reshape(-1).tolist(), kept, rows, strict=True)],
+        "lobes": [
+            [f, place[table.types[lobe]], *row]
+            for f, lobe, row in zip(np.asarray(feature).reshape(-1).tolist(), kept, rows, strict=True)
+        ],
         "measured": kind.learnt is not None,
     }
     return document | ({"left_out": {"lobes": len(hit) - len(kept)}} if len(kept) < len(hit) else {})

@@ -1,8 +1,9 @@
 """The whole ``interpretation/1`` document of one image (contract), from the typed parts.
 
-Of learnt types it leaves out what no question needs, and says so: descriptors of appearances, features that are case B in every world
-(``left_out`` per hypothesis, and one feature that stands for those in the image, see ``plogic.cycle.lumped``), and with a vocabulary of words the
-causes of what nothing is matched to (``causes_else``: "noise").
+Of learnt types it leaves out what no question needs, and says so: descriptors of appearances, features that are case B
+in every world (``left_out`` per hypothesis, and one feature that stands for those in the image, see
+``plogic.cycle.lumped``), and with a vocabulary of words the causes of what nothing is matched to (``causes_else``:
+"noise").
 """
 
 from __future__ import annotations
@@ -85,7 +86,11 @@ def document_of(
         "facts": facts_of(situation),
         "space": space_document(situation.space),
         **gravity_document(situation.gravity),
-        "measures": {"dv": situation.dv, "p_dv": _told(probability_of_distinctiveness(counts), situation.dv), "rank": situation.rank},
+        "measures": {
+            "dv": situation.dv,
+            "p_dv": _told(probability_of_distinctiveness(counts), situation.dv),
+            "rank": situation.rank,
+        },
         "priors": situation.priors,
         "rules": situation.rules,
         "labels": {},
@@ -100,7 +105,10 @@ def _worlds(ranking: Ranking, situation: Situation, *, short: bool) -> dict[str,
     """The listed worlds; ``short``: an appearance that no feature is matched to is noise in all of them, and is not repeated."""
     matched = {f.match for h in situation.hypotheses for f in h.features}
     named = [a.id for a in situation.appearances if a.id in matched or not short]
-    worlds = [{"probability": w.probability, "present": list(w.present), "causes": {a: w.causes[a] for a in named}} for w in ranking.worlds]
+    worlds = [
+        {"probability": w.probability, "present": list(w.present), "causes": {a: w.causes[a] for a in named}}
+        for w in ranking.worlds
+    ]
     return {"worlds": worlds} | ({"causes_else": "noise"} if short else {})
 
 
@@ -172,7 +180,9 @@ def _cases(belief: Belief, beside: Sequence[Belief]) -> Cases:
     expected = posed.candidate & ~_hidden(belief, beside)
     some = told(posed)
     rows = zip(some, *(mask[some].tolist() for mask in (expected, posed.detected, posed.in_image)), strict=True)
-    cases: Cases = {told_as(posed, f).name: (e, d, case_of(expected=e, detected=d) if inside else None) for f, e, d, inside in rows}
+    cases: Cases = {
+        told_as(posed, f).name: (e, d, case_of(expected=e, detected=d) if inside else None) for f, e, d, inside in rows
+    }
     return cases | {OTHERS: (False, False, "B")}
 
 

@@ -53,7 +53,9 @@ def detected(picture: NDArray[Any], camera: Camera, kb: KnowledgeBase, clock: St
     from sensing.detectors.detector import detect
 
     if not detectable(kb):
-        raise InputError(f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types)}): give a Γ file instead")
+        raise InputError(
+            f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types)}): give a Γ file instead"
+        )
     with clock.stage("detect"):
         return detect(picture, camera, kb.sought, kb.words)
 

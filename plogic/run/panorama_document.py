@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 FORMAT = "panorama/1"
 
 
-def panorama_document(panorama: Panorama, looks: Sequence[tuple[str, Look]], foreseen: Sequence[Mapping[str, Any]] = ()) -> dict[str, Any]:
+def panorama_document(
+    panorama: Panorama, looks: Sequence[tuple[str, Look]], foreseen: Sequence[Mapping[str, Any]] = ()
+) -> dict[str, Any]:
     """The document of a sequence: ``looks`` with their frames' names, and what is ``foreseen`` where nothing was seen yet."""
     kb, joined = panorama.perceiver.kb, _worlds(panorama)
     last = looks[-1][1].view.id if looks else ""

@@ -38,7 +38,8 @@ if TYPE_CHECKING:
 SMOOTHED = 0.001
 """ε that the score program falls back to where no world is left at 0."""
 AFTER = 0.1
-"""Seconds that the worlds of what was found may take, however near the deadline is: they take some milliseconds, as a rule."""
+"""Seconds that the worlds of what was found may take, however near the deadline is: they take some milliseconds, as a
+rule."""
 LISTED_WORLDS = 100
 """Worlds that an interpretation lists; the mass of the others is stated."""
 
@@ -46,9 +47,10 @@ LISTED_WORLDS = 100
 class Perceiver:
     """A knowledge base made ready: dv and the view cells of its types, computed once and used for any number of images.
 
-    ``cache``: a folder in which the index over many types is kept between runs; ``processes``: how many search an image for learnt types, this
-    one and copies of it (``plogic.base.forked`` says when there may be more than one). ``generator``: who proposes poses of types written by hand,
-    ``index``, the fast search, or a plain one, ``quadruples`` or ``softposit``; all else is the same, and learnt types have their own search.
+    ``cache``: a folder in which the index over many types is kept between runs; ``processes``: how many search an image
+    for learnt types, this one and copies of it (``plogic.base.forked`` says when there may be more than one).
+    ``generator``: who proposes poses of types written by hand, ``index``, the fast search, or a plain one,
+    ``quadruples`` or ``softposit``; all else is the same, and learnt types have their own search.
 
     Raises:
         InputError: where there is no such generator.
@@ -76,18 +78,32 @@ class Perceiver:
         return self.document(gamma, *self.cycle(gamma, options, clock), options, image, clock)
 
     def document(
-        self, gamma: Gamma, data: Data, cycle: Cycle, options: Options, image: NDArray[np.uint8] | None, clock: Stopwatch
+        self,
+        gamma: Gamma,
+        data: Data,
+        cycle: Cycle,
+        options: Options,
+        image: NDArray[np.uint8] | None,
+        clock: Stopwatch,
     ) -> dict[str, Any]:
         """The interpretation document of what the cycle came to."""
         gamma, (delta, rejected, trace) = gamma.in_order(), self._facts(data, cycle, options, clock)
         with clock.stage("worlds"):
-            delta, ranking = ranked(delta, trace, None if options.end is None else max(options.end - monotonic(), AFTER))
+            delta, ranking = ranked(
+                delta, trace, None if options.end is None else max(options.end - monotonic(), AFTER)
+            )
             late = not ranking.exact and options.end is not None
             stopped: Stopped = SEARCH if any(step["event"] == "deadline" for step in trace) else WORLDS if late else ""
             if stopped == WORLDS:
-                trace.append(_step(len(trace) + 1, "deadline", "the deadline was reached: probabilities are known within intervals"))
+                trace.append(
+                    _step(
+                        len(trace) + 1, "deadline", "the deadline was reached: probabilities are known within intervals"
+                    )
+                )
         with clock.stage("document"):
-            document = document_of(self.kb, gamma, delta, rejected, trace, ranking, image, seconds=AFTER if late else None)
+            document = document_of(
+                self.kb, gamma, delta, rejected, trace, ranking, image, seconds=AFTER if late else None
+            )
         return marked(document, ranking, stopped) if stopped else document
 
     def accepted(self, gamma: Gamma) -> list[tuple[Belief, float]]:
@@ -95,9 +111,13 @@ class Perceiver:
         data, cycle = self.cycle(gamma, Options(), Stopwatch())
         delta = delta_of(cycle, data, self.kb, self.dv, Options(), related=False)
         delta, ranking = ranked(delta, cycle.trace.document())
-        return [(belief, ranking.marginals[name]) for name, belief in delta.beliefs.items() if belief.status == "accepted"]
+        return [
+            (belief, ranking.marginals[name]) for name, belief in delta.beliefs.items() if belief.status == "accepted"
+        ]
 
-    def delta(self, gamma: Gamma, options: Options, clock: Stopwatch) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
+    def delta(
+        self, gamma: Gamma, options: Options, clock: Stopwatch
+    ) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
         """Δh with its facts, what was rejected, and the trace."""
         return self._facts(*self.cycle(gamma, options, clock), options, clock)
 
@@ -109,17 +129,25 @@ class Perceiver:
         return delta, cycle.rejected, cycle.trace.document()
 
     def cycle(
-        self, gamma: Gamma, options: Options, clock: Stopwatch, seeds: Sequence[Seed] = (), usual: Mapping[str, int] | None = None
+        self,
+        gamma: Gamma,
+        options: Options,
+        clock: Stopwatch,
+        seeds: Sequence[Seed] = (),
+        usual: Mapping[str, int] | None = None,
     ) -> tuple[Data, Cycle]:
         """Γ as arrays, in its own order (``Gamma.in_order``), and what the cycle comes to in it.
 
-        ``seeds`` are what is remembered to stand here, the surest first; ``usual``: how many data of each type are left unexplained here, as a rule.
+        ``seeds`` are what is remembered to stand here, the surest first; ``usual``: how many data of each type are left
+        unexplained here, as a rule.
         """
         data = data_of(gamma.in_order().appearances, gamma.camera, self.width)
         with clock.stage("rank"):
             attention = attend(list(self.indices.values()), data.types, self.kb)
         with clock.stage("search"), uncollected():
-            perception = Recall(data, self.kb, self.indices, self.dv, options.end, self.shared, self.processes, self.generator)
+            perception = Recall(
+                data, self.kb, self.indices, self.dv, options.end, self.shared, self.processes, self.generator
+            )
             cycle = perception.resume(attention, seeds, usual or {})
             if perception.unfinished:
                 cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")

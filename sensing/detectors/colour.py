@@ -16,14 +16,16 @@ if TYPE_CHECKING:
     Bytes = NDArray[np.uint8]
 
 CELLS = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
-"""Where a keypoint's colour is taken, in its own frame (along its angle, and across): at its place, and at the corners of a square."""
+"""Where a keypoint's colour is taken, in its own frame (along its angle, and across): at its place, and at the corners
+of a square."""
 REACH, BROAD = 0.75, 0.5
 """Of a keypoint's diameter: half the square's side, and the standard deviation of what a cell averages."""
 DARK = 16.0
 """Grey levels added to each channel: in the dark, colours are noise."""
 GAIN = 64.0
-"""Bytes for a factor of e between two channels. All five cells off by a factor of 2 are then as far apart as two SIFT descriptors of one
-thing usually are (about 100): light may tint colours by a fifth at little cost, and what has another colour is not alike."""
+"""Bytes for a factor of e between two channels. All five cells off by a factor of 2 are then as far apart as two SIFT
+descriptors of one thing usually are (about 100): light may tint colours by a fifth at little cost, and what has another
+colour is not alike."""
 WIDTH = 2 * len(CELLS)
 """Bytes of a keypoint's colours."""
 _LEVELS, _ROW = 6, 8192
@@ -37,7 +39,8 @@ def is_grey(image: Bytes) -> bool:
 def colours(image: Bytes, uv: Floats, angle: Floats, scale: Floats) -> Bytes:
     """(N, 10) of N keypoints of an (H, W, 3) image, blue first: in each cell how red and how blue it is against green, 128 for neither.
 
-    A ratio of channels does not change with brightness. Args are as ``Keypoints`` has them: pixels, radians, diameters in pixels.
+    A ratio of channels does not change with brightness. Args are as ``Keypoints`` has them: pixels, radians, diameters
+    in pixels.
     """
     cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
     along, across = (REACH * scale[:, None] * CELLS[:, i] for i in (0, 1))
@@ -71,5 +74,6 @@ def between(picture: NDArray[np.float32], places: Floats) -> Floats:
     import cv2
 
     rows = [places[i : i + _ROW].astype(np.float32) for i in range(0, len(places), _ROW)]
-    found = [np.asarray(cv2.remap(picture, row[None], None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE))[0] for row in rows]  # type: ignore[call-overload]
+    border = cv2.BORDER_REPLICATE
+    found = [cv2.remap(picture, row[None], None, cv2.INTER_LINEAR, borderMode=border)[0] for row in rows]  # type: ignore[call-overload]
     return np.concatenate([*found, np.zeros((0, 3))])

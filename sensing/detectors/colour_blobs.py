@@ -1,7 +1,8 @@
 """Blobs of saturated colour: connected regions of one hue (appearance types ``blob_red`` ... ``blob_magenta``).
 
-Hue and saturation are those of HSV, (max − min) / max: neither changes when all three channels are multiplied by one gain, as long as none
-is clipped. A region that touches the image's border is left out, for its middle is not the middle of what it shows.
+Hue and saturation are those of HSV, (max − min) / max: neither changes when all three channels are multiplied by one
+gain, as long as none is clipped. A region that touches the image's border is left out, for its middle is not the middle
+of what it shows.
 """
 
 from __future__ import annotations
@@ -15,7 +16,15 @@ from sensing.appearance import Appearance
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-HUES = {"red": (345, 15), "orange": (15, 42), "yellow": (42, 70), "green": (70, 165), "cyan": (165, 195), "blue": (195, 260), "magenta": (260, 345)}
+HUES = {
+    "red": (345, 15),
+    "orange": (15, 42),
+    "yellow": (42, 70),
+    "green": (70, 165),
+    "cyan": (165, 195),
+    "blue": (195, 260),
+    "magenta": (260, 345),
+}
 """Degrees of hue [from, to) of each colour; together they are the circle."""
 TYPES = tuple(f"blob_{name}" for name in HUES)
 BLUR = 1.0
@@ -41,7 +50,11 @@ class ColourBlobDetector:
         soft = cv2.GaussianBlur(image_bgr.astype(np.float32), (0, 0), BLUR)
         hue, saturation, value = np.moveaxis(np.asarray(cv2.cvtColor(soft, cv2.COLOR_BGR2HSV)), 2, 0)
         coloured = (saturation >= MIN_SATURATION) & (value >= MIN_VALUE)
-        return [a for colour, bounds in HUES.items() for a in self._of(f"blob_{colour}", coloured & _between(hue, *bounds), saturation)]
+        return [
+            a
+            for colour, bounds in HUES.items()
+            for a in self._of(f"blob_{colour}", coloured & _between(hue, *bounds), saturation)
+        ]
 
     def _of(self, a_type: str, mask: NDArray[np.bool_], saturation: NDArray[np.float32]) -> list[Appearance]:
         import cv2
@@ -55,7 +68,15 @@ class ColourBlobDetector:
         mean = np.bincount(labels.ravel(), saturation.ravel().astype(np.float64), count) / np.maximum(area, 1)
         size = 2 * np.sqrt(area / np.pi)
         return [
-            Appearance("", a_type, (float(centre[i, 0]), float(centre[i, 1])), self.name, None, float(size[i]), float(min(mean[i], 1)))
+            Appearance(
+                "",
+                a_type,
+                (float(centre[i, 0]), float(centre[i, 1])),
+                self.name,
+                None,
+                float(size[i]),
+                float(min(mean[i], 1)),
+            )
             for i in np.flatnonzero(whole)
         ]
 

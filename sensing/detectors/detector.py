@@ -1,7 +1,7 @@
 """The protocol of a detector, the registry, and ``detect``: one image to Γ.
 
-A detector looks at pixels and at nothing else. Others register theirs in code (``register``) or from another distribution by an entry
-point of the group ``plogic.detectors`` whose object is a factory without arguments.
+A detector looks at pixels and at nothing else. Others register theirs in code (``register``) or from another
+distribution by an entry point of the group ``plogic.detectors`` whose object is a factory without arguments.
 """
 
 from __future__ import annotations
@@ -124,12 +124,14 @@ def detectors(words: WordIndex | None = None) -> dict[str, Callable[[], Detector
     return dict(sorted(known.items()))
 
 
-def detect(image_bgr: NDArray[np.uint8], camera: Camera, vocabulary: Collection[str], words: WordIndex | None = None) -> Gamma:
+def detect(
+    image_bgr: NDArray[np.uint8], camera: Camera, vocabulary: Collection[str], words: WordIndex | None = None
+) -> Gamma:
     """Γ of one image by every known detector that can report a type of ``vocabulary``; other types are left out.
 
-    Ids are ``a1``, ``a2``, ... by detector, then v, then u: the same pixels give the same Γ. Places are rounded to 1e-4 px, angles to 1e-5.
-    With ``words``, the keypoint detector whose descriptors they hold names its appearances by them. A detector none of whose types is in
-    the vocabulary is not run.
+    Ids are ``a1``, ``a2``, ... by detector, then v, then u: the same pixels give the same Γ. Places are rounded to 1e-4
+    px, angles to 1e-5. With ``words``, the keypoint detector whose descriptors they hold names its appearances by them.
+    A detector none of whose types is in the vocabulary is not run.
 
     Raises:
         ImageError: The image is not (H, W, 3) uint8 or has another size than the camera's.
@@ -139,7 +141,13 @@ def detect(image_bgr: NDArray[np.uint8], camera: Camera, vocabulary: Collection[
     wanted = frozenset(vocabulary)
     with uncollected():
         known = {name: made(name, factory) for name, factory in detectors(words).items()}
-        found = [a for name, d in known.items() if not wanted.isdisjoint(d.types) for a in reported(name, d, image_bgr) if a.type in wanted]
+        found = [
+            a
+            for name, d in known.items()
+            if not wanted.isdisjoint(d.types)
+            for a in reported(name, d, image_bgr)
+            if a.type in wanted
+        ]
         return Gamma(camera, _named(found))
 
 
@@ -154,7 +162,10 @@ def _check(image_bgr: NDArray[np.uint8], camera: Camera) -> None:
 def _named(found: Sequence[Appearance]) -> tuple[Appearance, ...]:
     """The appearances rounded, in their order, with their ids; there are thousands, so they are rounded by columns."""
     u, v = rounded(np.array([a.uv for a in found], float).reshape(-1, 2), 4).T
-    angle, scale, score = (_column([getattr(a, name) for a in found], digits) for name, digits in (("angle", 5), ("scale", 3), ("score", 4)))
+    angle, scale, score = (
+        _column([getattr(a, name) for a in found], digits)
+        for name, digits in (("angle", 5), ("scale", 3), ("score", 4))
+    )
     detector, kind = (_places([getattr(a, name) for a in found]) for name in ("detector", "type"))
     order = np.lexsort((np.nan_to_num(scale), np.nan_to_num(angle), kind, u, v, detector))
     places = zip(u[order].tolist(), v[order].tolist(), strict=True)
@@ -177,6 +188,8 @@ def _places(names: Sequence[str]) -> NDArray[np.intp]:
     return np.array([place[name] for name in names], np.intp)
 
 
-def _renamed(a: Appearance, name: str, uv: tuple[float, float], angle: float | None, scale: float | None, score: float | None) -> Appearance:
+def _renamed(
+    a: Appearance, name: str, uv: tuple[float, float], angle: float | None, scale: float | None, score: float | None
+) -> Appearance:
     arms = tuple(round(x, 5) for x in a.arms) if a.arms else ()
     return Appearance(name, a.type, uv, a.detector, angle, scale, score, arms, a.descriptor)

@@ -1,8 +1,8 @@
 """Points along edges: where print, labels and outlines are, also those too small, too oblique or too plain for blobs and corners.
 
-A blob detector finds a place and a size that come again; of an object a hundred pixels tall it finds few. An edge comes again nearly
-always, though where along it a point lies is arbitrary: points are therefore taken densely, and their surroundings are described at one
-small size, turned by the gradient.
+A blob detector finds a place and a size that come again; of an object a hundred pixels tall it finds few. An edge comes
+again nearly always, though where along it a point lies is arbitrary: points are therefore taken densely, and their
+surroundings are described at one small size, turned by the gradient.
 
 * ``EdgePoints``: N of them as arrays, the strongest first
 """
@@ -39,9 +39,9 @@ class EdgePoints:
 def edge_points(image: NDArray[np.uint8], cell: int, most: int, least: float = LEAST) -> EdgePoints:
     """The strongest point of an edge in each square cell of an image, ``cell`` pixels wide; at most ``most``, the strongest first.
 
-    It rises by more than ``least`` grey levels a pixel.
-    A point is where the gradient is greatest along its own direction, to a part of a pixel. Of an image (H, W, 3) the gradient is that of
-    the channel in which it is greatest, so that colours of one brightness have an edge between them too.
+    It rises by more than ``least`` grey levels a pixel. A point is where the gradient is greatest along its own
+    direction, to a part of a pixel. Of an image (H, W, 3) the gradient is that of the channel in which it is greatest,
+    so that colours of one brightness have an edge between them too.
     """
     if min(image.shape[:2]) <= 2 * BORDER:
         return EdgePoints(np.zeros((0, 2)), np.zeros(0), np.zeros(0))
@@ -68,7 +68,9 @@ def _gradient(image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np
     import cv2
 
     smooth = np.asarray(cv2.GaussianBlur(image.astype(np.float32), (0, 0), SMOOTH), np.float32)
-    gx, gy = (np.asarray(cv2.Sobel(smooth, cv2.CV_32F, *order, ksize=3) / 8.0, np.float32) for order in ((1, 0), (0, 1)))
+    gx, gy = (
+        np.asarray(cv2.Sobel(smooth, cv2.CV_32F, *order, ksize=3) / 8.0, np.float32) for order in ((1, 0), (0, 1))
+    )
     if image.ndim == 2:
         return gx, gy
     steepest = (gx * gx + gy * gy).argmax(axis=2)[..., None]

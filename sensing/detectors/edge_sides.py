@@ -1,8 +1,9 @@
 """Sides of edges: an edge as seen from one of its two sides, by the colours of that side alone.
 
-What lies beyond the outline of an object changes from place to place; what lies within does not. So an edge gives two appearances, one a
-side: each says where the edge runs, on which side of it it speaks for, and of what colour that is, near the edge and farther in. How bright
-it is against the other side is told apart: within an object it comes again. Where along an edge they lie is arbitrary.
+What lies beyond the outline of an object changes from place to place; what lies within does not. So an edge gives two
+appearances, one a side: each says where the edge runs, on which side of it it speaks for, and of what colour that is,
+near the edge and farther in. How bright it is against the other side is told apart: within an object it comes again.
+Where along an edge they lie is arbitrary.
 
 * ``EdgeSides``: N of them as arrays
 """
@@ -35,9 +36,11 @@ GAIN = 40.0
 MOST = 5000
 """Points of edges, with two sides each, that one image gives at most."""
 BLOCK = 32
-"""Pixels: half of these are the strongest of each block of the image, in turns, so that no textured floor drowns a plain object."""
+"""Pixels: half of these are the strongest of each block of the image, in turns, so that no textured floor drowns a
+plain object."""
 NOISY = 0.75
-"""Grey levels a pixel that an edge must rise for each grey level of noise: what noise alone makes rises more in few cells of 5 pixels."""
+"""Grey levels a pixel that an edge must rise for each grey level of noise: what noise alone makes rises more in few
+cells of 5 pixels."""
 _LAPLACE = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32)
 _CALM = 8, 0.1
 """Pixels of a cell, and the share of cells that are taken for plain: noise is measured in them."""
@@ -48,10 +51,10 @@ class EdgeSides:
     """N sides, those of the strongest edges first.
 
     Attributes:
-        uv: (N, 2) pixels, on the edge.
-        angle: (N,) radians in [0, 2π), clockwise on the screen from +x, across the edge towards this side.
-        rise: (N,) grey levels a pixel by which the edge rises, in the channel in which it rises most.
-        looks: (N, 5) how red and how blue the side is against green, near and farther in (``sensing.detectors.colour.ratios``), and how bright it is near
+        uv: (N, 2) pixels, on the edge. angle: (N,) radians in [0, 2π), clockwise on the screen from +x, across the edge
+        towards this side. rise: (N,) grey levels a pixel by which the edge rises, in the channel in which it rises
+        most. looks: (N, 5) how red and how blue the side is against green, near and farther in
+        (``sensing.detectors.colour.ratios``), and how bright it is near
             the edge against what is beyond, 128 for no difference.
     """
 
@@ -92,5 +95,7 @@ def noise(image: Bytes) -> float:
     cell, share = _CALM
     if min(image.shape[:2]) < 2 * cell:
         return 0.0
-    bent = cv2.blur(np.abs(cv2.filter2D(image.astype(np.float32), -1, _LAPLACE)), (cell, cell))[cell // 2 :: cell, cell // 2 :: cell]
+    bent = cv2.blur(np.abs(cv2.filter2D(image.astype(np.float32), -1, _LAPLACE)), (cell, cell))[
+        cell // 2 :: cell, cell // 2 :: cell
+    ]
     return float(np.sqrt(np.pi / 2.0) / 6.0 * np.quantile(bent.reshape(-1, 3), share, axis=0).max())

@@ -1,7 +1,8 @@
 """Edges to a fraction of a pixel: profiles across lines, and lines fitted to where the brightness changes most.
 
-A *segment* is a row (u1, v1, u2, v2) in pixels. Its normal is its direction turned clockwise on the screen by a quarter: the profile runs
-from the side on the left of the direction (as seen on the screen, negative) to the right (positive).
+A *segment* is a row (u1, v1, u2, v2) in pixels. Its normal is its direction turned clockwise on the screen by a
+quarter: the profile runs from the side on the left of the direction (as seen on the screen, negative) to the right
+(positive).
 """
 
 from __future__ import annotations
@@ -29,7 +30,10 @@ def sample(grey: NDArray[np.float32], at: Floats) -> NDArray[np.float32]:
         return np.zeros(at.shape[:-1], np.float32)
     flat = at.reshape(-1, at.shape[-2], 2).astype(np.float32)
     pieces = [flat[i : i + _MAX_ROWS] for i in range(0, len(flat), _MAX_ROWS)]
-    values = [cv2.remap(grey, p[:, :, 0].copy(), p[:, :, 1].copy(), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE) for p in pieces]
+    values = [
+        cv2.remap(grey, p[:, :, 0].copy(), p[:, :, 1].copy(), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        for p in pieces
+    ]
     return np.asarray(np.concatenate(values).reshape(at.shape[:-1]), np.float32)
 
 
@@ -68,8 +72,8 @@ def profiles(
 def edge_offsets(values: Floats, offsets: Floats, polarity: Floats) -> tuple[Floats, Floats]:
     """Where each profile changes most, in the sense that ``polarity`` (N,) = ±1 gives (+1: brighter along it).
 
-    The centroid of the rising part of the slope, squared so that noise counts little. Returns offsets (N, S) in pixels, and the rise (N, S)
-    in grey levels that it stands for (0 where there is none; its offset is then NaN).
+    The centroid of the rising part of the slope, squared so that noise counts little. Returns offsets (N, S) in pixels,
+    and the rise (N, S) in grey levels that it stands for (0 where there is none; its offset is then NaN).
     """
     rise = np.maximum(np.diff(values, axis=2) * polarity[:, None, None], 0)
     middle = (offsets[:, 1:] + offsets[:, :-1]) / 2
@@ -83,7 +87,8 @@ def edge_offsets(values: Floats, offsets: Floats, polarity: Floats) -> tuple[Flo
 def fit_lines(places: Floats, weights: Floats) -> tuple[Floats, Floats, Floats]:
     """Weighted least squares lines, one robust reweighting: (N, S, 2) places, (N, S) weights.
 
-    Returns a point (N, 2), a unit direction (N, 2) and the rms distance (N,) in pixels; NaN where fewer than two weights count.
+    Returns a point (N, 2), a unit direction (N, 2) and the rms distance (N,) in pixels; NaN where fewer than two
+    weights count.
     """
     weights = np.where(np.isfinite(places).all(axis=2), weights, 0)
     places = np.nan_to_num(places)
@@ -103,7 +108,9 @@ def meet(point_a: Floats, along_a: Floats, point_b: Floats, along_b: Floats) -> 
     cross = along_a[..., 0] * along_b[..., 1] - along_a[..., 1] * along_b[..., 0]
     gap = point_b - point_a
     with np.errstate(invalid="ignore", divide="ignore"):
-        t = (gap[..., 0] * along_b[..., 1] - gap[..., 1] * along_b[..., 0]) / np.where(np.abs(cross) < 1e-9, np.nan, cross)
+        t = (gap[..., 0] * along_b[..., 1] - gap[..., 1] * along_b[..., 0]) / np.where(
+            np.abs(cross) < 1e-9, np.nan, cross
+        )
     return np.asarray(point_a + t[..., None] * along_a)
 
 

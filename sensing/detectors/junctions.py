@@ -1,7 +1,7 @@
 """Junctions: places where edges meet, typed by how their arms lie (appearance types ``l_junction`` ... ``multi_junction``).
 
-Segments are found in the picture with its patches painted out (a window's corner is no object's corner), intersected near their ends, and
-each place's arms are counted, those included that only the brightness shows.
+Segments are found in the picture with its patches painted out (a window's corner is no object's corner), intersected
+near their ends, and each place's arms are counted, those included that only the brightness shows.
 
 =====================  ====  ====================================  ==========================================
 kind                   arms  configuration                         ``angle``
@@ -59,7 +59,10 @@ class JunctionDetector:
         soft = [np.asarray(cv2.GaussianBlur(channel, (0, 0), 0.8), np.float32) for channel in bare]
         step, least = (np.max(x, axis=0) for x in zip(*(steps(channel, places) for channel in soft), strict=True))
         height, width = grey.shape
-        found = [self._appearance(m, *completed(s, low, m.arms, m.lengths)) for m, s, low in zip(meetings, step, least, strict=True)]
+        found = [
+            self._appearance(m, *completed(s, low, m.arms, m.lengths))
+            for m, s, low in zip(meetings, step, least, strict=True)
+        ]
         return [a for a in found if a is not None and 0 <= a.uv[0] <= width - 1 and 0 <= a.uv[1] <= height - 1]
 
     def _appearance(self, meeting: Meeting, arms: Floats, lengths: Floats) -> Appearance | None:

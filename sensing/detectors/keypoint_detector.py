@@ -1,8 +1,8 @@
 """Keypoints and points along edges behind the protocol of a detector.
 
 * ``described(image, "sift")``: both as arrays
-* ``KeypointDetector("sift")``: with a vocabulary of visual words (``WordIndex``) an appearance's type is the name of the word that is nearest
-  to its descriptor, without one it is ``sift`` or ``orb``.
+* ``KeypointDetector("sift")``: with a vocabulary of visual words (``WordIndex``) an appearance's type is the name of
+  the word that is nearest to its descriptor, without one it is ``sift`` or ``orb``.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ CELL = 5
 EDGES = 4000
 """Points along edges that one image gives at most."""
 EDGE_SIZE = 4.0
-"""Their diameter, pixels: SIFT describes six times as much around them, less than the smallest object that is to be found."""
+"""Their diameter, pixels: SIFT describes six times as much around them, less than the smallest object that is to be
+found."""
 RISE = 0.003
 """Their response for one grey level a pixel, in SIFT's unit: both count as half sure at what is typical."""
 _HALF = {"sift": 0.015, "orb": 1e-4}
@@ -60,12 +61,19 @@ class WordIndex(Protocol):
 
 
 def described(
-    image: Bytes, name: str = "sift", *, contrast: float | None = None, most: int = MOST, cell: int = CELL, calm: Bytes | None = None
+    image: Bytes,
+    name: str = "sift",
+    *,
+    contrast: float | None = None,
+    most: int = MOST,
+    cell: int = CELL,
+    calm: Bytes | None = None,
 ) -> Keypoints:
     """Keypoints of an (H, W) or (H, W, 3) uint8 image and, of ``sift``, points along its edges and then its regions, of each the strongest first.
 
-    At most ``most`` of each; of edges one in each cell of ``cell`` pixels, and at most ``EDGES``. Regions are looked for in ``calm``, as large,
-    where it is given. Where the image has colours, they are part of the descriptors of ``sift`` (``sensing.detectors.colour``).
+    At most ``most`` of each; of edges one in each cell of ``cell`` pixels, and at most ``EDGES``. Regions are looked
+    for in ``calm``, as large, where it is given. Where the image has colours, they are part of the descriptors of
+    ``sift`` (``sensing.detectors.colour``).
 
     Raises:
         DetectorError: There is no such keypoint detector.
@@ -78,7 +86,9 @@ def described(
     edges = sift_at(grey, points.uv, points.angle, np.full(len(points.uv), EDGE_SIZE), points.rise * RISE)
     local = joined(blobs, edges)
     if not is_grey(image):
-        local = replace(local, descriptors=np.column_stack([local.descriptors, colours(image, local.uv, local.angle, local.scale)]))
+        local = replace(
+            local, descriptors=np.column_stack([local.descriptors, colours(image, local.uv, local.angle, local.scale)])
+        )
     return joined(local, regions(image if calm is None else calm, min(REGIONS, most)))
 
 
@@ -90,7 +100,13 @@ def joined(first: Keypoints, second: Keypoints) -> Keypoints:
 class KeypointDetector:
     """Reports keypoints with ``angle``, ``scale``, ``score`` (response over itself plus a typical one) and ``descriptor``."""
 
-    def __init__(self, name: Literal["sift", "orb"], words: WordIndex | None = None, contrast: float | None = None, most: int = MOST) -> None:
+    def __init__(
+        self,
+        name: Literal["sift", "orb"],
+        words: WordIndex | None = None,
+        contrast: float | None = None,
+        most: int = MOST,
+    ) -> None:
         """A detector that names types by ``words``, or by its own name where they are None or another detector's; see ``keypoints``."""
         self.name: str = name
         self._words = words if words is not None and words.detector == name else None
@@ -100,10 +116,25 @@ class KeypointDetector:
     def detect(self, image_bgr: Bytes) -> list[Appearance]:
         """``described`` of an (H, W, 3) uint8 image, in that order; then the sides of its edges, where words know any and it has colours."""
         found = described(image_bgr, self.name, contrast=self._contrast, most=self._most)
-        word = self._words.nearest(found.descriptors) if self._words is not None and len(found) else np.zeros(len(found), np.intp)
+        word = (
+            self._words.nearest(found.descriptors)
+            if self._words is not None and len(found)
+            else np.zeros(len(found), np.intp)
+        )
         score = found.response / (found.response + _HALF[self.name])
-        columns = zip(word, found.uv.tolist(), found.angle.tolist(), found.scale.tolist(), score.tolist(), found.descriptors, strict=True)
-        points = [Appearance("", self.types[w], (u, v), self.name, a, s, q, descriptor=d.tobytes()) for w, (u, v), a, s, q, d in columns]
+        columns = zip(
+            word,
+            found.uv.tolist(),
+            found.angle.tolist(),
+            found.scale.tolist(),
+            score.tolist(),
+            found.descriptors,
+            strict=True,
+        )
+        points = [
+            Appearance("", self.types[w], (u, v), self.name, a, s, q, descriptor=d.tobytes())
+            for w, (u, v), a, s, q, d in columns
+        ]
         return points + self._sides(image_bgr)
 
     def _sides(self, image: Bytes) -> list[Appearance]:
@@ -114,4 +145,7 @@ class KeypointDetector:
         score = found.rise * RISE / (found.rise * RISE + _HALF[self.name])
         word = self._words.nearest_side(found.looks)
         columns = zip(word, found.uv.tolist(), found.angle.tolist(), score.tolist(), found.looks, strict=True)
-        return [Appearance("", self.types[w], (u, v), self.name, a, None, q, descriptor=d.tobytes()) for w, (u, v), a, q, d in columns]
+        return [
+            Appearance("", self.types[w], (u, v), self.name, a, None, q, descriptor=d.tobytes())
+            for w, (u, v), a, q, d in columns
+        ]

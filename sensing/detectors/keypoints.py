@@ -1,9 +1,11 @@
 """Keypoints: places with a size, a direction and a descriptor, by OpenCV's SIFT and ORB (appearance types ``sift``, ``orb``, or words).
 
-* ``Keypoints``: what an image shows as arrays, ``Keypoints(uv=(N, 2), angle=(N,), scale=(N,), response=(N,), descriptors=(N, 128))``
+* ``Keypoints``: what an image shows as arrays, ``Keypoints(uv=(N, 2), angle=(N,), scale=(N,), response=(N,),
+  descriptors=(N, 128))``
 
-Places are corrected to our convention (an integer is a pixel's centre): SIFT's first, doubled picture is made without OpenCV's bias of a
-quarter of a pixel, and what ORB finds in a smaller picture is mapped back between pixels' centres, not between their corners.
+Places are corrected to our convention (an integer is a pixel's centre): SIFT's first, doubled picture is made without
+OpenCV's bias of a quarter of a pixel, and what ORB finds in a smaller picture is mapped back between pixels' centres,
+not between their corners.
 """
 
 from __future__ import annotations
@@ -27,10 +29,12 @@ if TYPE_CHECKING:
 MOST = 4000
 """Keypoints that one image gives at most, the strongest; those of several directions at one place count each."""
 CONTRAST = 0.01
-"""SIFT's contrast threshold as OpenCV counts it (divided by the layers of an octave). A quarter of OpenCV's own: an over-exposed or noisy
-photo of an object 150 pixels tall has few strong keypoints, and a false weak one costs little where acceptance rests on agreement."""
+"""SIFT's contrast threshold as OpenCV counts it (divided by the layers of an octave). A quarter of OpenCV's own: an
+over-exposed or noisy photo of an object 150 pixels tall has few strong keypoints, and a false weak one costs little
+where acceptance rests on agreement."""
 FAST_LEVELS = 8.0
-"""ORB's contrast threshold: grey levels by which FAST's ring differs from its middle. OpenCV's own is 20; low for the same reason."""
+"""ORB's contrast threshold: grey levels by which FAST's ring differs from its middle. OpenCV's own is 20; low for the
+same reason."""
 LAYERS, EDGE, SIGMA = 3, 10.0, 1.6
 SHRINK, LEVELS = 1.2, 8
 """ORB's pyramid: each of 8 levels is 1.2 times smaller than the one before."""
@@ -63,7 +67,9 @@ class Keypoints:
 
     def chosen(self, which: NDArray[np.bool_] | NDArray[np.intp]) -> Keypoints:
         """Those that a mask (N,) or indices (M,) name, in that order."""
-        return Keypoints(self.uv[which], self.angle[which], self.scale[which], self.response[which], self.descriptors[which])
+        return Keypoints(
+            self.uv[which], self.angle[which], self.scale[which], self.response[which], self.descriptors[which]
+        )
 
 
 def keypoints(image: Bytes, name: str = "sift", *, contrast: float | None = None, most: int = MOST) -> Keypoints:
@@ -85,7 +91,9 @@ def keypoints(image: Bytes, name: str = "sift", *, contrast: float | None = None
         return _arrays([], None, name, grey.shape)
     finder = _sift(contrast, most) if name == "sift" else _orb(contrast, most)
     found, descriptors = finder.detectAndCompute(np.ascontiguousarray(grey), None)
-    return _strongest(_arrays(found, None if descriptors is None else np.asarray(descriptors, np.uint8), name, grey.shape), most)
+    return _strongest(
+        _arrays(found, None if descriptors is None else np.asarray(descriptors, np.uint8), name, grey.shape), most
+    )
 
 
 def grey_of(image: Bytes) -> Bytes:

@@ -12,8 +12,8 @@ type                     place                       ``angle``                  
 ``aruco_4x4_7_c3``       lower left corner           of the edge to corner 0     its two sides' mean
 =======================  ==========================  ==========================  ========================
 
-Upper and lower are those of the marker as ``cv2.aruco.generateImageMarker`` draws it; a corner is the outer corner of the black border.
-One dictionary is one detector, so that only those run whose markers a KB knows.
+Upper and lower are those of the marker as ``cv2.aruco.generateImageMarker`` draws it; a corner is the outer corner of
+the black border. One dictionary is one detector, so that only those run whose markers a KB knows.
 """
 
 from __future__ import annotations
@@ -53,7 +53,9 @@ class MarkerDetector:
             raise DetectorError(f"markers: {name!r} is no dictionary ({', '.join(DICTIONARIES)})")
         self.name = name
         ids = range(DICTIONARIES[name][1])
-        self.types: tuple[str, ...] = tuple(f"{name}_{i}{corner}" for i in ids for corner in ("", "_c0", "_c1", "_c2", "_c3"))
+        self.types: tuple[str, ...] = tuple(
+            f"{name}_{i}{corner}" for i in ids for corner in ("", "_c0", "_c1", "_c2", "_c3")
+        )
 
     def detect(self, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
         """Markers of an (H, W, 3) uint8 image, by id, each followed by its corners 0 to 3."""
@@ -76,17 +78,21 @@ class MarkerDetector:
         side = np.hypot(*edges.T)
         angle = np.mod(np.arctan2(edges[:, 1], edges[:, 0]), 2 * np.pi)
         name = f"{self.name}_{number}"
-        found = [Appearance("", name, (float(middle[0]), float(middle[1])), self.name, float(angle[0]), float(side.mean()))]
+        found = [
+            Appearance("", name, (float(middle[0]), float(middle[1])), self.name, float(angle[0]), float(side.mean()))
+        ]
         for k, (u, v) in enumerate(quad.tolist()):
-            found.append(Appearance("", f"{name}_c{k}", (u, v), self.name, float(angle[k]), float(side[k] + side[k - 1]) / 2))
+            found.append(
+                Appearance("", f"{name}_c{k}", (u, v), self.name, float(angle[k]), float(side[k] + side[k - 1]) / 2)
+            )
         return found
 
 
 def fitted(grey: NDArray[np.float32], quads: Floats) -> Floats:
     """(N, 4, 2) corners of dark quadrilaterals, clockwise: where lines meet that are fitted to their sides' steepest change.
 
-    A side is looked at over two thirds of its length and to a tenth of the marker's extent across it (less than a border cell of a 6 × 6
-    marker), then to a sixteenth; corners that stray by more than twice that stay where they are.
+    A side is looked at over two thirds of its length and to a tenth of the marker's extent across it (less than a
+    border cell of a 6 × 6 marker), then to a sixteenth; corners that stray by more than twice that stay where they are.
     """
     for cells in (10, 16, 16):
         sides = np.concatenate([quads, np.roll(quads, -1, axis=1)], axis=2).reshape(-1, 4)
@@ -95,9 +101,13 @@ def fitted(grey: NDArray[np.float32], quads: Floats) -> Floats:
         values, offsets, base = profiles(grey, sides, (0.15, 0.85), 32, reach)
         where, rise = edge_offsets(values, offsets, np.full(len(sides), -1.0))
         normal = directions(sides)[1]
-        point, direction, _ = (x.reshape(-1, 4, *x.shape[1:]) for x in fit_lines(base + where[:, :, None] * normal[:, None], rise))
+        point, direction, _ = (
+            x.reshape(-1, 4, *x.shape[1:]) for x in fit_lines(base + where[:, :, None] * normal[:, None], rise)
+        )
         moved = meet(np.roll(point, 1, axis=1), np.roll(direction, 1, axis=1), point, direction)
-        near = np.linalg.norm(moved - quads, axis=2).max(axis=1) <= 2 * reach.reshape(-1, 4).max(axis=1)  # never for NaN
+        near = np.linalg.norm(moved - quads, axis=2).max(axis=1) <= 2 * reach.reshape(-1, 4).max(
+            axis=1
+        )  # never for NaN
         quads = np.where(near[:, None, None], moved, quads)
     return quads
 

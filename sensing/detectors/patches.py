@@ -1,7 +1,8 @@
 """Patches: dark, even, convex quadrilaterals on something brighter, such as painted windows (appearance type ``patch``).
 
-Thresholds give blobs; a blob's hull gives a quadrilateral; its four sides are fitted to a fraction of a pixel; what has no such side all
-round, or is not even inside, is no patch. The place is where the diagonals meet: the projection of a rectangle's centre.
+Thresholds give blobs; a blob's hull gives a quadrilateral; its four sides are fitted to a fraction of a pixel; what has
+no such side all round, or is not even inside, is no patch. The place is where the diagonals meet: the projection of a
+rectangle's centre.
 """
 
 from __future__ import annotations
@@ -62,7 +63,10 @@ class PatchDetector:
         angle = np.mod(np.arctan2(sides[:, 1], sides[:, 0]), np.pi / 2)
         scale = np.sqrt(areas(found.corners)) * 2 / np.sqrt(np.pi)
         rows = zip(found.centre, angle, scale, found.score, strict=True)
-        return [Appearance("", TYPE, (float(c[0]), float(c[1])), self.name, float(a), float(d), float(s)) for c, a, d, s in rows]
+        return [
+            Appearance("", TYPE, (float(c[0]), float(c[1])), self.name, float(a), float(d), float(s))
+            for c, a, d, s in rows
+        ]
 
 
 def find_patches(grey: NDArray[np.uint8]) -> Patches:
@@ -118,7 +122,10 @@ def _quad(blob: Blob) -> Floats:
     off = (hull[:, 0] - hull[i, 0]) * along[1] - (hull[:, 1] - hull[i, 1]) * along[0]
     quad = np.array([hull[i], hull[int(np.argmax(off))], hull[j], hull[int(np.argmin(off))]])
     middle = quad.mean(axis=0)
-    return np.asarray(middle + (quad - middle) * (1 + 1.0 / np.maximum(np.linalg.norm(quad - middle, axis=1, keepdims=True) * 1.4, 1.0)))
+    return np.asarray(
+        middle
+        + (quad - middle) * (1 + 1.0 / np.maximum(np.linalg.norm(quad - middle, axis=1, keepdims=True) * 1.4, 1.0))
+    )
 
 
 def _plausible(quads: Floats) -> NDArray[np.bool_]:
@@ -126,7 +133,11 @@ def _plausible(quads: Floats) -> NDArray[np.bool_]:
     sides = np.linalg.norm(np.roll(quads, -1, axis=1) - quads, axis=2)
     area = areas(quads)
     width = area / np.maximum(sides.max(axis=1), 1e-9)
-    good = (sides.min(axis=1) >= MIN_SIDE) & (area >= MIN_SIDE**2) & (sides.max(axis=1) <= MAX_ASPECT * np.maximum(width, 1e-9))
+    good = (
+        (sides.min(axis=1) >= MIN_SIDE)
+        & (area >= MIN_SIDE**2)
+        & (sides.max(axis=1) <= MAX_ASPECT * np.maximum(width, 1e-9))
+    )
     return np.asarray(good & _convex(quads))
 
 
@@ -149,7 +160,9 @@ def _fitted(grey: NDArray[np.float32], quads: Floats, share: float) -> tuple[Flo
     normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
     point, direction, _ = fit_lines(base + where[:, :, None] * normal[:, None], rise)
     point, direction = point.reshape(n, 4, 2), direction.reshape(n, 4, 2)
-    return meet(np.roll(point, 1, axis=1), np.roll(direction, 1, axis=1), point, direction), np.median(rise, axis=1).reshape(n, 4)
+    return meet(np.roll(point, 1, axis=1), np.roll(direction, 1, axis=1), point, direction), np.median(
+        rise, axis=1
+    ).reshape(n, 4)
 
 
 def _chosen(grey: NDArray[np.float32], quads: Floats, rise: Floats, areas_seen: Floats) -> Patches:
@@ -186,7 +199,9 @@ def _centres(grey: NDArray[np.float32], quads: Floats, contrast: Floats, inside:
     return crossing
 
 
-def _darkness_centroid(grey: NDArray[np.float32], quad: Floats, dark: float, contrast: float, otherwise: Floats) -> Floats:
+def _darkness_centroid(
+    grey: NDArray[np.float32], quad: Floats, dark: float, contrast: float, otherwise: Floats
+) -> Floats:
     import cv2
 
     middle = quad.mean(axis=0)

@@ -1,8 +1,8 @@
 """Regions of one colour or brightness that stand out: what a thing without print shows, a yellow bottle, a red face of a cube.
 
-A region is found where it hardly changes when the threshold does (Matas et al., Robust wide baseline stereo from maximally stable extremal
-regions, 2002; OpenCV's MSER), in brightness and in the ratios of colours, which shading does not change. It is described by its shape alone,
-so that what lies behind counts for nothing, and by its colour.
+A region is found where it hardly changes when the threshold does (Matas et al., Robust wide baseline stereo from
+maximally stable extremal regions, 2002; OpenCV's MSER), in brightness and in the ratios of colours, which shading does
+not change. It is described by its shape alone, so that what lies behind counts for nothing, and by its colour.
 
 * ``regions(image)``: as ``Keypoints``, one for each direction of a region
 """
@@ -33,9 +33,11 @@ SMOOTH = 0.75
 COARSE = 4
 """Levels that count as one: thresholds nearer to one another give the same regions again."""
 STABLE = ((8, 0.7), (3, 0.35), (1, 0.15))
-"""A region is stable where over so many thresholds its area changes by less than this share: many for what is plain, few for what is faint."""
+"""A region is stable where over so many thresholds its area changes by less than this share: many for what is plain,
+few for what is faint."""
 SAME = (1.0, 0.12)
-"""Its pixels, and logarithm of the radius: two regions that differ by less are one, of which that stable over the most levels is kept."""
+"""Its pixels, and logarithm of the radius: two regions that differ by less are one, of which that stable over the most
+levels is kept."""
 AREA = (16, 10_000)
 """Smallest and largest region in its pixels. What reaches the image's border may go on beyond it, and is left out."""
 RADIUS, TILE = 6.0, 42
@@ -43,9 +45,11 @@ RADIUS, TILE = 6.0, 42
 SIZE = 5.0 * RADIUS / 6.0
 """Diameter of the keypoint that describes it there: SIFT sees six times as much, five radii."""
 BINS, PEAK, TURNS = 36, 0.8, 4
-"""Directions of the outline's normals are counted in so many bins; those nearly as frequent as the first are the region's, at most so many."""
+"""Directions of the outline's normals are counted in so many bins; those nearly as frequent as the first are the
+region's, at most so many."""
 CONTRAST = 1e-3
-"""Response for one level by which a region differs from what is around it: 15 levels count as half sure, as SIFT's typical response does."""
+"""Response for one level by which a region differs from what is around it: 15 levels count as half sure, as SIFT's
+typical response does."""
 
 
 class _Region(NamedTuple):
@@ -61,14 +65,17 @@ class _Region(NamedTuple):
 def regions(image: Bytes, most: int = MOST) -> Keypoints:
     """Of an (H, W) or (H, W, 3) uint8 image, blue first; those that stand out most first, each once for each of its directions.
 
-    ``scale`` is the diameter of a circle as large; ``descriptors`` are (N, 138), or (N, 128) of an image without colours.
+    ``scale`` is the diameter of a circle as large; ``descriptors`` are (N, 138), or (N, 128) of an image without
+    colours.
     """
     channels, coloured = _channels(image), not is_grey(image)
     factor = np.array([image.shape[1], image.shape[0]]) / channels[0].shape[::-1]
     most = min(most, max(FEWEST, image.shape[0] * image.shape[1] // EVERY))
     found = _apart([region for number, channel in enumerate(channels) for region in _stable(number, channel)])
     contrast = np.array([_contrast(region, channels[region.channel]) for region in found])
-    order = sorted(range(len(found)), key=lambda i: (-contrast[i] * found[i].radius, *found[i].middle.tolist(), found[i].radius))[:most]
+    order = sorted(
+        range(len(found)), key=lambda i: (-contrast[i] * found[i].radius, *found[i].middle.tolist(), found[i].radius)
+    )[:most]
     chosen = [found[i] for i in order]
     tiles = np.array([_tile(region) for region in chosen]).reshape(-1, TILE, TILE)
     owner, angle = _directions(tiles)
@@ -90,7 +97,9 @@ def _channels(image: Bytes) -> list[Bytes]:
     import cv2
 
     size = tuple(-(-side // HALF) for side in image.shape[1::-1])
-    small = np.asarray(cv2.GaussianBlur(cv2.resize(image, size, interpolation=cv2.INTER_AREA), (0, 0), SMOOTH), np.uint8)
+    small = np.asarray(
+        cv2.GaussianBlur(cv2.resize(image, size, interpolation=cv2.INTER_AREA), (0, 0), SMOOTH), np.uint8
+    )
     if is_grey(image):
         return [grey_of(small)]
     against_green = ratios(small.astype(np.float32))
@@ -108,9 +117,14 @@ def _stable(number: int, channel: Bytes) -> list[_Region]:
     for step, change in STABLE:
         listed, boxes = cv2.MSER.create(step, *AREA, change, 0.0).detectRegions(levels)
         corners = np.asarray(boxes, int).reshape(-1, 4)
-        whole = (corners[:, :2] > 1).all(axis=1) & (corners[:, :2] + corners[:, 2:] < limit - 1).all(axis=1)  # OpenCV keeps off the outermost pixels
+        whole = (corners[:, :2] > 1).all(axis=1) & (corners[:, :2] + corners[:, 2:] < limit - 1).all(
+            axis=1
+        )  # OpenCV keeps off the outermost pixels
         found += [(step, np.array(points, np.int32)) for points, inside in zip(listed, whole, strict=True) if inside]
-    return [_Region(number, step, points, points.mean(axis=0), float(np.sqrt(len(points) / np.pi))) for step, points in found]
+    return [
+        _Region(number, step, points, points.mean(axis=0), float(np.sqrt(len(points) / np.pi)))
+        for step, points in found
+    ]
 
 
 def _apart(found: list[_Region]) -> list[_Region]:
@@ -192,4 +206,6 @@ def _described(tiles: NDArray[np.float32], owner: NDArray[np.intp], angle: Float
     picture = sheet.reshape(down, across, TILE, TILE).swapaxes(1, 2).reshape(down * TILE, across * TILE)
     row, column = np.divmod(owner, across)
     uv = np.column_stack([column, row]) * TILE + (TILE - 1) / 2.0
-    return sift_at(np.ascontiguousarray(picture), uv, angle, np.full(len(owner), SIZE), np.zeros(len(owner))).descriptors
+    return sift_at(
+        np.ascontiguousarray(picture), uv, angle, np.full(len(owner), SIZE), np.zeros(len(owner))
+    ).descriptors

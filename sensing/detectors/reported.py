@@ -66,7 +66,9 @@ def mistake(a: object, width: int, height: int) -> str | None:
 def _number_mistake(a: Appearance, width: int, height: int) -> str | None:
     try:
         u, v = a.uv
-        whole = isfinite(u) and isfinite(v) and isfinite(a.angle or 0) and isfinite(a.scale or 0) and isfinite(a.score or 0)
+        whole = (
+            isfinite(u) and isfinite(v) and isfinite(a.angle or 0) and isfinite(a.scale or 0) and isfinite(a.score or 0)
+        )
         whole = whole and all(map(isfinite, a.arms))
         inside = -0.5 <= u <= width - 0.5 and -0.5 <= v <= height - 0.5
     except (TypeError, ValueError) as error:

@@ -32,11 +32,16 @@ MERGE_OFFSET = 1.2
 def find_segments(channels: Sequence[NDArray[np.float32]]) -> Floats:
     """(N, 4) refined, merged segments of an (H, W) image given as one or more channels in grey levels; longest first.
 
-    The first channel is searched for sharp and for weak edges, the others for weak ones alone. What one channel shows and another shows
-    longer is reported once, the longer.
+    The first channel is searched for sharp and for weak edges, the others for weak ones alone. What one channel shows
+    and another shows longer is reported once, the longer.
     """
-    raw = [np.concatenate([_sharp_edges(channels[0]), _weak_edges(channels[0])]), *(_weak_edges(c) for c in channels[1:])]
-    found = np.concatenate([with_true_ends(c, merged(refined(c, lines))) for c, lines in zip(channels, raw, strict=True)])
+    raw = [
+        np.concatenate([_sharp_edges(channels[0]), _weak_edges(channels[0])]),
+        *(_weak_edges(c) for c in channels[1:]),
+    ]
+    found = np.concatenate(
+        [with_true_ends(c, merged(refined(c, lines))) for c, lines in zip(channels, raw, strict=True)]
+    )
     found = _longest_first(found)
     free = np.ones(len(found), dtype=bool)
     for i in range(len(found)):
@@ -89,7 +94,10 @@ def refined(grey: NDArray[np.float32], segments: Floats) -> Floats:
     good = (polarity != 0) & (rms < 1.0) & np.isfinite(point).all(axis=1)
     direction *= np.where((direction * along).sum(axis=1) < 0, -1, 1)[:, None]
     good &= (direction * along).sum(axis=1) > np.cos(np.radians(15))
-    ends = [point + ((e - point) * direction).sum(axis=1, keepdims=True) * direction for e in (segments[:, :2], segments[:, 2:])]
+    ends = [
+        point + ((e - point) * direction).sum(axis=1, keepdims=True) * direction
+        for e in (segments[:, :2], segments[:, 2:])
+    ]
     forward = (polarity > 0)[:, None]
     found = np.where(forward, np.hstack(ends), np.hstack(ends[::-1]))[good]
     return found[_sharp(grey, found)]

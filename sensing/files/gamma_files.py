@@ -1,7 +1,8 @@
 """Γ as a file, ``gamma/1`` of the contract: read with every mistake at once, written whole or not at all.
 
-``{"format": "gamma/1", "camera": {...}, "appearances": [{"id", "type", "uv", "detector", "angle", "scale", "score", "arms", "descriptor",
-"depth", "depth_sigma"}]}`` where all after the detector are optional; a descriptor is base64 of a keypoint's, depths are in metres.
+``{"format": "gamma/1", "camera": {...}, "appearances": [{"id", "type", "uv", "detector", "angle", "scale", "score",
+"arms", "descriptor", "depth", "depth_sigma"}]}`` where all after the detector are optional; a descriptor is base64 of a
+keypoint's, depths are in metres.
 """
 
 from __future__ import annotations
@@ -96,7 +97,11 @@ def gamma_from_dict(data: object, name: str = "gamma.json", vocabulary: Collecti
 
 def gamma_to_dict(gamma: Gamma) -> dict[str, Any]:
     """The ``gamma/1`` document; a key whose value is absent is left out."""
-    return {"format": "gamma/1", "camera": camera_to_dict(gamma.camera), "appearances": [appearance_to_dict(a) for a in gamma.appearances]}
+    return {
+        "format": "gamma/1",
+        "camera": camera_to_dict(gamma.camera),
+        "appearances": [appearance_to_dict(a) for a in gamma.appearances],
+    }
 
 
 def appearance_to_dict(appearance: Appearance, *, described: bool = True) -> dict[str, Any]:
@@ -230,7 +235,11 @@ def _descriptor_mistake(a_type: object, text: object) -> str | None:
 
 def _outside(uv: object, camera: Camera) -> bool:
     """Whether a well-formed place lies outside the pixels' area; an ill-formed one is another mistake's business."""
-    if not (isinstance(uv, list) and len(uv) == 2 and all(type(x) is int or (type(x) is float and math.isfinite(x)) for x in uv)):
+    if not (
+        isinstance(uv, list)
+        and len(uv) == 2
+        and all(type(x) is int or (type(x) is float and math.isfinite(x)) for x in uv)
+    ):
         return False
     return not (-0.5 <= uv[0] <= camera.width - 0.5 and -0.5 <= uv[1] <= camera.height - 0.5)
 
@@ -238,4 +247,14 @@ def _outside(uv: object, camera: Camera) -> bool:
 def _appearance(model: _AppearanceModel) -> Appearance:
     u, v = model.uv
     descriptor = None if model.descriptor is None else base64.b64decode(model.descriptor)
-    return Appearance(model.id, model.type, (u, v), model.detector, model.angle, model.scale, model.score, tuple(model.arms), descriptor)
+    return Appearance(
+        model.id,
+        model.type,
+        (u, v),
+        model.detector,
+        model.angle,
+        model.scale,
+        model.score,
+        tuple(model.arms),
+        descriptor,
+    )

@@ -1,7 +1,7 @@
 """A calibrated stereo pair as one notional viewpoint (§3.3): the left camera's, whose appearances carry depth where the right one tells it.
 
-An appearance of the left image is found again in the right one by its type, what the detector says of it, and the epipolar line. Where more than
-one fits, its depth is not told: a wrong depth is worse than none.
+An appearance of the left image is found again in the right one by its type, what the detector says of it, and the
+epipolar line. Where more than one fits, its depth is not told: a wrong depth is worse than none.
 
 * ``Pair``: how the right camera stands beside the left, ``Pair(right_from_left)``
 """
@@ -31,7 +31,8 @@ OFF = 3.0
 NEAREST = 0.02
 """Metres, least depth that is believed."""
 TURNED, LARGER = 0.5, 1.6
-"""Radians by which the angles, and the factor by which the scales, of one feature's appearances in the two images differ at most."""
+"""Radians by which the angles, and the factor by which the scales, of one feature's appearances in the two images
+differ at most."""
 MOST = 30_000_000
 """Pairs of appearances that are compared at most, some 100 bytes each while that goes on: two images of 5,000."""
 ALIKE = 0.8
@@ -54,7 +55,8 @@ class Pair:
 def fused(left: Gamma, right: Gamma, pair: Pair, sigma: float = 1.0) -> Gamma:
     """Γ of the pair: the left one's appearances, with ``depth`` and ``depth_sigma`` (m) where one of the right image is theirs, and no other.
 
-    ``sigma``: noise of places, pixels, in both images. Raises CameraError where there are more than ``MOST`` to compare, one with another.
+    ``sigma``: noise of places, pixels, in both images. Raises CameraError where there are more than ``MOST`` to
+    compare, one with another.
     """
     if len(left.appearances) * len(right.appearances) > MOST:
         numbers = f"{len(left.appearances)} and {len(right.appearances)} appearances"
@@ -115,7 +117,11 @@ def _unique(left: Gamma, right: Gamma, near: NDArray[np.bool_]) -> list[tuple[in
         return []
     best_right, best_left = cost.argmin(axis=1), cost.argmin(axis=0)
     mutual = [i for i in range(len(cost)) if np.isfinite(cost[i, best_right[i]]) and best_left[best_right[i]] == i]
-    return [(i, int(best_right[i])) for i in mutual if _clear(cost[i], int(best_right[i])) and _clear(cost[:, best_right[i]], i)]
+    return [
+        (i, int(best_right[i]))
+        for i in mutual
+        if _clear(cost[i], int(best_right[i])) and _clear(cost[:, best_right[i]], i)
+    ]
 
 
 def _clear(costs: Floats, best: int) -> bool:
@@ -129,7 +135,9 @@ def _unlikeness(left: Gamma, right: Gamma, near: NDArray[np.bool_]) -> Floats:
     for i, j in np.argwhere(near):
         one, other = left.appearances[i].descriptor, right.appearances[j].descriptor
         if one is not None and other is not None and len(one) == len(other):
-            result[i, j] = np.linalg.norm(np.frombuffer(one, np.uint8).astype(float) - np.frombuffer(other, np.uint8).astype(float))
+            result[i, j] = np.linalg.norm(
+                np.frombuffer(one, np.uint8).astype(float) - np.frombuffer(other, np.uint8).astype(float)
+            )
     return result
 
 

@@ -1,7 +1,8 @@
 """How a stereo pair is calibrated, as a file: ``stereo/1``.
 
-``{"format": "stereo/1", "T_right_left": 4x4, "left": {camera}, "right": {camera}}``: ``T_right_left`` maps points of the left camera's frame to the
-right one's, metres; the cameras are needed for images, and left out where both inputs are Γ files, which have their own.
+``{"format": "stereo/1", "T_right_left": 4x4, "left": {camera}, "right": {camera}}``: ``T_right_left`` maps points of
+the left camera's frame to the right one's, metres; the cameras are needed for images, and left out where both inputs
+are Γ files, which have their own.
 """
 
 from __future__ import annotations
@@ -45,7 +46,9 @@ def read_stereo(path: Path | str) -> Calibration:
     unknown = sorted(set(document) - {"format", "T_right_left", "left", "right"})
     if unknown:
         raise CameraError(f"{path}: {unknown[0]}: unknown key; it {HOLDS}")
-    return Calibration(_pair(path, document["T_right_left"]), *(_camera(path, document, side) for side in ("left", "right")))
+    return Calibration(
+        _pair(path, document["T_right_left"]), *(_camera(path, document, side) for side in ("left", "right"))
+    )
 
 
 def _pair(path: Path | str, value: Any) -> Pair:  # noqa: ANN401 - parsed JSON

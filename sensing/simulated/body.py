@@ -44,7 +44,11 @@ class TexturedMesh:
                 raise SceneError(f"mesh: {len(self.uv)} texture coordinates for {len(self.vertices)} vertices")
         if not len(self.triangles):
             raise SceneError("mesh: has no triangle")
-        if not np.isfinite(self.vertices).all() or self.triangles.min() < 0 or self.triangles.max() >= len(self.vertices):
+        if (
+            not np.isfinite(self.vertices).all()
+            or self.triangles.min() < 0
+            or self.triangles.max() >= len(self.vertices)
+        ):
             raise SceneError("mesh: a vertex is not finite, or a triangle names a vertex that is not there")
 
     @property

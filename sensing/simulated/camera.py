@@ -1,7 +1,8 @@
 """The simulated camera: bodies, a lamp, a floor and a background go in; pixels, depth and segmentation come out.
 
-Bodies are drawn by pybullet's TinyRenderer at ``supersample`` times the size and averaged down (a pixel is the mean light over its
-square); floor, background and shadows are drawn behind them; then the lens blurs and the sensor adds noise.
+Bodies are drawn by pybullet's TinyRenderer at ``supersample`` times the size and averaged down (a pixel is the mean
+light over its square); floor, background and shadows are drawn behind them; then the lens blurs and the sensor adds
+noise.
 """
 
 from __future__ import annotations
@@ -109,7 +110,9 @@ def add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: P
 
     mesh = body.mesh
     if len(mesh.triangles) > MAX_TRIANGLES:
-        raise SceneError(f"body {body.label!r}: {len(mesh.triangles)} triangles are more than the {MAX_TRIANGLES} that can be drawn")
+        raise SceneError(
+            f"body {body.label!r}: {len(mesh.triangles)} triangles are more than the {MAX_TRIANGLES} that can be drawn"
+        )
     uv = np.zeros((len(mesh.vertices), 2)) if mesh.uv is None else np.asarray(mesh.uv)
     shape = bullet.createVisualShape(
         bullet.GEOM_MESH,
@@ -121,7 +124,9 @@ def add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: P
         physicsClientId=number,
     )
     at, quat = body.world_from_body[:3, 3].tolist(), _quat_xyzw(body.world_from_body[:3, :3])
-    placed: int = bullet.createMultiBody(0, baseVisualShapeIndex=shape, basePosition=at, baseOrientation=quat, physicsClientId=number)
+    placed: int = bullet.createMultiBody(
+        0, baseVisualShapeIndex=shape, basePosition=at, baseOrientation=quat, physicsClientId=number
+    )
     if mesh.texture is not None:
         cv2.imwrite(str(texture_file), mesh.texture)
         texture = bullet.loadTexture(str(texture_file), physicsClientId=number)
@@ -130,15 +135,27 @@ def add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: P
 
 
 def shoot(
-    bullet: Any, number: int, camera: Camera, supersample: int, light: Light  # noqa: ANN401 - pybullet is untyped
+    bullet: Any,  # noqa: ANN401 - pybullet is untyped
+    number: int,
+    camera: Camera,
+    supersample: int,
+    light: Light,
 ) -> tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.float32]]:
     """Colour (h, w, 3) blue first, segmentation (h, w) by pybullet's body number, depth (h, w) metres, at the supersampled size."""
     width, height = camera.width * supersample, camera.height * supersample
     answer = bullet.getCameraImage(
-        width, height, view_matrix(camera), projection_matrix(camera, supersample, NEAR, FAR),
-        lightDirection=(light.unit * 1e3).tolist(), lightColor=[1, 1, 1], shadow=0,
-        lightAmbientCoeff=0.0, lightDiffuseCoeff=1.0, lightSpecularCoeff=0.0,
-        renderer=bullet.ER_TINY_RENDERER, physicsClientId=number,
+        width,
+        height,
+        view_matrix(camera),
+        projection_matrix(camera, supersample, NEAR, FAR),
+        lightDirection=(light.unit * 1e3).tolist(),
+        lightColor=[1, 1, 1],
+        shadow=0,
+        lightAmbientCoeff=0.0,
+        lightDiffuseCoeff=1.0,
+        lightSpecularCoeff=0.0,
+        renderer=bullet.ER_TINY_RENDERER,
+        physicsClientId=number,
     )
     colour = np.asarray(answer[2], np.uint8).reshape(height, width, 4)[:, :, 2::-1]
     buffer = np.asarray(answer[3], np.float32).reshape(height, width)
@@ -146,7 +163,9 @@ def shoot(
     return colour, np.asarray(answer[4], np.int32).reshape(height, width), depth.astype(np.float32)
 
 
-def _composed(colour: NDArray[np.uint8], segmentation: NDArray[np.int32], behind: NDArray[np.float32]) -> NDArray[np.float32]:
+def _composed(
+    colour: NDArray[np.uint8], segmentation: NDArray[np.int32], behind: NDArray[np.float32]
+) -> NDArray[np.float32]:
     """Average the bodies' light over each pixel's square and let the surroundings through where they leave some."""
     import cv2
 

@@ -1,7 +1,7 @@
 """How bright each facet is: one lamp far away, the sky, and a little from everywhere.
 
-TinyRenderer knows one lamp, so two facets turned away from it look alike. The brightness is therefore computed here, per facet, and given
-to TinyRenderer as a normal whose cosine with its lamp is that brightness.
+TinyRenderer knows one lamp, so two facets turned away from it look alike. The brightness is therefore computed here,
+per facet, and given to TinyRenderer as a normal whose cosine with its lamp is that brightness.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 class Light:
     """A lamp's direction (world frame, towards it, any length) and the shares of the whole brightness, each in [0, 1].
 
-    ``lamp`` · max(0, n·l) + ``sky`` · (1 + n_z)/2 + ``back`` · max(0, −n·l′) + ``ambient``, where l′ is l's horizontal part turned by 60°:
-    what a wall in the shade gets back from its surroundings, so that two such walls differ.
+    ``lamp`` · max(0, n·l) + ``sky`` · (1 + n_z)/2 + ``back`` · max(0, −n·l′) + ``ambient``, where l′ is l's horizontal
+    part turned by 60°: what a wall in the shade gets back from its surroundings, so that two such walls differ.
     """
 
     direction: tuple[float, float, float] = (0.4, -0.5, 0.8)

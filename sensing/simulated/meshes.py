@@ -68,7 +68,9 @@ def _uv(meshes: Placed) -> NDArray[np.float64] | None:
 def _texture(path: Path, meshes: Placed) -> NDArray[np.uint8] | None:
     """The one texture, (H, W, 3), blue first; None where there is none."""
     found = textures_in(path)[0]
-    if len(found) > 1 or path.suffix.lower() != ".obj":  # the one picture of an OBJ paints all of it, whatever its materials are called
+    if (
+        len(found) > 1 or path.suffix.lower() != ".obj"
+    ):  # the one picture of an OBJ paints all of it, whatever its materials are called
         found = _used(found, meshes, path)
     if not found:
         return None

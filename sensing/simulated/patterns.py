@@ -49,7 +49,9 @@ def _wood(rng: np.random.Generator, size: int) -> NDArray[np.float32]:
     edges = np.unique(np.r_[0, np.sort(rng.integers(size // 16, size, int(rng.integers(0, 7)))), size])
     for left, right in itertools.pairwise(edges):
         width = int(right - left)
-        grain = cv2.resize(rng.normal(0, 1, (8, max(2, width // 2))).astype(np.float32), (width, size), interpolation=cv2.INTER_CUBIC)
+        grain = cv2.resize(
+            rng.normal(0, 1, (8, max(2, width // 2))).astype(np.float32), (width, size), interpolation=cv2.INTER_CUBIC
+        )
         bend = cv2.resize(rng.normal(0, 1, (5, 3)).astype(np.float32), (width, size), interpolation=cv2.INTER_CUBIC)
         rings = np.sin(np.arange(width) * rng.uniform(0.05, 0.2) + 3 * bend)
         shade = rng.uniform(0.88, 1.08) + 0.05 * grain + 0.06 * rings
@@ -100,7 +102,15 @@ def _paragraph(page: NDArray[np.float32], rng: np.random.Generator, at: tuple[in
     """Lines of small print from ``at`` downwards; returns their height in texels."""
     height, lines = int(rng.integers(8, 15)), int(rng.integers(4, 14))
     for i in range(lines):
-        write(page, words(rng, max(2, width // (5 * height))), (at[0], at[1] + i * (height + 5)), (width, height), 0, 1, np.full(3, 45.0))
+        write(
+            page,
+            words(rng, max(2, width // (5 * height))),
+            (at[0], at[1] + i * (height + 5)),
+            (width, height),
+            0,
+            1,
+            np.full(3, 45.0),
+        )
     return min(lines * (height + 5), size)
 
 
@@ -116,23 +126,50 @@ def label(rng: np.random.Generator, width: int, height: int) -> NDArray[np.uint8
         x, y = int(rng.integers(width)), int(rng.integers(height))
         colour = _tint(rng, 10, 245)
         if rng.random() < 0.5:
-            cv2.ellipse(face, (x, y), (int(rng.integers(side // 10, side // 2)), int(rng.integers(side // 12, side // 3))),
-                        float(rng.uniform(0, 180)), 0, 360, colour.tolist(), -1, cv2.LINE_AA)
+            cv2.ellipse(
+                face,
+                (x, y),
+                (int(rng.integers(side // 10, side // 2)), int(rng.integers(side // 12, side // 3))),
+                float(rng.uniform(0, 180)),
+                0,
+                360,
+                colour.tolist(),
+                -1,
+                cv2.LINE_AA,
+            )
         else:
             cv2.rectangle(face, (0, y), (width, y + int(rng.integers(side // 12, side // 3))), colour.tolist(), -1)
     x, y, s = int(rng.integers(width // 2)), int(rng.integers(height // 2)), side // 3
-    face[y : y + s, x : x + s] = _tint(rng, 60, 200) + 30 * noise_texture(rng, face[y : y + s, x : x + s].shape[:2], (3, 9, 30))
+    face[y : y + s, x : x + s] = _tint(rng, 60, 200) + 30 * noise_texture(
+        rng, face[y : y + s, x : x + s].shape[:2], (3, 9, 30)
+    )
     ink = _tint(rng, 0, 70) if ground.mean() > 130 else _tint(rng, 190, 255)
     big, top = int(rng.uniform(0.1, 0.22) * height), int(rng.uniform(0.05, 0.5) * height)
-    write(face, words(rng, 1), (width // 12, top), (width * 10 // 12, big), int(rng.choice(FONTS)), max(3, big // 9), ink)
+    write(
+        face, words(rng, 1), (width // 12, top), (width * 10 // 12, big), int(rng.choice(FONTS)), max(3, big // 9), ink
+    )
     for i in range(int(rng.integers(2, 7))):
-        write(face, words(rng, 4), (width // 10, int(0.7 * height) + i * side // 20), (width * 6 // 10, side // 26), 0, 1, ink)
+        write(
+            face,
+            words(rng, 4),
+            (width // 10, int(0.7 * height) + i * side // 20),
+            (width * 6 // 10, side // 26),
+            0,
+            1,
+            ink,
+        )
     _bar_code(face, rng)
     return np.clip(face + 3 * noise_texture(rng, (height, width), (10, max(width // 3, 11))), 0, 255).astype(np.uint8)
 
 
 def write(
-    picture: NDArray[np.float32], text: str, at: tuple[int, int], size: tuple[int, int], font: int, thickness: int, ink: NDArray[np.float64]
+    picture: NDArray[np.float32],
+    text: str,
+    at: tuple[int, int],
+    size: tuple[int, int],
+    font: int,
+    thickness: int,
+    ink: NDArray[np.float64],
 ) -> None:
     """Write ``text`` in a box ``size`` (width, height) with its upper left corner ``at`` (x, y), cut off at the box's right side."""
     import cv2
@@ -172,6 +209,10 @@ def _grain(rng: np.random.Generator, size: int, cells: tuple[int, ...]) -> NDArr
 
 
 PATTERNS: dict[str, Callable[[np.random.Generator, int], NDArray[np.float32]]] = {
-    "plain": _plain, "noise": _noise, "wood": _wood, "checks": _checks, "newsprint": _newsprint,
+    "plain": _plain,
+    "noise": _noise,
+    "wood": _wood,
+    "checks": _checks,
+    "newsprint": _newsprint,
     "label": lambda rng, size: label(rng, size, size).astype(np.float32),
 }

@@ -1,7 +1,7 @@
 """From the house's camera to the matrices that TinyRenderer wants.
 
-In TinyRenderer a pixel's centre has whole viewport coordinates, and its picture lies one of its own pixels too high: passing cx and cy + 1
-without OpenGL's half pixel mends both (tested against projected points).
+In TinyRenderer a pixel's centre has whole viewport coordinates, and its picture lies one of its own pixels too high:
+passing cx and cy + 1 without OpenGL's half pixel mends both (tested against projected points).
 """
 
 from __future__ import annotations

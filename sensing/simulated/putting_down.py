@@ -26,7 +26,9 @@ GRAIN = 0.002
 FLOATING = 0.006
 
 
-def put_down(things: Sequence[tuple[str | None, TexturedMesh]], rng: np.random.Generator, spread: float) -> tuple[Body, ...] | None:
+def put_down(
+    things: Sequence[tuple[str | None, TexturedMesh]], rng: np.random.Generator, spread: float
+) -> tuple[Body, ...] | None:
     """The things at rest around the origin, ``spread`` metres and more about it; None where there is no room or no rest."""
     placed: list[Body] = []
     for label, mesh in things:
@@ -39,7 +41,9 @@ def put_down(things: Sequence[tuple[str | None, TexturedMesh]], rng: np.random.G
         rested = settle(proxies, int(rng.integers(2**31)), drop=0.004)
     except SceneError:
         return None
-    return tuple(_grounded(replace(body, world_from_body=r.world_from_body)) for body, r in zip(placed, rested, strict=True))
+    return tuple(
+        _grounded(replace(body, world_from_body=r.world_from_body)) for body, r in zip(placed, rested, strict=True)
+    )
 
 
 def hull(mesh: TexturedMesh) -> TexturedMesh:
@@ -51,7 +55,9 @@ def hull(mesh: TexturedMesh) -> TexturedMesh:
     return TexturedMesh(corners, ConvexHull(corners).simplices)
 
 
-def _beside(placed: Sequence[Body], label: str | None, mesh: TexturedMesh, rng: np.random.Generator, spread: float) -> Body | None:
+def _beside(
+    placed: Sequence[Body], label: str | None, mesh: TexturedMesh, rng: np.random.Generator, spread: float
+) -> Body | None:
     """The mesh at a place where its footprint is free; the circle around the origin grows with every try."""
     from shapely import MultiPoint
 

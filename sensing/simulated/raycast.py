@@ -1,6 +1,7 @@
 """Bodies seen by rays instead of TinyRenderer: meshes of any size, textures without aliasing, rounded shading, cast shadows.
 
-Used for table-top scenes, whose packages carry fine print. What is learnt from pictures of another renderer is not flattered by it.
+Used for table-top scenes, whose packages carry fine print. What is learnt from pictures of another renderer is not
+flattered by it.
 
 * ``Cast``: what each ray met first, ``Caster(bodies).cast(eye, rays)``
 """
@@ -126,7 +127,9 @@ def _paint(mesh: TexturedMesh) -> TexturePyramid:
     return TexturePyramid(texture if np.allclose(colour, 1) else np.rint(texture * colour).astype(np.uint8))
 
 
-def _texels_per_metre(corners: NDArray[np.float64], uv: NDArray[np.float64], size: NDArray[np.int64]) -> NDArray[np.float64]:
+def _texels_per_metre(
+    corners: NDArray[np.float64], uv: NDArray[np.float64], size: NDArray[np.int64]
+) -> NDArray[np.float64]:
     """(T,) how finely each triangle is painted."""
     a, b = (uv[:, i] - uv[:, 0] for i in (1, 2))
     painted = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) * size.prod(axis=1)

@@ -40,13 +40,20 @@ class RgbdSensor(Sensor):
 
 def random_sensor(rng: np.random.Generator, hard: float) -> RgbdSensor:
     """A sensor of chance; ``hard`` in [0, 1] from a good camera to what RGB-D cameras give: noise to 10, gain to 1.8, JPEG down to 40."""
+
     def up_to(most: float) -> float:
         return float(hard * rng.uniform(0, most))
 
     return RgbdSensor(
-        noise=1.5 + up_to(8.5), blur=0.4 + up_to(1.1), seed=int(rng.integers(2**31)), gain=float(1 + hard * rng.uniform(-0.25, 0.8)),
-        gamma=float(1 + hard * rng.uniform(-0.35, 0.35)), motion=up_to(4.0) if rng.random() < 0.5 else 0.0,
-        direction=float(rng.uniform(0, np.pi)), vignette=up_to(0.4), jpeg=round(95 - up_to(55)),
+        noise=1.5 + up_to(8.5),
+        blur=0.4 + up_to(1.1),
+        seed=int(rng.integers(2**31)),
+        gain=float(1 + hard * rng.uniform(-0.25, 0.8)),
+        gamma=float(1 + hard * rng.uniform(-0.35, 0.35)),
+        motion=up_to(4.0) if rng.random() < 0.5 else 0.0,
+        direction=float(rng.uniform(0, np.pi)),
+        vignette=up_to(0.4),
+        jpeg=round(95 - up_to(55)),
     )
 
 
@@ -62,7 +69,9 @@ def sensed(picture: NDArray[np.float32], sensor: RgbdSensor) -> NDArray[np.uint8
     if sensor.blur > 0:
         light = np.asarray(cv2.GaussianBlur(light, (0, 0), sensor.blur), np.float32)
     if sensor.motion > 0:
-        light = np.asarray(cv2.filter2D(light, -1, _streak(sensor.motion, sensor.direction), borderType=cv2.BORDER_REFLECT), np.float32)
+        light = np.asarray(
+            cv2.filter2D(light, -1, _streak(sensor.motion, sensor.direction), borderType=cv2.BORDER_REFLECT), np.float32
+        )
     noise = np.random.default_rng([sensor.seed, 2]).standard_normal(light.shape, dtype=np.float32)
     clipped = np.clip(light + sensor.noise * noise, 0, 255) / 255
     image = np.rint(255 * clipped**sensor.gamma).astype(np.uint8)

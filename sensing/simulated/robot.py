@@ -2,7 +2,8 @@
 
 * ``Robot``: ``robot = Robot(scene); robot.look(); robot.move_to(world_from_camera); robot.look()``
 
-The bodies stay where they settled. Each look has noise of its own; the same looks at the same places give the same bytes.
+The bodies stay where they settled. Each look has noise of its own; the same looks at the same places give the same
+bytes.
 """
 
 from __future__ import annotations
@@ -51,7 +52,11 @@ class Robot:
     def middle(self) -> NDArray[np.float64]:
         """(3,) m: the middle of the box around all bodies; the origin where there is none."""
         points = [body.vertices_world for body in self._scene.bodies]
-        return np.zeros(3) if not points else (np.concatenate(points).min(axis=0) + np.concatenate(points).max(axis=0)) / 2.0
+        return (
+            np.zeros(3)
+            if not points
+            else (np.concatenate(points).min(axis=0) + np.concatenate(points).max(axis=0)) / 2.0
+        )
 
     def why_not(self, world_from_camera: NDArray[np.float64]) -> str | None:
         """Why the camera cannot be there; None where it can. Only the place is looked at, not the way to it."""
@@ -63,14 +68,20 @@ class Robot:
         if np.linalg.norm(eye[:2] - self.middle[:2]) > ROOM or eye[2] > ROOM:
             return f"is outside the room, which reaches {ROOM:g} m from the middle of the scene"
         near = next((body for body in self._scene.bodies if _outside(body, eye) < CLEARANCE), None)
-        return None if near is None else f"is inside or nearer than {CLEARANCE} m to {'a decoy' if near.label is None else repr(near.label)}"
+        return (
+            None
+            if near is None
+            else f"is inside or nearer than {CLEARANCE} m to {'a decoy' if near.label is None else repr(near.label)}"
+        )
 
     def move_to(self, world_from_camera: NDArray[np.float64]) -> None:
         """Go there. Raises SceneError that says why it cannot, and stays where it is."""
         reason = self.why_not(world_from_camera)
         if reason is not None:
             raise SceneError(f"camera: cannot go there: it {reason}")
-        self._scene = replace(self._scene, camera=replace(self._scene.camera, world_from_camera=np.asarray(world_from_camera)))
+        self._scene = replace(
+            self._scene, camera=replace(self._scene.camera, world_from_camera=np.asarray(world_from_camera))
+        )
 
     def look(self, supersample: int = 3) -> Rendering:
         """What is seen from here, with noise that no other look has."""

@@ -48,4 +48,8 @@ def write_tour(robot: Robot, places: Sequence[NDArray[np.float64]], folder: Path
 def _frame(robot: Robot, supersample: int) -> dict[str, bytes]:
     """One look as files."""
     image, scene = robot.look(supersample).image, robot.scene()
-    return {"image.png": png(image), "camera.json": json_bytes(camera_to_dict(scene.camera)), "truth.json": json_bytes(truth_to_dict(scene))}
+    return {
+        "image.png": png(image),
+        "camera.json": json_bytes(camera_to_dict(scene.camera)),
+        "truth.json": json_bytes(truth_to_dict(scene)),
+    }

@@ -77,8 +77,9 @@ def random_scene(
 ) -> Scene:
     """A scene with every one of ``shapes`` and as many ``decoys``; the same arguments give the same scene.
 
-    ``beside``: each shape is seen to 97 % at least. ``hiding``: one of the first two hides 8 to 50 % of the other; decoys hide no more than
-    half of any. In both, all is in view whole and the camera is 3 to 9 m from each shape (from the middle, where there is none).
+    ``beside``: each shape is seen to 97 % at least. ``hiding``: one of the first two hides 8 to 50 % of the other;
+    decoys hide no more than half of any. In both, all is in view whole and the camera is 3 to 9 m from each shape (from
+    the middle, where there is none).
 
     Raises:
         SceneError: ``hiding`` with fewer than two shapes, or nothing of the kind was found in 400 attempts.
@@ -91,12 +92,20 @@ def random_scene(
         found = _attempt(shapes, rng, decoys, placement, template)
         if found is not None:
             bodies, placed_camera, fractions = found
-            return Scene(bodies, placed_camera, _light(rng), _surroundings(rng), Sensor(seed=int(rng.integers(2**31))), fractions)
-    raise SceneError(f"no scene of {len(shapes)} shapes and {decoys} decoys ({placement}) was found in {ATTEMPTS} attempts")
+            return Scene(
+                bodies, placed_camera, _light(rng), _surroundings(rng), Sensor(seed=int(rng.integers(2**31))), fractions
+            )
+    raise SceneError(
+        f"no scene of {len(shapes)} shapes and {decoys} decoys ({placement}) was found in {ATTEMPTS} attempts"
+    )
 
 
 def _attempt(
-    shapes: Sequence[tuple[str, TexturedMesh]], rng: np.random.Generator, decoys: int, placement: Placement, template: Camera
+    shapes: Sequence[tuple[str, TexturedMesh]],
+    rng: np.random.Generator,
+    decoys: int,
+    placement: Placement,
+    template: Camera,
 ) -> tuple[tuple[Body, ...], Camera, tuple[float, ...]] | None:
     azimuth = rng.uniform(0, 2 * np.pi)
     bodies = _standing(shapes, rng, decoys, placement, azimuth)
@@ -113,7 +122,11 @@ def _attempt(
 
 
 def _standing(
-    shapes: Sequence[tuple[str, TexturedMesh]], rng: np.random.Generator, decoys: int, placement: Placement, azimuth: float
+    shapes: Sequence[tuple[str, TexturedMesh]],
+    rng: np.random.Generator,
+    decoys: int,
+    placement: Placement,
+    azimuth: float,
 ) -> tuple[Body, ...] | None:
     """Bodies upright on the floor, footprints apart; None where chance put two into one place. ``azimuth`` is the camera's side."""
     away = -np.array([np.cos(azimuth), np.sin(azimuth)])
@@ -147,7 +160,9 @@ def _apart(bodies: Sequence[Body]) -> bool:
     return all(a.distance(b) > GAP for i, a in enumerate(prints) for b in prints[:i])
 
 
-def _aimed(bodies: Sequence[Body], shapes: int, azimuth: float, rng: np.random.Generator, template: Camera) -> Camera | None:
+def _aimed(
+    bodies: Sequence[Body], shapes: int, azimuth: float, rng: np.random.Generator, template: Camera
+) -> Camera | None:
     """A camera on the side ``azimuth`` that has everything in view; None if eight distances and elevations of chance give none."""
     points = np.concatenate([b.vertices_world for b in bodies]) if bodies else np.zeros((1, 3))
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
@@ -204,4 +219,10 @@ def _surroundings(rng: np.random.Generator) -> Surroundings:
         b, g, r = rng.uniform(low, high) + rng.uniform(-10, 10, 3)
         return (float(b), float(g), float(r))
 
-    return Surroundings(int(rng.integers(2**31)), colour(70, 140), colour(90, 190), float(rng.uniform(4, 10)), float(rng.uniform(0.1, 0.4)))
+    return Surroundings(
+        int(rng.integers(2**31)),
+        colour(70, 140),
+        colour(90, 190),
+        float(rng.uniform(4, 10)),
+        float(rng.uniform(0.1, 0.4)),
+    )

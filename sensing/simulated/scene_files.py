@@ -33,7 +33,9 @@ def write_scene(scene: Scene, folder: str | Path, supersample: int = 3) -> None:
     """
     image = scene.photograph(supersample).image
     documents = {"camera.json": camera_to_dict(scene.camera), "truth.json": truth_to_dict(scene)}
-    write_folder(Path(folder), {"image.png": png(image), **{name: json_bytes(document) for name, document in documents.items()}})
+    write_folder(
+        Path(folder), {"image.png": png(image), **{name: json_bytes(document) for name, document in documents.items()}}
+    )
 
 
 def json_bytes(document: object) -> bytes:

@@ -42,7 +42,9 @@ def settle(bodies: Sequence[Body], seed: int = 0, drop: float = 0.01, tilt: floa
         bullet.createMultiBody(0, plane, physicsClientId=number)
         placed = []
         for body in bodies:
-            leaning = Rotation.from_rotvec([*rng.uniform(-tilt, tilt, 2), 0.0]) * Rotation.from_matrix(body.world_from_body[:3, :3])
+            leaning = Rotation.from_rotvec([*rng.uniform(-tilt, tilt, 2), 0.0]) * Rotation.from_matrix(
+                body.world_from_body[:3, :3]
+            )
             placed.append(_drop(bullet, number, body, leaning, drop))
         for _ in range(STEPS):
             bullet.stepSimulation(physicsClientId=number)
@@ -63,8 +65,11 @@ def _drop(bullet: Any, number: int, body: Body, leaning: Any, drop: float) -> in
     size = np.ptp(body.mesh.vertices, axis=0)
     at = body.world_from_body[:3, :3] @ centre + body.world_from_body[:3, 3] + (0, 0, drop)
     placed: int = bullet.createMultiBody(
-        DENSITY * float(np.prod(np.maximum(size, 0.01))), hull, basePosition=at.tolist(),
-        baseOrientation=leaning.as_quat().tolist(), physicsClientId=number,
+        DENSITY * float(np.prod(np.maximum(size, 0.01))),
+        hull,
+        basePosition=at.tolist(),
+        baseOrientation=leaning.as_quat().tolist(),
+        physicsClientId=number,
     )
     rest = {"lateralFriction": 0.9, "rollingFriction": 0.01, "linearDamping": 0.2, "angularDamping": 0.4}
     bullet.changeDynamics(placed, -1, physicsClientId=number, **rest)

@@ -95,7 +95,9 @@ def _floor(camera: Camera, look: Surroundings, rng: np.random.Generator) -> NDAr
     depth = np.minimum(floor_depth(camera), 10 * HAZE_METRES)[:, :, None]
     at = (_pixel_rays(camera) * depth) @ _pose(camera)[:3, :3].T + _pose(camera)[:3, 3]
     texel = _mirrored(at[:, :, :2] * (TEXELS / FLOOR_METRES)).astype(np.float32)
-    return np.asarray(cv2.remap(texture.astype(np.float32), texel[:, :, 0], texel[:, :, 1], cv2.INTER_LINEAR), np.float32)
+    return np.asarray(
+        cv2.remap(texture.astype(np.float32), texel[:, :, 0], texel[:, :, 1], cv2.INTER_LINEAR), np.float32
+    )
 
 
 def _mirrored(texels: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -44,12 +44,10 @@ class Table(Surroundings):
     """The floor (z = 0), the wall behind it, and the lamp's colours, blue first; 1 is white of full strength.
 
     Attributes:
-        floor_pattern: One of ``PATTERNS``; so is ``wall_pattern``.
-        floor_metres: Side of the square that the floor's pattern covers; beyond it is repeated. ``wall_metres`` likewise.
-        wall_distance: Metres from the world's origin to the wall.
-        wall_azimuth: Radians from the world's x; the direction from the origin to the wall.
-        lamp_colour: Of the direct light; ``sky_colour`` of the rest.
-        gloss: Share of the lamp that bodies reflect as from a mirror.
+        floor_pattern: One of ``PATTERNS``; so is ``wall_pattern``. floor_metres: Side of the square that the floor's
+        pattern covers; beyond it is repeated. ``wall_metres`` likewise. wall_distance: Metres from the world's origin
+        to the wall. wall_azimuth: Radians from the world's x; the direction from the origin to the wall. lamp_colour:
+        Of the direct light; ``sky_colour`` of the rest. gloss: Share of the lamp that bodies reflect as from a mirror.
     """
 
     floor_pattern: str = "wood"
@@ -90,12 +88,18 @@ class _Stage:
         self.eye, self.turn = pose[:3, 3], pose[:3, :3]
         self.lamp = light.unit
         floor, wall = (np.random.default_rng([table.seed, k]) for k in (6, 7))
-        self.paint = TexturePyramid(pattern(table.floor_pattern, floor, TEXELS)), TexturePyramid(pattern(table.wall_pattern, wall, TEXELS))
+        self.paint = (
+            TexturePyramid(pattern(table.floor_pattern, floor, TEXELS)),
+            TexturePyramid(pattern(table.wall_pattern, wall, TEXELS)),
+        )
         self.behind = np.array([np.cos(table.wall_azimuth), np.sin(table.wall_azimuth), 0.0])
 
     def rays(self, band: tuple[int, int], supersample: int) -> NDArray[np.float64]:
         """(rows, columns, 3) directions with z = 1 in the camera frame, turned into the world frame."""
-        places = [(np.arange(n0 * supersample, n1 * supersample) + 0.5) / supersample - 0.5 for n0, n1 in (band, (0, self.camera.width))]
+        places = [
+            (np.arange(n0 * supersample, n1 * supersample) + 0.5) / supersample - 0.5
+            for n0, n1 in (band, (0, self.camera.width))
+        ]
         v, u = np.meshgrid(*places, indexing="ij")
         return np.asarray(np.stack([u, v, np.ones_like(u)], axis=-1) @ (self.turn @ np.linalg.inv(self.camera.K)).T)
 
@@ -104,7 +108,9 @@ class _Stage:
         rays = self.rays(band, 1)
         found = self.caster.cast(self.eye, rays.reshape(-1, 3))
         floor, wall = self._planes(rays.reshape(-1, 3))
-        return np.minimum(found.depth, np.minimum(floor, wall)).reshape(rays.shape[:2]), found.body.reshape(rays.shape[:2])
+        return np.minimum(found.depth, np.minimum(floor, wall)).reshape(rays.shape[:2]), found.body.reshape(
+            rays.shape[:2]
+        )
 
     def light(self, band: tuple[int, int], supersample: int) -> NDArray[np.float32]:
         """(rows, W, 3) mean light over each pixel's square."""
@@ -124,10 +130,14 @@ class _Stage:
         colour = self.caster.colours(found, spread, facing)
         for k, (paint, own) in enumerate(zip(self.paint, (floor <= wall, floor > wall), strict=True)):
             chosen = own & (found.body < 0)
-            colour[chosen] = self._painted(k, paint, point[chosen], spread[chosen] / np.sqrt(np.maximum(facing[chosen], 0.1)))
+            colour[chosen] = self._painted(
+                k, paint, point[chosen], spread[chosen] / np.sqrt(np.maximum(facing[chosen], 0.1))
+            )
         shaded = self._shaded(colour, normal, view, self._lit(point, grid.shape[:2], supersample), found.body >= 0)
         picture = shaded.reshape(*grid.shape[:2], 3)
-        return np.asarray(cv2.resize(picture, (self.camera.width, band[1] - band[0]), interpolation=cv2.INTER_AREA), np.float32)
+        return np.asarray(
+            cv2.resize(picture, (self.camera.width, band[1] - band[0]), interpolation=cv2.INTER_AREA), np.float32
+        )
 
     def _planes(self, rays: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Depths (N,) at which rays meet the floor and the wall; inf where they do not."""
@@ -136,7 +146,9 @@ class _Stage:
             wall = (self.table.wall_distance - self.eye @ self.behind) / (rays @ self.behind)
         return np.where(floor > 0, floor, np.inf), np.where(wall > 0, wall, np.inf)
 
-    def _painted(self, which: int, paint: TexturePyramid, point: NDArray[np.float64], spread: NDArray[np.float64]) -> NDArray[np.float32]:
+    def _painted(
+        self, which: int, paint: TexturePyramid, point: NDArray[np.float64], spread: NDArray[np.float64]
+    ) -> NDArray[np.float32]:
         metres = (self.table.floor_metres, self.table.wall_metres)[which]
         rightwards = np.array([self.behind[1], -self.behind[0], 0.0])
         uv = point[:, :2] if which == 0 else np.c_[point @ rightwards, point[:, 2]]
@@ -151,13 +163,20 @@ class _Stage:
         return self.caster.lit(point, spot)
 
     def _shaded(
-        self, colour: NDArray[np.float32], normal: NDArray[np.float64], view: NDArray[np.float64], lit: NDArray[np.bool_], body: NDArray[np.bool_]
+        self,
+        colour: NDArray[np.float32],
+        normal: NDArray[np.float64],
+        view: NDArray[np.float64],
+        lit: NDArray[np.bool_],
+        body: NDArray[np.bool_],
     ) -> NDArray[np.float32]:
         """(N, 3) light that leaves the surfaces: diffuse from lamp and sky, and on bodies the lamp's reflection."""
         shares = self.shares
         direct = lit * np.maximum(normal @ self.lamp, 0)
         sky = shares.ambient + shares.sky * (1 + normal[:, 2]) / 2
-        light = shares.lamp * direct[:, None] * np.array(self.table.lamp_colour) + sky[:, None] * np.array(self.table.sky_colour)
+        light = shares.lamp * direct[:, None] * np.array(self.table.lamp_colour) + sky[:, None] * np.array(
+            self.table.sky_colour
+        )
         half = view + self.lamp
         half /= np.maximum(np.linalg.norm(half, axis=1, keepdims=True), 1e-12)
         glint = 255 * self.table.gloss * (lit & body) * np.maximum((normal * half).sum(axis=1), 0) ** SHINE

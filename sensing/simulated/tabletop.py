@@ -36,7 +36,8 @@ PIXELS = (60.0, 200.0)
 """The longer side of a thing's picture."""
 MARGIN = 4.0
 CROWDED = 0.67
-"""Share of the scenes in which at least one thing is hidden to 30 to 60 %, none more; in the others none more than 30 %."""
+"""Share of the scenes in which at least one thing is hidden to 30 to 60 %, none more; in the others none more than 30
+%."""
 TWINS = 0.15
 """Share of the scenes in which one type stands there twice."""
 ARRANGEMENTS, VIEWS = 60, 16
@@ -55,12 +56,17 @@ class TabletopScene(Scene):
 
 
 def recognition_scene(
-    shapes: Sequence[tuple[str, TexturedMesh]], seed: int, *, bodies: tuple[int, int] = (3, 5), empty: bool = False, hard: float = 0.5
+    shapes: Sequence[tuple[str, TexturedMesh]],
+    seed: int,
+    *,
+    bodies: tuple[int, int] = (3, 5),
+    empty: bool = False,
+    hard: float = 0.5,
 ) -> TabletopScene:
     """From ``bodies[0]`` to ``bodies[1]`` of the shapes and up to two packages of no type (in ``empty`` scenes two to four, and no shape).
 
-    ``hard`` in [0, 1]: from a good camera in good light to noise, blur, over-exposure and a lamp of any colour. Every shape is in view
-    whole, 60 to 200 pixels long, 0.5 to 1.2 m away. The same arguments give the same scene.
+    ``hard`` in [0, 1]: from a good camera in good light to noise, blur, over-exposure and a lamp of any colour. Every
+    shape is in view whole, 60 to 200 pixels long, 0.5 to 1.2 m away. The same arguments give the same scene.
 
     Raises:
         SceneError: No such scene was found in 60 arrangements, each seen from 16 places.
@@ -73,11 +79,17 @@ def recognition_scene(
         found = _viewed(placed, rng, crowded=crowded and not empty) if placed else None
         if placed and found:
             camera, fractions = found
-            return TabletopScene(placed, camera, _light(rng, hard), _table(rng, camera, hard), random_sensor(rng, hard), fractions)
-    raise SceneError(f"no table-top scene of {bodies[0]} to {bodies[1]} of {len(shapes)} shapes was found in {ARRANGEMENTS} arrangements")
+            return TabletopScene(
+                placed, camera, _light(rng, hard), _table(rng, camera, hard), random_sensor(rng, hard), fractions
+            )
+    raise SceneError(
+        f"no table-top scene of {bodies[0]} to {bodies[1]} of {len(shapes)} shapes was found in {ARRANGEMENTS} arrangements"
+    )
 
 
-def _chosen(shapes: Sequence[tuple[str, TexturedMesh]], rng: np.random.Generator, bodies: tuple[int, int]) -> list[tuple[str | None, TexturedMesh]]:
+def _chosen(
+    shapes: Sequence[tuple[str, TexturedMesh]], rng: np.random.Generator, bodies: tuple[int, int]
+) -> list[tuple[str | None, TexturedMesh]]:
     number = int(rng.integers(bodies[0], bodies[1] + 1))
     order = rng.permutation(len(shapes))[:number].tolist()
     if len(order) > 1 and rng.random() < TWINS:
@@ -89,7 +101,9 @@ def _packages(rng: np.random.Generator, number: int) -> list[tuple[str | None, T
     return [(None, random_package(rng)) for _ in range(number)]
 
 
-def _viewed(bodies: Sequence[Body], rng: np.random.Generator, *, crowded: bool) -> tuple[Camera, tuple[float, ...]] | None:
+def _viewed(
+    bodies: Sequence[Body], rng: np.random.Generator, *, crowded: bool
+) -> tuple[Camera, tuple[float, ...]] | None:
     """A camera that sees them as wanted, with the visible fractions; None if 16 places of chance give none."""
     typed = [i for i, body in enumerate(bodies) if body.label is not None] or list(range(len(bodies)))
     for _ in range(VIEWS):
@@ -120,7 +134,9 @@ def _aimed(bodies: Sequence[Body], rng: np.random.Generator) -> Camera:
 def _fits(body: Body, camera: Camera) -> bool:
     """Whether it is in view whole, at a size and distance as wanted."""
     low, high = bounds(body, camera)
-    away = np.linalg.norm(transform_points(inverse(np.asarray(camera.world_from_camera)), body.vertices_world).mean(axis=0))
+    away = np.linalg.norm(
+        transform_points(inverse(np.asarray(camera.world_from_camera)), body.vertices_world).mean(axis=0)
+    )
     inside = (low >= MARGIN).all() and (high <= (camera.width - 1 - MARGIN, camera.height - 1 - MARGIN)).all()
     return bool(inside and PIXELS[0] <= (high - low).max() <= PIXELS[1] and DISTANCE[0] <= away <= DISTANCE[1])
 
@@ -129,7 +145,13 @@ def _light(rng: np.random.Generator, hard: float) -> Light:
     azimuth, elevation = rng.uniform(0, 2 * np.pi), np.radians(rng.uniform(30, 80))
     x, y, z = np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)
     lamp = rng.uniform(0.3, 0.5 + 0.25 * hard)
-    return Light((float(x), float(y), float(z)), ambient=float(rng.uniform(0.35, 0.5)), lamp=float(lamp), sky=float(rng.uniform(0.1, 0.25)), back=0.0)
+    return Light(
+        (float(x), float(y), float(z)),
+        ambient=float(rng.uniform(0.35, 0.5)),
+        lamp=float(lamp),
+        sky=float(rng.uniform(0.1, 0.25)),
+        back=0.0,
+    )
 
 
 def _table(rng: np.random.Generator, camera: Camera, hard: float) -> Table:
@@ -141,10 +163,17 @@ def _table(rng: np.random.Generator, camera: Camera, hard: float) -> Table:
         return (float(b), float(g), float(r))
 
     return Table(
-        seed=int(rng.integers(2**31)), floor_pattern=_named(rng, {"wood": 0.3, "plain": 0.15, "noise": 0.2, "checks": 0.15, "newsprint": 0.2}),
-        wall_pattern=_named(rng, {"plain": 0.35, "noise": 0.2, "wood": 0.1, "checks": 0.1, "newsprint": 0.1, "label": 0.15}),
-        floor_metres=float(rng.uniform(0.9, 1.5)), wall_metres=float(rng.uniform(0.9, 2.0)), wall_distance=float(rng.uniform(0.45, 1.2)),
-        wall_azimuth=float(np.arctan2(forward[1], forward[0]) + rng.uniform(-0.5, 0.5)), lamp_colour=colour(), sky_colour=colour(),
+        seed=int(rng.integers(2**31)),
+        floor_pattern=_named(rng, {"wood": 0.3, "plain": 0.15, "noise": 0.2, "checks": 0.15, "newsprint": 0.2}),
+        wall_pattern=_named(
+            rng, {"plain": 0.35, "noise": 0.2, "wood": 0.1, "checks": 0.1, "newsprint": 0.1, "label": 0.15}
+        ),
+        floor_metres=float(rng.uniform(0.9, 1.5)),
+        wall_metres=float(rng.uniform(0.9, 2.0)),
+        wall_distance=float(rng.uniform(0.45, 1.2)),
+        wall_azimuth=float(np.arctan2(forward[1], forward[0]) + rng.uniform(-0.5, 0.5)),
+        lamp_colour=colour(),
+        sky_colour=colour(),
         gloss=float(rng.uniform(0, 0.05 + 0.2 * hard)),
     )
 

@@ -25,7 +25,11 @@ class TexturePyramid:
         self.levels = [np.ascontiguousarray(texture)]
         while min(self.levels[-1].shape[:2]) >= 2 * SMALLEST:
             height, width = self.levels[-1].shape[:2]
-            self.levels.append(np.asarray(cv2.resize(self.levels[-1], (width // 2, height // 2), interpolation=cv2.INTER_AREA), np.uint8))
+            self.levels.append(
+                np.asarray(
+                    cv2.resize(self.levels[-1], (width // 2, height // 2), interpolation=cv2.INTER_AREA), np.uint8
+                )
+            )
 
     @property
     def size(self) -> tuple[int, int]:

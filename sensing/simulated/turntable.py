@@ -38,8 +38,8 @@ STEEP = 0.95
 class Turn:
     """One picture of the body before nothing.
 
-    ``image`` (H, W, 3) uint8, blue first; ``mask`` (H, W) where the body is; ``depth`` (H, W) metres along the optical axis; ``camera``,
-    whose ``world_from_camera`` is body_from_camera; ``pixels``: the body's diameter in the picture.
+    ``image`` (H, W, 3) uint8, blue first; ``mask`` (H, W) where the body is; ``depth`` (H, W) metres along the optical
+    axis; ``camera``, whose ``world_from_camera`` is body_from_camera; ``pixels``: the body's diameter in the picture.
     """
 
     image: NDArray[np.uint8]
@@ -49,11 +49,13 @@ class Turn:
     pixels: float
 
 
-def turned(mesh: TexturedMesh, viewpoints: Sequence[NDArray[np.float64]], pixels: float, margin: float, away: float) -> Iterator[Turn]:
+def turned(
+    mesh: TexturedMesh, viewpoints: Sequence[NDArray[np.float64]], pixels: float, margin: float, away: float
+) -> Iterator[Turn]:
     """One picture a direction (3,) from the middle of the mesh's box; distances and depth are the mesh's own metres.
 
-    ``pixels``: the body's diameter, of which pictures are ``FINER`` times as many; ``margin``: what is left around the body, and ``away``:
-    the viewpoint's distance, both in diameters.
+    ``pixels``: the body's diameter, of which pictures are ``FINER`` times as many; ``margin``: what is left around the
+    body, and ``away``: the viewpoint's distance, both in diameters.
     """
     middle, diameter = extent(mesh.vertices)
     scale = UNIT / diameter
@@ -88,7 +90,9 @@ def _taken(
 ) -> Turn:
     (pixels, margin, away), (middle, scale) = size, place
     side = round(pixels * (1.0 + 2.0 * margin))
-    colour, segmentation, depth = shoot(bullet, number, _camera(side, pixels * away, inverse(camera_from_body)), FINER, EVEN)
+    colour, segmentation, depth = shoot(
+        bullet, number, _camera(side, pixels * away, inverse(camera_from_body)), FINER, EVEN
+    )
     object_from_camera = inverse(camera_from_body)
     object_from_camera[:3, 3] = object_from_camera[:3, 3] / scale + middle
     camera = _camera(side * FINER, pixels * away * FINER, object_from_camera)
@@ -103,7 +107,10 @@ def _around(mask: NDArray[np.bool_], margin: int) -> tuple[slice, slice]:
     spans = [np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0)]
     if not len(spans[0]):
         return slice(0, mask.shape[0]), slice(0, mask.shape[1])
-    ends = [(max(0, int(some[0]) - margin), min(size, int(some[-1]) + margin + 1)) for some, size in zip(spans, mask.shape, strict=True)]
+    ends = [
+        (max(0, int(some[0]) - margin), min(size, int(some[-1]) + margin + 1))
+        for some, size in zip(spans, mask.shape, strict=True)
+    ]
     return slice(*ends[0]), slice(*ends[1])
 
 

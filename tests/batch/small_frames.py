@@ -16,7 +16,10 @@ NAMES = ["alone.png", "bad.json", "g0.json", "g1.json", "g2.json", "g3.json", "s
 
 def gamma(number: int) -> dict[str, Any]:
     """A Γ of a few corners that are no tower's."""
-    rows = [{"id": f"a{i}", "type": "l_junction", "uv": [5.0 + 9 * i, 7.0 + number], "detector": "junction"} for i in range(number % 3)]
+    rows = [
+        {"id": f"a{i}", "type": "l_junction", "uv": [5.0 + 9 * i, 7.0 + number], "detector": "junction"}
+        for i in range(number % 3)
+    ]
     return {"format": "gamma/1", "camera": CAMERA, "appearances": rows}
 
 

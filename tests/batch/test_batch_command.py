@@ -29,7 +29,12 @@ def test_every_frame_has_its_line_in_the_order_of_names(alone):
 
 def test_off_a_terminal_stderr_has_the_bad_frames_and_one_line_at_the_end(alone):
     lines = alone[0].stderr.splitlines()
-    assert [line.split(":")[0] for line in lines] == ["frames/alone.png", "frames/bad.json", "frames/torn/image.png", "alone.jsonl"]
+    assert [line.split(":")[0] for line in lines] == [
+        "frames/alone.png",
+        "frames/bad.json",
+        "frames/torn/image.png",
+        "alone.jsonl",
+    ]
     assert lines[-1] == "alone.jsonl: 8 frames, 3 bad"
 
 
@@ -46,7 +51,9 @@ def test_an_error_is_what_perceive_says(frames, alone, number):
     place = f"frames/{NAMES[number]}"
     camera = ["--camera", "frames/torn/camera.json"] if place.endswith(".png") else []
     said = plogic("perceive", place, "--kb", "towers", *camera, cwd=frames).stderr
-    assert [f"plogic: {line}" for line in json.loads(lines_of(alone[1])[number])["error"].splitlines()] == said.splitlines()
+    assert [
+        f"plogic: {line}" for line in json.loads(lines_of(alone[1])[number])["error"].splitlines()
+    ] == said.splitlines()
 
 
 def test_two_processes_write_the_same_bytes_for_a_list_on_stdin(frames, alone):
@@ -79,8 +86,14 @@ def test_a_dask_cluster_writes_the_same_bytes(frames, alone):
 
 def test_without_the_extra_one_line_says_what_to_install(frames, tmp_path):
     (tmp_path / "distributed.py").write_text("raise ImportError\n")
-    run = plogic("batch", "frames", "--kb", "towers", "--dask", "tcp://127.0.0.1:1", cwd=frames, PYTHONPATH=str(tmp_path))
-    assert (run.returncode, run.stdout, run.stderr) == (1, "", "plogic: --dask needs the package distributed: pip install 'plogic[dask]'\n")
+    run = plogic(
+        "batch", "frames", "--kb", "towers", "--dask", "tcp://127.0.0.1:1", cwd=frames, PYTHONPATH=str(tmp_path)
+    )
+    assert (run.returncode, run.stdout, run.stderr) == (
+        1,
+        "",
+        "plogic: --dask needs the package distributed: pip install 'plogic[dask]'\n",
+    )
 
 
 def test_the_deadline_leaves_a_frame_unfinished_and_that_is_the_status():
@@ -105,7 +118,9 @@ def test_a_bop_dataset(tmp_path):
     ]
     camera = CAMERA | {"width": 640, "height": 480, "K": [K[:3], K[3:6], K[6:]]}
     (tmp_path / "camera.json").write_text(json.dumps({"camera": camera}))
-    text = good("perceive", "mini/test/000001/rgb/000003.png", "--kb", "towers", "--camera", "camera.json", cwd=tmp_path)
+    text = good(
+        "perceive", "mini/test/000001/rgb/000003.png", "--kb", "towers", "--camera", "camera.json", cwd=tmp_path
+    )
     assert run.stdout.splitlines()[2].endswith(f'"interpretation":{text.strip()}}}')
 
 
@@ -130,8 +145,14 @@ def test_what_is_wrong_before_any_work_writes_nothing(frames, tmp_path):
     (tmp_path / "full.jsonl").write_text("mine\n")
     for args, says in (
         (["frames", "--kb", "towers", "--camera", tmp_path / "full.jsonl", "-o", tmp_path / "new.jsonl"], "full.jsonl"),
-        (["frames", "--kb", "towers", "--camera", tmp_path / "none.json", "-o", tmp_path / "new.jsonl"], "none.json: is missing"),
-        (["frames", "--kb", "towers", "--camera", "/dev/zero", "-o", tmp_path / "new.jsonl"], "is no plain file, but a pipe or a device"),
+        (
+            ["frames", "--kb", "towers", "--camera", tmp_path / "none.json", "-o", tmp_path / "new.jsonl"],
+            "none.json: is missing",
+        ),
+        (
+            ["frames", "--kb", "towers", "--camera", "/dev/zero", "-o", tmp_path / "new.jsonl"],
+            "is no plain file, but a pipe or a device",
+        ),
         (["frames", "--kb", "nothing", "-o", tmp_path / "new.jsonl"], "no knowledge base 'nothing'"),
         (["-", "--kb", "towers", "-o", tmp_path / "new.jsonl"], "there is no input"),
         (["frames", "--kb", "towers", "-o", tmp_path / "full.jsonl"], "is there already: --resume goes on with it"),

@@ -36,10 +36,28 @@ class Machines:
 
     def start(self, *args, **env):
         """One process more."""
-        command = [sys.executable, "-m", "dask", *args, "--scheduler-file", str(self.said), "--no-dashboard", "--host", "127.0.0.1"]
+        command = [
+            sys.executable,
+            "-m",
+            "dask",
+            *args,
+            "--scheduler-file",
+            str(self.said),
+            "--no-dashboard",
+            "--host",
+            "127.0.0.1",
+        ]
         void = subprocess.DEVNULL
         self.children.append(
-            subprocess.Popen(command, cwd=self.folder, stdin=void, stdout=void, stderr=void, start_new_session=True, env=os.environ | env)
+            subprocess.Popen(
+                command,
+                cwd=self.folder,
+                stdin=void,
+                stdout=void,
+                stderr=void,
+                start_new_session=True,
+                env=os.environ | env,
+            )
         )
 
     def worker(self, **env):
@@ -75,7 +93,9 @@ def machines(tmp_path):
 
 def of_ours(child):
     """The processes of a worker's group, itself aside."""
-    rows = subprocess.run(["ps", "-o", "stat=", "-g", str(child.pid)], capture_output=True, text=True, check=False).stdout.split()
+    rows = subprocess.run(
+        ["ps", "-o", "stat=", "-g", str(child.pid)], capture_output=True, text=True, check=False
+    ).stdout.split()
     return len([state for state in rows if not state.startswith("Z")]) - 1
 
 
@@ -132,7 +152,10 @@ def test_a_worker_that_lacks_plogic_is_told_and_lives(machines, frames, tmp_path
     machines.worker(PYTHONPATH=str(tmp_path / "bare"))
     run = plogic("batch", "frames", "--kb", "towers", "--dask", machines.address, cwd=frames)
     assert run.returncode == 1
-    assert run.stderr == f"plogic: {machines.address}: a Dask worker lacks plogic, or has another one than is here: No module named 'plogic'\n"
+    assert (
+        run.stderr
+        == f"plogic: {machines.address}: a Dask worker lacks plogic, or has another one than is here: No module named 'plogic'\n"
+    )
     assert machines.threads() == 1
 
 

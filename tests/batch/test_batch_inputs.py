@@ -21,7 +21,17 @@ def named(*inputs, listed=()):
 def folder(tmp_path, monkeypatch):
     """Where the tests are: files are empty, for nothing is read yet."""
     monkeypatch.chdir(tmp_path)
-    for name in ("b/2.PNG", "b/1.jpg", "b/camera.json", "b/truth.json", "b/.hidden/3.png", "b/notes.txt", "a.json", "a[1].json", "z/deep/g.json"):
+    for name in (
+        "b/2.PNG",
+        "b/1.jpg",
+        "b/camera.json",
+        "b/truth.json",
+        "b/.hidden/3.png",
+        "b/notes.txt",
+        "a.json",
+        "a[1].json",
+        "z/deep/g.json",
+    ):
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.touch()
@@ -29,11 +39,24 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_a_folder_is_all_that_lies_below_it():
-    assert named(".") == [("a.json", "gamma"), ("a[1].json", "gamma"), ("b/1.jpg", "image"), ("b/2.PNG", "image"), ("z/deep/g.json", "gamma")]
+    assert named(".") == [
+        ("a.json", "gamma"),
+        ("a[1].json", "gamma"),
+        ("b/1.jpg", "image"),
+        ("b/2.PNG", "image"),
+        ("z/deep/g.json", "gamma"),
+    ]
 
 
 def test_what_plogic_wrote_or_drew_there_is_no_frame(folder):
-    for name in ("own/interpretation.json", "own/image.png", "own/picture.png", "own/views.png", "own/poses.json", "mine/picture.png"):
+    for name in (
+        "own/interpretation.json",
+        "own/image.png",
+        "own/picture.png",
+        "own/views.png",
+        "own/poses.json",
+        "mine/picture.png",
+    ):
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).touch()
     assert named("own", "mine") == [("own/image.png", "image"), ("mine/picture.png", "image")]
@@ -89,7 +112,10 @@ def test_a_folder_that_cannot_be_read_is_lost_and_said(folder, monkeypatch):
     monkeypatch.setattr(os, "scandir", closed)  # root may read all
     (folder / "z/a.json").touch()
     frames = frames_of(["z"], ())
-    assert [(frame.kind, frame.at) for frame in frames] == [("gamma", ""), ("lost", "z/deep: cannot be read: Permission denied")]
+    assert [(frame.kind, frame.at) for frame in frames] == [
+        ("gamma", ""),
+        ("lost", "z/deep: cannot be read: Permission denied"),
+    ]
 
 
 def test_links_to_folders_are_followed_and_no_folder_is_looked_through_twice(folder):
@@ -131,7 +157,9 @@ def test_a_dataset_its_split_and_its_scene(folder):
     dataset(folder / "bop", {3: [], 1: []})
     keys = [("000001/000001", "bop"), ("000001/000003", "bop")]
     for name in ("bop", "bop/test", "bop/test/000001"):
-        assert [(frame.input, frame.frame, frame.kind) for frame in frames_of([name], ())] == [(name, *key) for key in keys]
+        assert [(frame.input, frame.frame, frame.kind) for frame in frames_of([name], ())] == [
+            (name, *key) for key in keys
+        ]
 
 
 def test_a_scene_that_cannot_be_read_is_one_lost_frame(folder):

@@ -25,7 +25,9 @@ def running(folder, out, *args, **env):
     """``plogic batch`` over ``frames`` in a process group of its own, ended at last."""
     command = [str(BIN / "plogic"), "batch", "frames", "--kb", "towers", "-o", out, *args]
     pipe = subprocess.PIPE
-    with subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, start_new_session=True, env=os.environ | env) as child:
+    with subprocess.Popen(
+        command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, start_new_session=True, env=os.environ | env
+    ) as child:
         try:
             yield child
         finally:
@@ -43,7 +45,9 @@ def wait_for_lines(path, count):
 
 def group_members(group):
     """Living processes of a group."""
-    found = subprocess.run(["ps", "-o", "stat=", "-g", str(group)], capture_output=True, text=True, check=False).stdout.split()
+    found = subprocess.run(
+        ["ps", "-o", "stat=", "-g", str(group)], capture_output=True, text=True, check=False
+    ).stdout.split()
     return [state for state in found if not state.startswith("Z")]
 
 
@@ -81,7 +85,12 @@ def test_a_run_that_was_ended_goes_on_with_nothing_lost_and_nothing_twice(waitin
     if number != signal.SIGKILL:
         return
     out.write_bytes(before + b'{"format":"frame/1","input":"frames/shot/la')
-    assert plogic("batch", "frames", "--kb", "towers", "-o", out, "--resume", "--jobs", 1, "--order", "done", cwd=root).returncode == 1
+    assert (
+        plogic(
+            "batch", "frames", "--kb", "towers", "-o", out, "--resume", "--jobs", 1, "--order", "done", cwd=root
+        ).returncode
+        == 1
+    )
     assert out.read_bytes().startswith(before)
     assert sorted(out.read_bytes().splitlines()) == sorted(whole.splitlines())
 
@@ -110,12 +119,17 @@ def test_where_only_the_first_frame_is_late_nothing_is_lost_either(waiting, tmp_
     out, beside = tmp_path / "out.jsonl", tmp_path / "out.jsonl.waiting"
     args = ("frames/shot/late.png", "frames/g0.json", "frames/g1.json", "--kb", "towers", "-o", out)
     command = [str(BIN / "plogic"), "batch", *map(str, args), "--jobs", "2"]
-    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, start_new_session=True, env=os.environ | env) as child:
+    with subprocess.Popen(
+        command, cwd=tmp_path, stderr=subprocess.PIPE, start_new_session=True, env=os.environ | env
+    ) as child:
         wait_for_lines(beside, 2)
         os.killpg(child.pid, signal.SIGKILL)
     assert out.read_bytes() == b""
     fresh = plogic("batch", *args, cwd=tmp_path)
-    assert (fresh.returncode, fresh.stderr) == (1, f"plogic: {beside}: is there already: --resume goes on with it; else remove it, or name another\n")
+    assert (fresh.returncode, fresh.stderr) == (
+        1,
+        f"plogic: {beside}: is there already: --resume goes on with it; else remove it, or name another\n",
+    )
     run = plogic("batch", *args, "--resume", cwd=tmp_path)
     assert run.stderr == f"{out}: 3 frames, 2 of them before\n"
     assert [json.loads(line)["input"] for line in out.read_bytes().splitlines()] == [*args[:3]]
@@ -133,7 +147,10 @@ def test_a_worker_that_dies_or_hangs_costs_its_frame_alone(tmp_path):
     rows = [json.loads(line) for line in run.stdout.splitlines()]
     wrong = {row["input"][7]: row["error"] for row in rows if row["status"] == "error"}
     assert [row["input"][7] for row in rows] == list("abcdef")
-    assert wrong == {"b": "the process that perceives it dies (signal 9), as for lack of memory", "d": "took longer than 6 s"}
+    assert wrong == {
+        "b": "the process that perceives it dies (signal 9), as for lack of memory",
+        "d": "took longer than 6 s",
+    }
     assert run.returncode == 1
     assert (tmp_path / "detector" / "once").exists()
     assert "what a library says" not in run.stdout

@@ -70,7 +70,9 @@ def test_what_does_not_agree_is_refused():
         check_same([FRAMES[0], Frame("b.png", None, "lost", "otherwise"), *FRAMES[2:]], written(LINES), SETTINGS, KB)
 
 
-@pytest.mark.parametrize("content", [b"mine", b"mine\n", b"{}\n", b'{"format":"frame/1"}\n', b"[" * 100_000 + b"\n", b"\xff\n"])
+@pytest.mark.parametrize(
+    "content", [b"mine", b"mine\n", b"{}\n", b'{"format":"frame/1"}\n', b"[" * 100_000 + b"\n", b"\xff\n"]
+)
 def test_a_file_of_something_else_is_left_alone(tmp_path, content):
     path = tmp_path / "out.jsonl"
     path.write_bytes(content)
@@ -81,11 +83,24 @@ def test_a_file_of_something_else_is_left_alone(tmp_path, content):
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("input", []), ("input", None), ("frame", [1]), ("frame", 1), ("status", []), ("status", "odd"), ("sha256", 1), ("kb", "d"), ("options", [])],
+    [
+        ("input", []),
+        ("input", None),
+        ("frame", [1]),
+        ("frame", 1),
+        ("status", []),
+        ("status", "odd"),
+        ("sha256", 1),
+        ("kb", "d"),
+        ("options", []),
+    ],
 )
 def test_a_value_of_another_kind_is_refused(key, value):
     row = json.dumps({**json.loads(LINES[1]), key: value}).encode() + b"\n"
-    with pytest.raises(InputError, match=rf"out.jsonl:2: is no frame/1: {key}: is of another kind\n--resume cannot go on: take these lines out"):
+    with pytest.raises(
+        InputError,
+        match=rf"out.jsonl:2: is no frame/1: {key}: is of another kind\n--resume cannot go on: take these lines out",
+    ):
         written([LINES[0], row])
 
 
@@ -125,11 +140,17 @@ def test_in_short_the_intervals_of_what_is_unfinished_stay_and_no_others_come():
     done = {"appearances": [], "worlds": worlds, "unlisted_mass": [0.25, 0.25], "hypotheses": rows}
     late = done | {"unfinished": True, "stopped": "worlds", "unlisted_mass": [0.0, 0.9]}
     late["hypotheses"] = [rows[0] | {"interval": [0.4, 0.6]}]
-    late["worlds"] = [world | {"interval": [world["probability"] - 0.1, world["probability"] + 0.1]} for world in worlds]
+    late["worlds"] = [
+        world | {"interval": [world["probability"] - 0.1, world["probability"] + 0.1]} for world in worlds
+    ]
     assert "interval" not in json.dumps(short(done, 1))
     assert "stopped" not in short(done, 1)
     told = short(late, 1)
-    assert (told["stopped"], told["hypotheses"][0]["interval"], told["worlds"][0]["interval"]) == ("worlds", [0.4, 0.6], [0.4, 0.6])
+    assert (told["stopped"], told["hypotheses"][0]["interval"], told["worlds"][0]["interval"]) == (
+        "worlds",
+        [0.4, 0.6],
+        [0.4, 0.6],
+    )
     assert told["unlisted_mass"] == [pytest.approx(0.15), 1.0]
     assert short(done, 1)["unlisted_mass"] == [0.5, 0.5]
 
@@ -150,7 +171,10 @@ def test_in_short_no_mass_is_lost_and_every_name_is_told(worlds, number, unliste
         "appearances": [1, 2],
         "worlds": [{"probability": p / total, "present": names, "causes": {}} for p, names in worlds],
         "unlisted_mass": [unlisted, unlisted],
-        "hypotheses": [{"id": name, "status": "accepted" if name == "h1" else "rejected", **kept} for name in ("h1", "h2", "h3", "h4")],
+        "hypotheses": [
+            {"id": name, "status": "accepted" if name == "h1" else "rejected", **kept}
+            for name in ("h1", "h2", "h3", "h4")
+        ],
     }
     told = short(document, number)
     names = {h["id"] for h in told["hypotheses"]}

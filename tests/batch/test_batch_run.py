@@ -76,7 +76,12 @@ class Lines:
 def killed_and_gone_on_with(folder, order, kills):
     """The lines of a run over lost frames that is killed so many answers after its start each time, and the frames that were perceived."""
     frames = [Frame(f"{i}.png", None, "lost", "is ünfit") for i in range(len(order))]
-    lines, place, perceived, out = Made(Settings("towers"), {"name": "towers", "digest": "d"}), folder / "out.waiting", [], Lines()
+    lines, place, perceived, out = (
+        Made(Settings("towers"), {"name": "towers", "digest": "d"}),
+        folder / "out.waiting",
+        [],
+        Lines(),
+    )
 
     class Killed:
         def __init__(self, answers):
@@ -166,4 +171,11 @@ def test_the_estimate_is_what_the_speed_of_this_run_makes_of_the_rest(monkeypatc
 
 
 def test_durations():
-    assert [duration(s) for s in (0, 99, 100, 5900, 7200, 200_000)] == ["0 s", "99 s", "2 min", "98 min", "2 h 0 min", "2 d 7 h"]
+    assert [duration(s) for s in (0, 99, 100, 5900, 7200, 200_000)] == [
+        "0 s",
+        "99 s",
+        "2 min",
+        "98 min",
+        "2 h 0 min",
+        "2 d 7 h",
+    ]

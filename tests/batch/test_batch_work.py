@@ -36,7 +36,10 @@ def test_a_pipe_that_came_since_the_frames_were_listed_is_a_bad_frame(worker, fo
         (folder / frame.input).unlink()
         os.mkfifo(folder / frame.input)
         status, line = worker(frame)
-        assert (status, json.loads(line)["error"]) == ("error", f"{frame.input}: is no plain file, but a pipe or a device")
+        assert (status, json.loads(line)["error"]) == (
+            "error",
+            f"{frame.input}: is no plain file, but a pipe or a device",
+        )
 
 
 def test_a_pipe_in_the_place_of_a_camera_is_a_bad_frame(worker, folder, monkeypatch):

@@ -29,10 +29,18 @@ def _run_once(monkeypatch):
 
 def measured(family="clusters", number=20, *, ours=FAST, stock=(1.0, 2.0), columns=0, differences=None):
     runs = tuple(
-        StockRun(k, 0.1, 0.2, seconds, {"present(h1)": 0.5}) if isinstance(seconds, float) else StockRun(k, infer=USED.get(seconds, 0.0), why=seconds)
+        StockRun(k, 0.1, 0.2, seconds, {"present(h1)": 0.5})
+        if isinstance(seconds, float)
+        else StockRun(k, infer=USED.get(seconds, 0.0), why=seconds)
         for k, seconds in zip(("ddnnf", "sdd"), stock, strict=True)
     )
-    return Measured(Case(family, number, clusters(5, 0), columns), runs, ours, differences or {"ddnnf": 1e-13, "enumeration": 1e-15}, LIMIT)
+    return Measured(
+        Case(family, number, clusters(5, 0), columns),
+        runs,
+        ours,
+        differences or {"ddnnf": 1e-13, "enumeration": 1e-15},
+        LIMIT,
+    )
 
 
 def all_good():
@@ -93,7 +101,11 @@ def test_the_sizes_are_the_issues():
 
 @pytest.mark.parametrize(
     "case",
-    [Case("clusters", 9, clusters(9, 5)), Case("clusters/score", 9, clusters(9, 5, "score")), Case("grid", 12, grid(12, 3, 5), 3)],
+    [
+        Case("clusters", 9, clusters(9, 5)),
+        Case("clusters/score", 9, clusters(9, 5, "score")),
+        Case("grid", 12, grid(12, 3, 5), 3),
+    ],
     ids=lambda case: case.family,
 )
 def test_all_sides_agree(case):
@@ -125,7 +137,9 @@ def test_the_benchmark_end_to_end(monkeypatch):
     text, met = worlds.run(seed=0, limit=LIMIT, quick=True, as_json=True, say=said.append)
     document = json.loads(text)
     assert document["bench"] == "worlds"
-    assert [(r["family"], r["K"]) for r in document["rows"]] == [(f, 5) for f in ("clusters", "score", "grid", "simulated")]
+    assert [(r["family"], r["K"]) for r in document["rows"]] == [
+        (f, 5) for f in ("clusters", "score", "grid", "simulated")
+    ]
     assert len(said) == 4
     assert met == all(claim["met"] for claim in document["claims"])
     agreement = [claim for claim in document["claims"] if "difference" in claim["claim"]]

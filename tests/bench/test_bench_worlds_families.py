@@ -18,7 +18,9 @@ def conflicts(situation):
     graph = nx.Graph()
     graph.add_nodes_from(h.id for h in situation.hypotheses)
     graph.add_edges_from(situation.overlaps | situation.exclusive)
-    graph.add_edges_from((x.id, y.id) for x in situation.hypotheses for y in situation.hypotheses if x.group == y.group and x.id < y.id)
+    graph.add_edges_from(
+        (x.id, y.id) for x in situation.hypotheses for y in situation.hypotheses if x.group == y.group and x.id < y.id
+    )
     for claimants in scene.claimants.values():
         graph.add_edges_from((claimants[0][0].id, h.id) for h, _ in claimants[1:])
     graph.add_edges_from((h.id, g) for h in situation.hypotheses for f in h.features for g in scene.hiders(h, f))

@@ -26,7 +26,14 @@ def of_stock(situation, knowledge="ddnnf"):
 
 @pytest.mark.parametrize(
     "situation",
-    [clusters(6, 1), clusters(9, 2), clusters(6, 1, "score"), clusters(9, 2, "score"), grid(8, 3, 0), grid(8, 3, 1, "score")],
+    [
+        clusters(6, 1),
+        clusters(9, 2),
+        clusters(6, 1, "score"),
+        clusters(9, 2, "score"),
+        grid(8, 3, 0),
+        grid(8, 3, 1, "score"),
+    ],
     ids=lambda s: f"{s.reading} {len(s.hypotheses)}",
 )
 def test_enumeration_against_stock_problog(situation):

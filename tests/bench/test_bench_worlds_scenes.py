@@ -42,7 +42,9 @@ def delta(perceiver, gamma):
 
 def cut_to(most, perceiver, gamma):
     data = data_of(gamma.appearances, gamma.camera)
-    return unpruned(data, perceiver.kb, list(perceiver.indices.values()), perceiver.dv, Options(reading="posterior"), most)
+    return unpruned(
+        data, perceiver.kb, list(perceiver.indices.values()), perceiver.dv, Options(reading="posterior"), most
+    )
 
 
 @pytest.mark.parametrize("number", [5, 10, 20, 40, 80, 200])
@@ -82,7 +84,9 @@ def test_photographs_joined_change_no_marginal():
     whole = joined(views)
     check(whole)
     found = marginals_of(whole, enumerated(whole))
-    wanted = {f"v{i}_{h}": p for i, view in enumerate(views, 1) for h, p in marginals_of(view, enumerated(view)).items()}
+    wanted = {
+        f"v{i}_{h}": p for i, view in enumerate(views, 1) for h, p in marginals_of(view, enumerated(view)).items()
+    }
     assert found == pytest.approx(wanted, abs=1e-12)
 
 

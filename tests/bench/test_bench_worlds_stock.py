@@ -23,7 +23,9 @@ def test_our_way_from_the_text_remembers_nothing_between_runs(monkeypatch):
 
     commands = []
     reply = worlds_stock._reply
-    monkeypatch.setattr(worlds_stock, "_reply", lambda command, *rest: commands.append(command) or reply(command, *rest))
+    monkeypatch.setattr(
+        worlds_stock, "_reply", lambda command, *rest: commands.append(command) or reply(command, *rest)
+    )
     run = fastest(COINS, "plogic", 60.0)
     assert run.answers == pytest.approx({"heads(c1)": 0.36 / 0.76, "heads(c2)": 0.16 / 0.76})
     assert len(commands) == 3
@@ -39,7 +41,9 @@ def test_over_the_limit_of_time_is_said_and_repeats_are_not_begun():
 
 def test_what_was_cut_off_in_compilation_has_the_stages_before_and_what_it_had_used():
     pigeons = "".join(f"0.5::in({i}, {j}).\n" for i in range(14) for j in range(14))
-    clash = "clash :- in(I, J), in(K, J), I < K.\nlone(I) :- \\+ placed(I), between(0, 13, I).\nplaced(I) :- in(I, _).\n"
+    clash = (
+        "clash :- in(I, J), in(K, J), I < K.\nlone(I) :- \\+ placed(I), between(0, 13, I).\nplaced(I) :- in(I, _).\n"
+    )
     run = stock(f"{pigeons}{clash}evidence(\\+ clash).\nquery(placed(3)).\n", "sdd", 4.0)
     assert run.timed_out
     assert min(run.parse, run.ground) > 0.0

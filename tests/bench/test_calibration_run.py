@@ -98,7 +98,9 @@ def test_forecasts_are_probabilities_of_every_reading_and_the_same_again(world, 
 
 def test_rates_are_learnt_about_as_they_are(world):
     kb = learnt_on(world, range(FIRST_OF_TRAINING, FIRST_OF_TRAINING + 40))
-    hit, clutter = (np.array([table[name] for name in world.kb.appearance_types]) for table in (kb.rates.hit, kb.rates.clutter))
+    hit, clutter = (
+        np.array([table[name] for name in world.kb.appearance_types]) for table in (kb.rates.hit, kb.rates.clutter)
+    )
     assert np.abs(hit - world.hit).mean() < 0.06
     assert np.abs(clutter / world.clutter - 1).max() < 0.25
     assert replace(kb, rates=world.kb.rates).types == world.kb.types

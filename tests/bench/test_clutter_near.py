@@ -28,7 +28,9 @@ def test_a_start_is_as_far_off_as_it_says(series):
         for moved in MOVED:
             start = begun(posed, turned, moved, np.random.default_rng(0))
             assert np.degrees(pose_error(start, truth)[0]) == pytest.approx(turned)
-            assert np.linalg.norm((start - truth) @ middle) == pytest.approx(moved * np.linalg.norm(truth @ middle - [0, 0, 0, 1]))
+            assert np.linalg.norm((start - truth) @ middle) == pytest.approx(
+                moved * np.linalg.norm(truth @ middle - [0, 0, 0, 1])
+            )
 
 
 def test_from_small_errors_all_but_plain_settling_come_home(series):
@@ -43,16 +45,37 @@ def test_from_small_errors_all_but_plain_settling_come_home(series):
 
 def test_rows_are_shares_of_each_refiner_a_start():
     case, other = (Case(detector, 2, 40) for detector in (EASY, HARD))
-    some = [Refined(case, 5.0, 0.02, "a", right, seconds) for right, seconds in ((True, 1.0), (False, 2.0), (True, 3.0))]
-    some += [Refined(case, 5.0, 0.02, "b", pose=False, seconds=0.5), Refined(other, 40.0, 0.1, "a", pose=True, seconds=0.1)]
+    some = [
+        Refined(case, 5.0, 0.02, "a", right, seconds) for right, seconds in ((True, 1.0), (False, 2.0), (True, 3.0))
+    ]
+    some += [
+        Refined(case, 5.0, 0.02, "b", pose=False, seconds=0.5),
+        Refined(other, 40.0, 0.1, "a", pose=True, seconds=0.1),
+    ]
     first, second = near_rows(some)
-    assert first == {"case": "easy", "turned": "5 deg", "moved": "2 %", "trials": 3, "a": 0.6667, "a s": 2.0, "b": 0.0, "b s": 0.5}
+    assert first == {
+        "case": "easy",
+        "turned": "5 deg",
+        "moved": "2 %",
+        "trials": 3,
+        "a": 0.6667,
+        "a s": 2.0,
+        "b": 0.0,
+        "b s": 0.5,
+    }
     assert (second["case"], second["turned"], second["moved"], second["a"]) == ("hard", "40 deg", "10 %", 1.0)
 
 
 def test_the_table_is_beside_the_rows(monkeypatch):
     monkeypatch.setattr(clutter, "ours", lambda *_: ([], []))
-    asked = {"seed": 0, "limit": 0.1, "quick": True, "say": lambda _: None, "learn": lambda *_: None, "plan": Plan([FEW], 2, 0, near=[FEW])}
+    asked = {
+        "seed": 0,
+        "limit": 0.1,
+        "quick": True,
+        "say": lambda _: None,
+        "learn": lambda *_: None,
+        "plan": Plan([FEW], 2, 0, near=[FEW]),
+    }
     document = json.loads(run(as_json=True, **asked)[0])
     assert [row["trials"] for row in document["near"]] == [1] * len(TURNED) * len(MOVED)
     assert set(document["near"][0]) >= {"settle", "climb", "SoftPOSIT", "settle s", "climb s", "SoftPOSIT s"}
@@ -60,5 +83,8 @@ def test_the_table_is_beside_the_rows(monkeypatch):
 
 
 def test_the_easy_and_the_hard_row_are_asked():
-    assert [(case.detector.name, case.types, case.appearance_types) for case in NEAR_CASES] == [("easy", 100, 300), ("hard", 100, 300)]
+    assert [(case.detector.name, case.types, case.appearance_types) for case in NEAR_CASES] == [
+        ("easy", 100, 300),
+        ("hard", 100, 300),
+    ]
     assert Plan().near == NEAR_CASES

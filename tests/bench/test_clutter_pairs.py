@@ -17,7 +17,13 @@ def kind_of(name, *looks):
 def test_pairs_are_of_the_same_type_and_all_of_them():
     kind = kind_of("it", "a000", "a001", "a000")
     pairs = correspondences(kind, by_type(gamma_of("a000", "a002", "a001", "a000")))
-    assert list(zip(pairs.feature.tolist(), pairs.datum.tolist(), strict=True)) == [(0, 0), (0, 3), (1, 2), (2, 0), (2, 3)]
+    assert list(zip(pairs.feature.tolist(), pairs.datum.tolist(), strict=True)) == [
+        (0, 0),
+        (0, 3),
+        (1, 2),
+        (2, 0),
+        (2, 3),
+    ]
     assert np.array_equal(pairs.points, np.arange(9.0).reshape(3, 3))
     nothing = correspondences(kind, by_type(gamma_of("a007")))
     assert (len(nothing.feature), len(nothing.datum)) == (0, 0)
@@ -31,4 +37,11 @@ def test_types_that_fewer_than_four_data_could_show_are_left_out_and_most_pairs_
 
 def test_features_that_share_a_datum_count_once():
     pairs = correspondences(kind_of("it", "a000", "a000"), by_type(gamma_of("a000", "a000")))
-    assert [different(pairs, np.array(rows, int)) for rows in ([], [0], [0, 1], [0, 2], [0, 3], [0, 1, 2, 3])] == [0, 1, 1, 1, 2, 2]
+    assert [different(pairs, np.array(rows, int)) for rows in ([], [0], [0, 1], [0, 2], [0, 3], [0, 1, 2, 3])] == [
+        0,
+        1,
+        1,
+        1,
+        2,
+        2,
+    ]

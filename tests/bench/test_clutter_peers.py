@@ -64,13 +64,15 @@ def test_a_set_is_of_four_co_visible_features_and_as_many_data_that_look_like_th
     feature, datum = drawn(pairs, _seen(pairs, rng), np.array([dv[f.type] for f in kind.features]), rng)
     assert feature.shape == datum.shape == (1000, 4)
     assert all(len(set(row)) == 4 for row in [*feature.tolist(), *datum.tolist()])
-    assert {(f, d) for row in zip(feature.tolist(), datum.tolist(), strict=True) for f, d in zip(*row, strict=True)} <= set(
-        zip(pairs.feature.tolist(), pairs.datum.tolist(), strict=True)
-    )
+    assert {
+        (f, d) for row in zip(feature.tolist(), datum.tolist(), strict=True) for f, d in zip(*row, strict=True)
+    } <= set(zip(pairs.feature.tolist(), pairs.datum.tolist(), strict=True))
     worth = np.array([dv[f.type] for f in kind.features])[feature].sum(axis=1)
     assert (np.diff(worth) <= 0).all()
     axis = kind.lobes.axis[feature]
-    assert (axis @ np.swapaxes(axis, 1, 2)).min() >= np.cos(np.radians(151))  # two lobes of 75 degrees that hold one far viewpoint
+    assert (axis @ np.swapaxes(axis, 1, 2)).min() >= np.cos(
+        np.radians(151)
+    )  # two lobes of 75 degrees that hold one far viewpoint
 
 
 def test_depths_hold_all_that_trials_show(kb):

@@ -66,7 +66,9 @@ class Perceiver:
 
         def __init__(self, name, surplus, status="accepted"):
             self.surplus, self.status = surplus, status
-            self.posed = type("Posed", (), {"object_type": type("Kind", (), {"name": name}), "camera_from_object": np.eye(4)})
+            self.posed = type(
+                "Posed", (), {"object_type": type("Kind", (), {"name": name}), "camera_from_object": np.eye(4)}
+            )
 
     def delta(self, *asked):
         """As the real one's."""
@@ -84,15 +86,29 @@ def test_the_accepted_ones_and_the_others_each_the_best_first():
 @pytest.mark.parametrize(("accepted", "answer"), [(["b", "a"], "b"), ([], "d")])
 def test_the_answer_is_the_best_accepted_or_else_the_best(monkeypatch, accepted, answer):
     asked = []
-    monkeypatch.setattr(clutter, "ours", lambda *_: ([Found(name, np.eye(4)) for name in accepted], [Found(name, np.eye(4)) for name in "dc"]))
-    monkeypatch.setattr(clutter, "judged", lambda found, _: asked.append([one.type for one in found]) or (True, True, False))
+    monkeypatch.setattr(
+        clutter,
+        "ours",
+        lambda *_: ([Found(name, np.eye(4)) for name in accepted], [Found(name, np.eye(4)) for name in "dc"]),
+    )
+    monkeypatch.setattr(
+        clutter, "judged", lambda found, _: asked.append([one.type for one in found]) or (True, True, False)
+    )
     said = clutter.answered(series_of(FEW, None, 0), Perceiver(), (0, 1), (), 1.0)
     assert [one.who for one in said] == ["ours", "accepted", "told"]
     assert asked[:2] == [[answer], accepted]
 
 
 def test_a_third_of_the_trials_is_of_learnt_types(knowing):
-    text, met = run(seed=0, limit=1, quick=True, as_json=True, say=lambda _: None, learn=lambda *_: learnt_kb(), plan=Plan([FEW], 6, 0))
+    text, met = run(
+        seed=0,
+        limit=1,
+        quick=True,
+        as_json=True,
+        say=lambda _: None,
+        learn=lambda *_: learnt_kb(),
+        plan=Plan([FEW], 6, 0),
+    )
     assert not met
     row = json.loads(text)["rows"][0]
     assert (row["trials"], row["learnt"], row["identity"]) == (6, "0/2", 0)
@@ -106,7 +122,9 @@ def test_left_out_trials_are_said(knowing):
 
 
 @pytest.mark.parametrize(("budget", "least"), [(0.5, 0.5), (4.0, 2)])
-def test_peers_get_the_same_data_in_the_first_trials_and_no_more_time_than_the_limit(knowing, monkeypatch, budget, least):
+def test_peers_get_the_same_data_in_the_first_trials_and_no_more_time_than_the_limit(
+    knowing, monkeypatch, budget, least
+):
     asked = []
 
     def ask(kb, gamma, seconds):
@@ -114,11 +132,18 @@ def test_peers_get_the_same_data_in_the_first_trials_and_no_more_time_than_the_l
         return kb.types[0].name, np.eye(4)
 
     monkeypatch.setattr(clutter, "there", lambda *_: (Peer("first", "", ask),))
-    text, _ = run(seed=3, limit=2.0, quick=True, as_json=True, say=lambda _: None, learn=nobody, plan=Plan([FEW], 6, 3, budget))
+    text, _ = run(
+        seed=3, limit=2.0, quick=True, as_json=True, say=lambda _: None, learn=nobody, plan=Plan([FEW], 6, 3, budget)
+    )
     assert [seconds for *_, seconds in asked] == [least, least]
     assert [gamma for _, gamma, _ in asked] == [gamma for _, gamma in knowing[:2]]
     listed = json.loads(text)["rows"]
-    assert [(row["who"], row["trials"]) for row in listed] == [("ours", 4), ("accepted", 4), ("told", 4), (f"first {least} s", 2)]
+    assert [(row["who"], row["trials"]) for row in listed] == [
+        ("ours", 4),
+        ("accepted", 4),
+        ("told", 4),
+        (f"first {least} s", 2),
+    ]
     assert listed[3]["identity"] + listed[3]["false"] / 2 == 1
 
 

@@ -34,7 +34,14 @@ def opened(kind, half_angle):
     """The same type, its features seen from farther aside."""
     features = kind.features
     frames = np.array([f.rotation for f in features])
-    return made(kind.name, kind.surface, np.array([f.at for f in features]), frames, [f.type for f in features], np.full(len(features), half_angle))
+    return made(
+        kind.name,
+        kind.surface,
+        np.array([f.at for f in features]),
+        frames,
+        [f.type for f in features],
+        np.full(len(features), half_angle),
+    )
 
 
 @pytest.mark.parametrize("seed", range(6))

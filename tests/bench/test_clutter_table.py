@@ -58,7 +58,14 @@ def test_a_row_counts_what_its_side_did():
         outcome(who="peer", seconds=9.0, learnt=True),
     ]  # fmt: skip
     mine, peer = rows(outcomes, {SMALL: 3.5})
-    assert (mine["case"], mine["types"], mine["looks"], mine["who"], mine["trials"], mine["own"]) == ("easy", 100, 300, OURS, 3, 16.0)
+    assert (mine["case"], mine["types"], mine["looks"], mine["who"], mine["trials"], mine["own"]) == (
+        "easy",
+        100,
+        300,
+        OURS,
+        3,
+        16.0,
+    )
     assert (mine["identity"], mine["pose"], mine["learnt"], mine["false"]) == (0.6667, 0.3333, "0/1", 1)
     assert (mine["median s"], mine["p95 s"], mine["build"]) == (2.0, 5.6, 3.5)
     assert (peer["who"], peer["trials"], peer["learnt"], peer["build"]) == ("peer", 1, "1/1", "")
@@ -72,14 +79,20 @@ def test_every_claim_can_be_met():
 @pytest.mark.parametrize(
     ("worse", "said"),
     [
-        ([outcome(identity=False, pose=False, learnt=True)], ["easy, 100 types, 300 appearance types: identity right", "identity and pose right"]),
+        (
+            [outcome(identity=False, pose=False, learnt=True)],
+            ["easy, 100 types, 300 appearance types: identity right", "identity and pose right"],
+        ),
         ([outcome(pose=False, learnt=True)], ["easy, 100 types, 300 appearance types: identity and pose right"]),
         ([outcome(seconds=1.1)] * 20, ["seconds, median", "share of the trials"]),
         ([outcome(LARGE, seconds=1.6, learnt=True)] * 20, ["median seconds over those of 100 types"]),
         ([outcome(LARGE, identity=False, pose=False, learnt=True)] * 20, []),
         ([outcome(DIM, pose=False, learnt=True)] * 2, []),
         ([outcome(DIM, pose=False, learnt=True)] * 4, ["hard, 100 types, 300 appearance types: pose right"]),
-        ([outcome(DIM, identity=False, pose=False, learnt=True)], ["hard, 100 types, 300 appearance types: identity right"]),
+        (
+            [outcome(DIM, identity=False, pose=False, learnt=True)],
+            ["hard, 100 types, 300 appearance types: identity right"],
+        ),
         ([outcome(who="peer", identity=False, pose=False, seconds=99.0)] * 9, []),
     ],
 )

@@ -34,7 +34,12 @@ def test_of_data_without_noise_the_pose_is_exact(kb, seed):
 def test_noise_leads_away_from_the_true_pose(kb):
     """He answers what his data say, not what he was told to start from; the more noise, the farther off."""
     turned = {
-        sigma: np.mean([errors_of(told(kb, posed)[0], posed.truth)[0] for posed in (one(kb, Detector("it", 0.6, sigma, 0.01), s) for s in range(20))])
+        sigma: np.mean(
+            [
+                errors_of(told(kb, posed)[0], posed.truth)[0]
+                for posed in (one(kb, Detector("it", 0.6, sigma, 0.01), s) for s in range(20))
+            ]
+        )
         for sigma in (0.1, 3.0)
     }
     assert 1e-4 < turned[0.1] < 0.1 * turned[3.0]

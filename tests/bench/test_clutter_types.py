@@ -29,7 +29,22 @@ from plogic.run.perceive import Perceiver
 
 CUBE = Surface(
     np.array([(x, y, z) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)]),
-    np.array([(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]),
+    np.array(
+        [
+            (0, 1, 3),
+            (0, 3, 2),
+            (4, 6, 7),
+            (4, 7, 5),
+            (0, 4, 5),
+            (0, 5, 1),
+            (2, 3, 7),
+            (2, 7, 6),
+            (0, 2, 6),
+            (0, 6, 4),
+            (1, 5, 7),
+            (1, 7, 3),
+        ]
+    ),
 )
 SIDES = np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)], dtype=float)
 UPS = np.roll(SIDES, 1, axis=1)
@@ -42,7 +57,10 @@ def some_kb(seed=0, count=3, features=40, looks=20, detector=EASY):
 def learnt_kb(*, at=SIDES * 0.1, axis=SIDES, up=UPS, hit=0.5, half_angle=0.3, word=0, size=0.01, feature=None):
     """One learnt type, a cube with a keypoint in the middle of each side unless asked otherwise."""
     n, at = len(axis), np.asarray(at)
-    full = {name: np.broadcast_to(value, (n,)) for name, value in {"hit": hit, "half_angle": half_angle, "lobe_word": word, "size": size}.items()}
+    full = {
+        name: np.broadcast_to(value, (n,))
+        for name, value in {"hit": hit, "half_angle": half_angle, "lobe_word": word, "size": size}.items()
+    }
     feature = np.arange(n) if feature is None else np.asarray(feature)
     cloud = LearntCloud(
         at=at, sigma=np.full(len(at), 0.001), normal=np.tile((0.0, 0, 1), (len(at), 1)), word=np.zeros(len(at), int), feature=feature,
@@ -141,7 +159,10 @@ def test_of_a_feature_s_lobes_the_surest_is_taken_and_of_equal_ones_the_wider():
         hit=[0.2, 0.9, 0.4, 0.4], half_angle=[1.5, 1.35, 1.4, 1.45], word=[0, 1, 2, 3],
     )  # fmt: skip
     (cube,) = learnt_types(kb, 9, 10)
-    assert {(f.type, round(f.appearances[0].lobe.half_angle, 6)) for f in cube.features} == {("a001", 1.35), ("a003", 1.45)}
+    assert {(f.type, round(f.appearances[0].lobe.half_angle, 6)) for f in cube.features} == {
+        ("a001", 1.35),
+        ("a003", 1.45),
+    }
 
 
 def test_the_surest_are_taken_but_from_all_directions():
@@ -177,6 +198,8 @@ def test_learnt_types_stand_for_as_many_random_ones():
 def test_a_wider_tolerance_goes_with_more_noise():
     kinds = some_kb().types
     easy, hard = (knowledge_base(kinds, type_names(20), detector).rates for detector in (EASY, HARD))
-    assert all(low < high for low, high in pairwise([easy.sigma, hard.sigma, easy.match_tolerance, hard.match_tolerance]))
+    assert all(
+        low < high for low, high in pairwise([easy.sigma, hard.sigma, easy.match_tolerance, hard.match_tolerance])
+    )
     assert (hard.match_tolerance, hard.sigma_angle) == (6, HARD.turn)
     assert (easy.hit["a000"], hard.hit["a000"]) == (0.6, 0.35)

@@ -70,7 +70,9 @@ def perfect(moved):
             if not moved.known[cause.object]:
                 rows.setdefault(cause, {})[view.id] = name
     twice = [(cause, row) for cause, row in rows.items() if len(row) > 1]
-    objects = tuple(tuple(i for i, (c, _) in enumerate(twice) if c.object == which) for which in {c.object for c, _ in twice})
+    objects = tuple(
+        tuple(i for i, (c, _) in enumerate(twice) if c.object == which) for which in {c.object for c, _ in twice}
+    )
     noise = {v.id: frozenset(a.id for a in v.gamma.appearances if a.id not in moved.causes[v.id]) for v in moved.views}
     return Called(tuple(row for _, row in twice), objects, noise, {})
 
@@ -87,7 +89,9 @@ def test_nothing_called_scores_nothing_and_a_mixture_is_wrong(moved):
     nothing = score(moved, 3, Called((), (), {}, {}))
     assert (nothing.found, nothing.called, nothing.noise) == (0, 0, 0)
     truth = perfect(moved)
-    mixed = truth._replace(physical=({**truth.physical[0], **dict(list(truth.physical[1].items())[:1])}, *truth.physical[2:]), objects=())
+    mixed = truth._replace(
+        physical=({**truth.physical[0], **dict(list(truth.physical[1].items())[:1])}, *truth.physical[2:]), objects=()
+    )
     assert score(moved, 3, mixed).right <= len(mixed.physical)
     assert score(moved, 3, mixed).found < score(moved, 3, truth).found
     assert Score(1, 2) + Score(3, 4) == Score(4, 6)

@@ -37,7 +37,13 @@ def test_a_real_run_finds_real_objects(monkeypatch, kb):
     assert mine["there"] == told["there"] == peer["there"] >= 5
     assert mine["found"] >= 0.6 * mine["there"]
     assert peer["found"] >= 0.5 * peer["there"]
-    assert [row["row"] for row in document["rows"][3:]] == ["crowded", "half hidden", "in the open", "polyhedra", "learnt types"]
+    assert [row["row"] for row in document["rows"][3:]] == [
+        "crowded",
+        "half hidden",
+        "in the open",
+        "polyhedra",
+        "learnt types",
+    ]
     assert len(document["claims"]) == 5
     assert [line.split(":")[0] for line in said] == ["scene 5000", "scene 5001", "crowd 1000"]
     assert document["rows"][3]["found"] >= 0.6 * document["rows"][3]["there"] > 0
@@ -97,9 +103,22 @@ def test_rows_and_claims_by_hand():
         ("ours", 4, 3), ("told", 4, 3), ("half hidden", 2, 2), ("in the open", 2, 1), ("polyhedra", 1, 1), ("learnt types", 3, 2),
     ]  # fmt: skip
     first = listed[0]
-    assert (first["rotation"], first["accepted"], first["wrong"], first["askew"], first["reach"], first["median s"]) == (1.0, 5, 1, 1, 2.0, 2.0)
+    assert (
+        first["rotation"],
+        first["accepted"],
+        first["wrong"],
+        first["askew"],
+        first["reach"],
+        first["median s"],
+    ) == (1.0, 5, 1, 1, 2.0, 2.0)
     assert len({tuple(row) for row in listed}) == 1
-    assert [(c.value, c.met) for c in claims(mine)] == [(0.75, False), (0.8, False), (pytest.approx(1.0), True), (2.0, False), (2.0, True)]
+    assert [(c.value, c.met) for c in claims(mine)] == [
+        (0.75, False),
+        (0.8, False),
+        (pytest.approx(1.0), True),
+        (2.0, False),
+        (2.0, True),
+    ]
 
 
 def test_nothing_found_meets_no_claim_of_rotation():

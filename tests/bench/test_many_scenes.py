@@ -63,7 +63,10 @@ def test_clutter_is_three_tenths_of_the_data_with_the_vocabulary_s_looks(kb, sce
     often = {name for name, f in zip(kb.appearance_types, share, strict=True) if f > np.median(share)}
     hoped = sum(f for name, f in zip(kb.appearance_types, share, strict=True) if name in often)
     assert np.mean([a.type in often for a in noise]) == pytest.approx(hoped, abs=0.08)
-    assert np.histogram2d(*np.array([a.uv for a in noise]).T, bins=(2, 2), range=((0, 640), (0, 480)))[0].min() > len(noise) / 8
+    assert (
+        np.histogram2d(*np.array([a.uv for a in noise]).T, bins=(2, 2), range=((0, 640), (0, 480)))[0].min()
+        > len(noise) / 8
+    )
 
 
 def test_a_fifth_of_what_shows_is_missed_and_the_noise_is_the_detector_s(kb):
@@ -81,7 +84,9 @@ def test_a_fifth_of_what_shows_is_missed_and_the_noise_is_the_detector_s(kb):
                 one = objects[which]
                 at = transform_points(one.pose, one.kind.lobes.at[f][None])[0]
                 off += list(np.array(a.uv) - CAMERA.project(at[None])[0])
-                turned.append(float(wrapped(a.angle - screen_angle(one.pose[:3, :3] @ one.kind.features[f].rotation[:, 0], at))))
+                turned.append(
+                    float(wrapped(a.angle - screen_angle(one.pose[:3, :3] @ one.kind.features[f].rotation[:, 0], at)))
+                )
     assert found / there == pytest.approx(DETECTOR.hit, abs=0.04)
     assert np.std(off) == pytest.approx(DETECTOR.sigma, rel=0.1)
     assert np.std(turned) == pytest.approx(DETECTOR.turn, rel=0.12)
@@ -125,7 +130,9 @@ def test_a_seed_gives_one_scene_and_another_another(kb, scenes):
 def test_neither_ids_nor_order_tell_whose_a_datum_is(scenes):
     for s in scenes:
         assert [a.id for a in s.gamma.appearances] == [f"d{n}" for n in range(len(s.gamma.appearances))]
-    places = [int(name[1:]) / len(s.gamma.appearances) for s in scenes for name, (which, _) in s.causes.items() if which == 0]
+    places = [
+        int(name[1:]) / len(s.gamma.appearances) for s in scenes for name, (which, _) in s.causes.items() if which == 0
+    ]
     assert np.histogram(places, 4, (0, 1))[0].min() > 0.15 * len(places)
 
 

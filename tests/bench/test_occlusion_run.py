@@ -38,7 +38,9 @@ def test_the_bodies_are_closed_and_outward():
 
 
 def test_the_same_seed_gives_the_same_pairs():
-    first, again = ([(p.x.camera_from_object.tobytes(), p.y.vertices.tobytes()) for p in pairs("concave", 3, 1)] for _ in range(2))
+    first, again = (
+        [(p.x.camera_from_object.tobytes(), p.y.vertices.tobytes()) for p in pairs("concave", 3, 1)] for _ in range(2)
+    )
     assert first == again
 
 

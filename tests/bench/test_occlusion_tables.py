@@ -50,7 +50,11 @@ def test_in_front_of_what_is_in_front_of_all_of_it_is_in_front(upper):
     assert table["totally_occludes_ntppi", "totally_occludes_ntppi"] == {"totally_occludes_ntppi"}
     assert table["totally_occludes_eq", "totally_occludes_tppi"] == {"totally_occludes_tppi"}
     assert table["non_occludes_dc", "totally_occludes_ntppi"] == {"non_occludes_dc"}
-    assert table["totally_occludes_eq", "totally_occluded_by_eq"] == {"totally_occludes_eq", "totally_occluded_by_eq", "mutually_occludes_eq"}
+    assert table["totally_occludes_eq", "totally_occluded_by_eq"] == {
+        "totally_occludes_eq",
+        "totally_occluded_by_eq",
+        "mutually_occludes_eq",
+    }
     assert all(table.values())
 
 
@@ -59,7 +63,9 @@ def test_random_bodies_keep_to_the_upper_bound(upper, seed):
     seen = set()
     for grids in grown(np.random.default_rng(seed), 1500):
         relations = np.stack([codes(grids, *pair) for pair in ((1, 2), (2, 3), (1, 3))], axis=1)
-        seen |= {tuple(ROC20[i] for i in row) for row in np.unique(relations[(relations >= 0).all(axis=1)], axis=0).tolist()}
+        seen |= {
+            tuple(ROC20[i] for i in row) for row in np.unique(relations[(relations >= 0).all(axis=1)], axis=0).tolist()
+        }
     assert len(seen) > 300
     assert seen <= upper
 

@@ -36,7 +36,9 @@ def pose(x=0.0, degrees=0.0, z=1.0):
 
 def truth(type_="box", x=0.0, *, fraction=1.0, symmetries=None, centre=(0, 0, 0)):
     u = 320 + 600 * x
-    return Truth(type_, pose(x), fraction, np.array([(u - 50, 190), (u + 50, 290)]), np.array(centre, dtype=float), symmetries)
+    return Truth(
+        type_, pose(x), fraction, np.array([(u - 50, 190), (u + 50, 290)]), np.array(centre, dtype=float), symmetries
+    )
 
 
 def counts(found, truths):
@@ -81,10 +83,19 @@ def test_a_half_turn_of_a_symmetric_type_is_right():
 
 def test_translations_are_of_the_middle_and_not_of_a_far_origin():
     far = truth(centre=(0, 0, 0.5))
-    about_the_middle = Found("box", far.camera_from_object @ from_rotation_translation(pose(degrees=4)[:3, :3], (0, 0, 0)))
+    about_the_middle = Found(
+        "box", far.camera_from_object @ from_rotation_translation(pose(degrees=4)[:3, :3], (0, 0, 0))
+    )
     assert errors_of(about_the_middle, far) == pytest.approx((np.radians(4), 0), abs=1e-9)
-    lower = replace(far, symmetries=half_turns(np.array([(x, y, z) for x in (0, 1) for y in (0, 2) for z in (-1, 2)], dtype=float)))
-    assert errors_of(Found("box", far.camera_from_object @ lower.symmetries[2]), replace(lower, centre=np.array([0.5, 1, 0.5])))[1] < 1e-9
+    lower = replace(
+        far, symmetries=half_turns(np.array([(x, y, z) for x in (0, 1) for y in (0, 2) for z in (-1, 2)], dtype=float))
+    )
+    assert (
+        errors_of(
+            Found("box", far.camera_from_object @ lower.symmetries[2]), replace(lower, centre=np.array([0.5, 1, 0.5]))
+        )[1]
+        < 1e-9
+    )
 
 
 def test_half_turns_leave_a_box_as_it_is():
@@ -145,7 +156,10 @@ def test_all_claims_can_be_met_and_the_peer_gets_its_best():
 @pytest.mark.parametrize(
     ("worse", "said"),
     [
-        ([some_answer([], [truth()], [(Found("box", pose()), 9)])] * 2, ["identity recall", "F1 of identities less", "F1 of identities with"]),
+        (
+            [some_answer([], [truth()], [(Found("box", pose()), 9)])] * 2,
+            ["identity recall", "F1 of identities less", "F1 of identities with"],
+        ),
         ([some_answer([Found("can", pose())], [truth()] * 0 + [truth(fraction=0.2)])], ["identity precision"]),
         ([some_answer([Found("box", pose(degrees=20))], [truth()])] * 2, ["of the found", "F1 of identities with"]),
         ([some_answer([Found("mug", pose())], [])], ["accepted in scenes"]),
@@ -162,7 +176,16 @@ def test_a_claim_that_is_missed_is_not_met(worse, said):
 def test_rows_name_both_sides_every_type_and_every_hardness():
     listed = rows(judged(all_good()))
     assert [r["row"] for r in listed] == [
-        "ours", "peer", "peer by pose F1", "ours, plain", "peer, plain", "peer by pose F1, plain", "box", "can", "mug", "hard 0",
+        "ours",
+        "peer",
+        "peer by pose F1",
+        "ours, plain",
+        "peer, plain",
+        "peer by pose F1, plain",
+        "box",
+        "can",
+        "mug",
+        "hard 0",
     ]
     assert (listed[0]["found"], listed[1]["found"], listed[3]["posed"]) == (10, 9, 0)
     text, met = judgement(all_good(), as_json=False)
@@ -189,7 +212,9 @@ def test_a_pose_is_accepted_from_its_inliers_on():
 
 def boxes():
     rng = np.random.default_rng(11)
-    return [(f"box{i}", printed_box(np.array(size), rng)) for i, size in enumerate([(0.12, 0.07, 0.16), (0.09, 0.1, 0.18)])]
+    return [
+        (f"box{i}", printed_box(np.array(size), rng)) for i, size in enumerate([(0.12, 0.07, 0.16), (0.09, 0.1, 0.18)])
+    ]
 
 
 def test_both_sides_see_the_same_pictures_and_the_peer_finds_poses(tmp_path, monkeypatch):
@@ -200,7 +225,10 @@ def test_both_sides_see_the_same_pictures_and_the_peer_finds_poses(tmp_path, mon
     real = recognition_scene
     monkeypatch.setattr("sensing.simulated.tabletop.recognition_scene", lambda *a, **k: real(*a, **k, bodies=(2, 2)))
     shapes, seen, said = boxes(), [], []
-    mine = Ours(lambda image, camera: seen.append((image.shape, camera.world_from_camera)) or [], {n: rough_cloud(m, 8, 150, 1) for n, m in shapes})
+    mine = Ours(
+        lambda image, camera: seen.append((image.shape, camera.world_from_camera)) or [],
+        {n: rough_cloud(m, 8, 150, 1) for n, m in shapes},
+    )
     answers = answered(mine, shapes, tmp_path, seed=90, limit=60.0, quick=True, say=said.append)
     assert seen == [((480, 640, 3), None)] * 2
     assert [a.case.empty for a in answers] == [False, True]
@@ -225,7 +253,9 @@ def test_a_peer_without_time_or_features_finds_nothing():
 
 def test_without_the_meshes_it_says_so_in_one_line(monkeypatch, tmp_path):
     monkeypatch.setattr(recognition_scenes, "YCB", tmp_path / "none")
-    with pytest.raises(InputError, match=r"needs the textured meshes of the YCB objects in .*none, and they are not there$"):
+    with pytest.raises(
+        InputError, match=r"needs the textured meshes of the YCB objects in .*none, and they are not there$"
+    ):
         recognition.run(seed=0, limit=1.0, quick=True, as_json=False, say=lambda _: None)
 
 
@@ -235,7 +265,9 @@ def test_what_cannot_be_learnt_is_one_clear_line(monkeypatch, tmp_path):
         recognition_kb.ours({"box": tmp_path}, tmp_path, lambda _: None)
 
 
-@pytest.mark.skipif(not recognition_scenes.YCB.is_dir(), reason=f"the YCB meshes are not there ({recognition_scenes.YCB})")
+@pytest.mark.skipif(
+    not recognition_scenes.YCB.is_dir(), reason=f"the YCB meshes are not there ({recognition_scenes.YCB})"
+)
 def test_the_ten_types_are_named_after_their_folders():
     names = set(ycb_meshes())
     assert len(names) == 10

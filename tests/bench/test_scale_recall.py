@@ -11,12 +11,20 @@ from benchmarks.scale.costs import looks_needed, need, types_under_limit
 from benchmarks.scale.recall import Standing, interval, line, recall
 
 counts = st.lists(st.integers(0, 500), min_size=1, max_size=8).map(lambda some: np.array(some, np.int64))
-standings = st.builds(Standing, st.integers(1, 9), st.integers(1, 5), st.integers(0, 30), st.integers(0, 30), counts, st.integers(1, 1000))
+standings = st.builds(
+    Standing, st.integers(1, 9), st.integers(1, 5), st.integers(0, 30), st.integers(0, 30), counts, st.integers(1, 1000)
+)
 
 
 @given(standings, st.integers(1, 10**6), st.integers(0, 10**6), st.integers(1, 3000))
 def test_recall_falls_with_types_and_grows_with_what_is_laid(standing, types, more, laid):
-    assert 0.0 <= standing.chance(types + more, laid) <= standing.chance(types, laid) <= standing.chance(types, 2 * laid) <= 1.0
+    assert (
+        0.0
+        <= standing.chance(types + more, laid)
+        <= standing.chance(types, laid)
+        <= standing.chance(types, 2 * laid)
+        <= 1.0
+    )
 
 
 @given(standings, st.integers(2, 50))

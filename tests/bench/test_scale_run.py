@@ -62,7 +62,10 @@ def test_entries_are_counted_as_they_are_looked_up(ready):
     index.found(both, angles, 0.0)
     pair = ready.shared.key // 1024 == 2 * LOOKS + 5
     parts = [(ready.shared.key // 32 % 32), ready.shared.key % 32]
-    near = [(np.abs((part - part_of_circle(angle, 32) + 16) % 32 - 16) <= 2) for part, angle in zip(parts, angles, strict=True)]
+    near = [
+        (np.abs((part - part_of_circle(angle, 32) + 16) % 32 - 16) <= 2)
+        for part, angle in zip(parts, angles, strict=True)
+    ]
     assert index.asked == [int((pair & near[0] & near[1]).sum())]
 
 

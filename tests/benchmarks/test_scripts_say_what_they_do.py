@@ -13,7 +13,9 @@ SCRIPTS = sorted(path.name for path in FOLDER.glob("*.py") if "__main__" in path
 @pytest.mark.parametrize("script", SCRIPTS)
 @pytest.mark.parametrize(("argument", "status"), [("--help", 0), ("--odd", 2)])
 def test_a_script(script, argument, status):
-    run = subprocess.run([sys.executable, FOLDER / script, argument], capture_output=True, text=True, check=False, timeout=60)
+    run = subprocess.run(
+        [sys.executable, FOLDER / script, argument], capture_output=True, text=True, check=False, timeout=60
+    )
     assert run.returncode == status, run.stderr
     assert "usage: " in run.stdout + run.stderr
     assert "Traceback" not in run.stderr

@@ -37,7 +37,10 @@ def models(folder, ids=(1,), **extra):
     lines = "".join(f"{x} {y} {z}\n" for x, y, z in CUBE)
     head = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
     for obj_id in ids:
-        put(folder / f"obj_{obj_id:06d}.ply", head + "element face 12\nproperty list uchar int vertex_indices\nend_header\n" + lines + FACES)
+        put(
+            folder / f"obj_{obj_id:06d}.ply",
+            head + "element face 12\nproperty list uchar int vertex_indices\nend_header\n" + lines + FACES,
+        )
     put(folder / "models_info.json", {str(i): {"diameter": CUBE_MM, **extra} for i in ids})
 
 

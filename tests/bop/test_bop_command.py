@@ -118,7 +118,10 @@ def test_a_bad_frame_is_missed_in_the_scores(folder):
     (folder / "test/000001/rgb/000000.png").unlink()
     done = run(open_dataset(folder), perfect, IDS, lambda _: None)
     views, wrong = views_of(open_dataset(folder), done)
-    assert (wrong, [(len(v.truths), len(v.estimates), v.camera is None) for v in views]) == ([], [(1, 0, True), (2, 2, False)])
+    assert (wrong, [(len(v.truths), len(v.estimates), v.camera is None) for v in views]) == (
+        [],
+        [(1, 0, True), (2, 2, False)],
+    )
 
 
 def test_the_csv_and_the_scores(folder, tmp_path):
@@ -136,7 +139,14 @@ def test_the_csv_and_the_scores(folder, tmp_path):
 
 def test_no_average_is_called_ar_alone(folder, tmp_path):
     document = json.loads(command(folder, tmp_path / "r.csv", as_json=True)[0])
-    assert set(document["scores"]["recalls"][0]) == {"object", "targets", "AR_MSSD", "AR_MSPD", "mean of the two", "ADD(-S) recall"}
+    assert set(document["scores"]["recalls"][0]) == {
+        "object",
+        "targets",
+        "AR_MSSD",
+        "AR_MSPD",
+        "mean of the two",
+        "ADD(-S) recall",
+    }
     assert (document["format"], document["frames"], document["perceived"], document["estimates"]) == ("bop/1", 2, 2, 4)
 
 
@@ -180,7 +190,11 @@ def test_nothing_is_written_where_nothing_can_be_done(folder, tmp_path, options)
 
 
 def test_ids_by_name_and_by_file(tmp_path):
-    assert ids_of(["obj_000005", "obj_12", "mug", "box"], {"mug": 3, "obj_12": 7, "ghost": 9}) == {"obj_000005": 5, "obj_12": 7, "mug": 3}
+    assert ids_of(["obj_000005", "obj_12", "mug", "box"], {"mug": 3, "obj_12": 7, "ghost": 9}) == {
+        "obj_000005": 5,
+        "obj_12": 7,
+        "mug": 3,
+    }
     assert unknown(["mug", "box"], {"mug": 3}, {"mug": 3, "ghost": 9}, [1]) == [
         "box: has no BOP number: what is found of it is left out (name it obj_000001, or give --ids)",
         "ghost: has a BOP number, but the knowledge base has no such type",
@@ -188,7 +202,11 @@ def test_ids_by_name_and_by_file(tmp_path):
     ]
     with pytest.raises(InputError, match="obj_3 and mug are both BOP object 3"):
         ids_of(["obj_3", "mug"], {"mug": 3})
-    for content, words in (([], "must be an object of numbers"), ({"a": "1"}, "a: must be a whole number"), ("{", "is no JSON")):
+    for content, words in (
+        ([], "must be an object of numbers"),
+        ({"a": "1"}, "a: must be a whole number"),
+        ("{", "is no JSON"),
+    ):
         put(tmp_path / "ids.json", content)
         with pytest.raises(InputError, match=words):
             read_ids(str(tmp_path / "ids.json"))
@@ -196,7 +214,10 @@ def test_ids_by_name_and_by_file(tmp_path):
 
 def test_the_command_itself(folder, tmp_path):
     """With the KB's own perceiver, on grey pictures: nothing is found, nothing is wrong."""
-    run = CliRunner().invoke(bop, [str(folder), "--kb", "towers", "-o", str(tmp_path / "r.csv"), "--ids", str(tmp_path / "ids.json"), "--json"])
+    run = CliRunner().invoke(
+        bop,
+        [str(folder), "--kb", "towers", "-o", str(tmp_path / "r.csv"), "--ids", str(tmp_path / "ids.json"), "--json"],
+    )
     assert run.exit_code == 0, run.output
     document = json.loads(run.stdout)
     assert (document["estimates"], document["wrong"], document["scores"]["recalls"][0]["AR_MSSD"]) == (0, [], 0.0)

@@ -17,11 +17,19 @@ TARGET = {"scene_id": 1, "im_id": 3, "obj_id": 1, "inst_count": 2}
 
 def test_a_frame_in_metres(tmp_path):
     folder = scene(tmp_path / "000048", {3: [truth(5, (10, -20, 1000), [0, -1, 0, 1, 0, 0, 0, 0, 1])]}, {3: [0.25]})
-    put(folder / "scene_camera.json", {"3": {"cam_K": K, "depth_scale": 0.1, "cam_R_w2c": EYE, "cam_t_w2c": [0, 0, 2000], "view_level": 1}})
+    put(
+        folder / "scene_camera.json",
+        {"3": {"cam_K": K, "depth_scale": 0.1, "cam_R_w2c": EYE, "cam_t_w2c": [0, 0, 2000], "view_level": 1}},
+    )
     opened = open_dataset(folder)
     assert opened.listed() == ([(48, 3)], [])
     frame = opened.scene(48).frame(3)
-    assert (frame.image.shape, frame.camera.width, frame.camera.height, frame.camera.f) == ((480, 640, 3), 640, 480, 500)
+    assert (frame.image.shape, frame.camera.width, frame.camera.height, frame.camera.f) == (
+        (480, 640, 3),
+        640,
+        480,
+        500,
+    )
     assert frame.camera.world_from_camera[:3, 3].tolist() == [0, 0, -2]
     (one,) = opened.scene(48).truths(3)
     assert (one.obj_id, one.visible) == (5, 0.25)
@@ -112,7 +120,10 @@ def test_nothing_is_read_before_it_is_asked_for(tmp_path):
         ('{"0": {"cam_K": [NaN, 0, 1, 0, 1, 1, 0, 0, 1]}}', "scene_camera.json: 0.cam_K: must hold 9 finite numbers"),
         ({"0": {"cam_K": [-500.0, *K[1:]]}}, "scene_camera.json: 0: camera.K: focal lengths must be positive"),
         ({"0": {"cam_K": K, "cam_R_w2c": EYE}}, "scene_camera.json: 0.cam_t_w2c: is missing"),
-        ({"0": {"cam_K": K, "cam_R_w2c": K, "cam_t_w2c": [0, 0, 0]}}, "scene_camera.json: 0.cam_R_w2c: must be a rotation"),
+        (
+            {"0": {"cam_K": K, "cam_R_w2c": K, "cam_t_w2c": [0, 0, 0]}},
+            "scene_camera.json: 0.cam_R_w2c: must be a rotation",
+        ),
     ],
 )
 def test_mistakes_of_cameras(tmp_path, content, words):
@@ -201,8 +212,14 @@ def test_models_in_metres(tmp_path):
         ({"diameter": CUBE_MM, "symmetries_discrete": {}}, "1.symmetries_discrete: must be a list"),
         ({"diameter": CUBE_MM, "symmetries_discrete": [[1, 2]]}, "1.symmetries_discrete.0: must hold 16"),
         ({"diameter": CUBE_MM, "symmetries_discrete": [[0] * 16]}, "1.symmetries_discrete.0: must be a rotation"),
-        ({"diameter": CUBE_MM, "symmetries_continuous": [{"axis": [0, 0, 1]}]}, "1.symmetries_continuous.0.offset: is missing"),
-        ({"diameter": CUBE_MM, "symmetries_continuous": [{"axis": [0, 0, 0], "offset": [0, 0, 0]}]}, "0.axis: must not be zero"),
+        (
+            {"diameter": CUBE_MM, "symmetries_continuous": [{"axis": [0, 0, 1]}]},
+            "1.symmetries_continuous.0.offset: is missing",
+        ),
+        (
+            {"diameter": CUBE_MM, "symmetries_continuous": [{"axis": [0, 0, 0], "offset": [0, 0, 0]}]},
+            "0.axis: must not be zero",
+        ),
     ],
 )
 def test_mistakes_of_models(tmp_path, info, words):

@@ -21,8 +21,14 @@ def loop(path):
 
 CAMERAS = {
     "400 digits": ({"0": {"cam_K": [HUGE, *K[1:]]}}, "0.cam_K: must hold 9 finite numbers below 1e+09, not [1000"),
-    "a huge exponent": ({"0": {"cam_K": [1e308, *K[1:]]}}, "0.cam_K: must hold 9 finite numbers below 1e+09, not [1e+308"),
-    "400 digits of a shift": ({"0": {"cam_K": K, "cam_R_w2c": EYE, "cam_t_w2c": [HUGE, 0, 0]}}, "0.cam_t_w2c: must hold 3 finite numbers"),
+    "a huge exponent": (
+        {"0": {"cam_K": [1e308, *K[1:]]}},
+        "0.cam_K: must hold 9 finite numbers below 1e+09, not [1e+308",
+    ),
+    "400 digits of a shift": (
+        {"0": {"cam_K": K, "cam_R_w2c": EYE, "cam_t_w2c": [HUGE, 0, 0]}},
+        "0.cam_t_w2c: must hold 3 finite numbers",
+    ),
     "400 digits of an image": ({"9" * 400: {"cam_K": K}}, "must be a whole number below 1000000000"),
     "5000 digits": (f'{{"0": {"9" * 5000}}}', "holds a whole number of more digits than can be read"),
     "an image twice": ({"0": {"cam_K": K}, "00": {"cam_K": K}}, "'00': is there twice"),

@@ -33,8 +33,12 @@ def test_round_trip(tmp_path_factory, rows):
     path = tmp_path_factory.mktemp("csv") / "sift_ycbv-test.csv"
     path.write_text(results_text(rows))
     back = read_results(path)
-    assert [(e.scene_id, e.im_id, e.obj_id, e.score, e.time) for e in back] == [(e.scene_id, e.im_id, e.obj_id, e.score, e.time) for e in rows]
-    assert all(np.abs(a.camera_from_object - b.camera_from_object).max() < 1e-12 for a, b in zip(rows, back, strict=True))
+    assert [(e.scene_id, e.im_id, e.obj_id, e.score, e.time) for e in back] == [
+        (e.scene_id, e.im_id, e.obj_id, e.score, e.time) for e in rows
+    ]
+    assert all(
+        np.abs(a.camera_from_object - b.camera_from_object).max() < 1e-12 for a, b in zip(rows, back, strict=True)
+    )
 
 
 def test_no_header_and_other_line_ends(tmp_path):

@@ -41,7 +41,11 @@ def kinds():
     rng = np.random.default_rng(0)
     half = np.array([np.eye(4), turn(180)])
     return [
-        Kind("crate", TexturedMesh(*unwrapped((0.4, 0.2, 0.3)), texture=rng.integers(0, 255, (64, 64, 3)).astype(np.uint8)), half),
+        Kind(
+            "crate",
+            TexturedMesh(*unwrapped((0.4, 0.2, 0.3)), texture=rng.integers(0, 255, (64, 64, 3)).astype(np.uint8)),
+            half,
+        ),
         Kind("brick", box(np.array([0.3, 0.3, 0.6]), rng, painted=False)),
     ]
 
@@ -62,8 +66,15 @@ def scene(placed, away=2.0, camera=None):
 
 def scenes():
     crate, brick = (kind.mesh for kind in kinds())
-    first = [("crate", crate, turn(20, (0, -0.4, 0.15))), ("brick", brick, turn(0, (0, 0.3, 0.3))), (None, brick, turn(0, (0.5, 0.35, 0.1)))]
-    return [scene(first), scene([("brick", brick, turn(30, (0, 0, 0.3))), ("brick", brick, turn(70, (-0.6, 0.2, 0.3)))], away=7.5)]
+    first = [
+        ("crate", crate, turn(20, (0, -0.4, 0.15))),
+        ("brick", brick, turn(0, (0, 0.3, 0.3))),
+        (None, brick, turn(0, (0.5, 0.35, 0.1))),
+    ]
+    return [
+        scene(first),
+        scene([("brick", brick, turn(30, (0, 0, 0.3))), ("brick", brick, turn(70, (-0.6, 0.2, 0.3)))], away=7.5),
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -79,12 +90,16 @@ def document(written, name):
 
 def test_every_file_is_there(written):
     names = sorted(str(p.relative_to(written)) for p in written.rglob("*") if p.is_file())
-    masks = [f"test/000001/{kind}/{im:06d}_{i:06d}.png" for kind in ("mask", "mask_visib") for im in (0, 1) for i in (0, 1)]
+    masks = [
+        f"test/000001/{kind}/{im:06d}_{i:06d}.png" for kind in ("mask", "mask_visib") for im in (0, 1) for i in (0, 1)
+    ]
     pictures = [f"test/000001/{kind}/{im:06d}.png" for kind in ("rgb", "depth") for im in (0, 1)]
     listed = [f"test/000001/{name}.json" for name in ("scene_camera", "scene_gt", "scene_gt_info")]
     model = [f"models/{name}" for name in ("obj_000001.ply", "obj_000001.png", "obj_000002.ply", "models_info.json")]
     painted = ["models/obj_000002.png"] if kinds()[1].mesh.texture is not None else []
-    assert names == sorted([*masks, *pictures, *listed, *model, *painted, "camera.json", "ids.json", "test_targets_bop19.json"])
+    assert names == sorted(
+        [*masks, *pictures, *listed, *model, *painted, "camera.json", "ids.json", "test_targets_bop19.json"]
+    )
     assert not list(written.parent.glob(".*"))
 
 
@@ -136,7 +151,9 @@ def test_masks_boxes_and_fractions(written):
     for im_id, rows in infos.items():
         for i, info in enumerate(rows):
             name = f"{int(im_id):06d}_{i:06d}.png"
-            whole, visible = (cv2.imread(str(folder / kind / name), cv2.IMREAD_UNCHANGED) > 0 for kind in ("mask", "mask_visib"))
+            whole, visible = (
+                cv2.imread(str(folder / kind / name), cv2.IMREAD_UNCHANGED) > 0 for kind in ("mask", "mask_visib")
+            )
             assert not (visible & ~whole).any()
             assert (info["px_count_all"], info["px_count_visib"]) == (whole.sum(), visible.sum())
             assert info["visib_fract"] == pytest.approx(visible.sum() / whole.sum())
@@ -241,7 +258,9 @@ def test_simulate_writes_a_dataset_that_bop_perceives(tmp_path):
     same = [cv2.imread(str(path)) for path in (tmp_path / "s/image.png", tmp_path / "d/test/000001/rgb/000000.png")]
     assert (same[0] == same[1]).all()
     options = {"ids": str(tmp_path / "d/ids.json"), "timed": False, "as_json": True}
-    text = bop_command(str(tmp_path / "d"), "towers", str(tmp_path / "r.csv"), options, say=lambda _: None, write=lambda _: None)
+    text = bop_command(
+        str(tmp_path / "d"), "towers", str(tmp_path / "r.csv"), options, say=lambda _: None, write=lambda _: None
+    )
     row = json.loads(text)["scores"]["recalls"][0]
     assert (row["targets"], row["AR_MSSD"] > 0.8, row["ADD(-S) recall"]) == (2, True, 1.0)
 

@@ -133,7 +133,9 @@ def test_poses_are_broadcast():
     for measure in (lambda a, b: mssd(a, b, CUBE, NONE), lambda a, b: add(a, b, CUBE)):
         table = measure(a, b)
         assert table.shape == (3, 2)
-        assert [table[i][j] for i, j in ((0, 0), (0, 1), (1, 0), (1, 1), (2, 0))] == pytest.approx([0, 1, 1, 0, 1], abs=1e-12)
+        assert [table[i][j] for i, j in ((0, 0), (0, 1), (1, 0), (1, 1), (2, 0))] == pytest.approx(
+            [0, 1, 1, 0, 1], abs=1e-12
+        )
         assert table[2, 1] == measure(a[2, 0], b[0, 1])
     assert mspd(a, b, CUBE, NONE, K).shape == add_s(a, b, CUBE).shape == (3, 2)
     assert add(np.zeros((0, 4, 4)), turn(0), CUBE).shape == (0,)
@@ -152,7 +154,9 @@ def test_many_points_in_parts_are_the_same():
     small = points / 10
     pixels = [(small @ T[:3, :3].T + T[:3, 3]) @ K.T for T in (a, *(b @ own))]
     pixels = [p[:, :2] / p[:, 2:] for p in pixels]
-    assert mspd(a, b, small, own, K) == pytest.approx(min(np.linalg.norm(pixels[0] - p, axis=1).max() for p in pixels[1:]))
+    assert mspd(a, b, small, own, K) == pytest.approx(
+        min(np.linalg.norm(pixels[0] - p, axis=1).max() for p in pixels[1:])
+    )
     nearest = np.array([np.linalg.norm(moved - point, axis=1).min() for point in there[0]])
     assert add_s(a, b, points) == pytest.approx(nearest.mean())
 

@@ -14,11 +14,15 @@ SECONDS = 120
 """More than any command of these tests takes, so that one that hangs fails."""
 
 
-def plogic(*args: object, cwd: Path | None = None, stdin: str | None = None, **env: str) -> subprocess.CompletedProcess[str]:
+def plogic(
+    *args: object, cwd: Path | None = None, stdin: str | None = None, **env: str
+) -> subprocess.CompletedProcess[str]:
     """Run the script; stdin is empty unless given."""
     variables = {key: value for key, value in os.environ.items() if key not in ("NO_COLOR", "PLOGIC_TRACEBACK")} | env
     command = [str(BIN / "plogic"), *map(str, args)]
-    return subprocess.run(command, cwd=cwd, input=stdin or "", capture_output=True, text=True, timeout=SECONDS, check=False, env=variables)
+    return subprocess.run(
+        command, cwd=cwd, input=stdin or "", capture_output=True, text=True, timeout=SECONDS, check=False, env=variables
+    )
 
 
 def good(*args: object, cwd: Path | None = None, stdin: str | None = None, **env: str) -> str:

@@ -44,7 +44,11 @@ def loop(path):
 
 NAMED = {
     "mesh": (OBJECT.replace("mesh.obj", f"{LONG}.obj"), KB, "objects/tent/object.yaml:2:14: mesh.file: the mesh 'nnn"),
-    "textured": (OBJECT.replace("units: cm", f"units: cm, textured: {LONG}"), KB, "objects/tent/object.yaml:2:45: mesh.textured: the mesh 'nnn"),
+    "textured": (
+        OBJECT.replace("units: cm", f"units: cm, textured: {LONG}"),
+        KB,
+        "objects/tent/object.yaml:2:45: mesh.textured: the mesh 'nnn",
+    ),
     "cloud": (f"{OBJECT}cloud: {{file: {LONG}}}\n", KB, "objects/tent/object.yaml:27:15: cloud.file: the file 'nnn"),
     "words": (OBJECT, f"{KB}words: {{file: {LONG}}}\n", "kb.yaml:10:15: words.file: the file 'nnn"),
 }
@@ -86,7 +90,9 @@ def test_a_place_that_cannot_be(name, fault, tmp_path):
     loop(tmp_path / "a")
     write_box(tmp_path / "m.obj")
     assert fault in the_line(tmp_path, "kb", "check", f"./{name}")
-    assert fault in the_line(tmp_path, "kb", "add", "x", "--mesh", tmp_path / name / "m.obj", "--units", "m", "--kb", tmp_path / "kb")
+    assert fault in the_line(
+        tmp_path, "kb", "add", "x", "--mesh", tmp_path / name / "m.obj", "--units", "m", "--kb", tmp_path / "kb"
+    )
     good("kb", "new", tmp_path / "kb")
     assert fault in the_line(tmp_path, "kb", "import", name, "--kb", "kb")
     assert fault in the_line(tmp_path, "bop", name, "--kb", "towers", "-o", "out.csv")
@@ -113,11 +119,23 @@ def shape(mesh):
 
 ROBOTS = {
     "long.urdf": (shape(f'<mesh filename="{LONG}.obj"/>'), "holds no visible shape: the mesh 'nnn"),
-    "package.urdf": (shape(f'<mesh filename="package://{LONG}/m.obj"/>'), "holds no visible shape: the mesh 'package://nnn"),
+    "package.urdf": (
+        shape(f'<mesh filename="package://{LONG}/m.obj"/>'),
+        "holds no visible shape: the mesh 'package://nnn",
+    ),
     "loop.urdf": (shape('<mesh filename="loop.obj"/>'), "holds no visible shape: the mesh 'loop.obj'"),
-    "deep.sdf": ("<sdf>" + "<model>" * 5000 + "</model>" * 5000 + "</sdf>", "its elements are nested deeper than 60 levels"),
-    "deep.urdf": ("<robot>" + "<link>" * 5000 + "</link>" * 5000 + "</robot>", "its elements are nested deeper than 60 levels"),
-    "large.urdf": (shape('<box size="1e308 1 1"/>'), "box: size: must be 3 finite numbers below 1e+09, not '1e308 1 1'"),
+    "deep.sdf": (
+        "<sdf>" + "<model>" * 5000 + "</model>" * 5000 + "</sdf>",
+        "its elements are nested deeper than 60 levels",
+    ),
+    "deep.urdf": (
+        "<robot>" + "<link>" * 5000 + "</link>" * 5000 + "</robot>",
+        "its elements are nested deeper than 60 levels",
+    ),
+    "large.urdf": (
+        shape('<box size="1e308 1 1"/>'),
+        "box: size: must be 3 finite numbers below 1e+09, not '1e308 1 1'",
+    ),
 }
 
 
@@ -143,7 +161,10 @@ def axis(number):
 
 INFOS = {
     "deep": (f'{{"1": {DEEP}}}', "models_info.json: is nested too deeply"),
-    "400 digits": (axis(HUGE), "models_info.json: obj_000001: symmetries_continuous: must be 3 finite numbers below 1e+09, not [999"),
+    "400 digits": (
+        axis(HUGE),
+        "models_info.json: obj_000001: symmetries_continuous: must be 3 finite numbers below 1e+09, not [999",
+    ),
     "5000 digits": (axis("9" * 5000), "models_info.json: holds a whole number of more digits than can be read"),
     "a huge exponent": (axis("1e308"), "must be 3 finite numbers below 1e+09, not [1e+308"),
     "texts": (axis('"1"'), "must be 3 finite numbers below 1e+09, not ['1', 0, 0]"),
@@ -184,18 +205,27 @@ def test_what_was_learnt_is_not_left_out_in_silence(tmp_path):
     from kb.clouds.words import Words
 
     kb = replace(read_kb(write_small(tmp_path / "mykb")), words=Words("orb", np.zeros((1, 32), np.uint8)))
-    with pytest.raises(KBError, match=r"small: what was learnt .* cannot be written anew: copy the knowledge base's folder"):
+    with pytest.raises(
+        KBError, match=r"small: what was learnt .* cannot be written anew: copy the knowledge base's folder"
+    ):
         kb_files(kb)
 
 
 def test_rates_of_a_shipped_kb_are_nobodys_to_change(tmp_path):
     (tmp_path / "truth.json").write_text(json.dumps({}))
-    assert the_line(tmp_path, "kb", "learn-rates", ".", "--kb", "towers") == "towers: is shipped with plogic: copy its folder, and change the copy"
+    assert (
+        the_line(tmp_path, "kb", "learn-rates", ".", "--kb", "towers")
+        == "towers: is shipped with plogic: copy its folder, and change the copy"
+    )
 
 
 HALVES = {
     "name": (KB.replace("name: small", 'name: "\\ud800x"'), OBJECT, "kb.yaml:1:7: name: holds half of a character"),
-    "object": (KB.replace("tent", "other"), OBJECT.replace("object: tent", 'object: "\\udfff"'), "object.yaml:1:9: object: holds half of"),
+    "object": (
+        KB.replace("tent", "other"),
+        OBJECT.replace("object: tent", 'object: "\\udfff"'),
+        "object.yaml:1:9: object: holds half of",
+    ),
     "mesh": (KB, OBJECT.replace("mesh.obj", '"\\ud800.obj"'), "object.yaml:2:14: mesh.file: holds half of a character"),
     "key": (KB.replace("apex: 0.9", '"\\ud800": 0.9'), OBJECT, "kb.yaml:5:9: detector.hit: holds half of a character"),
 }
@@ -211,4 +241,7 @@ def test_half_of_a_character_can_be_told(where, tmp_path):
 
 
 def test_two_halves_of_a_character_are_one(tmp_path):
-    assert read_kb(write_small(tmp_path / "mykb", kb=KB.replace("name: small", 'name: "\\ud83d\\ude00"'))).name == "\N{GRINNING FACE}"
+    assert (
+        read_kb(write_small(tmp_path / "mykb", kb=KB.replace("name: small", 'name: "\\ud83d\\ude00"'))).name
+        == "\N{GRINNING FACE}"
+    )

@@ -27,19 +27,31 @@ KBS = {
         {"object": OBJECT.replace("parts:\n", "parts: &all\n", 1).replace(BODY, "  - part: body\n    parts: *all\n")},
         ["A2: an alias makes this a part of itself"],
     ),
-    "a duplicate id": ({"object": OBJECT.replace("part: body", "part: roof")}, ["object.yaml:25:5: parts.1: 'roof' is the name of another part"]),
+    "a duplicate id": (
+        {"object": OBJECT.replace("part: body", "part: roof")},
+        ["object.yaml:25:5: parts.1: 'roof' is the name of another part"],
+    ),
     "a NaN": ({"object": OBJECT.replace("[10 cm, 0, 50 cm]", "[.nan, 0, 50 cm]")}, ["at.0: must be finite, not .nan"]),
-    "an unknown type": ({"object": OBJECT.replace("type: apex, lobe", "type: zork, lobe")}, ["unknown appearance type 'zork'"]),
+    "an unknown type": (
+        {"object": OBJECT.replace("type: apex, lobe", "type: zork, lobe")},
+        ["unknown appearance type 'zork'"],
+    ),
     "a missing mesh": ({"mesh": None}, ["object.yaml:2:14: mesh.file: the mesh 'mesh.obj' is missing"]),
     "a mesh that is none": ({"mesh": "hello"}, ["mesh.obj holds no facets"]),
     "a mesh without units": ({"object": OBJECT.replace(", units: cm", "")}, ["no mesh format carries its unit"]),
     "an empty kb.yaml": ({"kb": ""}, ["kb.yaml:1:1: the file is empty"]),
     "an empty object.yaml": ({"object": ""}, ["object.yaml:1:1: the file is empty"]),
     "a key given twice": ({"kb": KB + "name: other\n"}, ["kb.yaml:10:1: name: this key was given before"]),
-    "hostile rules": ({"rules": ":- use_module('x.py').\n"}, ["rules.pl:1:4: directive use_module('x.py'): only use_module(library(L)) is allowed"]),
+    "hostile rules": (
+        {"rules": ":- use_module('x.py').\n"},
+        ["rules.pl:1:4: directive use_module('x.py'): only use_module(library(L)) is allowed"],
+    ),
     "rules that do not parse": ({"rules": "near(X) :- .\n"}, ["rules.pl:1:"]),
     "three mistakes": (
-        {"mesh": None, "object": OBJECT.replace("[10 cm, 0, 50 cm]", "[.inf, 0, 50 cm]").replace("part: body", "part: roof")},
+        {
+            "mesh": None,
+            "object": OBJECT.replace("[10 cm, 0, 50 cm]", "[.inf, 0, 50 cm]").replace("part: body", "part: roof"),
+        },
         ["the mesh 'mesh.obj' is missing", "must be finite, not .inf", "'roof' is the name of another part"],
     ),
 }
@@ -71,7 +83,9 @@ def test_a_bad_kb(kind, tmp_path, gamma):
     write_small(tmp_path / "mykb", **changed)
     assert_lines(refused(tmp_path, "kb", "check", "mykb"), wanted)
     (tmp_path / "gamma.json").write_text(json.dumps({**gamma, "appearances": []}))
-    assert_lines(refused(tmp_path, "perceive", "gamma.json", "--kb", "mykb", "-o", "out.json", "--report", "page.html"), wanted)
+    assert_lines(
+        refused(tmp_path, "perceive", "gamma.json", "--kb", "mykb", "-o", "out.json", "--report", "page.html"), wanted
+    )
 
 
 @pytest.mark.parametrize("command", [("show",), ("measures",), ("check", "--json")], ids=" ".join)
@@ -96,16 +110,35 @@ def test_a_kb_that_is_not_there(tmp_path, gamma):
 
 GAMMAS = {
     "a duplicate id": ({"appearances": [ONE, ONE]}, ["appearances.1.id: 'a1' is already the id of appearances.0"]),
-    "a NaN": ({"appearances": [{**ONE, "uv": [float("nan"), 3]}]}, ["appearances.0.uv.0: input should be a finite number, not nan"]),
-    "an infinite angle": ({"appearances": [{**ONE, "angle": float("inf")}]}, ["appearances.0.angle: input should be a finite number"]),
-    "an unknown type": ({"appearances": [{**ONE, "type": "zork"}]}, ["appearances.0.type: 'zork' is no appearance type of the KB"]),
-    "a place outside the image": ({"appearances": [{**ONE, "uv": [640.0, 3]}]}, ["appearances.0.uv: [640.0, 3] is outside the image of 640x480"]),
+    "a NaN": (
+        {"appearances": [{**ONE, "uv": [float("nan"), 3]}]},
+        ["appearances.0.uv.0: input should be a finite number, not nan"],
+    ),
+    "an infinite angle": (
+        {"appearances": [{**ONE, "angle": float("inf")}]},
+        ["appearances.0.angle: input should be a finite number"],
+    ),
+    "an unknown type": (
+        {"appearances": [{**ONE, "type": "zork"}]},
+        ["appearances.0.type: 'zork' is no appearance type of the KB"],
+    ),
+    "a place outside the image": (
+        {"appearances": [{**ONE, "uv": [640.0, 3]}]},
+        ["appearances.0.uv: [640.0, 3] is outside the image of 640x480"],
+    ),
     "another format": ({"format": "gamma/9"}, ["format: input should be 'gamma/1', not 'gamma/9'"]),
     "no camera": ({"camera": None}, ["camera: "]),
-    "a camera with a NaN": ({"camera": {"width": 640, "height": 480, "K": [[float("nan"), 0, 1], [0, 1, 1], [0, 0, 1]]}}, ["camera.K: must be"]),
+    "a camera with a NaN": (
+        {"camera": {"width": 640, "height": 480, "K": [[float("nan"), 0, 1], [0, 1, 1], [0, 0, 1]]}},
+        ["camera.K: must be"],
+    ),
     "two mistakes": (
         {"appearances": [{**ONE, "type": "zork"}, {**ONE, "uv": [1.0]}]},
-        ["appearances.0.type: 'zork'", "appearances.1.uv: list should have at least 2", "appearances.1.id: 'a1' is already"],
+        [
+            "appearances.0.type: 'zork'",
+            "appearances.1.uv: list should have at least 2",
+            "appearances.1.id: 'a1' is already",
+        ],
     ),
 }
 
@@ -122,9 +155,14 @@ def test_a_bad_gamma(kind, tmp_path, gamma):
 
 def test_a_bad_gamma_on_stdin_is_called_so(tmp_path, gamma):
     text = json.dumps({**gamma, "appearances": [ONE, ONE]})
-    assert_lines(refused(tmp_path, "perceive", "-", "--kb", "towers", "-o", "out.json", stdin=text), ["<stdin>: appearances.1.id"])
+    assert_lines(
+        refused(tmp_path, "perceive", "-", "--kb", "towers", "-o", "out.json", stdin=text),
+        ["<stdin>: appearances.1.id"],
+    )
     assert_lines(refused(tmp_path, "perceive", "-", "--kb", "towers"), ["<stdin>:1:1: is not JSON"])
-    assert_lines(refused(tmp_path, "kb", "measures", "towers", "--gamma", "-", stdin=text), ["<stdin>: appearances.1.id"])
+    assert_lines(
+        refused(tmp_path, "kb", "measures", "towers", "--gamma", "-", stdin=text), ["<stdin>: appearances.1.id"]
+    )
 
 
 @pytest.fixture
@@ -167,7 +205,10 @@ IMAGES = {
 
 @pytest.mark.parametrize("args", IMAGES, ids=" ".join)
 def test_a_bad_image_camera_or_file(args, inputs):
-    assert_lines(refused(inputs, "perceive", *args, "--kb", "towers", "-o", "out.json", "--picture", "picture.png"), [IMAGES[args]])
+    assert_lines(
+        refused(inputs, "perceive", *args, "--kb", "towers", "-o", "out.json", "--picture", "picture.png"),
+        [IMAGES[args]],
+    )
 
 
 ASKED = {
@@ -185,8 +226,22 @@ ASKED = {
     ("query", "interpretation.json", "consult('x.py')"): "goal:1:1: consult/1 is not allowed",
     ("query", "interpretation.json", "present(H)", "--given", "zork("): "given:1:5: Unmatched",
     ("query", "interpretation.json", "present(H)", "--given", "zork(h1)"): "given:1:1: no clauses for zork/1",
-    ("query", "interpretation.json", "present(H)", "--given", "present(h1)", "--given", "\\+ present(h1)"): "no world satisfies the evidence",
-    ("query", "interpretation.json", "present(H)", "--rules", "hostile.pl"): "hostile.pl:1:4: directive use_module('x.py')",
+    (
+        "query",
+        "interpretation.json",
+        "present(H)",
+        "--given",
+        "present(h1)",
+        "--given",
+        "\\+ present(h1)",
+    ): "no world satisfies the evidence",
+    (
+        "query",
+        "interpretation.json",
+        "present(H)",
+        "--rules",
+        "hostile.pl",
+    ): "hostile.pl:1:4: directive use_module('x.py')",
     ("query", "interpretation.json", "present(H)", "--rules", "syntax.pl"): "syntax.pl:2:",
     ("query", "interpretation.json", "present(H)", "--rules", "nowhere.pl"): "nowhere.pl: cannot be read: No such file",
     ("query", "interpretation.json", "present(H)", "--rules", "folder.pl"): "folder.pl: cannot be read: Is a directory",
@@ -208,9 +263,15 @@ def test_a_bad_question(args, inputs):
 INTERPRETATIONS = {
     "no facts": (lambda d: d.pop("facts"), "not a complete interpretation/1: the key 'facts' is missing"),
     "no such reading": (lambda d: d.update(reading="zork"), "reading: 'zork' should be one of score, posterior"),
-    "no such mode": (lambda d: d.update(reconsider=["drop"]), "reconsider: ['drop'] should be one of to_B, drop, reassign"),
+    "no such mode": (
+        lambda d: d.update(reconsider=["drop"]),
+        "reconsider: ['drop'] should be one of to_B, drop, reassign",
+    ),
     "a NaN": (lambda d: d["hypotheses"][0]["features"][0].update(dv=float("nan")), "is no JSON: NaN is no number"),
-    "a negative density": (lambda d: d["hypotheses"][0]["features"][0].update(density=-1.0), "density: -1.0 is not a number from 0.0"),
+    "a negative density": (
+        lambda d: d["hypotheses"][0]["features"][0].update(density=-1.0),
+        "density: -1.0 is not a number from 0.0",
+    ),
     "a duplicate id": (lambda d: d["hypotheses"].insert(0, d["hypotheses"][0]), "hypothesis 'h1' occurs twice"),
     "no list": (lambda d: d.update(hypotheses="h1"), "not a complete interpretation/1"),
     "hostile rules": (lambda d: d.update(rules=":- use_module('x.py')."), "rules.pl:1:4: directive use_module('x.py')"),
@@ -228,13 +289,74 @@ def test_a_bad_interpretation(kind, inputs):
 
 
 OUTPUTS = {
-    ("perceive", "gamma.json", "--kb", "towers", "-o", "no/out.json", "--report", "page.html"): "no/out.json: cannot be written: No such directory",
-    ("perceive", "gamma.json", "--kb", "towers", "-o", "out.json", "--report", "no/page.html"): "no/page.html: cannot be written: No such directory",
-    ("perceive", "gamma.json", "--kb", "towers", "-o", "out.json", "--timings", "no/t.json"): "no/t.json: cannot be written: No such directory",
-    ("perceive", "gamma.json", "--kb", "towers", "--picture", "no/p.png"): "no/p.png: cannot be written: No such directory",
-    ("perceive", "gamma.json", "--kb", "towers", "-o", "folder.json", "--report", "page.html"): "folder.json: cannot be written: Is a directory",
-    ("perceive", "gamma.json", "--kb", "towers", "-o", "empty.png/x", "--report", "page.html"): "empty.png/x: cannot be written: Not a directory",
-    ("perceive", "gamma.json", "--kb", "towers", "-o", "x.json", "--timings", "x.json"): "x.json: is named for two outputs",
+    (
+        "perceive",
+        "gamma.json",
+        "--kb",
+        "towers",
+        "-o",
+        "no/out.json",
+        "--report",
+        "page.html",
+    ): "no/out.json: cannot be written: No such directory",
+    (
+        "perceive",
+        "gamma.json",
+        "--kb",
+        "towers",
+        "-o",
+        "out.json",
+        "--report",
+        "no/page.html",
+    ): "no/page.html: cannot be written: No such directory",
+    (
+        "perceive",
+        "gamma.json",
+        "--kb",
+        "towers",
+        "-o",
+        "out.json",
+        "--timings",
+        "no/t.json",
+    ): "no/t.json: cannot be written: No such directory",
+    (
+        "perceive",
+        "gamma.json",
+        "--kb",
+        "towers",
+        "--picture",
+        "no/p.png",
+    ): "no/p.png: cannot be written: No such directory",
+    (
+        "perceive",
+        "gamma.json",
+        "--kb",
+        "towers",
+        "-o",
+        "folder.json",
+        "--report",
+        "page.html",
+    ): "folder.json: cannot be written: Is a directory",
+    (
+        "perceive",
+        "gamma.json",
+        "--kb",
+        "towers",
+        "-o",
+        "empty.png/x",
+        "--report",
+        "page.html",
+    ): "empty.png/x: cannot be written: Not a directory",
+    (
+        "perceive",
+        "gamma.json",
+        "--kb",
+        "towers",
+        "-o",
+        "x.json",
+        "--timings",
+        "x.json",
+    ): "x.json: is named for two outputs",
     ("report", "interpretation.json", "-o", "no/page.html"): "no/page.html: cannot be written: No such directory",
     ("report", "interpretation.json", "-o", "folder.json"): "folder.json: cannot be written: Is a directory",
     ("simulate", "--kb", "towers", "-o", "empty.png"): "empty.png: exists already and is not an empty folder",
@@ -253,7 +375,9 @@ def test_an_output_that_cannot_be_written(args, inputs, gamma):
 def test_little_data_is_an_answer_the_empty_world(appearances, reading, tmp_path, gamma):
     text = json.dumps({**gamma, "appearances": appearances})
     interpretation = good("perceive", "-", "--kb", "towers", "--reading", reading, stdin=text)
-    assert json.loads(interpretation)["worlds"] == [{"probability": 1.0, "present": [], "causes": {a["id"]: "noise" for a in appearances}}]
+    assert json.loads(interpretation)["worlds"] == [
+        {"probability": 1.0, "present": [], "causes": {a["id"]: "noise" for a in appearances}}
+    ]
     found = document("worlds", "-", "--json", stdin=interpretation)
     assert [(w["probability"], w["present"]) for w in found["worlds"]] == [(1.0, [])]
     assert found["unlisted_mass"] == [0.0, 0.0]

@@ -19,7 +19,9 @@ def perceived(demo, tmp_path_factory):
     """``perceive`` of the demo's image with everything that it can write, run elsewhere than in the demo's folder."""
     folder = tmp_path_factory.mktemp("perceived")
     options = ("-o", "out.json", "--report", "page.html", "--picture", "picture.png", "--timings", "timings.json")
-    run = plogic("perceive", demo / "image.png", "--camera", demo / "camera.json", "--kb", "towers", *options, cwd=folder)
+    run = plogic(
+        "perceive", demo / "image.png", "--camera", demo / "camera.json", "--kb", "towers", *options, cwd=folder
+    )
     assert run.returncode == 0, run.stderr
     return run, folder
 
@@ -71,7 +73,9 @@ def test_perceive_pipes_into_worlds(demo, gamma):
     assert len(run.stderr.splitlines()) == 1
 
 
-@pytest.mark.parametrize("command", [("worlds", "-"), ("query", "-"), ("program", "-"), ("explain", "-", "present(h1)")], ids=" ".join)
+@pytest.mark.parametrize(
+    "command", [("worlds", "-"), ("query", "-"), ("program", "-"), ("explain", "-", "present(h1)")], ids=" ".join
+)
 def test_a_dash_is_stdin(command, interpretation):
     from_file = good(*(interpretation if word == "-" else word for word in command))
     assert good(*command, stdin=interpretation.read_text()) == from_file
@@ -94,7 +98,9 @@ def test_report_writes_over_an_older_page_and_leaves_nothing_else(interpretation
 
 @pytest.mark.parametrize(("reconsider", "reading"), [("drop", "score"), ("reassign", "posterior")])
 def test_perceive_takes_the_reading_and_the_mode(demo, reconsider, reading):
-    found = json.loads(good("perceive", demo / "gamma.json", "--kb", "towers", "--reconsider", reconsider, "--reading", reading))
+    found = json.loads(
+        good("perceive", demo / "gamma.json", "--kb", "towers", "--reconsider", reconsider, "--reading", reading)
+    )
     assert (found["reconsider"], found["reading"]) == (reconsider, reading)
 
 
@@ -114,7 +120,9 @@ def test_worlds_in_the_other_reading_are_that_interpretations_own(demo):
     own = document("worlds", demo / "posterior-interpretation.json", "--json")
     assert told["reading"] == own["reading"] == "posterior"
     assert [w["present"] for w in told["worlds"]] == [w["present"] for w in own["worlds"]]
-    assert [w["probability"] for w in told["worlds"]] == pytest.approx([w["probability"] for w in own["worlds"]], abs=1e-9)
+    assert [w["probability"] for w in told["worlds"]] == pytest.approx(
+        [w["probability"] for w in own["worlds"]], abs=1e-9
+    )
 
 
 def answers(*args):
@@ -126,7 +134,11 @@ def answers(*args):
 def test_query_without_a_goal_asks_what_is_present(interpretation):
     found = answers(interpretation)
     assert found == answers(interpretation, "present(H)")
-    marginals = {f"present({h['id']})": h["probability"] for h in json.loads(interpretation.read_text())["hypotheses"] if h["status"] == "accepted"}
+    marginals = {
+        f"present({h['id']})": h["probability"]
+        for h in json.loads(interpretation.read_text())["hypotheses"]
+        if h["status"] == "accepted"
+    }
     assert dict(found) == pytest.approx(marginals, abs=1e-9)
     assert [p for _, p in found] == sorted((p for _, p in found), reverse=True)
 
@@ -158,19 +170,30 @@ def test_query_with_rules_of_ones_own(interpretation, tmp_path):
     ((goal, p),) = answers(interpretation, "town", "--rules", rules)
     ((_, both),) = answers(interpretation, "present(h1), present(h2)")
     assert (goal, p) == ("town", pytest.approx(both, abs=1e-9))
-    assert document("query", interpretation, "town", "--rules", "-", "--json", stdin=rules.read_text())["answers"][0]["probability"] == p
+    assert (
+        document("query", interpretation, "town", "--rules", "-", "--json", stdin=rules.read_text())["answers"][0][
+            "probability"
+        ]
+        == p
+    )
 
 
 def test_query_of_a_program(program_file):
     assert dict(answers(program_file)) == pytest.approx({"wet": 0.72, "sprinkler(front)": 0.5, "sprinkler(back)": 0.2})
     assert answers(program_file)[0][0] == "wet"
-    assert dict(answers(program_file, "rain", "--given", "\\+ sprinkler(front)", "--given", "wet")) == pytest.approx({"rain": 0.3 / 0.44})
+    assert dict(answers(program_file, "rain", "--given", "\\+ sprinkler(front)", "--given", "wet")) == pytest.approx(
+        {"rain": 0.3 / 0.44}
+    )
     assert answers(program_file, "sprinkler(cellar)") == [("sprinkler(cellar)", 0.0)]
 
 
 def test_query_as_text_lists_the_same_answers(program_file):
     rows = [line.split() for line in good("query", program_file).splitlines()]
-    assert [row for row in rows if row and row[0][0] in "01"] == [["0.720", "wet"], ["0.500", "sprinkler(front)"], ["0.200", "sprinkler(back)"]]
+    assert [row for row in rows if row and row[0][0] in "01"] == [
+        ["0.720", "wet"],
+        ["0.500", "sprinkler(front)"],
+        ["0.200", "sprinkler(back)"],
+    ]
 
 
 def test_explain_of_an_interpretation_goes_down_to_the_data(interpretation):
@@ -211,7 +234,11 @@ def test_kb_commands_with_and_without_json(demo):
     counts = {row["type"]: row["instances"] for row in documents["kb_measures/1"]["features"]}
     assert counts == {"apex": 1, "corner": 16, "patch": 95}
     assert {row["type"] for row in documents["kb_measures/1"]["ranks"]} == {"t1", "t2"}
-    texts = [good("kb", "check", "towers"), good("kb", "show", "towers"), good("kb", "measures", "towers", "--gamma", demo / "gamma.json")]
+    texts = [
+        good("kb", "check", "towers"),
+        good("kb", "show", "towers"),
+        good("kb", "measures", "towers", "--gamma", demo / "gamma.json"),
+    ]
     assert "no mistakes" in texts[0]
     assert "feature apex" in texts[1]
     assert {"rank", "excess", "within_cell"} <= set(texts[2].split())
@@ -226,7 +253,9 @@ def test_kb_schema_is_a_json_schema(which):
 
 def test_simulate_twice_gives_the_same_bytes_and_another_seed_does_not(tmp_path):
     for name, seed in (("one", 5), ("two", 5), ("three", 6)):
-        run = plogic("simulate", "--kb", "towers", "--objects", 2, "--decoys", 1, "--seed", seed, "-o", name, cwd=tmp_path)
+        run = plogic(
+            "simulate", "--kb", "towers", "--objects", 2, "--decoys", 1, "--seed", seed, "-o", name, cwd=tmp_path
+        )
         assert (run.returncode, run.stdout, run.stderr) == (0, "", f"wrote {name}\n")
     one, two, three = (bytes_in(tmp_path / name) for name in ("one", "two", "three"))
     assert one == two
@@ -263,7 +292,9 @@ def test_a_deadline_that_is_not_reached_changes_nothing(demo):
 def on_a_terminal(*args, **env):
     """What a command writes where stdout is a terminal."""
     ours, theirs = pty.openpty()
-    variables = {k: v for k, v in os.environ.items() if k != "NO_COLOR"} | {"TERM": "xterm-256color", "COLUMNS": "100"} | env
+    variables = (
+        {k: v for k, v in os.environ.items() if k != "NO_COLOR"} | {"TERM": "xterm-256color", "COLUMNS": "100"} | env
+    )
     with subprocess.Popen([BIN / "plogic", *args], stdout=theirs, stdin=subprocess.DEVNULL, env=variables) as run:
         os.close(theirs)
         chunks = list(iter(lambda: _read(ours), b""))
@@ -302,5 +333,7 @@ def test_an_error_of_ours_is_one_line_too(tmp_path):
     assert (quiet.returncode, quiet.stdout) == (1, "")
     assert quiet.stderr.startswith("plogic: internal error: ZeroDivisionError: by zero (")
     assert len(quiet.stderr.splitlines()) == 1
-    loud = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60, env=os.environ | {"PLOGIC_TRACEBACK": "1"})
+    loud = subprocess.run(
+        command, capture_output=True, text=True, check=False, timeout=60, env=os.environ | {"PLOGIC_TRACEBACK": "1"}
+    )
     assert "Traceback" in loud.stderr

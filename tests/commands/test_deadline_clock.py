@@ -53,7 +53,9 @@ def picture(tmp_path):
 def test_of_perceive(left, picture):
     options = {"reading": "score", "reconsider": "to_B", "smoothing": 0.0, "generator": "index"}
     options |= {"deadline": DEADLINE, "camera": str(picture.parent / "camera.json")}
-    assert perceive.perceive_command(str(picture), "towers", "-", options, say=lambda _: None, write=lambda _: None) == 0
+    assert (
+        perceive.perceive_command(str(picture), "towers", "-", options, say=lambda _: None, write=lambda _: None) == 0
+    )
     assert left == [pytest.approx(DEADLINE, abs=SLOW / 2)]
 
 

@@ -11,7 +11,11 @@ from console import bytes_in, document, plogic
 
 READINGS = {"": "score", "posterior-": "posterior"}
 FILES = ["image.png", "camera.json", "truth.json", "gamma.json"]
-FILES += [f"{prefix}{name}" for prefix in READINGS for name in ("interpretation.json", "picture.png", "page.html", "program.pl")]
+FILES += [
+    f"{prefix}{name}"
+    for prefix in READINGS
+    for name in ("interpretation.json", "picture.png", "page.html", "program.pl")
+]
 
 
 def read(demo, name):

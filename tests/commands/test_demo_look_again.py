@@ -36,5 +36,7 @@ def test_the_folder_holds_both_views_where_they_were_taken_and_what_can_be_asked
     assert np.allclose(poses[1]["T_world_camera"], told["next_view"]["candidates"][0]["T_world_camera"])
     both = cv2.imread(str(folder / "views.png"))
     assert both.shape[1] > 2 * cv2.imread(str(folder / "view-1.png")).shape[1]
-    again = CliRunner().invoke(cli, ["next-view", str(folder / "interpretation.json"), "-n", "4", "--json"], catch_exceptions=False)
+    again = CliRunner().invoke(
+        cli, ["next-view", str(folder / "interpretation.json"), "-n", "4", "--json"], catch_exceptions=False
+    )
     assert json.loads(again.stdout)["candidates"] == told["next_view"]["candidates"]

@@ -70,7 +70,11 @@ def test_a_painted_mesh_is_kept_for_rendering_and_repaired_for_reasoning(tmp_pat
     assert "16 vertices welded" in text
     assert "closed, 0.001 m3" in text
     assert "texture: one picture, png, as it is" in text
-    assert (folder / "objects/crate/object.yaml").read_text().startswith("# yaml-language-server: $schema=../../object.schema.json\n")
+    assert (
+        (folder / "objects/crate/object.yaml")
+        .read_text()
+        .startswith("# yaml-language-server: $schema=../../object.schema.json\n")
+    )
     (crate,) = read_kb(folder).types
     assert crate.surface.closed
     assert crate.surface.volume == pytest.approx(0.001)
@@ -78,7 +82,9 @@ def test_a_painted_mesh_is_kept_for_rendering_and_repaired_for_reasoning(tmp_pat
     painted = read_mesh(crate.mesh_file, crate.mesh_scale)
     assert painted.texture.shape == (4, 4, 3)
     assert np.ptp(painted.vertices, axis=0) == pytest.approx([0.1, 0.1, 0.1])
-    assert "warning: crate: has no features, so it is never found; learn them: plogic kb learn" in good("kb", "check", folder)
+    assert "warning: crate: has no features, so it is never found; learn them: plogic kb learn" in good(
+        "kb", "check", folder
+    )
 
 
 def test_the_proposed_symmetries_are_comments_that_can_be_uncommented(tmp_path, folder):
@@ -86,7 +92,9 @@ def test_the_proposed_symmetries_are_comments_that_can_be_uncommented(tmp_path, 
     path = folder / "objects/brick/object.yaml"
     lines = path.read_text().splitlines()
     start = lines.index("# symmetries:")
-    path.write_text("\n".join([*lines[:start], *(line.removeprefix("# ").replace("#   ", "  ") for line in lines[start:])]) + "\n")
+    path.write_text(
+        "\n".join([*lines[:start], *(line.removeprefix("# ").replace("#   ", "  ") for line in lines[start:])]) + "\n"
+    )
     (brick,) = read_kb(folder).types
     assert len(brick.symmetries) == 4
     assert "note: brick" not in good("kb", "check", folder)
@@ -117,7 +125,17 @@ def test_a_mesh_that_is_not_closed_is_taken_and_warned_of(tmp_path, folder):
 
 @pytest.mark.parametrize(("size", "units"), [(10, "mm"), (50, "m"), (0.01, "m"), (1969, "in")])
 def test_a_die_and_a_building(tmp_path, folder, size, units):
-    good("kb", "add", "cube", "--mesh", write_box(tmp_path / "c.obj", (size, size, size)), "--units", units, "--kb", folder)
+    good(
+        "kb",
+        "add",
+        "cube",
+        "--mesh",
+        write_box(tmp_path / "c.obj", (size, size, size)),
+        "--units",
+        units,
+        "--kb",
+        folder,
+    )
     (cube,) = read_kb(folder).types
     assert cube.surface.volume == pytest.approx((size * LENGTHS[units]) ** 3)
 
@@ -162,7 +180,9 @@ def test_bad_meshes_write_nothing(tmp_path, folder, case):
 def test_a_large_file_is_refused_before_it_is_read(tmp_path, folder):
     with (tmp_path / "large.obj").open("wb") as file:
         file.truncate(200_000_001)
-    assert "more than the 200000000 that are read" in refused(folder, "x", "--mesh", tmp_path / "large.obj", "--units", "m")
+    assert "more than the 200000000 that are read" in refused(
+        folder, "x", "--mesh", tmp_path / "large.obj", "--units", "m"
+    )
 
 
 def test_a_name_that_is_taken_or_none(tmp_path, folder):
@@ -170,10 +190,14 @@ def test_a_name_that_is_taken_or_none(tmp_path, folder):
     good("kb", "add", "b", "--mesh", mesh, "--units", "m", "--kb", folder)
     assert "exists already" in refused(folder, "b", "--mesh", mesh, "--units", "m")
     (folder / "objects" / "b").rename(folder / "objects" / "elsewhere")
-    assert "elsewhere: exists already" in refused(folder, "b", "--mesh", mesh, "--units", "m"), "a type's name is in its object.yaml"
+    assert "elsewhere: exists already" in refused(folder, "b", "--mesh", mesh, "--units", "m"), (
+        "a type's name is in its object.yaml"
+    )
     assert "is no name for a type" in refused(folder, "../b", "--mesh", mesh, "--units", "m")
     (tmp_path / "empty").mkdir()
-    assert "holds no kb.yaml; make a knowledge base with" in refused(tmp_path / "empty", "b", "--mesh", mesh, "--units", "m")
+    assert "holds no kb.yaml; make a knowledge base with" in refused(
+        tmp_path / "empty", "b", "--mesh", mesh, "--units", "m"
+    )
 
 
 def test_a_missing_texture_is_noted(tmp_path, folder):

@@ -59,7 +59,9 @@ def test_an_sdf_with_poses_and_scales(tmp_path, folder):
     (tmp_path / "thing").mkdir()
     write_box(tmp_path / "thing" / "box.obj")
     (tmp_path / "thing" / "model.sdf").write_text(SDF)
-    assert document("kb", "import", tmp_path / "thing" / "model.sdf", "--kb", folder, "--json")["format"] == "kb_import/1"
+    assert (
+        document("kb", "import", tmp_path / "thing" / "model.sdf", "--kb", folder, "--json")["format"] == "kb_import/1"
+    )
     (thing,) = read_kb(folder).types
     assert thing.name == "thing"
     assert bounds(thing) == pytest.approx(np.array([[-1, 0, 5], [1, 1, 8]]))
@@ -70,10 +72,16 @@ BAD = {
     "another": ("<mujoco/>", "is no URDF"),
     "entities": ('<!DOCTYPE x [<!ENTITY a "b">]><robot/>', "defines entities"),
     "no shapes": ("<robot/>", "holds no visible shape"),
-    "no mesh": (URDF.replace("box.obj", "gone.obj").replace('<box size="1 2 3"/>', ""), "the mesh 'package://arm/gone.obj' is missing"),
+    "no mesh": (
+        URDF.replace("box.obj", "gone.obj").replace('<box size="1 2 3"/>', ""),
+        "the mesh 'package://arm/gone.obj' is missing",
+    ),
     "no number": (URDF.replace("10 0 0", "10 nan 0"), "xyz: must be 3 finite numbers below 1e+09, not '10 nan 0'"),
     "no link": (URDF.replace('<child link="tip"', '<child link="top"'), "its child 'top' is no link"),
-    "circle": (URDF.replace("</robot>", '<joint name="k"><parent link="tip"/><child link="base"/></joint></robot>'), "run in a circle"),
+    "circle": (
+        URDF.replace("</robot>", '<joint name="k"><parent link="tip"/><child link="base"/></joint></robot>'),
+        "run in a circle",
+    ),
     "flat": (URDF.replace("1 2 3", "1 0 3"), "sizes of a box must be above 0"),
 }
 

@@ -81,7 +81,10 @@ def test_the_cloud_and_its_words_are_in_the_folder(learnt):
 def test_compounds_are_formed_told_and_kept(learnt):
     folder, done = learnt
     kind = read_kb(folder).type("cube")
-    cloud, groups = kind.learnt, [np.flatnonzero(kind.learnt.compound == c) for c in range(1, kind.learnt.compounds + 1)]
+    cloud, groups = (
+        kind.learnt,
+        [np.flatnonzero(kind.learnt.compound == c) for c in range(1, kind.learnt.compounds + 1)],
+    )
     assert len(groups) > 50
     for group in groups:
         assert np.ptp(cloud.sided[np.isin(cloud.feature, group)].astype(int)) == 0  # keypoints, or sides of edges
@@ -102,7 +105,16 @@ def test_the_picture_of_it_is_recognised(learnt, tmp_path):
     (tmp_path / "camera.json").write_text(json.dumps(camera))
     answers = []
     for name in ("seen", "empty"):
-        good("perceive", tmp_path / f"{name}.png", "--camera", tmp_path / "camera.json", "--kb", learnt[0], "-o", tmp_path / f"{name}.json")
+        good(
+            "perceive",
+            tmp_path / f"{name}.png",
+            "--camera",
+            tmp_path / "camera.json",
+            "--kb",
+            learnt[0],
+            "-o",
+            tmp_path / f"{name}.json",
+        )
         answers.append(json.loads((tmp_path / f"{name}.json").read_text()))
     seen, empty = answers
     assert empty["worlds"][0]["present"] == []
@@ -124,7 +136,9 @@ def test_again_it_was_learnt_before_and_nothing_changes(learnt, surroundings):
     assert document["format"] == "kb_learn/1"
     assert document["types"][0]["type"] == "cube"
     assert bytes_in(folder) == before
-    assert refused(folder, **surroundings) == ["plogic: every type has features already; name those that are to be learnt again"]
+    assert refused(folder, **surroundings) == [
+        "plogic: every type has features already; name those that are to be learnt again"
+    ]
 
 
 def test_a_cache_file_that_was_cut_off_is_learnt_anew(learnt, surroundings, tmp_path):
@@ -134,7 +148,16 @@ def test_a_cache_file_that_was_cut_off_is_learnt_anew(learnt, surroundings, tmp_
     cache.mkdir(parents=True)
     (cache / file.name).write_bytes(file.read_bytes()[:-200])
     copy = shutil.copytree(folder, tmp_path / "kb")
-    done = plogic("kb", "learn", "cube", "--jobs", 1, "--kb", copy, **surroundings | {"XDG_CACHE_HOME": str(tmp_path), "TEST_DIRECTIONS": "12"})
+    done = plogic(
+        "kb",
+        "learn",
+        "cube",
+        "--jobs",
+        1,
+        "--kb",
+        copy,
+        **surroundings | {"XDG_CACHE_HOME": str(tmp_path), "TEST_DIRECTIONS": "12"},
+    )
     assert done.returncode == 0, done.stderr
     assert "was learnt before" not in done.stderr
     assert len(read_kb(copy).type("cube").learnt.at) > 20
@@ -160,7 +183,9 @@ def test_a_texture_that_shows_nothing_is_one_clear_line(folder, tmp_path, surrou
     write_cube(tmp_path)
     cv2.imwrite(str(tmp_path / "cube.png"), np.full((8, 8, 3), 130, np.uint8))
     good("kb", "add", "plain", "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", folder)
-    (line,) = refused(folder, "--detector", "orb", **surroundings | {"TEST_DIRECTIONS": "4"})  # SIFT sees its outline, as a region
+    (line,) = refused(
+        folder, "--detector", "orb", **surroundings | {"TEST_DIRECTIONS": "4"}
+    )  # SIFT sees its outline, as a region
     assert line.startswith("plogic: plain: no keypoint of it comes again")
 
 
@@ -181,7 +206,9 @@ def test_rates_of_words_are_not_learnt_from_scenes(learnt, tmp_path):
     scene = tmp_path / "scene"
     scene.mkdir()
     cv2.imwrite(str(scene / "image.png"), picture([truth]))
-    (scene / "camera.json").write_text(json.dumps({"width": CAMERA.width, "height": CAMERA.height, "K": CAMERA.K.tolist(), "dist": []}))
+    (scene / "camera.json").write_text(
+        json.dumps({"width": CAMERA.width, "height": CAMERA.height, "K": CAMERA.K.tolist(), "dist": []})
+    )
     there = {"label": "cube", "T_camera_object": truth.tolist()}
     (scene / "truth.json").write_text(json.dumps({"format": "truth/1", "objects": [there]}))
     good("kb", "learn-rates", scene, "--kb", copy)
@@ -207,12 +234,17 @@ def test_what_is_added_can_be_rendered(learnt):
 def test_a_cloud_and_words_go_where_the_folder_says(learnt, surroundings, tmp_path):
     copy = shutil.copytree(learnt[0], tmp_path / "kb")
     place = copy / "objects" / "cube"
-    for folder, file, old, new in [(copy, "kb.yaml", "words.npz", "vocabulary.npz"), (place, "object.yaml", "cloud.npz", "points.npz")]:
+    for folder, file, old, new in [
+        (copy, "kb.yaml", "words.npz", "vocabulary.npz"),
+        (place, "object.yaml", "cloud.npz", "points.npz"),
+    ]:
         (folder / old).rename(folder / new)
         (folder / file).write_text((folder / file).read_text().replace(old, new))
     (copy / "vocabulary.npz").write_bytes((learnt[0] / "words.npz").read_bytes())
     before = bytes_in(copy)
-    done = plogic("kb", "learn", "cube", "--jobs", 1, "--seed", 3, "--kb", copy, **surroundings | {"TEST_DIRECTIONS": "12"})
+    done = plogic(
+        "kb", "learn", "cube", "--jobs", 1, "--seed", 3, "--kb", copy, **surroundings | {"TEST_DIRECTIONS": "12"}
+    )
     assert done.returncode == 0, done.stderr
     after = bytes_in(copy)
     assert after.keys() == before.keys()
@@ -227,7 +259,9 @@ def test_two_types_cannot_share_a_file(tmp_path):
         (tmp_path / "objects" / name).mkdir(parents=True)
         (tmp_path / "objects" / name / "object.yaml").write_text(f"object: {name}\ncloud: {{file: ../both.npz}}\n")
     (tmp_path / "kb.yaml").write_text("name: some\nappearance_types: []\n")
-    with pytest.raises(InputError, match=r"b/object.yaml: names .*both.npz for its cloud, which another file names too"):
+    with pytest.raises(
+        InputError, match=r"b/object.yaml: names .*both.npz for its cloud, which another file names too"
+    ):
         files_of(tmp_path, random_words(), {"a": random_cloud(1), "b": random_cloud(2)})
 
 
@@ -248,16 +282,30 @@ def test_meshes_that_cannot_be_rendered_are_all_told_at_once(folder, tmp_path):
     lines = refused(folder)
     assert sorted(line.split(":")[1].strip() for line in lines) == ["box", "fine", "finer", "torn"]
     for line in lines:
-        assert ("textured.obj has 40001 triangles, more than the 40000 that can be rendered: simplify" in line) == ("fine" in line)
+        assert ("textured.obj has 40001 triangles, more than the 40000 that can be rendered: simplify" in line) == (
+            "fine" in line
+        )
 
 
 def test_a_shipped_knowledge_base_is_not_changed(tmp_path, folder):
     write_cube(tmp_path)
     (tmp_path / "points.csv").write_text("1,2,3,4,5\n")
-    photo = ("--photo", tmp_path / "cube.png", "--points", tmp_path / "points.csv", "--mesh", tmp_path / "cube.obj", "--units", "m")
+    photo = (
+        "--photo",
+        tmp_path / "cube.png",
+        "--points",
+        tmp_path / "points.csv",
+        "--mesh",
+        tmp_path / "cube.obj",
+        "--units",
+        "m",
+    )
     for words in (("t1",), ("new", *photo)):
         done = plogic("kb", "learn", *words, "--kb", "towers", cwd=tmp_path)
-        assert (done.returncode, done.stderr) == (1, "plogic: towers: is shipped with plogic: copy its folder, and change the copy\n")
+        assert (done.returncode, done.stderr) == (
+            1,
+            "plogic: towers: is shipped with plogic: copy its folder, and change the copy\n",
+        )
     assert not (tmp_path / "towers").exists()
     (line,) = plogic("kb", "learn", "../..", *photo, "--kb", folder).stderr.splitlines()
     assert line.startswith("plogic: '../..' is no name for a type")

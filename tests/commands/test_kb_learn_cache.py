@@ -22,13 +22,20 @@ from plogic.face.authoring.kb_learn_cache import DECIDES, key_of
 from sensing.simulated.body import TexturedMesh
 
 HOW = (600.0, "sift", 0, False)
-FORMS = ("import {0}\n", "from pack import {1}\n", "from {0} import something\n", "def f():\n    from {0} import something\n")
+FORMS = (
+    "import {0}\n",
+    "from pack import {1}\n",
+    "from {0} import something\n",
+    "def f():\n    from {0} import something\n",
+)
 """How one module may import another."""
 
 
 def mesh():
     square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    return TexturedMesh(square, np.array([[0, 1, 2], [0, 2, 3]]), square[:, :2], np.arange(48, dtype=np.uint8).reshape(4, 4, 3))
+    return TexturedMesh(
+        square, np.array([[0, 1, 2], [0, 2, 3]]), square[:, :2], np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
+    )
 
 
 def written(folder, imports, forms):
@@ -37,7 +44,9 @@ def written(folder, imports, forms):
     for i, others in enumerate(imports):
         lines = [forms[(i + j) % len(forms)].format(f"pack.m{j}", f"m{j}") for j in others]
         typed = "".join(f"    from pack.m{j} import Type\n" for j in range(len(imports)))
-        (folder / "pack" / f"m{i}.py").write_text("".join(lines) + "import json\nif TYPE_CHECKING:\n    import os\n" + typed)
+        (folder / "pack" / f"m{i}.py").write_text(
+            "".join(lines) + "import json\nif TYPE_CHECKING:\n    import os\n" + typed
+        )
     return folder
 
 
@@ -51,7 +60,9 @@ def reached(imports):
     return found
 
 
-graphs = st.integers(1, 6).flatmap(lambda n: st.lists(st.sets(st.integers(0, n - 1), max_size=2), min_size=n, max_size=n))
+graphs = st.integers(1, 6).flatmap(
+    lambda n: st.lists(st.sets(st.integers(0, n - 1), max_size=2), min_size=n, max_size=n)
+)
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -74,7 +85,12 @@ def test_a_changed_byte_changes_the_digest_where_the_file_is_imported_and_nowher
 def test_all_that_renders_looks_and_learns_decides_and_what_only_shows_does_not():
     found = sources(ROOT, DECIDES)
     learning = {f"kb/learning/{name}.py" for name in ("views", "variants", "observations", "features", "photo")}
-    seeing = {"sensing/detectors/keypoints.py", "sensing/simulated/turntable.py", "sensing/simulated/camera.py", "sensing/simulated/meshes.py"}
+    seeing = {
+        "sensing/detectors/keypoints.py",
+        "sensing/simulated/turntable.py",
+        "sensing/simulated/camera.py",
+        "sensing/simulated/meshes.py",
+    }
     assert learning | seeing | {"kb/clouds/learnt.py", "geometry/cones.py", "geometry/camera.py", DECIDES} <= found
     assert not any(name.startswith(("plogic/face/pages", "plogic/match/gamma")) for name in found)
     assert "kb/files/read.py" not in found
@@ -83,7 +99,18 @@ def test_all_that_renders_looks_and_learns_decides_and_what_only_shows_does_not(
 def test_the_same_asked_again_has_the_same_key_and_anything_else_another(monkeypatch):
     key, some = key_of(mesh(), HOW), mesh()
     assert key_of(mesh(), HOW) == key
-    keys = {key, *(key_of(some, how) for how in [(500.0, *HOW[1:]), (600.0, "orb", 0, False), (600.0, "sift", 1, False), (600.0, "sift", 0, True)])}
+    keys = {
+        key,
+        *(
+            key_of(some, how)
+            for how in [
+                (500.0, *HOW[1:]),
+                (600.0, "orb", 0, False),
+                (600.0, "sift", 1, False),
+                (600.0, "sift", 0, True),
+            ]
+        ),
+    }
     keys.add(key_of(replace(some, texture=some.texture[::-1]), HOW))
     keys.add(key_of(replace(some, vertices=some.vertices * 0.1), HOW))
     keys.add(key_of(replace(some, triangles=some.triangles[::-1]), HOW))

@@ -26,14 +26,20 @@ VALUES = (
 )
 ends = st.sampled_from(["", "\n", "\n\n", "  # end", "\n# the end\n", "\n...\n"])
 texts = st.builds(
-    lambda head, keys, values, between, end: head + between.join(f"{key}: {value}" for key, value in zip(keys, values, strict=False)) + end,
+    lambda head, keys, values, between, end: (
+        head + between.join(f"{key}: {value}" for key, value in zip(keys, values, strict=False)) + end
+    ),
     st.sampled_from(["", "\ufeff", "# first\n", "---\n"]),
     st.permutations(KEYS).flatmap(lambda keys: st.integers(1, 4).map(lambda n: keys[:n])),
     st.lists(st.sampled_from(VALUES), min_size=4, max_size=4),
     st.sampled_from(["\n", "\n\n# between\n", "\r\n"]),
     ends,
 )
-names = st.dictionaries(st.sampled_from(["file", "units", "textured"]), st.text(st.characters(codec="utf-8", exclude_categories=["C"])), min_size=1)
+names = st.dictionaries(
+    st.sampled_from(["file", "units", "textured"]),
+    st.text(st.characters(codec="utf-8", exclude_categories=["C"])),
+    min_size=1,
+)
 
 
 @settings(max_examples=300, derandomize=True)

@@ -94,8 +94,19 @@ def test_in_a_picture_parts_are_facts_and_poses_are_known_up_to_the_turn(learnt,
     body, camera = Body("twins", read_mesh(kind.mesh_file), eye @ truth), replace(CAMERA, world_from_camera=eye)
     image = render([body], camera, Light(), Surroundings(contrast=0, shadow=0), Sensor(noise=3.5, seed=0)).image
     cv2.imwrite(str(tmp_path / "seen.png"), image)
-    (tmp_path / "camera.json").write_text(json.dumps({"width": CAMERA.width, "height": CAMERA.height, "K": CAMERA.K.tolist(), "dist": []}))
-    good("perceive", tmp_path / "seen.png", "--camera", tmp_path / "camera.json", "--kb", folder, "-o", tmp_path / "i.json")
+    (tmp_path / "camera.json").write_text(
+        json.dumps({"width": CAMERA.width, "height": CAMERA.height, "K": CAMERA.K.tolist(), "dist": []})
+    )
+    good(
+        "perceive",
+        tmp_path / "seen.png",
+        "--camera",
+        tmp_path / "camera.json",
+        "--kb",
+        folder,
+        "-o",
+        tmp_path / "i.json",
+    )
     document = json.loads((tmp_path / "i.json").read_text())
     (present,) = document["worlds"][0]["present"]
     (found,) = [h for h in document["hypotheses"] if h["id"] == present]

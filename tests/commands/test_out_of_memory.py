@@ -23,7 +23,9 @@ def within(megabytes, *args):
 
     command = [str(BIN / "plogic"), *map(str, args)]
     environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    return subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False, preexec_fn=limit, env=environment)
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=SECONDS, check=False, preexec_fn=limit, env=environment
+    )
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +35,10 @@ def large(tmp_path_factory):
     small = json.loads(good("perceive", EXAMPLES / "first_gamma.json", "--kb", EXAMPLES / "first_kb"))
     (folder / "interpretation.json").write_text(json.dumps(small | {"trace": small["trace"] * 4000}))
     camera = {"width": 640, "height": 480, "K": [[600, 0, 320], [0, 600, 240], [0, 0, 1]], "dist": []}
-    rows = [{"id": f"a{i}", "type": "l_junction", "uv": [i % 640, i // 640], "detector": "junction", "angle": 0.1} for i in range(20_000)]
+    rows = [
+        {"id": f"a{i}", "type": "l_junction", "uv": [i % 640, i // 640], "detector": "junction", "angle": 0.1}
+        for i in range(20_000)
+    ]
     (folder / "gamma.json").write_text(json.dumps({"format": "gamma/1", "camera": camera, "appearances": rows}))
     return folder
 
@@ -50,5 +55,7 @@ def test_of_an_interpretation(large, args, megabytes):
 def test_of_a_gamma(large, megabytes):
     run = within(megabytes, "perceive", large / "gamma.json", "--kb", "towers", "--deadline", 1)
     assert (run.returncode, run.stdout) == (1, "")
-    assert run.stderr == SAID or run.stderr.startswith("OpenBLAS error: Memory allocation still failed")  # which ends the process itself
+    assert run.stderr == SAID or run.stderr.startswith(
+        "OpenBLAS error: Memory allocation still failed"
+    )  # which ends the process itself
     assert len(run.stderr.splitlines()) == 1

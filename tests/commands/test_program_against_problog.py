@@ -82,7 +82,9 @@ def stock_api(text):
 def stock_command(text, tmp_path):
     """Goal → printed digits, as ``problog FILE`` prints them."""
     (tmp_path / "program.pl").write_text(text)
-    run = subprocess.run([BIN / "problog", tmp_path / "program.pl"], capture_output=True, text=True, check=True, timeout=120)
+    run = subprocess.run(
+        [BIN / "problog", tmp_path / "program.pl"], capture_output=True, text=True, check=True, timeout=120
+    )
     rows = [line.rpartition(":") for line in run.stdout.splitlines() if line.strip()]
     return {goal.strip().replace(" ", ""): digits.strip() for goal, _, digits in rows}
 
@@ -113,7 +115,9 @@ def worlds(source, options):
     assert found["unlisted_mass"] == [0.0, 0.0]
     ids = sorted({h for world in found["worlds"] for h in world["present"]})
     listed = {tuple(sorted(w["present"])): w["probability"] for w in found["worlds"]}
-    subsets = [tuple(h for h, bit in zip(ids, bits, strict=True) if bit) for bits in product((False, True), repeat=len(ids))]
+    subsets = [
+        tuple(h for h, bit in zip(ids, bits, strict=True) if bit) for bits in product((False, True), repeat=len(ids))
+    ]
     return ids, {f"world_{number}": listed.get(subset, 0.0) for number, subset in enumerate(subsets)}
 
 
@@ -161,7 +165,9 @@ def test_other_goals_equal_the_stock_api(folder, name):
         ours = answers(source, options, goal)
         functor = goal.partition("(")[0] + "("
         rest = {name: p for name, p in theirs.items() if name.startswith(functor)}
-        assert {name: p for name, p in rest.items() if p > 0} == pytest.approx({name: p for name, p in ours.items() if p > 0}, abs=1e-9), goal
+        assert {name: p for name, p in rest.items() if p > 0} == pytest.approx(
+            {name: p for name, p in ours.items() if p > 0}, abs=1e-9
+        ), goal
         assert ours or not any(rest.values())
 
 

@@ -40,14 +40,19 @@ def answered(*args):
 
 
 def test_one_atom_of_thousands_of_facts(tmp_path):
-    file = written(tmp_path, "".join(f"0.001::a({i}).\n" for i in range(WIDE)) + "0.5::b.\nx :- a(_).\ny :- x, b.\nquery(x). query(y).\n")
+    file = written(
+        tmp_path,
+        "".join(f"0.001::a({i}).\n" for i in range(WIDE)) + "0.5::b.\nx :- a(_).\ny :- x, b.\nquery(x). query(y).\n",
+    )
     found = answered(file)
     assert found["x"] == pytest.approx(1 - 0.999**WIDE, abs=1e-12)
     assert found["y"] == pytest.approx(0.5 * (1 - 0.999**WIDE), abs=1e-12)
 
 
 def test_thousands_of_facts_of_which_one_is_observed_to_hold(tmp_path):
-    file = written(tmp_path, "".join(f"0.001::a({i}).\n" for i in range(WIDE)) + "x :- a(_).\nevidence(x).\nquery(a(7)).\n")
+    file = written(
+        tmp_path, "".join(f"0.001::a({i}).\n" for i in range(WIDE)) + "x :- a(_).\nevidence(x).\nquery(a(7)).\n"
+    )
     assert answered(file)["a(7)"] == pytest.approx(0.001 / (1 - 0.999**WIDE), rel=1e-9)
 
 
@@ -76,7 +81,10 @@ def test_choices_with_the_same_head_are_told_apart_by_their_lines(tmp_path):
         ("t(0.5)::a.\nquery(a).\n", "1:1: t(0.5) is not a probability: it is no number"),
         ("q(1).q(2).\n", "1:5: Unexpected character '.'"),
         ("x.\nq(1).q(2).\n", "2:5: Unexpected character '.'"),
-        ("0.7::a; 0.6::b.\nquery(a). query(b).\n", "the probabilities of an annotated disjunction add up to 1.3: they must not exceed 1"),
+        (
+            "0.7::a; 0.6::b.\nquery(a). query(b).\n",
+            "the probabilities of an annotated disjunction add up to 1.3: they must not exceed 1",
+        ),
     ],
 )
 def test_a_mistake_is_told_with_its_place(text, said, tmp_path):
@@ -89,7 +97,9 @@ def test_explain_refuses_what_query_refuses(tmp_path):
 
 @pytest.mark.parametrize("command", ["query", "explain"])
 def test_an_empty_goal(command, tmp_path):
-    assert refusal(command, written(tmp_path, "0.5::a.\n"), "").endswith("is empty; a goal is one term, like present(h1)")
+    assert refusal(command, written(tmp_path, "0.5::a.\n"), "").endswith(
+        "is empty; a goal is one term, like present(h1)"
+    )
 
 
 def test_a_byte_order_mark_is_no_part_of_a_program(tmp_path):
@@ -142,7 +152,10 @@ def scene(demo):
 def test_worlds_given_evidence_by_a_deadline(scene):
     run = plogic("worlds", scene, "--given", "present(h1)", "--deadline", "0.000001", "--json")
     answer = json.loads(run.stdout)
-    exact = {tuple(w["present"]): w["probability"] for w in document("worlds", scene, "--given", "present(h1)", "--json")["worlds"]}
+    exact = {
+        tuple(w["present"]): w["probability"]
+        for w in document("worlds", scene, "--given", "present(h1)", "--json")["worlds"]
+    }
     assert (run.returncode, answer["deadline"]) == (3, "reached")
     for world in answer["worlds"]:
         low, high = world["interval"]

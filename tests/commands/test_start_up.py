@@ -9,7 +9,21 @@ import sys
 import pytest
 from console import BIN, good
 
-HEAVY = {"numpy", "cv2", "problog", "trimesh", "pybullet", "pydantic", "scipy", "networkx", "shapely", "rich", "ruamel", "manifold3d", "embreex"}
+HEAVY = {
+    "numpy",
+    "cv2",
+    "problog",
+    "trimesh",
+    "pybullet",
+    "pydantic",
+    "scipy",
+    "networkx",
+    "shapely",
+    "rich",
+    "ruamel",
+    "manifold3d",
+    "embreex",
+}
 
 
 def imported(*args):
@@ -20,7 +34,9 @@ def imported(*args):
     return {name.split(".")[0] for name in re.findall(r"^import time:.*\| +(\S+)$", run.stderr, re.MULTILINE)}
 
 
-@pytest.mark.parametrize("args", [["--help"], ["--version"], ["perceive", "--help"], ["kb", "check", "--help"]], ids=" ".join)
+@pytest.mark.parametrize(
+    "args", [["--help"], ["--version"], ["perceive", "--help"], ["kb", "check", "--help"]], ids=" ".join
+)
 def test_help_imports_nothing_heavy(args):
     found = imported(*args)
     assert {"cli", "click"} <= found, "the list is that of this run"
@@ -35,6 +51,17 @@ def test_a_command_that_reads_a_kb_imports_no_simulator_and_no_image_library():
 
 def test_every_command_is_in_the_help_and_has_a_help_of_its_own():
     names = re.findall(r"^  ([a-z-]+) {2,}\S", good("--help").split("Commands:")[1], re.MULTILINE)
-    assert set(names) >= {"demo", "perceive", "worlds", "query", "explain", "program", "report", "kb", "simulate", "bench"}
+    assert set(names) >= {
+        "demo",
+        "perceive",
+        "worlds",
+        "query",
+        "explain",
+        "program",
+        "report",
+        "kb",
+        "simulate",
+        "bench",
+    }
     for name in names:
         assert good(name, "--help").startswith(f"Usage: plogic {name}")

@@ -104,7 +104,12 @@ def test_perceive_says_so_in_its_line_and_nothing_known_is_not_sure(at_once):
     assert next(line for line in text.splitlines() if "nothing known" in line).split()[1:3] == ["1.000", "0.000..1.000"]
     assert text.rstrip().endswith(notice(SEARCH))
     assert (told["worlds"][0]["interval"], told["unlisted_mass"], told["unfinished"]) == ([0.0, 1.0], [0.0, 1.0], True)
-    assert document("query", out, "--json") == {"format": "answers/1", "answers": [], "unfinished": True, "stopped": "search"}
+    assert document("query", out, "--json") == {
+        "format": "answers/1",
+        "answers": [],
+        "unfinished": True,
+        "stopped": "search",
+    }
 
 
 def test_one_that_does_not_say_what_was_stopped_may_lack_anything(files, tmp_path):
@@ -117,4 +122,7 @@ def test_one_that_does_not_say_what_was_stopped_may_lack_anything(files, tmp_pat
 def test_what_was_stopped_has_to_be_known(files, tmp_path):
     (tmp_path / "bad.json").write_text(text_of(json.loads(files[SEARCH].read_text()) | {"stopped": ["x"]}))
     run = plogic("worlds", tmp_path / "bad.json")
-    assert (run.returncode, run.stderr) == (1, f"plogic: {tmp_path}/bad.json: stopped: ['x'] should be one of search, worlds\n")
+    assert (run.returncode, run.stderr) == (
+        1,
+        f"plogic: {tmp_path}/bad.json: stopped: ['x'] should be one of search, worlds\n",
+    )

@@ -32,7 +32,9 @@ def views_of(points, frames, rng, *, sigma=1.0, hit=1.0, clutter=0):
         rows = [(TYPES[i % len(TYPES)], uv[i], i) for i in range(len(points)) if rng.random() < hit]
         rows += [(TYPES[int(rng.integers(len(TYPES)))], rng.uniform(0.0, [639.0, 479.0]), None) for _ in range(clutter)]
         rows = [rows[i] for i in rng.permutation(len(rows)) if CAMERA.contains(rows[i][1])]
-        data = tuple(Appearance(f"a{i}", kind, (float(at[0]), float(at[1])), "made") for i, (kind, at, _) in enumerate(rows))
+        data = tuple(
+            Appearance(f"a{i}", kind, (float(at[0]), float(at[1])), "made") for i, (kind, at, _) in enumerate(rows)
+        )
         views.append(View(f"v{n}", Gamma(CAMERA, data), frame))
         causes[f"v{n}"] = {f"a{i}": cause for i, (_, _, cause) in enumerate(rows) if cause is not None}
     return views, causes

@@ -80,7 +80,12 @@ def there(tmp_path, kb, panorama):
 
 def own(moved, constancy, view):
     """The data of a view that are of the body that the first unknown object is of."""
-    bodies = [moved.causes[v][d].object for f in constancy.unknown[0].features for v, d in f.data.items() if d in moved.causes[v]]
+    bodies = [
+        moved.causes[v][d].object
+        for f in constancy.unknown[0].features
+        for v, d in f.data.items()
+        if d in moved.causes[v]
+    ]
     which = max(set(bodies), key=bodies.count)
     return {name for name, cause in moved.causes[view.id].items() if cause.object == which}
 
@@ -127,7 +132,9 @@ def test_lobes_hold_those_who_saw_and_the_body_hides_nothing_seen(kb, moved, con
             assert np.arccos(np.clip(towards / far @ feature.rotation @ shown.lobe.axis, -1, 1)) < shown.lobe.half_angle
             assert shown.lobe.r_min < far * kb.f_ref / sighting.focal < shown.lobe.r_max
             if kind.surface is not None:
-                blocked += int(kind.surface.rays.blocks(sighting.eye - middle, feature.at[None], 0.004 * kind.surface.diameter)[0])
+                blocked += int(
+                    kind.surface.rays.blocks(sighting.eye - middle, feature.at[None], 0.004 * kind.surface.diameter)[0]
+                )
             total += 1
     assert blocked <= 0.05 * total
     assert kind.opaque == (kind.surface is not None)

@@ -20,12 +20,27 @@ def panorama():
             "id": f"v{i}",
             "frame": "f.json",
             "T_world_camera": np.eye(4).tolist(),
-            "interpretation": {"camera": CAMERA, "appearances": [{"id": "a1", "type": "patch", "uv": [1.0, 2.0]}, {"id": "a2", "type": "dot"}]},
+            "interpretation": {
+                "camera": CAMERA,
+                "appearances": [{"id": "a1", "type": "patch", "uv": [1.0, 2.0]}, {"id": "a2", "type": "dot"}],
+            },
         }
         for i in (1, 2)
     ]
-    feature = {"id": "u1/f1", "type": "patch", "at": [0.0, 0.1, 1.0], "sigma": 0.01, "probability": 0.9, "data": {"v1": "a1", "v2": "a1"}}
-    return {"format": "panorama/1", "views": views, "unknown": [{"id": "u1", "probability": 0.9, "features": [feature]}], "noise": {}}
+    feature = {
+        "id": "u1/f1",
+        "type": "patch",
+        "at": [0.0, 0.1, 1.0],
+        "sigma": 0.01,
+        "probability": 0.9,
+        "data": {"v1": "a1", "v2": "a1"},
+    }
+    return {
+        "format": "panorama/1",
+        "views": views,
+        "unknown": [{"id": "u1", "probability": 0.9, "features": [feature]}],
+        "noise": {},
+    }
 
 
 def said(tmp_path, document):
@@ -46,16 +61,34 @@ def test_a_good_one_is_read(tmp_path):
 MISTAKES = [
     (lambda p: p.update(format="panorama/2"), "format: input should be 'panorama/1'"),
     (lambda p: p.pop("views"), "views: field required"),
-    (lambda p: p["views"][0].update(T_world_camera=[[1, 0, 0, 0]] * 4), "views.0.T_world_camera: must be a rigid 4x4 transform"),
+    (
+        lambda p: p["views"][0].update(T_world_camera=[[1, 0, 0, 0]] * 4),
+        "views.0.T_world_camera: must be a rigid 4x4 transform",
+    ),
     (lambda p: p["views"][1].update(id="v1"), "views: 'v1' is the id of two"),
     (lambda p: p["views"][0]["interpretation"].update(camera={"width": -3}), "views.0.interpretation.camera"),
-    (lambda p: p["unknown"][0]["features"][0].update(at=[1, 2]), "unknown.0.features.0.at: list should have at least 3"),
-    (lambda p: p["unknown"][0]["features"][0].update(at=[1, 2, 1e300]), "unknown.0.features.0.at.2: input should be less than or equal to"),
-    (lambda p: p["unknown"][0]["features"][0].update(at=[0, 0, 0]), "unknown.0.features.0.at: lies in the camera of v1"),
-    (lambda p: p["unknown"][0]["features"][0].update(data={}), "unknown.0.features.0.data: dictionary should have at least 1"),
+    (
+        lambda p: p["unknown"][0]["features"][0].update(at=[1, 2]),
+        "unknown.0.features.0.at: list should have at least 3",
+    ),
+    (
+        lambda p: p["unknown"][0]["features"][0].update(at=[1, 2, 1e300]),
+        "unknown.0.features.0.at.2: input should be less than or equal to",
+    ),
+    (
+        lambda p: p["unknown"][0]["features"][0].update(at=[0, 0, 0]),
+        "unknown.0.features.0.at: lies in the camera of v1",
+    ),
+    (
+        lambda p: p["unknown"][0]["features"][0].update(data={}),
+        "unknown.0.features.0.data: dictionary should have at least 1",
+    ),
     (lambda p: p["unknown"][0]["features"][0].update(data={"v9": "a1"}), "unknown.0.features.0.data: 'v9' is no view"),
     (lambda p: p["unknown"][0]["features"][0].update(data={"v1": "a9"}), "'a9' is no appearance of v1"),
-    (lambda p: p["unknown"][0]["features"][0].update(data={"v1": "a2"}), "'a2' of v1 is a 'dot', and the feature a 'patch'"),
+    (
+        lambda p: p["unknown"][0]["features"][0].update(data={"v1": "a2"}),
+        "'a2' of v1 is a 'dot', and the feature a 'patch'",
+    ),
 ]
 
 
@@ -68,7 +101,9 @@ def test_each_mistake_is_named(tmp_path, spoil, words):
     assert all(line.startswith(f"{tmp_path / 'p.json'}: ") for line in lines)
 
 
-@pytest.mark.parametrize("text", ["", "{", "[1, 2]", '{"format": NaN}', "[" * 100_000, '{"a": ' + "9" * 5000 + "}", "null"])
+@pytest.mark.parametrize(
+    "text", ["", "{", "[1, 2]", '{"format": NaN}', "[" * 100_000, '{"a": ' + "9" * 5000 + "}", "null"]
+)
 def test_what_is_no_panorama(tmp_path, text):
     lines = said(tmp_path, text).splitlines()
     assert lines

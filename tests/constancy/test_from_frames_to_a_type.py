@@ -16,7 +16,9 @@ def test_frames_to_an_unknown_object_to_a_type_that_explains_them(tmp_path):
     whole = constancy_kb(3)
     moved = sequence(whole, 2003, 3)
     types = whole.types[:1]
-    rates = replace(whole.rates, hit=dict.fromkeys(sorted({f.type for f in types[0].features}), 0.8), prior={types[0].name: 0.2})
+    rates = replace(
+        whole.rates, hit=dict.fromkeys(sorted({f.type for f in types[0].features}), 0.8), prior={types[0].name: 0.2}
+    )
     write_kb(replace(whole, types=types, rates=rates), tmp_path / "kb")
     names = [f"{view.id}.json" for view in moved.views]
     for view, name in zip(moved.views, names, strict=True):

@@ -22,7 +22,12 @@ def shares(rows, a, b):
 
 def packings(rows):
     every = range(len(rows))
-    return [s for n in range(len(rows) + 1) for s in combinations(every, n) if not any(shares(rows, a, b) for a, b in combinations(s, 2))]
+    return [
+        s
+        for n in range(len(rows) + 1)
+        for s in combinations(every, n)
+        if not any(shares(rows, a, b) for a, b in combinations(s, 2))
+    ]
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -31,7 +36,11 @@ def test_no_datum_twice_and_no_exchange_gains(seed):
     chosen = packing(rows, weight).tolist()
     assert not [pair for pair in combinations(chosen, 2) if shares(rows, *pair)]
     total = weight[chosen].sum()
-    swapped = [total + weight[t] - sum(weight[c] for c in chosen if shares(rows, t, c)) for t in range(len(rows)) if t not in chosen]
+    swapped = [
+        total + weight[t] - sum(weight[c] for c in chosen if shares(rows, t, c))
+        for t in range(len(rows))
+        if t not in chosen
+    ]
     assert all(other <= total + 1e-6 for other in swapped)
     best = max(sum(weight[list(s)]) for s in packings(rows))
     assert total >= best / rows.shape[1]  # what greedy packing has at least

@@ -74,7 +74,14 @@ def test_order_changes_nothing(rng):
 
 def test_names_change_nothing(rng):
     views, _ = views_of(blob(rng), ring(3), rng, hit=0.8, clutter=15)
-    renamed = [View(f"w{v.id}", Gamma(CAMERA, tuple(replace(a, id=f"x{a.id}") for a in v.gamma.appearances)), v.world_from_camera) for v in views]
+    renamed = [
+        View(
+            f"w{v.id}",
+            Gamma(CAMERA, tuple(replace(a, id=f"x{a.id}") for a in v.gamma.appearances)),
+            v.world_from_camera,
+        )
+        for v in views
+    ]
     one, other = (unknown_objects(some, all_of(some), RATES) for some in (views, renamed))
     assert {(frozenset((f"w{v}", f"x{d}") for v, d in rows), p) for rows, p in data(one)} == data(other)
 
@@ -83,7 +90,9 @@ def test_a_world_elsewhere_is_the_same(rng):
     """A rigid motion of the world moves the places, and changes nothing of what is called physical."""
     views, _ = views_of(blob(rng), ring(3), rng, clutter=10)
     angle = 0.7
-    moved = np.array([[np.cos(angle), -np.sin(angle), 0, 5], [np.sin(angle), np.cos(angle), 0, -3], [0, 0, 1, 2], [0, 0, 0, 1.0]])
+    moved = np.array(
+        [[np.cos(angle), -np.sin(angle), 0, 5], [np.sin(angle), np.cos(angle), 0, -3], [0, 0, 1, 2], [0, 0, 0, 1.0]]
+    )
     others = [View(v.id, v.gamma, moved @ v.world_from_camera) for v in views]
     one, other = (unknown_objects(some, all_of(some), RATES) for some in (views, others))
     there = {frozenset(f.data.items()): f for f in features(other)}
@@ -96,7 +105,9 @@ def test_a_world_elsewhere_is_the_same(rng):
 def test_without_a_baseline_nothing_is_decided(rng):
     frame = ring(1)[0]
     turned = frame.copy()
-    turned[:3, :3] = frame[:3, :3] @ np.array([[np.cos(0.05), 0, np.sin(0.05)], [0, 1, 0], [-np.sin(0.05), 0, np.cos(0.05)]])
+    turned[:3, :3] = frame[:3, :3] @ np.array(
+        [[np.cos(0.05), 0, np.sin(0.05)], [0, 1, 0], [-np.sin(0.05), 0, np.cos(0.05)]]
+    )
     views, _ = views_of(blob(rng), [frame, turned], rng, clutter=10)
     found = unknown_objects(views, all_of(views), RATES)
     assert not found.unknown
@@ -192,7 +203,10 @@ def test_a_lens_bends_nothing_away(rng):
     straight, _ = views_of(points, ring(3), rng, sigma=0.0)
     lens = []
     for view in straight:
-        rows = [Appearance(a.id, a.type, tuple(bent.project(CAMERA.rays(np.array(a.uv))).tolist()), a.detector) for a in view.gamma.appearances]
+        rows = [
+            Appearance(a.id, a.type, tuple(bent.project(CAMERA.rays(np.array(a.uv))).tolist()), a.detector)
+            for a in view.gamma.appearances
+        ]
         lens.append(View(view.id, Gamma(bent, tuple(rows)), view.world_from_camera))
     one, other = (unknown_objects(some, all_of(some), RATES) for some in (straight, lens))
     places = {frozenset(f.data.items()): f.at for f in features(one)}

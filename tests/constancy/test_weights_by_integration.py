@@ -42,7 +42,9 @@ def _by_sampling(views, one, rng):
     covariance = 16.0 * one.places.covariance[0]
     draws = rng.multivariate_normal(one.places.at[0], covariance, 200_000)
     off = draws - one.places.at[0]
-    proposal = np.exp(-0.5 * np.einsum("ni,ij,nj->n", off, np.linalg.inv(covariance), off)) / np.sqrt((2 * np.pi) ** 3 * np.linalg.det(covariance))
+    proposal = np.exp(-0.5 * np.einsum("ni,ij,nj->n", off, np.linalg.inv(covariance), off)) / np.sqrt(
+        (2 * np.pi) ** 3 * np.linalg.det(covariance)
+    )
     area = CAMERA.width * CAMERA.height
     value, place = np.ones(len(draws)), np.zeros(len(draws))
     for view in views:

@@ -18,7 +18,9 @@ from plogic.match.gamma.screen_angles import screen_angle
 from plogic.match.indices import index_of
 from sensing.appearance import Appearance
 
-CAMERA = Camera(640, 480, np.array([[600.0, 0, 330.0], [0, 580.0, 250.0], [0, 0, 1]]), np.array([0.05, -0.02, 0.001, 0.0, 0.0]))
+CAMERA = Camera(
+    640, 480, np.array([[600.0, 0, 330.0], [0, 580.0, 250.0], [0, 0, 1]]), np.array([0.05, -0.02, 0.001, 0.0, 0.0])
+)
 """With a lens that distorts, oblong pixels and its principal point off the middle."""
 
 
@@ -41,7 +43,12 @@ def ready(cloud=None, surface=None, name="thing", words=None):
     cloud = random_cloud() if cloud is None else cloud
     words = words or random_words(width=cloud.descriptor.shape[1])
     seen = learnt_features(cloud, words)
-    arrays = {"symmetries": np.eye(4)[None], "learnt": cloud, "learnt_lobes": learnt_lobes(cloud, words), "learnt_features": seen}
+    arrays = {
+        "symmetries": np.eye(4)[None],
+        "learnt": cloud,
+        "learnt_lobes": learnt_lobes(cloud, words),
+        "learnt_features": seen,
+    }
     kind = ObjectType(name, nx.DiGraph(), *with_compounds(seen, cloud, words), surface, opaque=True, **arrays)
     kb = KnowledgeBase("some", (kind,), words.names, Rates({}, {}, {}), 600.0, "", "", words=words)
     return Ready(kb, kind, index_of(kind, dict.fromkeys(words.names, 0.5)))
@@ -65,12 +72,16 @@ def keypoint_of(cloud, lobe, pose, camera=CAMERA, number=0):
     scale = None if sided else float(cloud.size[lobe] * camera.f / at[2])
     uv = tuple(camera.project(at[None])[0].tolist())
     descriptor = cloud.descriptor[lobe, LOOKS] if sided else cloud.descriptor[lobe]
-    return Appearance(f"a{number}", "sift", uv, "made", angle=angle % (2 * np.pi), scale=scale, descriptor=descriptor.tobytes())
+    return Appearance(
+        f"a{number}", "sift", uv, "made", angle=angle % (2 * np.pi), scale=scale, descriptor=descriptor.tobytes()
+    )
 
 
 def gamma_at(cloud, lobes, pose, camera=CAMERA):
     """The keypoints of these appearances as data, in this order."""
-    return data_of([keypoint_of(cloud, lobe, pose, camera, i) for i, lobe in enumerate(lobes)], camera, cloud.descriptor.shape[1])
+    return data_of(
+        [keypoint_of(cloud, lobe, pose, camera, i) for i, lobe in enumerate(lobes)], camera, cloud.descriptor.shape[1]
+    )
 
 
 def one_sided(seed=0, features=24, **changed):
@@ -79,7 +90,12 @@ def one_sided(seed=0, features=24, **changed):
     axis = unit(np.array([0.0, 0, 1]) + 0.2 * rng.normal(size=(features, 3)))
     up = unit(np.cross(axis, rng.normal(size=(features, 3))))
     ranges = {"half_angle": np.full(features, 0.9), "r_min": np.full(features, 0.2), "r_max": np.full(features, 3.0)}
-    return random_cloud(seed, features, features, **({"axis": axis, "up": up, "size": rng.uniform(0.01, 0.03, features)} | ranges | changed))
+    return random_cloud(
+        seed,
+        features,
+        features,
+        **({"axis": axis, "up": up, "size": rng.uniform(0.01, 0.03, features)} | ranges | changed),
+    )
 
 
 def with_sides(cloud, features, looks=(90, 140, 95, 135, 150), varied=0):

@@ -101,7 +101,10 @@ def scene(rng, poses, *, hit=0.8, patch_hit=0.9, noise=0.4, clutter=12, arms=Tru
             rows.append((str(rng.choice(types)), uv, directions, f"{name}/{feature.name}"))
     rows += [clutter_row(rng, kb, camera) for _ in range(clutter)]
     order = rng.permutation(len(rows))
-    data = [Appearance(f"a{i}", rows[k][0], tuple(rows[k][1]), "synthetic", arms=angles(rows[k][2]) if arms else ()) for i, k in enumerate(order, 1)]
+    data = [
+        Appearance(f"a{i}", rows[k][0], tuple(rows[k][1]), "synthetic", arms=angles(rows[k][2]) if arms else ())
+        for i, k in enumerate(order, 1)
+    ]
     causes = {f"a{i}": rows[k][3] for i, k in enumerate(order, 1) if rows[k][3]}
     return Shot(Gamma(camera, tuple(data)), poses, causes, frozenset(names))
 
@@ -163,7 +166,9 @@ def perception(gamma, end=None):
 def cycle_of(gamma, end=None):
     """One run of the perceptual cycle."""
     ready = perceiver()
-    return perception(gamma, end).run(attend(list(ready.indices.values()), [a.type for a in gamma.appearances], ready.kb))
+    return perception(gamma, end).run(
+        attend(list(ready.indices.values()), [a.type for a in gamma.appearances], ready.kb)
+    )
 
 
 def posed_at(name, pose, of):

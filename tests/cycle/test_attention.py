@@ -61,7 +61,9 @@ def test_chance_is_in_proportion_to_clutter():
     rates = towers().rates.clutter
     total = sum(rates.values())
     chance = chance_types(towers(), 100)
-    assert {name: chance.count(name) for name in rates} == {name: int(100 * rate / total) for name, rate in rates.items()}
+    assert {name: chance.count(name) for name in rates} == {
+        name: int(100 * rate / total) for name, rate in rates.items()
+    }
     assert 90 < len(chance) <= 100
 
 

@@ -65,7 +65,9 @@ def test_clarity_is_what_was_found_of_what_was_hoped_for(count):
     posed, _ = settled(thing, pose, range(count))
     expected, found = posed.candidate, posed.candidate & posed.detected
     shares = posed.counted
-    assert clarity(posed) == pytest.approx(min(1.0, max(LEAST_CLEAR, shares[found].sum() / (shares * posed.hit)[expected].sum())))
+    assert clarity(posed) == pytest.approx(
+        min(1.0, max(LEAST_CLEAR, shares[found].sum() / (shares * posed.hit)[expected].sum()))
+    )
     assert LEAST_CLEAR <= clarity(posed) <= 1.0
     rates = hit_rates(posed, thing.kb)
     assert ((rates >= LEAST_HIT) & (rates <= MOST_HIT)).all()
@@ -103,7 +105,9 @@ def test_a_match_of_a_keypoint_counts_against_clutter_that_looks_as_right(thing,
     """No other keypoint looks right here: then against the share of usual clutter that has the angle, the size, and looks so right."""
     posed, of = settled(thing, pose, range(20))
     near, usual = match_density(posed, thing.kb), clutter_density(thing.kb, of)
-    here = np.maximum(usual, of.namesakes / (of.camera.width * of.camera.height))  # the image may hold more of a word than is usual
+    here = np.maximum(
+        usual, of.namesakes / (of.camera.width * of.camera.height)
+    )  # the image may hold more of a word than is usual
     for f in range(30):
         sigma = posed.sigma[f]
         n = exp(-0.5 * (posed.residual[f] / sigma) ** 2) / (2 * pi * sigma**2)
@@ -138,7 +142,13 @@ def test_what_is_everywhere_around_says_little(thing, pose):
 def test_the_ratio_is_the_sum_of_the_formulas(thing, pose):
     """Each feature as much as it is counted, and the prior of clarity; the surplus is that times the share of poses that fit."""
     posed, of = settled(thing, pose, range(20))
-    rates, near, shares, gains, misses = hit_rates(posed, thing.kb), match_density(posed, thing.kb), posed.counted, [], []
+    rates, near, shares, gains, misses = (
+        hit_rates(posed, thing.kb),
+        match_density(posed, thing.kb),
+        posed.counted,
+        [],
+        [],
+    )
     for f in np.flatnonzero(posed.candidate):
         if posed.matches[f] < 0:
             misses.append(shares[f] * log(1 - rates[f]))
@@ -168,7 +178,9 @@ def test_what_is_hidden_says_nothing_also_to_freedom(bits):
     miss = (shares * np.log(1 - rates))[posed.candidate & ~posed.detected & ~hidden]
     found = evidence(posed, of, thing.kb, hidden)
     assert found.ratio == pytest.approx(gain.sum() + miss.sum() + CLEAR * log(clarity(posed, hidden)))
-    assert found.surplus - found.ratio == pytest.approx(log_share(posed.at[used], (shares / posed.sigma**2)[used], posed.middle, of.camera))
+    assert found.surplus - found.ratio == pytest.approx(
+        log_share(posed.at[used], (shares / posed.sigma**2)[used], posed.middle, of.camera)
+    )
 
 
 def test_more_detections_are_more_evidence(thing, pose):
@@ -179,8 +191,13 @@ def test_more_detections_are_more_evidence(thing, pose):
 def test_attention_goes_to_the_type_whose_words_are_there():
     from random_cloud import random_words
 
-    words, mine = random_words(), [ready(one_sided(seed, 12, word=np.full(12, seed)), name=f"t{seed}") for seed in (1, 2)]
-    rows = attend([thing.index for thing in mine], [words.names[2]] * 12, replace(mine[0].kb, appearance_types=words.names))
+    words, mine = (
+        random_words(),
+        [ready(one_sided(seed, 12, word=np.full(12, seed)), name=f"t{seed}") for seed in (1, 2)],
+    )
+    rows = attend(
+        [thing.index for thing in mine], [words.names[2]] * 12, replace(mine[0].kb, appearance_types=words.names)
+    )
     assert [row.type for row in rows] == ["t2", "t1"]
     assert rows[0].rank == pytest.approx(1.0)
     assert rows[1].rank == 0.0

@@ -68,7 +68,9 @@ def test_each_kind_has_its_own_clarity(shown, hidden):
     assert clarities(posed, hidden) == pytest.approx(np.where(SIDED, sides, points))
     assert clarity(posed, hidden, SIDED) == pytest.approx(sides)
     assert clarity(posed, hidden) == pytest.approx(by_hand(posed, hidden, np.ones(COUNT, bool)))
-    assert hit_rates(posed, thing().kb, hidden) == pytest.approx(np.clip(posed.hit * np.where(SIDED, sides, points), LEAST_HIT, MOST_HIT))
+    assert hit_rates(posed, thing().kb, hidden) == pytest.approx(
+        np.clip(posed.hit * np.where(SIDED, sides, points), LEAST_HIT, MOST_HIT)
+    )
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
@@ -110,7 +112,10 @@ def test_where_no_kind_is_told_all_are_keypoints():
 
 def test_sides_that_are_found_add_evidence_and_sides_that_are_missed_take_some():
     points = np.array([not sided for sided in SIDED])
-    none, half, whole = (evidence(*seen(points | (SIDED & (np.arange(COUNT) < upto))), thing().kb).ratio for upto in (0, COUNT // 2, COUNT))
+    none, half, whole = (
+        evidence(*seen(points | (SIDED & (np.arange(COUNT) < upto))), thing().kb).ratio
+        for upto in (0, COUNT // 2, COUNT)
+    )
     assert none < half < whole
 
 

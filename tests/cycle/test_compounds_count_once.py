@@ -93,7 +93,10 @@ def test_a_compound_is_expected_or_detected_with_any_of_its_parts(seed):
 
 def doubled(cloud, parts):
     """The cloud, of a lobe a feature, with these features a second time, in the same compound."""
-    arrays = {name: np.concatenate([getattr(cloud, name), getattr(cloud, name)[parts]]) for name in LearntCloud.__dataclass_fields__}
+    arrays = {
+        name: np.concatenate([getattr(cloud, name), getattr(cloud, name)[parts]])
+        for name in LearntCloud.__dataclass_fields__
+    }
     return LearntCloud(**arrays | {"feature": np.arange(len(arrays["at"]))})
 
 
@@ -105,7 +108,10 @@ def test_doubling_the_parts_of_a_compound_leaves_ev_and_valuation_alone(seed):
     parts = np.flatnonzero(cloud.compound == rng.integers(1, cloud.compounds + 1))
     posed, thing = posed_of(cloud, seed)
     again = np.append(np.arange(COUNT), parts)
-    arrays = {name: getattr(posed, name)[again] for name in ("at", "uv", "in_image", "in_lobe", "self_hidden", "hit", "matches")}
+    arrays = {
+        name: getattr(posed, name)[again]
+        for name in ("at", "uv", "in_image", "in_lobe", "self_hidden", "hit", "matches")
+    }
     other = ready(doubled(cloud, parts))
     twice = replace(posed, object_type=other.kind, **arrays)
     dv = dict(zip(thing.kb.words.names, rng.random(len(thing.kb.words.names)), strict=True))
@@ -139,10 +145,15 @@ def test_worlds_count_a_compound_once(perceiver, document):
     (counts,) = h["support"].values()
     cells = [counts[key] for key in counts["weights"]]
     assert sum(f.get("stands_for", 1) for f in h["features"] if f["in_image"]) == sum(cells)
-    assert sum(f.get("stands_for", 1) for f in h["features"]) + h["left_out"]["outside_image"] == len(perceiver.kb.type("cube").features)
+    assert sum(f.get("stands_for", 1) for f in h["features"]) + h["left_out"]["outside_image"] == len(
+        perceiver.kb.type("cube").features
+    )
     inner = [f for f in h["features"] if f.get("stands_for", 1) == 0]
     assert len(inner) > 5
-    assert all(f["dv"] == 0.0 and "/" in f["id"] and f["id"].rpartition("/")[0] in {g["id"] for g in h["features"]} for f in inner)
+    assert all(
+        f["dv"] == 0.0 and "/" in f["id"] and f["id"].rpartition("/")[0] in {g["id"] for g in h["features"]}
+        for f in inner
+    )
     good = sum(f["dv"] for f in h["features"] if f["in_image"] and f["case"] in {"A", "B"})
     assert h["ev"] == pytest.approx(2.0 * good / sum(f["dv"] for f in h["features"] if f["in_image"]) - 1.0, abs=1e-9)
     assert len(document["hypotheses"]) > 1 or h["probability"] == pytest.approx(h["p_ev"], abs=1e-9)
@@ -151,7 +162,9 @@ def test_worlds_count_a_compound_once(perceiver, document):
 def test_the_program_knows_the_parts_of_compounds_and_reads_back_the_same(document):
     situation = situation_of(json.loads(text_of(document)))
     again = ranked_worlds(situation, 100)
-    assert [(w["probability"], tuple(w["present"])) for w in document["worlds"]] == [(w.probability, w.present) for w in again.worlds]
+    assert [(w["probability"], tuple(w["present"])) for w in document["worlds"]] == [
+        (w.probability, w.present) for w in again.worlds
+    ]
     compounds = [part for part in situation.hypotheses[0].parts if part.kind == "feature"]
     text = program_text(situation)
     atoms = {label: atom for atom, label in re.findall(r'^% +(\w+) = "(.*)"$', text, re.MULTILINE)}

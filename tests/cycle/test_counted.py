@@ -83,7 +83,9 @@ def test_copies_at_one_place_count_one_together_and_one_alone_counts_one(copies)
 def test_moving_and_turning_the_picture_changes_nothing_and_company_never_adds(how, shift, roll, away):
     posed, _, _ = crowded(*how)
     c, s = cos(roll), sin(roll)
-    moved = replace(posed, uv=posed.uv @ np.array([[c, s], [-s, c]]) + shift, turn=posed.turn + roll, in_image=np.ones(COUNT, bool))
+    moved = replace(
+        posed, uv=posed.uv @ np.array([[c, s], [-s, c]]) + shift, turn=posed.turn + roll, in_image=np.ones(COUNT, bool)
+    )
     posed = replace(posed, in_image=np.ones(COUNT, bool))
     assert moved.counted.tolist() == pytest.approx(posed.counted.tolist())
     alone = replace(posed, in_lobe=posed.in_lobe & (np.arange(COUNT) != away))
@@ -105,7 +107,12 @@ def test_two_along_one_edge_go_together_and_two_abreast_do_not(turn, share):
     posed, _, _ = crowded(0, 1.0)
     uv = np.array([[100.0, 100.0], [100.0 + ALONG, 100.0]])
     two = np.arange(COUNT) < 2
-    posed = replace(posed, uv=np.where(two[:, None], uv[np.minimum(np.arange(COUNT), 1)], 300.0), turn=np.full(COUNT, turn), in_lobe=two)
+    posed = replace(
+        posed,
+        uv=np.where(two[:, None], uv[np.minimum(np.arange(COUNT), 1)], 300.0),
+        turn=np.full(COUNT, turn),
+        in_lobe=two,
+    )
     assert posed.counted[:2] == pytest.approx([share, share], abs=0.01)
 
 

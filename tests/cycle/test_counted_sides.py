@@ -19,7 +19,11 @@ SIDED = st.integers(0, 2**COUNT - 1).map(lambda bits: np.array([bits >> f & 1 fo
 def by_loop(posed, sided):
     result, expected = np.ones(COUNT), np.flatnonzero(posed.candidate).tolist()
     for i in expected:
-        links = [(LINKED if sided[i] or sided[j] else 1.0) * together(posed, min(i, j), max(i, j)) for j in expected if j != i]
+        links = [
+            (LINKED if sided[i] or sided[j] else 1.0) * together(posed, min(i, j), max(i, j))
+            for j in expected
+            if j != i
+        ]
         result[i] = 1.0 / (1.0 + sum(links))
     return result.tolist()
 
@@ -37,14 +41,21 @@ def test_keypoints_alone_are_as_they_were(how):
     posed = crowded(*how)[0]
     assert posed.sided.tolist() == [False] * COUNT
     for sided in (None, np.zeros(COUNT, bool)):
-        assert replace(posed, sided=sided).counted.tolist() == posed.counted.tolist() == pytest.approx(by_loop(posed, posed.sided))
+        assert (
+            replace(posed, sided=sided).counted.tolist()
+            == posed.counted.tolist()
+            == pytest.approx(by_loop(posed, posed.sided))
+        )
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(CROWDS, SIDED, st.integers(0, COUNT - 1))
 def test_a_side_counts_no_less_than_a_keypoint_at_its_place_and_company_never_adds(how, sided, one):
     posed = crowded(*how)[0]
-    plain, mixed = replace(posed, sided=sided & (np.arange(COUNT) != one)), replace(posed, sided=sided | (np.arange(COUNT) == one))
+    plain, mixed = (
+        replace(posed, sided=sided & (np.arange(COUNT) != one)),
+        replace(posed, sided=sided | (np.arange(COUNT) == one)),
+    )
     assert 0.0 < LINKED < 1.0
     assert (mixed.counted >= plain.counted * (1 - 1e-12)).all()
     alone = replace(mixed, in_lobe=mixed.in_lobe & (np.arange(COUNT) != one))

@@ -117,7 +117,9 @@ def test_the_trace_names_every_step(hiding):
     for _, cycle in hiding:
         events = [step.event for step in cycle.trace.steps]
         assert set(events) <= {"rank", "accept", "reject", "reconsider", "release", "stable"}
-        assert [step.type for step in cycle.trace.steps if step.event == "rank"] == [row.type for row in cycle.attention]
+        assert [step.type for step in cycle.trace.steps if step.event == "rank"] == [
+            row.type for row in cycle.attention
+        ]
         assert events.count("accept") == len(cycle.accepted) + events.count("release")
         assert events.count("reject") + events.count("release") == len(cycle.rejected)
         assert events.count("reconsider") >= len(cycle.accepted)
@@ -141,7 +143,9 @@ def test_a_permuted_gamma_gives_the_same_objects(hiding):
     again = by_type(cycle_of(Gamma(CAMERA, tuple(shot.gamma.appearances[i] for i in order))))
     assert again.keys() == by_type(cycle).keys()
     for name, belief in by_type(cycle).items():
-        assert same_place(belief.posed.object_type, belief.posed.camera_from_object, again[name].posed.camera_from_object)
+        assert same_place(
+            belief.posed.object_type, belief.posed.camera_from_object, again[name].posed.camera_from_object
+        )
         assert again[name].ev_reconsidered == pytest.approx(belief.ev_reconsidered, abs=0.02)
 
 
@@ -303,6 +307,8 @@ def test_what_does_not_hold_beside_the_others_is_released(place, apart):
     assert belief.ev is None or belief.ev < 0.0
     run.accepted = [*cycle.accepted, belief]
     run._stabilise()
-    assert [b.posed.camera_from_object.tolist() for b in run.accepted] == [b.posed.camera_from_object.tolist() for b in cycle.accepted]
+    assert [b.posed.camera_from_object.tolist() for b in run.accepted] == [
+        b.posed.camera_from_object.tolist() for b in cycle.accepted
+    ]
     assert [step.event for step in run.trace.steps].count("release") == 1
     assert run.rejected[0].why

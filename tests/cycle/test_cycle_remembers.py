@@ -11,7 +11,17 @@ from plogic.cycle.perception import perception as cycle_module
 def told(cycle):
     """All that a cycle says, bit for bit."""
     return [
-        [(b.posed.object_type.name, b.posed.camera_from_object.tobytes(), b.posed.matches.tolist(), b.worth, b.ev, b.why) for b in some]
+        [
+            (
+                b.posed.object_type.name,
+                b.posed.camera_from_object.tobytes(),
+                b.posed.matches.tolist(),
+                b.worth,
+                b.ev,
+                b.why,
+            )
+            for b in some
+        ]
         for some in (cycle.accepted, cycle.considered, cycle.rejected)
     ]
 

@@ -34,7 +34,10 @@ def rich():
     rng = np.random.default_rng(7300)
     shot = scene(rng, one_before_the_other(rng))
     of = data(shot)
-    rivals = [belief_at("t1", shot.poses["t2"], of, "rival"), belief_at("t2", moved(shot.poses["t2"], [0.05, 0, 0]), of, "rival")]
+    rivals = [
+        belief_at("t1", shot.poses["t2"], of, "rival"),
+        belief_at("t2", moved(shot.poses["t2"], [0.05, 0, 0]), of, "rival"),
+    ]
     return shot, delta_with(shot, rivals)
 
 
@@ -100,18 +103,28 @@ def test_every_pair_that_can_be_together_has_one_relation(rich):
     for pair in combinations(delta.beliefs, 2):
         facts = [r for r in situation.relations if {r.x, r.y} == set(pair)]
         assert len({r.relation for r in facts}) == (0 if pair in situation.exclusive else 1)
-    front = next(name for name, b in delta.beliefs.items() if b.posed.object_type.name == "t1" and b.status == "accepted")
-    back = next(name for name, b in delta.beliefs.items() if b.posed.object_type.name == "t2" and b.status == "accepted")
+    front = next(
+        name for name, b in delta.beliefs.items() if b.posed.object_type.name == "t1" and b.status == "accepted"
+    )
+    back = next(
+        name for name, b in delta.beliefs.items() if b.posed.object_type.name == "t2" and b.status == "accepted"
+    )
     assert ("partially_occludes", front, back) in {(r.relation, r.x, r.y) for r in situation.relations}
 
 
 @pytest.mark.parametrize(
     ("relation", "facts"),
     [
-        ("non_occludes_ec", [("non_occludes", "x", "y", "non_occludes_ec"), ("non_occludes", "y", "x", "non_occludes_ec")]),
+        (
+            "non_occludes_ec",
+            [("non_occludes", "x", "y", "non_occludes_ec"), ("non_occludes", "y", "x", "non_occludes_ec")],
+        ),
         (
             "mutually_occludes_tpp",
-            [("mutually_occludes", "x", "y", "mutually_occludes_tpp"), ("mutually_occludes", "y", "x", "mutually_occludes_tppi")],
+            [
+                ("mutually_occludes", "x", "y", "mutually_occludes_tpp"),
+                ("mutually_occludes", "y", "x", "mutually_occludes_tppi"),
+            ],
         ),
         ("partially_occludes_tpp", [("partially_occludes", "x", "y", "partially_occludes_tpp")]),
         ("partially_occluded_by_tppi", [("partially_occludes", "y", "x", "partially_occludes_tpp")]),

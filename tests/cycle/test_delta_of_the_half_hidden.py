@@ -40,10 +40,14 @@ def behind_a_plate(hidden, status="accepted", *, opaque=True, away=0.4):
     kb = replace(mine.kb, types=(mine.kind, plate))
     of = gamma_at(mine.cloud, np.flatnonzero(at[:, 0] / at[:, 2] * away > edge), pose)
     place = from_rotation_translation(np.eye(3), [edge - 2.0, -1.0, away])
-    beside = Belief(replace(settle(wall.index, place, of, kb, rounds=0), object_type=plate), wall.index, 1.0, 1.0, 0.5, 0.5, status)
+    beside = Belief(
+        replace(settle(wall.index, place, of, kb, rounds=0), object_type=plate), wall.index, 1.0, 1.0, 0.5, 0.5, status
+    )
     dv = dict.fromkeys(kb.words.names, 0.5)
     perception = Perception(of, kb, {"thing": mine.index, "plate": wall.index}, dv)
-    perception.accepted = [Belief(settle(mine.index, pose, of, kb, rounds=0), mine.index, 1.0, 1.0, 0.5, 0.5, "accepted")]
+    perception.accepted = [
+        Belief(settle(mine.index, pose, of, kb, rounds=0), mine.index, 1.0, 1.0, 0.5, 0.5, "accepted")
+    ]
     perception.accepted += [beside] if status == "accepted" else []
     belief = perception._again(perception.accepted[0])
     return perception, belief, delta_of(Cycle((belief, beside), (), (), (), Trace()), of, kb, dv, Options())
@@ -98,7 +102,13 @@ def test_what_cannot_be_there_together_takes_nothing_out_of_clarity():
     plate = perception.accepted[1]
     body = Surface((CORNERS - 0.5) * (0.5, 0.5, 1.6), box_triangles())
     within = replace(belief, posed=replace(belief.posed, object_type=replace(belief.posed.object_type, surface=body)))
-    delta = delta_of(Cycle((plate,), (replace(within, status="rival"),), (), (), Trace()), perception.data, perception.kb, perception.dv, Options())
+    delta = delta_of(
+        Cycle((plate,), (replace(within, status="rival"),), (), (), Trace()),
+        perception.data,
+        perception.kb,
+        perception.dv,
+        Options(),
+    )
     assert delta.situation.overlaps == {("h1", "h2")}
     facts = [fact for fact in delta.situation.hypotheses[1].features if fact.stands_for == 1]
     assert any(fact.hidden_by for fact in facts)

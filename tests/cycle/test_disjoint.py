@@ -26,14 +26,18 @@ def pushed(seed, deep, names=("t1", "t2")):
     for _ in range(30):
         there = other.copy()
         there[:3, 3] += 0.5 * (low + high) * way
-        found = reached([replace(some, camera_from_object=there if some.object_type.name == "t2" else one) for some in posed])
+        found = reached(
+            [replace(some, camera_from_object=there if some.object_type.name == "t2" else one) for some in posed]
+        )
         low, high = (0.5 * (low + high), high) if found < deep else (low, 0.5 * (low + high))
     return [posed_at(name, there if name == "t2" else one, of) for name in names]
 
 
 def touching(poses):
     """The same, the second moved sideways until the two only just touch."""
-    one, other = (posed_at(name, pose, data(scene(np.random.default_rng(0), {name: pose}))) for name, pose in poses.items())
+    one, other = (
+        posed_at(name, pose, data(scene(np.random.default_rng(0), {name: pose}))) for name, pose in poses.items()
+    )
     step = 0.002 * (one.camera_from_object[:3, 3] - other.camera_from_object[:3, 3])
     there = other.camera_from_object.copy()
     while not contacts([one, other], [one.camera_from_object, there]):
@@ -48,7 +52,9 @@ def apart(posed, still=0):
 
 
 def reached(posed):
-    return max((contact.reach.depth for contact in contacts(posed, [some.camera_from_object for some in posed])), default=0.0)
+    return max(
+        (contact.reach.depth for contact in contacts(posed, [some.camera_from_object for some in posed])), default=0.0
+    )
 
 
 @settings(max_examples=12, deadline=None, derandomize=True)
@@ -79,7 +85,10 @@ def test_the_one_that_nobody_saw_makes_way():
     first, second = pushed(5, 0.02)
     unseen = replace(second, matches=np.full(len(second.matches), -1))
     poses, _ = apart([first, unseen])
-    stayed, went = (np.linalg.norm(pose[:3, 3] - some.camera_from_object[:3, 3]) for pose, some in zip(poses, (first, second), strict=True))
+    stayed, went = (
+        np.linalg.norm(pose[:3, 3] - some.camera_from_object[:3, 3])
+        for pose, some in zip(poses, (first, second), strict=True)
+    )
     assert stayed < 0.1 * went
 
 

@@ -87,7 +87,9 @@ def test_density_is_a_density():
 
 
 def test_clutter_is_a_rate_over_the_images_area():
-    of = data_of([Appearance("a", "patch", (1.0, 1.0), "drawn"), Appearance("b", "unknown_kind", (1.0, 1.0), "drawn")], CAMERA)
+    of = data_of(
+        [Appearance("a", "patch", (1.0, 1.0), "drawn"), Appearance("b", "unknown_kind", (1.0, 1.0), "drawn")], CAMERA
+    )
     assert clutter_density(towers(), of).tolist() == [towers().rates.clutter["patch"] / 307200, 1.0 / 307200]
 
 

@@ -41,7 +41,9 @@ def in_some_lobe(feature, viewpoint):
     distance = np.linalg.norm(view)
     rows = [(feature.rotation @ a.lobe.axis, a.lobe) for a in feature.appearances]
     return any(
-        lobe.r_min <= distance <= lobe.r_max and np.arccos(np.clip(view @ axis / distance, -1, 1)) <= lobe.half_angle + 1e-9 for axis, lobe in rows
+        lobe.r_min <= distance <= lobe.r_max
+        and np.arccos(np.clip(view @ axis / distance, -1, 1)) <= lobe.half_angle + 1e-9
+        for axis, lobe in rows
     )
 
 
@@ -150,7 +152,9 @@ def small(features, places, expected, right):
         np.full(count, -1),
         np.full(count, np.nan),
     )
-    return posed, data_of([Appearance(f"a{i}", "patch", tuple(map(float, uv)), "drawn") for i, uv in enumerate(places)], CAMERA)
+    return posed, data_of(
+        [Appearance(f"a{i}", "patch", tuple(map(float, uv)), "drawn") for i, uv in enumerate(places)], CAMERA
+    )
 
 
 def gain_of(rows, off):
@@ -226,7 +230,9 @@ def test_a_feature_that_an_occluder_hides_is_matched_as_unexpected():
 
 def test_the_four_cases_of_support():
     kind = replace(towers().type("t1"), features=towers().type("t1").features[:4])
-    posed, of = small([(100, 100), (200, 100), (300, 100), (400, 100)], [(100, 100), (300, 100)], [1, 1, 0, 0], np.ones((4, 2)))
+    posed, of = small(
+        [(100, 100), (200, 100), (300, 100), (400, 100)], [(100, 100), (300, 100)], [1, 1, 0, 0], np.ones((4, 2))
+    )
     posed = replace(matched(posed, of, np.ones((4, 2), dtype=bool), TOLERANCE), object_type=kind)
     total = {case: sum(getattr(c, case) for c in posed.support().values()) for case in "ACBD"}
     assert total == {"A": 1, "C": 1, "B": 1, "D": 1}

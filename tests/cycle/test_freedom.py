@@ -92,7 +92,9 @@ def test_the_cameras_roll_and_the_order_of_places_change_nothing(how, roll, orde
 @given(SCENES, st.floats(0.01, 100.0))
 def test_metres_or_miles_are_the_same(how, scale):
     at, precision, centre = places(*how)
-    assert log_share(scale * at, precision, scale * centre, CAMERA) == pytest.approx(log_share(at, precision, centre, CAMERA), abs=1e-7)
+    assert log_share(scale * at, precision, scale * centre, CAMERA) == pytest.approx(
+        log_share(at, precision, centre, CAMERA), abs=1e-7
+    )
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)
@@ -103,7 +105,9 @@ def test_a_larger_picture_of_the_same_is_the_same(how, factor):
     K = CAMERA.K * np.array([[factor], [factor], [1.0]])
     larger = Camera(round(640 * factor), round(480 * factor), K)
     shift = 2 * log(larger.width * larger.height / (640 * 480 * factor**2))
-    assert log_share(at, precision / factor**2, centre, larger) == pytest.approx(log_share(at, precision, centre, CAMERA), abs=0.01 + abs(shift))
+    assert log_share(at, precision / factor**2, centre, larger) == pytest.approx(
+        log_share(at, precision, centre, CAMERA), abs=0.01 + abs(shift)
+    )
 
 
 @pytest.mark.parametrize("camera", [CAMERA, SQUARE])

@@ -59,7 +59,9 @@ PLACES = [
 def test_a_cube_at_a_table(where, at, turn, held):
     cube = laid("cube", CUBE, at, turn)
     assert (("cube", "table") in rests_of([cube, TABLE])) == held, where
-    assert rests_of([TABLE, cube]) == (() if where != "under it" else (("table", "cube"),)) + ((("cube", "table"),) if held else ())
+    assert rests_of([TABLE, cube]) == (() if where != "under it" else (("table", "cube"),)) + (
+        (("cube", "table"),) if held else ()
+    )
 
 
 def test_a_stack_of_three():
@@ -91,7 +93,10 @@ def test_boxes_along_the_axes_rest_as_their_sides_say(seed):
         gap, way = along.max(), np.eye(3)[along.argmax()]
     sides = np.sort(along)[::-1]
     over = (one[0][2] - one[1][2] / 2) - (other[0][2] + other[1][2] / 2)
-    if min(abs(gap - 2 * ALLOWED), abs(way[2] - np.cos(STEEP)), abs(over + 2 * ALLOWED), abs(sides[0] - sides[1])) < 1e-4:
+    if (
+        min(abs(gap - 2 * ALLOWED), abs(way[2] - np.cos(STEEP)), abs(over + 2 * ALLOWED), abs(sides[0] - sides[1]))
+        < 1e-4
+    ):
         return
     expected = gap <= 2 * ALLOWED and ((way[2] >= np.cos(STEEP) and one[0][2] > other[0][2]) or over >= -2 * ALLOWED)
     found = rests_of([laid("x", brick(*one[1]), one[0]), laid("y", brick(*other[1]), other[0])])
@@ -102,7 +107,10 @@ def test_boxes_along_the_axes_rest_as_their_sides_say(seed):
 @given(st.integers(0, 9999))
 def test_facts_do_not_change_where_the_world_is_turned_about_the_vertical_or_moved(seed):
     rng = np.random.default_rng(seed)
-    bodies = [laid(f"h{i}", brick(*rng.uniform(0.05, 0.2, 3)), rng.uniform(-0.1, 0.1, 3), rng.normal(0, 1, 3)) for i in range(4)]
+    bodies = [
+        laid(f"h{i}", brick(*rng.uniform(0.05, 0.2, 3)), rng.uniform(-0.1, 0.1, 3), rng.normal(0, 1, 3))
+        for i in range(4)
+    ]
     shift, turn = rng.uniform(-3, 3, 3), Rotation.from_rotvec([0, 0, rng.uniform(0, 6)]).as_matrix()
     moved = []
     for one in bodies:
@@ -124,7 +132,10 @@ def test_what_poses_may_be_off_only_adds_to_who_may_hold(seed):
     # of two that now may each rest on the other, the higher does
     both = {frozenset(pair) for pair in rests_of(unsure)}
     assert {frozenset(pair) for pair in rests_of(bodies)} <= both
-    assert all(foot_of(a).low <= foot_of(b).low and foot_of(a).high >= foot_of(b).high for a, b in zip(unsure, bodies, strict=True))
+    assert all(
+        foot_of(a).low <= foot_of(b).low and foot_of(a).high >= foot_of(b).high
+        for a, b in zip(unsure, bodies, strict=True)
+    )
 
 
 def test_depth_that_is_little_known_lets_a_cube_rest_that_seems_to_stand_beside_its_post():
@@ -143,15 +154,22 @@ def test_what_stands_in_a_crate_or_on_a_shelf_rests_on_it_and_what_hovers_there_
     body = laid("crate", surface_of(crate), (0, 0, 0.15))
     for height, held in ((0.07, True), (0.14, False)):
         assert (("cube", "crate") in rests_of([laid("cube", CUBE, (0.05, 0.03, height)), body])) == held
-    open_crate = Surface(body.surface.vertices, body.surface.triangles[1:])  # a facet is missing, so it may be no solid: its own facets are asked
+    open_crate = Surface(
+        body.surface.vertices, body.surface.triangles[1:]
+    )  # a facet is missing, so it may be no solid: its own facets are asked
     for height, held in ((0.07, True), (0.14, False)):
-        assert (("cube", "crate") in rests_of([laid("cube", CUBE, (0.05, 0.03, height)), body._replace(surface=open_crate)])) == held
+        assert (
+            ("cube", "crate") in rests_of([laid("cube", CUBE, (0.05, 0.03, height)), body._replace(surface=open_crate)])
+        ) == held
 
 
 def test_a_scan_is_asked_by_its_facets_when_something_stands_on_it():
     """A bowl of 2560 facets has too many dents to be cut; a ball in it rests on it, one over its rim does not."""
     ball = trimesh.creation.icosphere(4, radius=0.2)
-    inside, over = trimesh.creation.icosphere(4, radius=0.18), trimesh.creation.box((1, 1, 0.4)).apply_translation((0, 0, 0.2))
+    inside, over = (
+        trimesh.creation.icosphere(4, radius=0.18),
+        trimesh.creation.box((1, 1, 0.4)).apply_translation((0, 0, 0.2)),
+    )
     bowl = trimesh.boolean.difference([ball, inside, over])
     scan = laid("bowl", surface_of(bowl), (0, 0, 0.2))
     small = surface_of(trimesh.creation.icosphere(2, radius=0.03))

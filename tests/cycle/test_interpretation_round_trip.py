@@ -36,7 +36,12 @@ def written(parts, options):
 
 
 ASKED = {"reading": None, "deadline": None, "trust": False}
-ALL = [Options(reading=r, reconsider=m, smoothing=s) for r in ("score", "posterior") for m in ("to_B", "drop", "reassign") for s in (0.0, 0.01)]
+ALL = [
+    Options(reading=r, reconsider=m, smoothing=s)
+    for r in ("score", "posterior")
+    for m in ("to_B", "drop", "reassign")
+    for s in (0.0, 0.01)
+]
 
 
 @pytest.mark.parametrize("options", ALL, ids=lambda o: f"{o.reading}-{o.reconsider}-{o.smoothing}")
@@ -71,7 +76,9 @@ def test_cases_are_those_of_the_accepted_world(parts):
     for h in document["hypotheses"][: len(delta.beliefs)]:
         assert h["features"]
         for f in h["features"]:
-            letter = {(True, True): "A", (True, False): "C", (False, False): "B", (False, True): "D"}[f["expected"], f["detected"]]
+            letter = {(True, True): "A", (True, False): "C", (False, False): "B", (False, True): "D"}[
+                f["expected"], f["detected"]
+            ]
             assert f["case"] == (letter if f["in_image"] else None)
 
 
@@ -94,7 +101,9 @@ def test_the_ev_beside_the_others_is_that_of_the_mode(parts, mode):
         cells = {kind: Cells(**Counter(cases)) for kind, cases in alone.items()}
         gone, moved = ({kind: sum(flags) for kind, flags in some.items()} for some in (explained, displaced))
         hidden += sum(gone.values())
-        assert h["ev_reconsidered"] == pytest.approx(explanatory_value(reconsidered(cells, gone, mode, moved), dv), abs=1e-9)
+        assert h["ev_reconsidered"] == pytest.approx(
+            explanatory_value(reconsidered(cells, gone, mode, moved), dv), abs=1e-9
+        )
     assert hidden or mode == "reassign"
 
 
@@ -161,6 +170,12 @@ def test_doubts_are_told_and_printed(parts, tmp_path):
     path = tmp_path / "interpretation.json"
     path.write_text(text_of(document))
     assert "reason to doubt" not in worlds_command(str(path), 3, (), ASKED, as_json=False)[0]
-    covered = [f | {"relation": "totally_occludes", "roc": "totally_occludes_eq"} if f["fact"] == "relation" else f for f in document["facts"]]
+    covered = [
+        f | {"relation": "totally_occludes", "roc": "totally_occludes_eq"} if f["fact"] == "relation" else f
+        for f in document["facts"]
+    ]
     path.write_text(text_of(document | {"facts": covered}))
-    assert "a reason to doubt totally_occludes(h1, h2): expected no feature of h2" in worlds_command(str(path), 3, (), ASKED, as_json=False)[0]
+    assert (
+        "a reason to doubt totally_occludes(h1, h2): expected no feature of h2"
+        in worlds_command(str(path), 3, (), ASKED, as_json=False)[0]
+    )

@@ -36,7 +36,9 @@ def posed_tower(name, seed):
 def test_it_is_the_middle_of_the_surface_wherever_the_object_is(seed, name):
     posed = posed_tower(name, seed)
     surface = towers().type(name).surface
-    assert posed.middle.tolist() == pytest.approx(transform_points(posed.camera_from_object, surface.centre[None])[0].tolist())
+    assert posed.middle.tolist() == pytest.approx(
+        transform_points(posed.camera_from_object, surface.centre[None])[0].tolist()
+    )
     back = np.linalg.inv(posed.camera_from_object) @ [*posed.middle, 1.0]
     assert back[:3] == pytest.approx(surface.centre)
 

@@ -36,7 +36,9 @@ def seen(surface, at, camera_from_world):
     pose[:3, 3] = transform_points(camera_from_world, np.array([at], float))[0]
     kind = SimpleNamespace(surface=surface, name="brick", opaque=True)
     middle = pose[:3, 3] if surface is None else transform_points(pose, surface.centre[None])[0]
-    return SimpleNamespace(posed=SimpleNamespace(object_type=kind, camera_from_object=pose, middle=middle), status="accepted", index=None)
+    return SimpleNamespace(
+        posed=SimpleNamespace(object_type=kind, camera_from_object=pose, middle=middle), status="accepted", index=None
+    )
 
 
 def camera(eye=(0.2, -2.5, 1.6), up=(0.0, 0.0, 1.0), *, knows=True):
@@ -78,17 +80,31 @@ def test_without_a_known_up_nothing_is_above_anything():
 
 def test_a_plank_on_two_blocks_is_on_both():
     post = brick(0.2, 0.2, 0.3)
-    space = space_of(camera(), {"plank": (brick(1.2, 0.2, 0.1), (0, 0, 0.35)), "left": (post, (-0.5, 0, 0.15)), "right": (post, (0.5, 0, 0.15))})
+    space = space_of(
+        camera(),
+        {
+            "plank": (brick(1.2, 0.2, 0.1), (0, 0, 0.35)),
+            "left": (post, (-0.5, 0, 0.15)),
+            "right": (post, (0.5, 0, 0.15)),
+        },
+    )
     assert space.on == ()
     assert space.on_both == (("plank", "left", "right"),)
 
 
 def test_bodies_have_a_middle_a_nearest_place_and_a_view():
     cube = brick(0.2, 0.2, 0.2)
-    things = {"near": (cube, (0, 0, 0.2)), "cut": (brick(0.2, 2.0, 4.0), (1.5, 1.0, 0.2)), "away": (cube, (9, 0, 0)), "point": (None, (0, 0, 1))}
+    things = {
+        "near": (cube, (0, 0, 0.2)),
+        "cut": (brick(0.2, 2.0, 4.0), (1.5, 1.0, 0.2)),
+        "away": (cube, (9, 0, 0)),
+        "point": (None, (0, 0, 1)),
+    }
     bodies = {body.id: body for body in space_of(camera(), things).bodies}
     assert [bodies[name].view for name in things] == ["inside", "cut", "outside", "inside"]
-    assert bodies["near"].middle[2] == pytest.approx(np.linalg.norm(np.subtract((0.2, -2.5, 1.6), (0, 0, 0.2))), abs=1e-5)
+    assert bodies["near"].middle[2] == pytest.approx(
+        np.linalg.norm(np.subtract((0.2, -2.5, 1.6), (0, 0, 0.2))), abs=1e-5
+    )
     assert 0.1 < bodies["near"].middle[2] - bodies["near"].nearest < 0.1 * 3**0.5
     assert bodies["point"].nearest == pytest.approx(np.linalg.norm(bodies["point"].middle), abs=1e-5)
 
@@ -147,7 +163,10 @@ def test_who_is_never_together_is_said_with_volume_and_depth(written):
 def test_an_interpretation_without_space_is_read(written):
     """As those were that were written before."""
     _, document = written
-    facts = [{key: value for key, value in fact.items() if key not in ("volume", "depth", "depth_interval")} for fact in document["facts"]]
+    facts = [
+        {key: value for key, value in fact.items() if key not in ("volume", "depth", "depth_interval")}
+        for fact in document["facts"]
+    ]
     old = {key: value for key, value in document.items() if key != "space"} | {"facts": facts}
     assert situation_of(old).space.bodies == ()
     assert exclusion_lines(old) == []

@@ -53,7 +53,9 @@ def believed(posed, thing, of):
 
 
 def situation_of(beliefs, of, kb):
-    return delta_of(Cycle(tuple(beliefs), (), (), (), Trace()), of, kb, dict.fromkeys(kb.words.names, 0.5), POSTERIOR).situation
+    return delta_of(
+        Cycle(tuple(beliefs), (), (), (), Trace()), of, kb, dict.fromkeys(kb.words.names, 0.5), POSTERIOR
+    ).situation
 
 
 def said(posed, of, kb, hidden=None):
@@ -109,7 +111,13 @@ def test_behind_an_accepted_plate_they_are_those_of_what_is_to_be_seen():
     edge = float(np.median(0.3 * at[:, 0] / at[:, 2]))
     wall = ready(one_sided(2, 12), Surface(CORNERS * (2.0, 2.0, 0.001), box_triangles()), name="plate")
     kb = replace(thing.kb, types=(thing.kind, wall.kind))
-    plate = settle(wall.index, from_rotation_translation(np.eye(3), [edge - 2.0, -1.0, 0.3]), of.only(np.zeros(12, bool)), kb, rounds=0)
+    plate = settle(
+        wall.index,
+        from_rotation_translation(np.eye(3), [edge - 2.0, -1.0, 0.3]),
+        of.only(np.zeros(12, bool)),
+        kb,
+        rounds=0,
+    )
     hidden = hidden_by(belief.posed, plate)
     left = ~np.isin(np.arange(12), belief.posed.matches[hidden])
     of = of.only(left)

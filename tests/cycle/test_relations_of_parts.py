@@ -48,7 +48,11 @@ def test_where_the_whole_is_apart_the_parts_are(shown):
     apart = {(x, y) for ((x, _), (y, _)), (relation,) in whole.items() if relation == "non_occludes_dc"}
     inside = [relation for ((x, _), (y, _)), (relation,) in parts.items() if (x, y) in apart]
     assert set(inside) <= {"non_occludes_dc"}
-    in_front = {(x, y) for ((x, _), (y, _)), (relation,) in whole.items() if relation.startswith(("partially_occludes", "totally_occludes"))}
+    in_front = {
+        (x, y)
+        for ((x, _), (y, _)), (relation,) in whole.items()
+        if relation.startswith(("partially_occludes", "totally_occludes"))
+    }
     assert in_front
     some = [relation for ((x, _), (y, _)), (relation,) in parts.items() if (x, y) in in_front]
     assert not [relation for relation in some if "occluded_by" in relation]

@@ -107,7 +107,9 @@ def test_bodies_apart_on_the_screen_have_nothing_to_do_with_each_other():
         told.append(apart_on_screen(one, other, CAMERA.f, 8.0))
         assert told[-1] == apart_on_screen(other, one, CAMERA.f, 8.0)
         if told[-1]:
-            corners = [transform_points(posed.camera_from_object, posed.object_type.surface.vertices) for posed in (one, other)]
+            corners = [
+                transform_points(posed.camera_from_object, posed.object_type.surface.vertices) for posed in (one, other)
+            ]
             first, second = (CAMERA.f * some[:, :2] / some[:, 2:] for some in corners)
             assert np.linalg.norm(first[:, None] - second[None], axis=2).min() > 8.0
             assert not overlap(one, other)

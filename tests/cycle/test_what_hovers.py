@@ -64,16 +64,25 @@ def test_what_hovers_loses_and_what_stands_does_not(ground):
     assert len(after) == 3
     assert after[false] < 0.6 * before[false]
     for name in after.keys() - {false}:
-        assert after[name] == pytest.approx(before[name], abs=0.005), "but for what the false one's cells and the unknown ground make of it"
-    assert {answer.goal for answer in scene_answers(held, ["floats(X)"])[0] if answer.probability > 0.05} == {f"floats({false})"}
+        assert after[name] == pytest.approx(before[name], abs=0.005), (
+            "but for what the false one's cells and the unknown ground make of it"
+        )
+    assert {answer.goal for answer in scene_answers(held, ["floats(X)"])[0] if answer.probability > 0.05} == {
+        f"floats({false})"
+    }
 
 
 def test_the_posterior_odds_fall_by_the_chance_of_an_unknown_support():
     """Where the ground is told and nothing may hold it, whatever else is there."""
-    before, after = (ranked_worlds(told("posterior", **said)) for said in ({}, {"gravity": True, "ground": 0.0, "unknown_support": 0.01}))
+    before, after = (
+        ranked_worlds(told("posterior", **said))
+        for said in ({}, {"gravity": True, "ground": 0.0, "unknown_support": 0.01})
+    )
     without = {w.present for w in before.worlds}
     assert without == {w.present for w in after.worlds}
-    assert after.log_evidence == pytest.approx(before.log_evidence + np.log(0.01), abs=1e-6), "it is as good as sure, so all worlds pay"
+    assert after.log_evidence == pytest.approx(before.log_evidence + np.log(0.01), abs=1e-6), (
+        "it is as good as sure, so all worlds pay"
+    )
 
 
 def test_without_gravity_not_a_byte_is_another():
@@ -87,7 +96,9 @@ def test_the_document_has_the_facts_and_gives_them_back():
     delta = delta_of(found(), data(shot()), replace(towers(), **said), perceiver().dv, Options())
     held, cycle = delta.situation, found()
     ranking = ranked_worlds(held, 10)
-    document = json.loads(text_of(document_of(towers(), shot().gamma, delta, cycle.rejected, cycle.trace.document(), ranking, None)))
+    document = json.loads(
+        text_of(document_of(towers(), shot().gamma, delta, cycle.rejected, cycle.trace.document(), ranking, None))
+    )
     assert document["gravity"] == {"unknown_support": 0.2, "ground": 0.0}
     kinds = [fact["fact"] for fact in document["facts"]]
     assert kinds.count("foot") == 3

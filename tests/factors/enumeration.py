@@ -59,7 +59,9 @@ def _block(scene, graph, block, present):
 def _normalised(weight, block, present):
     """Per context, sum to 1; where no state is stable, the empty one takes it all."""
     outside = [column for name, column in present.items() if name not in block]
-    context = sum((column.astype(np.int64) << bit for bit, column in enumerate(outside)), np.zeros(len(weight), np.int64))
+    context = sum(
+        (column.astype(np.int64) << bit for bit, column in enumerate(outside)), np.zeros(len(weight), np.int64)
+    )
     empty = ~np.logical_or.reduce([present[h] for h in block])
     weight = np.where(np.bincount(context, weight)[context] > 0, weight, empty)
     share = weight / np.bincount(context, weight)[context]

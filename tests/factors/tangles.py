@@ -10,7 +10,10 @@ def tangle(count, seed=0):
     """Every two of many share an appearance that others claim too: one piece that no order of elimination makes easy."""
     rng = np.random.default_rng(seed)
     members = [
-        hypothesis(f"h{i}", [feature(f"f{k}", "A", match=f"a{k}", density=float(rng.random()) / 9) for k in rng.permutation(count)[:5]])
+        hypothesis(
+            f"h{i}",
+            [feature(f"f{k}", "A", match=f"a{k}", density=float(rng.random()) / 9) for k in rng.permutation(count)[:5]],
+        )
         for i in range(count)
     ]
     return situation(members, "posterior")

@@ -26,7 +26,11 @@ from plogic.scene.text.program_text import program_text
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 QUICK = settings(
-    max_examples=40, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate), suppress_health_check=list(HealthCheck)
+    max_examples=40,
+    deadline=None,
+    derandomize=True,
+    phases=(Phase.explicit, Phase.generate),
+    suppress_health_check=list(HealthCheck),
 )
 SEEDS = st.integers(0, 9999)
 
@@ -62,12 +66,18 @@ def by_hand(subject):
     logs, ids = log_weights(subject), [h.id for h in subject.hypotheses]
     weights = np.exp(logs)
     total = weights.sum()
-    rows = {tuple(h for bit, h in enumerate(ids) if i >> bit & 1): float(w / total) for i, w in enumerate(weights) if w > 0}
+    rows = {
+        tuple(h for bit, h in enumerate(ids) if i >> bit & 1): float(w / total) for i, w in enumerate(weights) if w > 0
+    }
     return rows if total > 0 else {}
 
 
 @QUICK
-@given(random_situations(most=4), SEEDS, st.sampled_from(["present(X)", "floats(X)", "held(X)", "rests_on(X, Y)", "rests_on(X, ground)"]))
+@given(
+    random_situations(most=4),
+    SEEDS,
+    st.sampled_from(["present(X)", "floats(X)", "held(X)", "rests_on(X, Y)", "rests_on(X, ground)"]),
+)
 def test_answers_equal_problog(subject, seed, goal):
     from problog.errors import InconsistentEvidenceError
 
@@ -123,13 +133,17 @@ def test_where_nothing_floats_in_any_world_nothing_changes(subject, seed):
 
 def lone(*names, **changes):
     """Hypotheses that have nothing to do with each other, of P(ev) ½ each, or of the prior."""
-    return situation([hypothesis(name, [feature("x", match=f"a_{name}"), feature("y", "C")]) for name in names], **changes)
+    return situation(
+        [hypothesis(name, [feature("x", match=f"a_{name}"), feature("y", "C")]) for name in names], **changes
+    )
 
 
 def test_what_is_held_in_every_world_keeps_its_probability_beside_what_floats():
     """H3 hovers over h1, h2 stands on the ground: by hand h3's odds fall tenfold where the ground is told, and nobody else's change."""
     rests = (("h1", "ground"), ("h2", "ground"))
-    subject = lone("h1", "h2", "h3", gravity=Gravity(0.1, 0.0, (Foot("h1", 0, 0), Foot("h2", 0, 0), Foot("h3", 0.2, 0.2)), rests))
+    subject = lone(
+        "h1", "h2", "h3", gravity=Gravity(0.1, 0.0, (Foot("h1", 0, 0), Foot("h2", 0, 0), Foot("h3", 0.2, 0.2)), rests)
+    )
     chances = ranked_worlds(subject).marginals
     assert chances == pytest.approx({"h1": 0.5, "h2": 0.5, "h3": 0.1 / 1.1})
 
@@ -137,10 +151,14 @@ def test_what_is_held_in_every_world_keeps_its_probability_beside_what_floats():
 def test_where_the_ground_is_not_told_it_is_where_the_lowest_of_the_world_stands():
     """Of two the higher floats only beside the lower: weights 1, 1, 1 and 0.1, so each is present with 1.1 in 3.1."""
     subject = lone("h1", "h2", gravity=Gravity(0.1, None, (Foot("h1", 0.0, 0.01), Foot("h2", 0.2, 0.21))))
-    assert worlds_of(subject) == pytest.approx({(): 1 / 3.1, ("h1",): 1 / 3.1, ("h2",): 1 / 3.1, ("h1", "h2"): 0.1 / 3.1})
+    assert worlds_of(subject) == pytest.approx(
+        {(): 1 / 3.1, ("h1",): 1 / 3.1, ("h2",): 1 / 3.1, ("h1", "h2"): 0.1 / 3.1}
+    )
     (floats, held) = scene_answers(subject, ["floats(h2)", "rests_on(X, ground)"])
     assert floats[0].probability == pytest.approx(0.1 / 3.1)
-    assert {a.goal: a.probability for a in held} == pytest.approx({"rests_on(h1, ground)": 1.1 / 3.1, "rests_on(h2, ground)": 1 / 3.1})
+    assert {a.goal: a.probability for a in held} == pytest.approx(
+        {"rests_on(h1, ground)": 1.1 / 3.1, "rests_on(h2, ground)": 1 / 3.1}
+    )
     near = replace(subject.gravity, feet=(Foot("h1", 0.0, 0.01), Foot("h2", 0.01, 0.02)))
     assert worlds_of(replace(subject, gravity=near)) == worlds_of(replace(subject, gravity=None))
 
@@ -187,7 +205,9 @@ def test_the_relevant_part_gives_the_same_answer(subject, seed):
 def test_forty_at_different_heights_are_exact_at_once():
     """A chain, no table over all: by dynamic programming over the heights, from the lowest up."""
     names = [f"h{i}" for i in range(40)]
-    subject = lone(*names, gravity=Gravity(0.1, None, tuple(Foot(name, 0.1 * i, 0.1 * i) for i, name in enumerate(names))))
+    subject = lone(
+        *names, gravity=Gravity(0.1, None, tuple(Foot(name, 0.1 * i, 0.1 * i) for i, name in enumerate(names)))
+    )
     empty, some = 1.0, 0.0
     for _ in names:
         some += 0.1 * some + empty

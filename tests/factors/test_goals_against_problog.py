@@ -55,16 +55,27 @@ def assert_same(subject, goal, evidence):
 
     try:
         theirs = stock(subject, goal, evidence)
-    except (InconsistentEvidenceError, UnknownClause) as error:  # explained/1 is a predicate of the posterior reading alone
-        with pytest.raises(InconsistentError if isinstance(error, InconsistentEvidenceError) else UnknownPredicateError):
+    except (
+        InconsistentEvidenceError,
+        UnknownClause,
+    ) as error:  # explained/1 is a predicate of the posterior reading alone
+        with pytest.raises(
+            InconsistentError if isinstance(error, InconsistentEvidenceError) else UnknownPredicateError
+        ):
             scene_answers(subject, [goal], evidence)
         return
-    ours = {answer.goal: answer.probability for answer in scene_answers(subject, [goal], evidence)[0] if answer.probability > 0}
+    ours = {
+        answer.goal: answer.probability
+        for answer in scene_answers(subject, [goal], evidence)[0]
+        if answer.probability > 0
+    }
     assert ours == pytest.approx(theirs, abs=1e-9)
 
 
 @QUICK
-@given(random_situations(most=3), st.sampled_from([g for g in GOALS if not g.startswith("near")]), st.sampled_from(GIVEN))
+@given(
+    random_situations(most=3), st.sampled_from([g for g in GOALS if not g.startswith("near")]), st.sampled_from(GIVEN)
+)
 def test_answers_equal_problog(subject, goal, evidence):
     assert_same(subject, goal, evidence)
 
@@ -143,7 +154,10 @@ def several(count=4):
     members = []
     for i in range(count):
         for j in (1, 2):
-            own = [feature(f"p{i}f{k}", "A", match=f"p{i}a{k}", density=0.01 * (i + j + k), hit_rate=0.5 + 0.09 * j) for k in range(2)]
+            own = [
+                feature(f"p{i}f{k}", "A", match=f"p{i}a{k}", density=0.01 * (i + j + k), hit_rate=0.5 + 0.09 * j)
+                for k in range(2)
+            ]
             members.append(hypothesis(f"p{i}h{j}", own, group=f"p{i}"))
     return situation(members, "posterior", rivals=frozenset({(f"p{i}h1", f"p{i}h2") for i in range(count)}))
 
@@ -188,7 +202,9 @@ def test_order_and_names_of_hypotheses_do_not_matter(subject, random):
 @pytest.mark.parametrize("goal", ["present(H)", "present('My Box')", "\\+ present( t1 )", "\\+ present('t1')"])
 def test_what_is_said_of_presence_alone_is_answered_as_the_program_answers(goal, given_):
     plain = towers("posterior")
-    subject = replace(plain, hypotheses=tuple(replace(h, id="My Box") if h.id == "t2_distorted" else h for h in plain.hypotheses))
+    subject = replace(
+        plain, hypotheses=tuple(replace(h, id="My Box") if h.id == "t2_distorted" else h for h in plain.hypotheses)
+    )
     subject = replace(subject, overlaps=frozenset({("t2", "My Box")}), rivals=frozenset({("t2", "My Box")}))
     ours = scene_answers(subject, [goal], given_)[0]
     theirs = run([Text(program_text(subject))], [goal], given_, names=names_of(subject))[0]

@@ -116,7 +116,9 @@ def test_a_lone_feature_weighs_its_closed_form():
     logs = by_graph(subject)
     h, density, clutter = 0.8, 0.05, 2e-5
     prior = np.log(0.3 / 0.7)
-    assert logs[1] - logs[0] == pytest.approx(prior + np.log((h * density + (1 - h) * clutter) / clutter) + np.log(1 - h))
+    assert logs[1] - logs[0] == pytest.approx(
+        prior + np.log((h * density + (1 - h) * clutter) / clutter) + np.log(1 - h)
+    )
 
 
 def test_no_hypothesis_is_an_empty_graph():

@@ -43,7 +43,10 @@ def with_space(subject, seed):
     known = [name for name in ids if rng.random() < 0.8]
     views = ["inside", "cut", "outside"]
     middles = [tuple(rng.choice([-0.5, 0.0, 0.25, 0.5]) for _ in "xyz") for _ in known]
-    bodies = tuple(BodyFact(name, at, rng.choice([0.5, 1.0, 2.0]), rng.choice(views)) for name, at in zip(known, middles, strict=True))
+    bodies = tuple(
+        BodyFact(name, at, rng.choice([0.5, 1.0, 2.0]), rng.choice(views))
+        for name, at in zip(known, middles, strict=True)
+    )
     pairs = [(x, y) for i, x in enumerate(known) for y in known[i + 1 :]]
     above = tuple(pair for pair in pairs if rng.random() < 0.6)
     both = tuple((x, y, z) for x, y in above for z in known if z not in (x, y) and rng.random() < 0.4)
@@ -59,7 +62,9 @@ def stock(subject, goal):
 
     from plogic.logic.safety.mapping import shown
 
-    results = get_evaluatable("ddnnf").create_from(PrologString(f"{program_text(subject)}\nquery({goal}).\n")).evaluate()
+    results = (
+        get_evaluatable("ddnnf").create_from(PrologString(f"{program_text(subject)}\nquery({goal}).\n")).evaluate()
+    )
     names = names_of(subject)
     return {shown(term, names): p for term, p in results.items() if p > 0}
 
@@ -108,7 +113,9 @@ def test_the_laws_of_left_nearer_near_and_their_converses(seed):
 
 def test_what_nobody_described_is_a_point_at_its_origin():
     pose = (POSE[0], (0.0, 1.0, 0.0, 3.0), (0.0, 0.0, 1.0, 9.0), POSE[3])
-    two = situation([hypothesis("h1", [feature("x")]), hypothesis("h2", [feature("y", match="b")], camera_from_object=pose)])
+    two = situation(
+        [hypothesis("h1", [feature("x")]), hypothesis("h2", [feature("y", match="b")], camera_from_object=pose)]
+    )
     near, nearer, above = holding(two, "gap(h1, h2, V)", "nearer(X, Y)", "above(X, Y)")
     assert near == {("h1", "h2", "5.0")}
     assert nearer == {("h1", "h2")}
@@ -117,7 +124,10 @@ def test_what_nobody_described_is_a_point_at_its_origin():
 
 def test_on_two_together_needs_both():
     three = [hypothesis(f"h{i}", [feature("x", match=f"a{i}"), feature("y", "C")]) for i in range(3)]
-    subject = situation(three, space=Space((0, -1, 0), "T_world_camera", above=(("h0", "h1"), ("h0", "h2")), on_both=(("h0", "h1", "h2"),)))
+    subject = situation(
+        three,
+        space=Space((0, -1, 0), "T_world_camera", above=(("h0", "h1"), ("h0", "h2")), on_both=(("h0", "h1", "h2"),)),
+    )
     (all_three,) = (a.probability for a in answers(subject, "(present(h0), present(h1), present(h2))"))
     for goal in ("on(h0, h1)", "on(h0, h2)"):
         assert [a.probability for a in answers(subject, goal)] == pytest.approx([all_three])

@@ -37,7 +37,9 @@ def test_worlds_sum_to_the_evidence_and_marginals_to_worlds(subject):
     assert ranking.log_evidence == pytest.approx(float(np.logaddexp.reduce(log_weights(subject))), abs=1e-9)
     assert math.fsum(w.probability for w in ranking.worlds) == pytest.approx(1.0)
     for h in subject.hypotheses:
-        assert math.fsum(w.probability for w in ranking.worlds if h.id in w.present) == pytest.approx(ranking.marginals[h.id], abs=1e-12)
+        assert math.fsum(w.probability for w in ranking.worlds if h.id in w.present) == pytest.approx(
+            ranking.marginals[h.id], abs=1e-12
+        )
 
 
 @QUICK
@@ -62,7 +64,11 @@ def test_names_change_nothing(subject):
         return frozenset((new[x], new[y]) for x, y in pairs)
 
     hypotheses = tuple(
-        replace(h, id=new[h.id], features=tuple(replace(f, hidden_by=tuple(new[g] for g in f.hidden_by)) for f in h.features))
+        replace(
+            h,
+            id=new[h.id],
+            features=tuple(replace(f, hidden_by=tuple(new[g] for g in f.hidden_by)) for f in h.features),
+        )
         for h in subject.hypotheses
     )
     other = replace(
@@ -143,7 +149,9 @@ def test_thousands_of_weak_appearances_neither_underflow_nor_raise(reading):
     own = [feature(f"f{i}", "A", match=f"a{i}", density=1e-9, hit_rate=0.01, dv=1e-4) for i in range(3000)]
     missed = [feature(f"m{i}", "C", hit_rate=0.5, dv=1e-4) for i in range(3000)]
     subject = situation([hypothesis("h1", own + missed), hypothesis("h2", own[:1500])], reading)
-    subject = replace(subject, appearances=tuple(AppearanceFact(a.id, a.type, a.uv, 1e-12) for a in subject.appearances))
+    subject = replace(
+        subject, appearances=tuple(AppearanceFact(a.id, a.type, a.uv, 1e-12) for a in subject.appearances)
+    )
     ranking = ranked_worlds(subject)
     assert math.isfinite(ranking.log_evidence)
     assert math.fsum(w.probability for w in ranking.worlds) == pytest.approx(1.0)
@@ -152,7 +160,10 @@ def test_thousands_of_weak_appearances_neither_underflow_nor_raise(reading):
 def test_very_many_claimants_of_one_appearance():
     """Seventeen claim the same, two of them behind others: its cause is a variable of its own."""
     members = [
-        hypothesis(f"h{i}", [feature("x", "A", match="a", density=0.01 * (i + 1), hit_rate=0.7, hidden_by=("h16",) if i < 2 else ())])
+        hypothesis(
+            f"h{i}",
+            [feature("x", "A", match="a", density=0.01 * (i + 1), hit_rate=0.7, hidden_by=("h16",) if i < 2 else ())],
+        )
         for i in range(17)
     ]
     subject = situation(members, "posterior", priors={"box": 0.2})
@@ -160,13 +171,20 @@ def test_very_many_claimants_of_one_appearance():
     weights = log_weights(subject)
     ranking = ranked_worlds(subject, 20)
     assert ranking.log_evidence == pytest.approx(float(np.logaddexp.reduce(weights)))
-    assert [w.probability for w in ranking.worlds] == pytest.approx(list(np.sort(np.exp(weights - ranking.log_evidence))[::-1][:20]))
+    assert [w.probability for w in ranking.worlds] == pytest.approx(
+        list(np.sort(np.exp(weights - ranking.log_evidence))[::-1][:20])
+    )
 
 
 def test_more_occluders_than_one_factor_can_have():
     """Eighteen hide features of one: its pick is a variable of its own."""
-    front = [hypothesis(f"g{i}", [feature("u", "A", match=f"g{i}", dv=0.3), feature("w", "C", dv=0.1)]) for i in range(17)]
-    hidden = [feature(f"c{i}", "AC"[i % 2], match=f"own{i}" if i % 2 == 0 else None, dv=0.1 * (i + 1), hidden_by=(f"g{i}",)) for i in range(17)]
+    front = [
+        hypothesis(f"g{i}", [feature("u", "A", match=f"g{i}", dv=0.3), feature("w", "C", dv=0.1)]) for i in range(17)
+    ]
+    hidden = [
+        feature(f"c{i}", "AC"[i % 2], match=f"own{i}" if i % 2 == 0 else None, dv=0.1 * (i + 1), hidden_by=(f"g{i}",))
+        for i in range(17)
+    ]
     subject = situation([*front, hypothesis("h", [*hidden, feature("d", "B", hidden_by=("g1",))])], smoothing=0.01)
     assert scene_graph(subject).auxiliary
     weights = log_weights(subject)

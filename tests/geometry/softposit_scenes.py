@@ -17,7 +17,9 @@ def scene(seed, points=50, missed=0.2, clutter=0.5, types=1, noise=0.0):
     pose = from_rotation_translation(random_rotations(rng, 1)[0], [*(rng.uniform(-0.2, 0.2, 2) * z), z])
     placed = transform_points(pose, model)
     xy, seen = placed[:, :2] / placed[:, 2:], rng.random(points) >= missed
-    strangers = rng.uniform(xy.min(axis=0) - 0.05, xy.max(axis=0) + 0.05, (round(seen.sum() * clutter / (1 - clutter)), 2))
+    strangers = rng.uniform(
+        xy.min(axis=0) - 0.05, xy.max(axis=0) + 0.05, (round(seen.sum() * clutter / (1 - clutter)), 2)
+    )
     image = np.concatenate([xy[seen] + rng.normal(0, 1, (seen.sum(), 2)) * noise * PIXEL, strangers])
     kinds, order = rng.integers(0, types, points), rng.permutation(len(image))
     image_kinds = np.concatenate([kinds[seen], rng.integers(0, types, len(strangers))])
@@ -29,7 +31,11 @@ def scene(seed, points=50, missed=0.2, clutter=0.5, types=1, noise=0.0):
 def off(pose, rng, degrees, part, count=1):
     """`count` poses turned by `degrees` about any axis and moved by `part` of the distance in any direction."""
     quaternions = np.concatenate(
-        [directions(rng, count) * np.sin(np.radians(degrees) / 2), np.full((count, 1), np.cos(np.radians(degrees) / 2))], axis=1
+        [
+            directions(rng, count) * np.sin(np.radians(degrees) / 2),
+            np.full((count, 1), np.cos(np.radians(degrees) / 2)),
+        ],
+        axis=1,
     )
     place = pose[:3, 3] + directions(rng, count) * part * np.linalg.norm(pose[:3, 3])
     return from_rotation_translation(rotation_from_quat_xyzw(quaternions) @ pose[:3, :3], place)

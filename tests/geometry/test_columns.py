@@ -47,11 +47,23 @@ BY_HAND = {
     "higher, but beside": ((box(), at(1.5, 0, 3.0)), (box(), at()), (False, False, False, False)),
     "two thin sheets": ((box(1, 1, 0.002), at(0, 0, 0.002)), (box(1, 1, 0.002), at()), (True, False, True, False)),
     "in a standing U": ((box(1.0, 0.3, 0.4), at(0, -0.4, -0.2)), (bracket(), at(R=ON_END)), (True, False, True, False)),
-    "across a standing U": ((box(2, 0.3, 0.4), at(0, -0.4, 0.6)), (bracket(), at(R=ON_END)), (True, False, True, False)),
-    "hung over an arm of it": ((bracket(), at(0.8, -0.8, 0.5, R=UPSIDE_DOWN)), (bracket(), at(R=ON_END)), (True, False, False, False)),
+    "across a standing U": (
+        (box(2, 0.3, 0.4), at(0, -0.4, 0.6)),
+        (bracket(), at(R=ON_END)),
+        (True, False, True, False),
+    ),
+    "hung over an arm of it": (
+        (bracket(), at(0.8, -0.8, 0.5, R=UPSIDE_DOWN)),
+        (bracket(), at(R=ON_END)),
+        (True, False, False, False),
+    ),
     "crossed bars": ((box(2, 0.1, 0.1), at(0, 0, 0.1)), (box(0.1, 2, 0.1), at()), (True, False, True, False)),
     "on a sloping roof": ((box(0.2, 0.2, 0.2), at(0.2, 0, 1.45)), (wedge(), at()), (True, False, False, False)),
-    "against a roof that is too steep": ((box(0.2, 0.2, 0.2), at(0.5, -0.5, 1.2)), (GABLE, at(R=ON_END)), (True, False, False, False)),
+    "against a roof that is too steep": (
+        (box(0.2, 0.2, 0.2), at(0.5, -0.5, 1.2)),
+        (GABLE, at(R=ON_END)),
+        (True, False, False, False),
+    ),
 }
 
 
@@ -111,14 +123,19 @@ def test_a_plank_on_two_blocks_stands_on_both_together():
     assert steady(contacts, TOLERANCE)
 
 
-@pytest.mark.parametrize(("body", "expected"), [(box(2, 1, 3), (0, 0, 1.5)), (bracket(), (0, (0.8 * -0.4 + 0.64 * 0.2) / 1.44, 0.4))])
+@pytest.mark.parametrize(
+    ("body", "expected"), [(box(2, 1, 3), (0, 0, 1.5)), (bracket(), (0, (0.8 * -0.4 + 0.64 * 0.2) / 1.44, 0.4))]
+)
 def test_the_centre_of_mass_is_that_of_the_filled_body(body, expected):
     moved = body[0] + [5.0, -3.0, 2.0]
     assert centre_of_mass(moved, body[1]) == pytest.approx(np.add(expected, [5, -3, 2]))
 
 
 def test_a_sheet_has_the_centre_of_its_area():
-    vertices, triangles = np.array([[0, 0, 0], [3, 0, 0], [3, 1, 0], [0, 1, 0]], float), np.array([[0, 1, 2], [0, 2, 3]])
+    vertices, triangles = (
+        np.array([[0, 0, 0], [3, 0, 0], [3, 1, 0], [0, 1, 0]], float),
+        np.array([[0, 1, 2], [0, 2, 3]]),
+    )
     assert centre_of_mass(vertices, triangles) == pytest.approx([1.5, 0.5, 0])
 
 

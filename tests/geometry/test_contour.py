@@ -16,7 +16,10 @@ BODIES = {
     "ball": lambda: trimesh.creation.icosphere(3),
     "ring": lambda: trimesh.creation.torus(0.4, 0.1, 40, 20),
     "knobs": lambda: trimesh.util.concatenate(
-        [trimesh.creation.icosphere(2, radius=0.3).apply_translation(place) for place in ([0, 0, 0], [0.5, 0, 0.2], [0, 0.9, 0])]
+        [
+            trimesh.creation.icosphere(2, radius=0.3).apply_translation(place)
+            for place in ([0, 0, 0], [0.5, 0, 0.2], [0, 0.9, 0])
+        ]
     ),
     "open half": lambda: opened(trimesh.creation.icosphere(3)),
 }
@@ -55,7 +58,10 @@ def test_a_ring_is_seen_through_and_has_no_cracks():
 def test_the_same_surface_has_the_same_outline_to_the_bit():
     body = BODIES["knobs"]()
     pose = from_rotation_translation(random_rotations(np.random.default_rng(1), 1)[0], [0, 0, 3])
-    assert outline(body.vertices, body.faces, pose, CAMERA).wkb == outline(body.vertices.copy(), body.faces.copy(), pose, CAMERA).wkb
+    assert (
+        outline(body.vertices, body.faces, pose, CAMERA).wkb
+        == outline(body.vertices.copy(), body.faces.copy(), pose, CAMERA).wkb
+    )
 
 
 @settings(max_examples=60, deadline=None)
@@ -77,19 +83,32 @@ def test_neighbours_cancel_whichever_way_they_are_wound():
     for second in ([0, 2, 3], [3, 2, 0]):
         edges = contour(pixels, np.array([[0, 1, 2], second]))
         assert sorted(edges.tolist()) == [[0, 1], [1, 2], [2, 3], [3, 0]]
-    assert sorted(contour(pixels, np.array([[0, 1, 2], [2, 1, 0]])).tolist()) == [[0, 1], [0, 1], [1, 2], [1, 2], [2, 0], [2, 0]]
+    assert sorted(contour(pixels, np.array([[0, 1, 2], [2, 1, 0]])).tolist()) == [
+        [0, 1],
+        [0, 1],
+        [1, 2],
+        [1, 2],
+        [2, 0],
+        [2, 0],
+    ]
 
 
 def test_winding_counts_the_turns():
     square = np.array([[0.0, 0], [4, 0], [4, 4], [0, 4]])
-    starts, ends = np.vstack([square, square, square[::-1] + 10]), np.vstack([np.roll(s, -1, axis=0) for s in (square, square, square[::-1] + 10)])
+    starts, ends = (
+        np.vstack([square, square, square[::-1] + 10]),
+        np.vstack([np.roll(s, -1, axis=0) for s in (square, square, square[::-1] + 10)]),
+    )
     assert winding(np.array([[2.0, 1], [11, 11.5], [6, 1], [-3, 2]]), starts, ends).tolist() == [2, -1, 0, 0]
 
 
 def test_a_slit_of_rounding_inside_parts_nothing():
     """Two columns whose common edge is drawn twice, a last digit apart: the middle of the whole lies on it."""
     right = np.nextafter(2.0, 3.0)
-    pixels = np.array([[0, 0], [4, 0], [4, 1], [2, 1], [0, 1], [0, 3], [2, 3], [4, 3], [4, 4], [0, 4], [2, 2], [right, 2]], dtype=float)
+    pixels = np.array(
+        [[0, 0], [4, 0], [4, 1], [2, 1], [0, 1], [0, 3], [2, 3], [4, 3], [4, 4], [0, 4], [2, 2], [right, 2]],
+        dtype=float,
+    )
     below, above = [[0, 1, 2], [0, 2, 3], [0, 3, 4]], [[5, 6, 9], [6, 8, 9], [6, 7, 8]]
     columns = [[4, 3, 10], [4, 10, 5], [5, 10, 6], [3, 2, 11], [2, 7, 11], [7, 6, 11]]
     area = union_by_contour(pixels, np.array(below + columns + above))

@@ -19,10 +19,16 @@ def pair(seed):
     rng = np.random.default_rng(seed)
     x, y = (bodies()[k] for k in rng.integers(0, 3, 2))
     R, Q = random_rotations(rng, 2)
-    return (x, from_rotation_translation(R, [0, 0, 5])), (y, from_rotation_translation(Q, np.add([0, 0, 5], rng.uniform(-2, 2, 3))))
+    return (x, from_rotation_translation(R, [0, 0, 5])), (
+        y,
+        from_rotation_translation(Q, np.add([0, 0, 5], rng.uniform(-2, 2, 3))),
+    )
 
 
-@pytest.mark.parametrize(("shift", "expected"), [((1.5, 0, 0), 0.5), ((1, 0, 0), 0.0), ((0.5, 0, 0), 0.0), ((1.3, 1.4, 0), 0.5), ((0.1, 0, -3), 2.0)])
+@pytest.mark.parametrize(
+    ("shift", "expected"),
+    [((1.5, 0, 0), 0.5), ((1, 0, 0), 0.0), ((0.5, 0, 0), 0.0), ((1.3, 1.4, 0), 0.5), ((0.1, 0, -3), 2.0)],
+)
 def test_of_two_cubes_by_hand(shift, expected):
     x, y = posed(box(), at(0, 0, 5)), posed(box(), at(*np.add(shift, [0, 0, 5])))
     solids = Solid(*box()), Solid(*box())

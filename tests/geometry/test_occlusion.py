@@ -20,6 +20,7 @@ def coarse_relation(*args, **options):
     """Which of the six coarse relations `occlusion` is a case of (§3.6)."""
     return coarse(occlusion(*args, **options))
 
+
 SMALL, LARGE = box(0.4, 0.4, 0.4), box(2, 2, 0.4)
 SLANT = np.array([[14, 0, 15], [0, np.hypot(14, 15), 0], [-15, 0, 14]]) / np.hypot(14, 15)  # z to (15, 0, 14)
 THROUGH = at(0, 0.3, 4.4, SLANT) @ at(
@@ -160,7 +161,11 @@ def test_the_relation_does_not_depend_on_where_x_y_and_the_image_lie():
 
 def test_outlines_that_are_known_need_not_be_drawn_again():
     x, y = posed(SMALL, at(0, 0, 3)), posed(SMALL, at(0.3, 0, 5))
-    assert coarse_relation(x, y, CAMERA, images=(drawn(x, CAMERA), drawn(y, CAMERA))) == coarse_relation(x, y, CAMERA) == "partially_occludes"
+    assert (
+        coarse_relation(x, y, CAMERA, images=(drawn(x, CAMERA), drawn(y, CAMERA)))
+        == coarse_relation(x, y, CAMERA)
+        == "partially_occludes"
+    )
 
 
 def test_a_sliver_in_common_is_no_interior_within_the_tolerance():

@@ -33,7 +33,11 @@ def test_our_own_format(tmp_path):
 
 def test_a_tum_trajectory_says_the_same(tmp_path):
     half = np.sqrt(0.5)
-    (placed,) = read_poses(written(tmp_path, f"# timestamp tx ty tz qx qy qz qw\n\n1305031102.17 1.5 -2 0.25 0 0 {half} {half}  # a remark\n"))
+    (placed,) = read_poses(
+        written(
+            tmp_path, f"# timestamp tx ty tz qx qy qz qw\n\n1305031102.17 1.5 -2 0.25 0 0 {half} {half}  # a remark\n"
+        )
+    )
     assert placed.frame == "1305031102.17"
     assert np.allclose(placed.world_from_camera, POSE)
 

@@ -54,7 +54,12 @@ def test_what_stands_in_a_hole_is_outside_and_what_fills_it_touches():
 
 
 def test_nothing_is_dc_from_everything():
-    assert rcc8(shapely.Polygon(), WHOLE, T) == rcc8(WHOLE, shapely.Polygon(), T) == rcc8(shapely.Polygon(), shapely.Polygon(), T) == "DC"
+    assert (
+        rcc8(shapely.Polygon(), WHOLE, T)
+        == rcc8(WHOLE, shapely.Polygon(), T)
+        == rcc8(shapely.Polygon(), shapely.Polygon(), T)
+        == "DC"
+    )
 
 
 def test_a_crack_of_rounding_is_no_boundary():

@@ -24,7 +24,9 @@ def scene(seed, ways, *, camera=CAMERA, noise=0.0, start=0.03):
     """Guesses, points, pixels, weights, unit vectors across lines of angles ``ways``, and the true poses, of 3 objects."""
     rng = np.random.default_rng(seed)
     objects = rng.uniform(-0.6, 0.6, (3, COUNT, 3))
-    poses = from_rotation_translation(random_rotations(rng, 3), np.c_[rng.uniform(-0.5, 0.5, (3, 2)), rng.uniform(3, 6, 3)])
+    poses = from_rotation_translation(
+        random_rotations(rng, 3), np.c_[rng.uniform(-0.5, 0.5, (3, 2)), rng.uniform(3, 6, 3)]
+    )
     uv = camera.project(transform_points(poses, objects)) + rng.normal(0, noise, (3, COUNT, 2))
     guess = turned(poses, rng.normal(0, start, (3, 6)))
     angle = np.resize(ways, (3, COUNT))
@@ -70,7 +72,12 @@ def test_two_lines_at_a_right_angle_through_a_place_are_the_place(seed, angle):
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)
-@given(SEEDS, st.lists(st.floats(-3.2, 3.2), min_size=1, max_size=COUNT), st.sampled_from([None, 2.0]), st.floats(1.0, 50.0))
+@given(
+    SEEDS,
+    st.lists(st.floats(-3.2, 3.2), min_size=1, max_size=COUNT),
+    st.sampled_from([None, 2.0]),
+    st.floats(1.0, 50.0),
+)
 def test_a_pixel_moved_along_its_line_changes_nothing(seed, ways, huber, far):
     guess, objects, uv, weights, across, _ = scene(seed, ways, noise=1.0)
     moved = uv + np.random.default_rng(seed).normal(0, far, (3, COUNT, 1)) * along(across)
@@ -116,7 +123,9 @@ def test_no_pose_gets_worse_and_the_distance_is_that_across_the_lines(seed, ways
     found, after, _ = refine_poses(guess, objects, uv, weights, CAMERA, across=across, huber=huber)
     for poses, rms in ((guess, before), (found, after)):
         off = ((ideal(CAMERA, poses, objects) - uv) * across).sum(axis=2)
-        np.testing.assert_allclose(rms, np.sqrt((weights * off**2).sum(axis=1) / weights.sum(axis=1)), rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(
+            rms, np.sqrt((weights * off**2).sum(axis=1) / weights.sum(axis=1)), rtol=1e-6, atol=1e-9
+        )
     assert huber is not None or (after <= before + 1e-12).all()
 
 
@@ -146,7 +155,10 @@ def test_information_is_that_of_a_jacobian_by_differences(seed, ways, points):
         expected += weights[i] * rows.T @ rows
     found = information(transform_points(pose, some)[0], pose[0, :3, 3], weights, CAMERA, across)
     np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-5 * np.abs(expected).max())
-    assert (np.linalg.eigvalsh(information(transform_points(pose, some)[0], pose[0, :3, 3], weights, CAMERA) - found) > -1e-3).all()
+    assert (
+        np.linalg.eigvalsh(information(transform_points(pose, some)[0], pose[0, :3, 3], weights, CAMERA) - found)
+        > -1e-3
+    ).all()
 
 
 @settings(max_examples=20, deadline=None, derandomize=True)
@@ -155,7 +167,9 @@ def test_the_covariance_is_the_inverse_of_the_information(seed, first, weight):
     guess, objects, uv, weights, across, _ = scene(seed, first + np.array([0.0, 1.0, 2.0]), start=0.0)
     covariance = refine_poses(guess, objects, uv, weight * weights, CAMERA, 0, across=across)[2]
     for k in range(3):
-        known = information(transform_points(guess, objects)[k], guess[k, :3, 3], weight * weights[k], CAMERA, across[k])
+        known = information(
+            transform_points(guess, objects)[k], guess[k, :3, 3], weight * weights[k], CAMERA, across[k]
+        )
         np.testing.assert_allclose(covariance[k] @ known, np.eye(6), atol=1e-5)
 
 
@@ -164,7 +178,9 @@ def test_the_covariance_is_the_inverse_of_the_information(seed, first, weight):
 def test_one_direction_of_lines_leaves_the_pose_unfixed(seed, angle):
     """All may move along the lines. Some points that are to be met fix it again, and so do lines of another direction."""
     _, objects, uv, weights, across, poses = scene(seed, [angle])
-    assert np.isinf(np.diagonal(refine_poses(poses, objects, uv, weights, CAMERA, across=across)[2], axis1=1, axis2=2)).all()
+    assert np.isinf(
+        np.diagonal(refine_poses(poses, objects, uv, weights, CAMERA, across=across)[2], axis1=1, axis2=2)
+    ).all()
     some, others = across.copy(), across.copy()
     some[:, :4], others[:, : COUNT // 2] = np.nan, along(across)[:, : COUNT // 2]
     for fixed in (some, others):
@@ -185,7 +201,8 @@ def test_huber_bears_a_line_that_is_another_s():
     guess, objects, uv, weights, across, poses = scene(5, [0.0, 1.0, 2.0], noise=0.3)
     uv[:, 0] += 60 * across[:, 0]
     plain, robust = (
-        pose_error(refine_poses(guess, objects, uv, weights, CAMERA, 20, huber=huber, across=across)[0], poses)[0] for huber in (None, 1.0)
+        pose_error(refine_poses(guess, objects, uv, weights, CAMERA, 20, huber=huber, across=across)[0], poses)[0]
+        for huber in (None, 1.0)
     )
     assert np.median(robust) < np.median(plain) / 4
 

@@ -11,7 +11,9 @@ from geometry.frames import from_rotation_translation, look_at, pose_error, rota
 from geometry.poses.refine import refine_poses
 from geometry.poses.refine_sights import Sight, refine_sights, turned_step
 
-CAMERA = Camera(640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]), np.array([0.1, -0.05, 0.001, 0.002, 0.01]))
+CAMERA = Camera(
+    640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]), np.array([0.1, -0.05, 0.001, 0.002, 0.01])
+)
 POINTS = np.random.default_rng(3).uniform(-0.15, 0.15, (12, 3))
 TRUTH = from_rotation_translation(rotation_from_quat_xyzw([0.1, 0.3, -0.2, 0.9]), [0.02, 0.05, 0.1])
 
@@ -39,7 +41,9 @@ def test_the_pose_is_found_again_from_exact_sights():
 def test_one_sight_is_what_one_camera_refines():
     only = sight([1.0, -1.0, 0.8], noise=1.0)
     found = refine_sights(started(), [only], iterations=30)
-    alone, _, _ = refine_poses((only.camera_from_world @ started())[None], POINTS[None], only.uv[None], only.weights[None], CAMERA, 30)
+    alone, _, _ = refine_poses(
+        (only.camera_from_world @ started())[None], POINTS[None], only.uv[None], only.weights[None], CAMERA, 30
+    )
     assert np.allclose(only.camera_from_world @ found, alone[0], atol=1e-6)
 
 

@@ -40,7 +40,9 @@ def test_focal_length_within_two_percent_at_half_a_pixel():
 
 
 def test_pose_with_a_camera_that_distorts():
-    camera = Camera(*SIZE, np.array([[1000.0, 0, 650], [0, 990, 470], [0, 0, 1]]), np.array([-0.1, 0.02, 0.001, -0.001, 0]))
+    camera = Camera(
+        *SIZE, np.array([[1000.0, 0, 650], [0, 990, 470], [0, 0, 1]]), np.array([-0.1, 0.02, 0.001, -0.001, 0])
+    )
     pose, uv = seen(SEVEN[:4], camera)
     found = register(SEVEN[:4], uv, SIZE, camera)
     assert found.camera is camera

@@ -11,13 +11,19 @@ from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, pose_error, transform_points
 from geometry.poses.refine import Steps, refine_poses, refined_poses
 
-BODIES = {"brick": box(0.2, 0.1, 0.06)[0], "wedge": wedge()[0], "triangle": prism([(0, 0), (0.3, 0), (0.1, 0.2)], 0.15)[0]}
+BODIES = {
+    "brick": box(0.2, 0.1, 0.06)[0],
+    "wedge": wedge()[0],
+    "triangle": prism([(0, 0), (0.3, 0), (0.1, 0.2)], 0.15)[0],
+}
 seeds = st.integers(0, 9999)
 
 
 def posed(seed, count=1):
     rng = np.random.default_rng(seed)
-    return from_rotation_translation(random_rotations(rng, count), np.array([0.0, 0, 3]) + rng.uniform(-1, 1, (count, 3)))
+    return from_rotation_translation(
+        random_rotations(rng, count), np.array([0.0, 0, 3]) + rng.uniform(-1, 1, (count, 3))
+    )
 
 
 def test_a_brick_stands_on_six_sides_the_largest_first():
@@ -37,7 +43,9 @@ def test_what_would_topple_is_no_face_to_stand_on():
     assert (resting_faces(needle).down @ [0, 0, 1.0] < 0.9).all()
 
 
-@pytest.mark.parametrize("points", [np.zeros((0, 3)), np.zeros((5, 3)), np.c_[BODIES["brick"][:, :2], np.zeros(8)], BODIES["brick"][:3]])
+@pytest.mark.parametrize(
+    "points", [np.zeros((0, 3)), np.zeros((5, 3)), np.c_[BODIES["brick"][:, :2], np.zeros(8)], BODIES["brick"][:3]]
+)
 def test_points_without_volume_stand_on_nothing(points):
     assert len(resting_faces(points).down) == 0
 
@@ -74,7 +82,9 @@ def test_moves_along_a_plane_leave_heights_as_they_are(seed):
     step = plane.moves @ rng.normal(size=3)
     places = rng.normal(size=(5, 3))
     np.testing.assert_allclose(plane.up @ step[3:], 0.0, atol=1e-12)
-    np.testing.assert_allclose(plane.up @ np.cross(step[:3], places).T, 0.0, atol=1e-12)  # a small turn about the normal lifts nothing
+    np.testing.assert_allclose(
+        plane.up @ np.cross(step[:3], places).T, 0.0, atol=1e-12
+    )  # a small turn about the normal lifts nothing
 
 
 def scene(seed, noise=0.3):
@@ -98,7 +108,9 @@ def scene(seed, noise=0.3):
 def test_what_moves_along_its_plane_is_fitted_and_stays_on_it():
     truth, planes, start, points, uv = scene(3, noise=0.0)
     for i, plane in enumerate(planes):
-        found = refined_poses(start[i : i + 1], points[:1], uv[i : i + 1], np.ones((1, 8)), CAMERA, Steps(4, plane.moves))
+        found = refined_poses(
+            start[i : i + 1], points[:1], uv[i : i + 1], np.ones((1, 8)), CAMERA, Steps(4, plane.moves)
+        )
         assert np.allclose(pose_error(found[0], truth[i]), 0, atol=1e-3)
         heights = [plane.height(transform_points(pose, points[0])) for pose in (found[0], truth[i])]
         np.testing.assert_allclose(*heights, atol=1e-9)

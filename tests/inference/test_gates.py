@@ -90,7 +90,9 @@ def test_formulas_together_are_as_they_are_apart(left, right):
 
 def test_equal_steps_are_made_once_and_no_factor_is_wide():
     parts = [Literal(v, frozenset({1})) for v in (0, 1, 2, 4)]
-    graph, made = with_formulas(weighed(), (And(tuple(parts)), Not(And(tuple(reversed(parts)))), Or(tuple(Not(p) for p in parts))))
+    graph, made = with_formulas(
+        weighed(), (And(tuple(parts)), Not(And(tuple(reversed(parts)))), Or(tuple(Not(p) for p in parts)))
+    )
     assert len(graph.cards) == len(CARDS) + 3
     assert made == (Literal(7, frozenset({1})), Literal(7, frozenset({0})), Literal(7, frozenset({0})))
     assert max(len(f.scope) for f in graph.factors) == 3

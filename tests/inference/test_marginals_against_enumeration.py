@@ -38,7 +38,9 @@ def enumerated(graph):
         return top, [np.full(c, np.nan) for c in graph.cards]
     scaled = {states: math.exp(log - top) for states, log in logs.items()}
     total = math.fsum(scaled.values())
-    return top + math.log(total), [np.array([_mass(scaled, v, s) for s in range(c)]) / total for v, c in enumerate(graph.cards)]
+    return top + math.log(total), [
+        np.array([_mass(scaled, v, s) for s in range(c)]) / total for v, c in enumerate(graph.cards)
+    ]
 
 
 def _mass(scaled, variable, state):
@@ -78,7 +80,9 @@ def test_summing_out_keeps_what_is_left(graph, gone):
     rest = summed_out(graph, gone)
     before, after = beliefs(graph), beliefs(rest)
     assert rest.cards == tuple(1 if v in gone else c for v, c in enumerate(graph.cards))
-    assert after.log_z[0] == before.log_z[0] or math.isclose(after.log_z[0], before.log_z[0], rel_tol=1e-12, abs_tol=1e-11)
+    assert after.log_z[0] == before.log_z[0] or math.isclose(
+        after.log_z[0], before.log_z[0], rel_tol=1e-12, abs_tol=1e-11
+    )
     for v in set(range(len(graph.cards))) - gone:
         np.testing.assert_allclose(after.low[v], before.low[v], rtol=1e-9, atol=1e-11)
 

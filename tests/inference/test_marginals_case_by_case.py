@@ -68,7 +68,9 @@ def assert_contains(interval, exact):
 def test_cases_agree_with_tables(graph, width):
     exact, found = beliefs(graph), beliefs(graph, width=width)
     assert found.exact
-    assert found.log_z[0] == exact.log_z[0] or math.isclose(found.log_z[0], exact.log_z[0], rel_tol=1e-12, abs_tol=1e-12)
+    assert found.log_z[0] == exact.log_z[0] or math.isclose(
+        found.log_z[0], exact.log_z[0], rel_tol=1e-12, abs_tol=1e-12
+    )
     for one, other in zip(found.low, exact.low, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-13)
 
@@ -144,7 +146,9 @@ def test_an_exact_attempt_that_is_given_up_is_followed_by_cases(graph):
         patch.setattr(bounded, "_fair", lambda *_: True)
         found = bounded.bounded(split(graph)[1][0], 20.0, Clock(60.0))
     assert found.low is found.high
-    assert found.log_z[0] == (pytest.approx(exact.log_z[0] - graph.constant, abs=1e-11) if exact.log_z[0] > -math.inf else -math.inf)
+    assert found.log_z[0] == (
+        pytest.approx(exact.log_z[0] - graph.constant, abs=1e-11) if exact.log_z[0] > -math.inf else -math.inf
+    )
 
 
 def test_with_time_enough_a_deadline_changes_nothing():

@@ -13,7 +13,9 @@ from plogic.inference.marginals import beliefs
 def pairs(count, seed=0):
     """Pieces of two variables each."""
     numbers = np.random.default_rng(seed)
-    return FactorGraph((2, 3) * count, tuple(Factor((2 * i, 2 * i + 1), numbers.normal(size=(2, 3))) for i in range(count)))
+    return FactorGraph(
+        (2, 3) * count, tuple(Factor((2 * i, 2 * i + 1), numbers.normal(size=(2, 3))) for i in range(count))
+    )
 
 
 def with_factor(graph, factor):

@@ -70,10 +70,17 @@ def _renamed(factor, names):
 @st.composite
 def extreme_grids(draw):
     """Small grids with offsets and spreads far beyond what a double holds."""
-    graph = grid(draw(st.integers(2, 4)), draw(st.integers(2, 4)), draw(st.integers(0, 9)), draw(st.sampled_from((-math.inf, -1.0, -400.0))))
+    graph = grid(
+        draw(st.integers(2, 4)),
+        draw(st.integers(2, 4)),
+        draw(st.integers(0, 9)),
+        draw(st.sampled_from((-math.inf, -1.0, -400.0))),
+    )
     offsets = st.sampled_from((0.0, -2000.0, 900.0))
     scales = st.sampled_from((1.0, 1.0, 50.0, 500.0))
-    return FactorGraph(graph.cards, tuple(Factor(f.scope, _scaled(f.table, draw(scales)) + draw(offsets)) for f in graph.factors))
+    return FactorGraph(
+        graph.cards, tuple(Factor(f.scope, _scaled(f.table, draw(scales)) + draw(offsets)) for f in graph.factors)
+    )
 
 
 def _scaled(table, scale):
@@ -129,7 +136,9 @@ def test_thousands_of_weak_factors():
 def test_likelihoods_of_1e_300_on_a_chain():
     weak = math.log(1e-300)
     count = 2000
-    factors = [Factor((v, v + 1), np.array([[weak, 2 * weak], [2 * weak, weak + math.log(2)]])) for v in range(count - 1)]
+    factors = [
+        Factor((v, v + 1), np.array([[weak, 2 * weak], [2 * weak, weak + math.log(2)]])) for v in range(count - 1)
+    ]
     found = beliefs(FactorGraph((2,) * count, tuple(factors)))
     assert found.log_z[0] == pytest.approx((count - 1) * (weak + math.log(2)), rel=1e-13)
     assert found.low[0][1] == pytest.approx(1.0)

@@ -35,7 +35,9 @@ every_way = pytest.mark.parametrize("way", WAYS)
 
 weights = st.one_of(st.just(-math.inf), st.floats(-40, 5), st.sampled_from((0.0, -700.0, -1e-9)))
 halves = st.one_of(st.just(-math.inf), st.integers(-4, 1).map(lambda n: n / 2))
-extremes = st.sampled_from((-math.inf, 0.0, -1e-12, 1e-12, -1e5, -1e5 - 1e-10, 1e5, -1e8, -1e30, 1e30, -1e300, 3.7, -2.1))
+extremes = st.sampled_from(
+    (-math.inf, 0.0, -1e-12, 1e-12, -1e5, -1e5 - 1e-10, 1e5, -1e8, -1e30, 1e30, -1e300, 3.7, -2.1)
+)
 
 
 @st.composite
@@ -126,7 +128,11 @@ def test_the_first_n_are_a_prefix_of_more(graph, n, m):
 @given(graph=graphs())
 def test_weights_sum_to_the_partition_function(graph):
     log_z = beliefs(graph).log_z[0]
-    total = math.fsum(math.exp(weight - log_z) for weight, _ in ranked(graph)) if log_z > -math.inf else len(list(ranked(graph)))
+    total = (
+        math.fsum(math.exp(weight - log_z) for weight, _ in ranked(graph))
+        if log_z > -math.inf
+        else len(list(ranked(graph)))
+    )
     assert total == pytest.approx(1.0 if log_z > -math.inf else 0.0, abs=1e-9)
 
 

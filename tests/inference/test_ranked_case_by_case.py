@@ -35,7 +35,9 @@ def test_no_variable_is_one_state_of_the_constant_weight():
 
 
 def test_factors_over_no_variable_count():
-    assert list(ranked(FactorGraph((1,), (Factor((), np.array(-2.0)), Factor((0,), np.array([0.5])))))) == [(-1.5, (0,))]
+    assert list(ranked(FactorGraph((1,), (Factor((), np.array(-2.0)), Factor((0,), np.array([0.5])))))) == [
+        (-1.5, (0,))
+    ]
 
 
 @pytest.mark.parametrize(
@@ -45,7 +47,10 @@ def test_factors_over_no_variable_count():
         FactorGraph((2, 2), (Factor((), np.array(-np.inf)),)),
         FactorGraph((2, 2), (Factor((1,), np.array([-np.inf, -np.inf])),)),
         FactorGraph((1,), (Factor((0,), np.array([-np.inf])),)),
-        FactorGraph((2, 2), (Factor((0, 1), np.array([[-np.inf, 0.0], [-np.inf, -np.inf]])), Factor((1,), np.array([0.0, -np.inf])))),
+        FactorGraph(
+            (2, 2),
+            (Factor((0, 1), np.array([[-np.inf, 0.0], [-np.inf, -np.inf]])), Factor((1,), np.array([0.0, -np.inf]))),
+        ),
     ],
 )
 def test_what_is_impossible_has_no_states(graph):

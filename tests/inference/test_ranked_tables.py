@@ -50,7 +50,9 @@ def terms(draw):
     cards = draw(st.lists(st.sampled_from((1, 2, 3)), min_size=1, max_size=6))
     numbers = np.random.default_rng(draw(st.integers(0, 10**6)))
     scopes = draw(st.lists(st.sets(st.integers(0, len(cards) - 1), min_size=1, max_size=3), max_size=20))
-    scoped = [(tuple(sorted(scope)), numbers.integers(0, 9, size=math.prod(cards[v] for v in scope))) for scope in scopes]
+    scoped = [
+        (tuple(sorted(scope)), numbers.integers(0, 9, size=math.prod(cards[v] for v in scope))) for scope in scopes
+    ]
     return cards, scoped, draw(st.permutations(range(len(cards))))
 
 
@@ -66,7 +68,9 @@ def test_a_total_is_the_sum_of_all_tables(drawn, large):
     assert found.shape == tuple(shape)
     for states in np.ndindex(*shape):
         own = [[states[place[v]] for v in scope] for scope, _ in scoped]
-        cells = [np.ravel_multi_index(at, [cards[v] for v in scope]) for at, (scope, _) in zip(own, scoped, strict=True)]
+        cells = [
+            np.ravel_multi_index(at, [cards[v] for v in scope]) for at, (scope, _) in zip(own, scoped, strict=True)
+        ]
         assert found[states] == sum(int(flat[cell]) for cell, (_, flat) in zip(cells, scoped, strict=True))
 
 

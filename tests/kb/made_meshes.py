@@ -63,15 +63,23 @@ def glb_bytes(pictures, materials):
     places = {"min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}
     accessors = [{"bufferView": 0, "componentType": 5126, "count": 24, "type": "VEC3"} | places]
     accessors += [{"bufferView": 1, "componentType": 5126, "count": 24, "type": "VEC2"}]
-    accessors += [{"bufferView": 2 + i, "componentType": 5125, "count": 36 // len(materials), "type": "SCALAR"} for i in range(len(materials))]
-    named = [{"pbrMetallicRoughness": {} if m is None else {"baseColorTexture": {"index": m}}, "name": f"m{i}"} for i, m in enumerate(materials)]
+    accessors += [
+        {"bufferView": 2 + i, "componentType": 5125, "count": 36 // len(materials), "type": "SCALAR"}
+        for i in range(len(materials))
+    ]
+    named = [
+        {"pbrMetallicRoughness": {} if m is None else {"baseColorTexture": {"index": m}}, "name": f"m{i}"}
+        for i, m in enumerate(materials)
+    ]
     corners = {"POSITION": 0, "TEXCOORD_0": 1}
     tree = {
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": corners, "indices": 2 + i, "material": i} for i in range(len(materials))]}],
+        "meshes": [
+            {"primitives": [{"attributes": corners, "indices": 2 + i, "material": i} for i in range(len(materials))]}
+        ],
         "materials": named,
         "textures": [{"source": i} for i in range(len(pictures))],
         "images": [{"bufferView": 2 + len(materials) + i, "mimeType": "image/png"} for i in range(len(pictures))],

@@ -55,7 +55,13 @@ def keypoints(rng, views, places=4):
     which = np.tile(np.arange(places), len(views))
     edge = an_edge(rng, views, places)
     descriptor = rng.integers(0, 200, (places, 138)).astype(np.float32)
-    return replace(edge, at=at[which], size=np.full(len(which), 5 * PIXEL), hit=rng.uniform(0.5, 1.0, len(which)), descriptor=descriptor[which])
+    return replace(
+        edge,
+        at=at[which],
+        size=np.full(len(which), 5 * PIXEL),
+        hit=rng.uniform(0.5, 1.0, len(which)),
+        descriptor=descriptor[which],
+    )
 
 
 def some_of(seen, rows):

@@ -98,7 +98,9 @@ def seen_of(mesh, viewpoints, detector="sift", seed=0):
     def detect(image, calm, cell):
         return described(image, detector, cell=cell, calm=calm)
 
-    return observations.joined([observations.observed(view, i, detect, seed) for i, view in zip(numbers, views, strict=True)])
+    return observations.joined(
+        [observations.observed(view, i, detect, seed) for i, view in zip(numbers, views, strict=True)]
+    )
 
 
 def facing(direction, within):

@@ -62,7 +62,12 @@ f 3 1 4
 
 def write_small(folder: Path, **changed: str | bytes | None) -> Path:
     """The KB's folder; ``kb``, ``object``, ``mesh``, ``rules`` take the place of the texts above; None leaves the file out."""
-    files = {"kb": "kb.yaml", "object": "objects/tent/object.yaml", "mesh": "objects/tent/mesh.obj", "rules": "rules.pl"}
+    files = {
+        "kb": "kb.yaml",
+        "object": "objects/tent/object.yaml",
+        "mesh": "objects/tent/mesh.obj",
+        "rules": "rules.pl",
+    }
     texts = {"kb": KB, "object": OBJECT, "mesh": MESH, "rules": None} | changed
     for key, text in texts.items():
         path = folder / files[key]

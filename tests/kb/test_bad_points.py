@@ -11,7 +11,10 @@ BAD = {
     "units that are a list": (f"units: [m]\n{ROW}", f"1:8: units: {ONE_OF}['m']"),
     "units that are a mapping": (f"units: {{m: 1}}\n{ROW}", f"1:8: units: {ONE_OF}{{'m': 1}}"),
     "units of nothing": (f"units:\n{ROW}", f": units: {ONE_OF}None"),
-    "a number of 400 digits": (f"points: [[1, 2, 3, 4, {'9' * 400}]]\n", "1:10: points.0: must be finite numbers below 1e9"),
+    "a number of 400 digits": (
+        f"points: [[1, 2, 3, 4, {'9' * 400}]]\n",
+        "1:10: points.0: must be finite numbers below 1e9",
+    ),
 }
 
 

@@ -20,7 +20,9 @@ def feature(name, at, axis, kind="spot", half="60 deg", reach="[0.2, 30]"):
 
 def on_top(kind="spot", count=5, shift=0.0):
     places = [(0.1, 0.1), (0.9, 0.15), (0.5, 0.7), (0.2, 0.9), (0.7, 0.4)][:count]
-    return "".join(feature(f"f{i}", [x + shift, y, 1], [0, 0, 1], kind if i else "dot") for i, (x, y) in enumerate(places))
+    return "".join(
+        feature(f"f{i}", [x + shift, y, 1], [0, 0, 1], kind if i else "dot") for i, (x, y) in enumerate(places)
+    )
 
 
 def read(folder, *, mesh=True, **types):
@@ -66,12 +68,21 @@ def test_lobes_that_never_meet(tmp_path):
     apart = "".join(feature(name, at, axis, half="20 deg") for name, (at, axis) in FACES.items())
     apart += feature("front", [0.5, 0, 0.5], [0, -1, 0], "dot", half="20 deg")
     (line,) = said(read(tmp_path, cube=apart))
-    assert line.startswith("cube: its lobes never meet: no viewpoint was found that sees 4 features at once (1 at most)")
+    assert line.startswith(
+        "cube: its lobes never meet: no viewpoint was found that sees 4 features at once (1 at most)"
+    )
 
 
 def test_narrow_lobes_that_meet_are_found(tmp_path):
-    spots = [([0.4, 0.4, 1], [0.1, 0.1, 3]), ([0.6, 0.4, 1], [-0.1, 0.1, 3]), ([0.4, 0.6, 1], [0.1, -0.1, 3]), ([0.6, 0.6, 1], [-0.1, -0.1, 3])]
-    narrow = "".join(feature(f"f{i}", at, axis, "dot" if i else "spot", half="4 deg") for i, (at, axis) in enumerate(spots))
+    spots = [
+        ([0.4, 0.4, 1], [0.1, 0.1, 3]),
+        ([0.6, 0.4, 1], [-0.1, 0.1, 3]),
+        ([0.4, 0.6, 1], [0.1, -0.1, 3]),
+        ([0.6, 0.6, 1], [-0.1, -0.1, 3]),
+    ]
+    narrow = "".join(
+        feature(f"f{i}", at, axis, "dot" if i else "spot", half="4 deg") for i, (at, axis) in enumerate(spots)
+    )
     assert said(read(tmp_path, cube=narrow)) == []
 
 

@@ -16,8 +16,8 @@ WIDTH, PAIRS, LONE, PICTURES = 0.01, 12, 60, 160
 def made(seed, together_at=0.97):
     """Features on two sides of a thing, each seen in about half of its side's pictures.
 
-    The first ``2 * PAIRS`` are twins in one place that are shown together in so large a share of them; the next are in one place with their twins
-    and shown each for itself; the rest stand alone.
+    The first ``2 * PAIRS`` are twins in one place that are shown together in so large a share of them; the next are in
+    one place with their twins and shown each for itself; the rest stand alone.
     """
     rng = np.random.default_rng(seed)
     count = 4 * PAIRS + LONE
@@ -75,7 +75,9 @@ def test_another_order_of_features_or_pictures_gives_the_same_groups(seed):
     rng = np.random.default_rng(seed)
     order, pictures = rng.permutation(len(at)), rng.permutation(PICTURES)
     moved = grouped(shown[order], held[order], at[order], width[order])
-    assert {frozenset(order[list(group)].tolist()) for group in groups_of(moved)} == groups_of(grouped(shown, held, at, width))
+    assert {frozenset(order[list(group)].tolist()) for group in groups_of(moved)} == groups_of(
+        grouped(shown, held, at, width)
+    )
     assert np.array_equal(grouped(shown[:, pictures], held[:, pictures], at, width), grouped(shown, held, at, width))
 
 

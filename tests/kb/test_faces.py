@@ -55,7 +55,9 @@ def test_laws_of_faces(surface):
         assert len(face.loop) >= 3
         assert np.ptp(places @ face.normal) < 1e-9
         assert (np.cross(np.roll(places, -1, 0) - places, np.roll(places, -2, 0) - places) @ face.normal > 0).all()
-        assert normals_of(surface)[list(face.triangles)] == pytest.approx(np.tile(face.normal, (len(face.triangles), 1)))
+        assert normals_of(surface)[list(face.triangles)] == pytest.approx(
+            np.tile(face.normal, (len(face.triangles), 1))
+        )
     assert sum(area(surface, face) for face in found) == pytest.approx(
         sum(trimesh.Trimesh(surface.vertices, surface.triangles, process=False).area_faces)
     )

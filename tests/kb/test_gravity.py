@@ -38,7 +38,9 @@ def test_what_is_not_known_of_support_and_the_ground_may_be_said(tmp_path):
     assert "gravity: true\n" in kb_text(plain)
 
 
-@pytest.mark.parametrize("text", ["9.81", "down", "[]", "{unknown_support: 0}", "{unknown_support: 1.1}", "{floor: 0}", "{ground: 0 kg}"])
+@pytest.mark.parametrize(
+    "text", ["9.81", "down", "[]", "{unknown_support: 0}", "{unknown_support: 1.1}", "{floor: 0}", "{ground: 0 kg}"]
+)
 def test_anything_else_is_a_mistake(text, tmp_path):
     with pytest.raises(KBErrors, match="gravity"):
         read_kb(write_small(tmp_path, kb=KB + f"gravity: {text}\n"))

@@ -94,7 +94,9 @@ def glb(picture):
         "textures": [{"source": 0}],
         "images": [{"bufferView": 3, "mimeType": "image/png"}],
         "bufferViews": views,
-        "accessors": [{"bufferView": i, "componentType": c, "count": n, "type": t} for i, (c, n, t) in enumerate(kinds)],
+        "accessors": [
+            {"bufferView": i, "componentType": c, "count": n, "type": t} for i, (c, n, t) in enumerate(kinds)
+        ],
         "buffers": [{"byteLength": len(binary)}],
     }
     text = json.dumps(tree).encode()

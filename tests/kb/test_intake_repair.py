@@ -96,7 +96,9 @@ def test_many_triangles_become_few_near_the_mesh(opened):
     assert done.triangles > 2 * FEW >= 2 * len(done.surface.triangles)
     assert done.surface.closed is not opened
     assert 0 < done.deviation < 2 * DEVIATIONS[-1] * done.surface.diameter
-    assert done.surface.vertices[:, 2].max() == pytest.approx(1 if not opened else np.array(ball.vertices)[np.unique(triangles), 2].max(), abs=0.02)
+    assert done.surface.vertices[:, 2].max() == pytest.approx(
+        1 if not opened else np.array(ball.vertices)[np.unique(triangles), 2].max(), abs=0.02
+    )
     radii = np.linalg.norm(spread(done.surface.vertices, done.surface.triangles, 3000)[0], axis=1)
     assert np.abs(radii - 1).max() <= done.deviation + 1e-3
 

@@ -24,7 +24,9 @@ def keypoints(rng, count, width):
     """In a small picture; of their descriptors, angles and sizes about half are alike."""
     descriptors = rng.integers(96, 112 if width == 32 else 156, (count, width), np.uint8)
     angle = rng.choice([0.1, 0.3, 2 * np.pi - 0.1, 3.0], count)
-    return SimpleNamespace(uv=rng.uniform(0, 12, (count, 2)), angle=angle, scale=rng.uniform(3.0, 6.0, count), descriptors=descriptors)
+    return SimpleNamespace(
+        uv=rng.uniform(0, 12, (count, 2)), angle=angle, scale=rng.uniform(3.0, 6.0, count), descriptors=descriptors
+    )
 
 
 def most_alike(one, i, other):
@@ -66,7 +68,10 @@ def test_sides_that_are_not_asked_for_do_not_come_again_and_the_others_as_ever(s
     rng = np.random.default_rng(seed)
     first, rest = sides(rng, count), [sides(rng, number) for number in others]
     asked = rng.random(count) < 0.5
-    assert sides_again(first, rest, np.flatnonzero(asked)).tolist() == np.where(asked, sides_again(first, rest), 0.0).tolist()
+    assert (
+        sides_again(first, rest, np.flatnonzero(asked)).tolist()
+        == np.where(asked, sides_again(first, rest), 0.0).tolist()
+    )
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
@@ -79,7 +84,9 @@ def test_the_best_are_those_with_the_least_rank_from_any_direction(seed, count):
     weight = [seen.hit[group].sum() for group in groups]
     turn = [count] * count
     for direction in range(COUNT):
-        here = sorted((i for i in range(count) if direction in seen.view[groups[i]].tolist()), key=lambda i: (-weight[i], i))
+        here = sorted(
+            (i for i in range(count) if direction in seen.view[groups[i]].tolist()), key=lambda i: (-weight[i], i)
+        )
         for rank, i in enumerate(here):
             turn[i] = min(turn[i], rank)
     assert _best(seen, groups) == sorted(range(count), key=lambda i: (turn[i], -weight[i], i))

@@ -50,7 +50,9 @@ def folder(tmp_path_factory):
     camera = camera_at_eye()
     cv2.imwrite(str(place / "photo.png"), render([Body("box", mesh, np.eye(4))], camera).image)
     seen = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)][1:]) * SIDES
-    pixels = camera.project(transform_points(camera.camera_from_world, seen)) + np.random.default_rng(0).normal(0, 0.3, (7, 2))
+    pixels = camera.project(transform_points(camera.camera_from_world, seen)) + np.random.default_rng(0).normal(
+        0, 0.3, (7, 2)
+    )
     rows = [",".join(f"{value:.6g}" for value in (*pixel, *at)) for pixel, at in zip(pixels, seen, strict=True)]
     (place / "points.csv").write_text("u,v,x,y,z\n" + "\n".join(rows) + "\n")
     return place
@@ -116,8 +118,9 @@ def test_command_learns_what_the_photo_shows(folder, tmp_path, monkeypatch):
 def check_sides(cloud, pixel):
     """Sides are on the plane of a face, nearly all to 0.02 pixels; ``pixel``: metres.
 
-    To 0.7 are those next to a corner, where what is farther in is another face, and those that were also seen along the face. Where all see it
-    along itself, the place is on the ray through the edge as deep as the cell INSIDE[0] pixels beside it, and that is how far off: to 1.41.
+    To 0.7 are those next to a corner, where what is farther in is another face, and those that were also seen along the
+    face. Where all see it along itself, the place is on the ray through the edge as deep as the cell INSIDE[0] pixels
+    beside it, and that is how far off: to 1.41.
     """
     off = np.abs(cloud.at - SIDES)
     sides, off, face = np.unique(cloud.feature[cloud.sided]), off.min(axis=1) / pixel, off.argmin(axis=1)
@@ -155,14 +158,18 @@ def test_observations_on_grey_or_beside_it_are_left_out(folder):
     direction[0] = (0.0, 0.0, 1.0)
     one = np.ones(4)
     described = np.zeros((4, 128), np.float32)
-    seen = Observations(at, direction, direction, direction, 0.01 * one, one, np.array([0, 1, 1, 1]), np.zeros(4, int), one, described)
+    seen = Observations(
+        at, direction, direction, direction, 0.01 * one, one, np.array([0, 1, 1, 1]), np.zeros(4, int), one, described
+    )
     assert np.allclose(on_shown(mesh, seen).at, at[[0, 3]])
 
 
 def test_points_in_every_form_are_the_same(tmp_path):
     rows = [[10, 20, 1, 2, 3], [30.5, 40, 4, 5, 6]]
     (tmp_path / "a.json").write_text(json.dumps({"units": "cm", "points": rows}))
-    (tmp_path / "b.yaml").write_text("units: cm\npoints:\n" + "".join(f"  - {{pixel: {r[:2]}, at: {r[2:]}}}\n" for r in rows))
+    (tmp_path / "b.yaml").write_text(
+        "units: cm\npoints:\n" + "".join(f"  - {{pixel: {r[:2]}, at: {r[2:]}}}\n" for r in rows)
+    )
     (tmp_path / "c.csv").write_text("u,v,x,y,z\n" + "\n".join(",".join(map(str, r)) for r in rows))
     found = [read_points(tmp_path / "a.json"), read_points(tmp_path / "b.yaml"), read_points(tmp_path / "c.csv", "cm")]
     for one in found:
@@ -229,7 +236,15 @@ def test_a_photo_needs_its_points_and_one_name(folder, tmp_path):
         "--photo needs --points": ("learn", "crate", "--kb", kb, *photo),
         "--points: only with --photo": ("learn", "crate", "--kb", kb, "--points", folder / "points.csv"),
         "name the one type that it shows": ("learn", "--kb", kb, *photo, "--points", folder / "points.csv"),
-        "no such object type; add it with plogic kb add": ("learn", "crate", "--kb", kb, *photo, "--points", folder / "points.csv"),
+        "no such object type; add it with plogic kb add": (
+            "learn",
+            "crate",
+            "--kb",
+            kb,
+            *photo,
+            "--points",
+            folder / "points.csv",
+        ),
     }
     for told, words in cases.items():
         code, said = run(*words)

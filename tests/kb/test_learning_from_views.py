@@ -36,7 +36,9 @@ def test_observations_are_unit_and_perpendicular_and_of_the_size_of_things():
         np.testing.assert_allclose(np.linalg.norm(getattr(some, name), axis=1), 1.0, atol=1e-6)
     assert np.abs((some.up * some.direction).sum(axis=1)).max() < 1e-6
     diameter = SIDE * 3**0.5
-    np.testing.assert_allclose(some.pixel * np.array(PIXELS)[some.level] / diameter, 1.0, atol=0.13)  # nearer or farther than the middle
+    np.testing.assert_allclose(
+        some.pixel * np.array(PIXELS)[some.level] / diameter, 1.0, atol=0.13
+    )  # nearer or farther than the middle
     assert ((some.size > some.pixel) & (some.size < diameter)).all()
     assert ((some.hit >= OFTEN) & (some.hit <= 1)).all()
     near = (some.direction * even_directions(COUNT)[some.view]).sum(axis=1)
@@ -50,7 +52,8 @@ def test_a_keypoint_is_seen_where_the_same_place_is_seen_in_a_larger_picture():
     assert len(groups) > 20
     camera_right = [np.cross(some.up[g[0]], some.direction[g[0]]) for g in groups]
     off = [
-        ((some.at[g][some.level[g] == 2].mean(axis=0) - some.at[g][some.level[g] == 0].mean(axis=0)) @ across) / some.pixel[g].max()
+        ((some.at[g][some.level[g] == 2].mean(axis=0) - some.at[g][some.level[g] == 0].mean(axis=0)) @ across)
+        / some.pixel[g].max()
         for g, across in zip(groups, camera_right, strict=True)
     ]
     assert abs(np.mean(off)) < 0.1
@@ -90,10 +93,14 @@ def test_a_hit_rate_is_what_was_found_of_the_pictures_that_could_have_shown_it()
     A lobe that holds fewer directions than a cone of its size holds on average counts as many as that.
     """
     some, here, row = seen(), cloud(seen()), 0
-    for group in sorted((g for g in _places(some, np.arange(len(some))) if len(g) >= LEAST_SEEN), key=lambda g: int(g[0])):
+    for group in sorted(
+        (g for g in _places(some, np.arange(len(some))) if len(g) >= LEAST_SEEN), key=lambda g: int(g[0])
+    ):
         for lobe in _lobes(some, group, even_directions(COUNT)):
             levels = some.level[lobe.members].tolist()
-            could = [i for i, d in enumerate(even_directions(COUNT)) if d @ here.axis[row] >= np.cos(here.half_angle[row])]
+            could = [
+                i for i, d in enumerate(even_directions(COUNT)) if d @ here.axis[row] >= np.cos(here.half_angle[row])
+            ]
             average = COUNT * (1 - np.cos(here.half_angle[row])) / 2
             found = some.hit[lobe.members].sum() / (max(len(could), average) * (max(levels) - min(levels) + 1))
             assert here.hit[row] == pytest.approx(min(1.0, found))
@@ -180,7 +187,9 @@ def test_a_variant_shows_the_object_before_a_background_that_is_never_the_same()
     busy, calm = (picture[:5].astype(float) for picture in firsts)
     assert calm.std(axis=(0, 1)).max() < 0.5 * busy.std(axis=(0, 1)).min()
     middle = tuple(slice(side // 2 - 3, side // 2 + 3) for side in firsts[0].shape[:2])
-    assert np.array_equal(firsts[0][middle], firsts[1][middle])  # the object itself is the same in both, its light and noise too
+    assert np.array_equal(
+        firsts[0][middle], firsts[1][middle]
+    )  # the object itself is the same in both, its light and noise too
 
 
 def check_variant(view, one, again, other):

@@ -42,8 +42,15 @@ def painted(fold, kept=1.0, features=240, seed=0):
     own = rng.permutation(features)[: round((1 - kept) * features)]
     looks[own] = rng.integers(0, 256, (len(own), 128), np.uint8)
     noise = rng.normal(0, 2e-4, (features, 3))
-    parts = {"at": np.concatenate([at @ R.T for R in turns]) + noise + MIDDLE, "axis": np.concatenate([axis @ R.T for R in turns])}
-    parts |= {"up": np.concatenate([up @ R.T for R in turns]), "descriptor": looks, "half_angle": np.full(features, 1.2)}
+    parts = {
+        "at": np.concatenate([at @ R.T for R in turns]) + noise + MIDDLE,
+        "axis": np.concatenate([axis @ R.T for R in turns]),
+    }
+    parts |= {
+        "up": np.concatenate([up @ R.T for R in turns]),
+        "descriptor": looks,
+        "half_angle": np.full(features, 1.2),
+    }
     parts |= {"feature": np.arange(features), "sigma": np.full(features, 3e-4), "size": np.full(features, 0.01)}
     return random_cloud(seed, features, features, **parts)
 

@@ -49,7 +49,11 @@ def test_a_cloud_comes_back_and_is_the_same_bytes_again(seed, features, more, wi
     cloud = random_cloud(seed, features, features + more if features else 0, width=width)
     content = cloud_bytes(cloud)
     back = read_cloud(content)
-    assert cloud_bytes(back) == content == cloud_bytes(random_cloud(seed, features, features + more if features else 0, width=width))
+    assert (
+        cloud_bytes(back)
+        == content
+        == cloud_bytes(random_cloud(seed, features, features + more if features else 0, width=width))
+    )
     assert back.detector == ("orb" if width == 32 else "sift")
     for name in _SHAPES:
         there = getattr(back, name)
@@ -97,7 +101,14 @@ def test_pickled_objects_are_refused_and_not_run(tmp_path):
 @pytest.mark.parametrize("name", list(_SHAPES))
 def test_a_member_that_is_missing_or_nested_or_packed_otherwise(name):
     good = packed(getattr(random_cloud(), name))
-    for content, packing in [(None, 0), (cloud_bytes(random_cloud()), 8), (b"", 8), (good[:-1], 8), (good + b"x", 8), (good, zipfile.ZIP_LZMA)]:
+    for content, packing in [
+        (None, 0),
+        (cloud_bytes(random_cloud()), 8),
+        (b"", 8),
+        (good[:-1], 8),
+        (good + b"x", 8),
+        (good, zipfile.ZIP_LZMA),
+    ]:
         with pytest.raises(CloudError, match="is no learnt cloud"):
             read_cloud(with_member(name, content, packing))
 
@@ -114,7 +125,14 @@ def test_a_header_that_promises_more_than_there_is(shape):
 @pytest.mark.parametrize("name", list(_SHAPES))
 def test_wrong_shapes_and_kinds(name):
     array = getattr(random_cloud(), name)
-    for wrong in (array[:-1], array[..., None], array.ravel()[0], array.reshape(-1, 1), array.astype(complex), array.astype(str)):
+    for wrong in (
+        array[:-1],
+        array[..., None],
+        array.ravel()[0],
+        array.reshape(-1, 1),
+        array.astype(complex),
+        array.astype(str),
+    ):
         if wrong.shape != array.shape or wrong.dtype.kind in "cU":
             with pytest.raises(CloudError):
                 read_cloud(with_member(name, packed(wrong)))

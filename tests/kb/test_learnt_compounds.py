@@ -52,14 +52,22 @@ def test_a_file_without_compounds_is_as_it_was_and_still_read():
 
 @pytest.mark.parametrize(
     ("stated", "message"),
-    [(np.int32(FORMAT + 1), "of a newer plogic"), (np.int32(0), "format: "), (np.float32(1.5), "format: "), (np.ones(2, np.int32), "format: ")],
+    [
+        (np.int32(FORMAT + 1), "of a newer plogic"),
+        (np.int32(0), "format: "),
+        (np.float32(1.5), "format: "),
+        (np.ones(2, np.int32), "format: "),
+    ],
 )
 def test_a_file_of_a_newer_or_of_no_format_is_refused(stated, message):
     with pytest.raises(CloudError, match=message):
         read_cloud(with_member("format", packed(stated), cloud=grouped_cloud()))
 
 
-@pytest.mark.parametrize("wrong", [[0, 1, 0, 0, 0, 0, 0, 0], [2, 2, 1, 1, 0, 0, 0, 0], [1, 1, 3, 3, 0, 0, 0, 0], [0, -1, -1, 0, 0, 0, 0, 0], [1, 1]])
+@pytest.mark.parametrize(
+    "wrong",
+    [[0, 1, 0, 0, 0, 0, 0, 0], [2, 2, 1, 1, 0, 0, 0, 0], [1, 1, 3, 3, 0, 0, 0, 0], [0, -1, -1, 0, 0, 0, 0, 0], [1, 1]],
+)
 def test_compounds_that_cannot_be_are_refused(wrong):
     with pytest.raises(CloudError, match="compound: "):
         read_cloud(with_member("compound", packed(np.array(wrong, np.int32)), cloud=grouped_cloud()))
@@ -97,10 +105,15 @@ def test_compounds_are_features_with_feature_parts_and_no_other(seed, groups):
 
 
 def test_a_compound_has_the_word_that_dominates_its_parts():
-    cloud = random_cloud(0, 3, 4, feature=np.array([0, 1, 1, 2]), lobe_word=np.array([3, 5, 3, 5]), hit=np.array([0.5, 0.7, 0.3, 0.9]))
+    cloud = random_cloud(
+        0, 3, 4, feature=np.array([0, 1, 1, 2]), lobe_word=np.array([3, 5, 3, 5]), hit=np.array([0.5, 0.7, 0.3, 0.9])
+    )
     cloud = replace(cloud, compound=np.array([1, 1, 0]))
     maximal, _ = with_compounds(learnt_features(cloud, random_words()), cloud, random_words())
-    assert [(f.name, f.type) for f in maximal] == [("c0001", random_words().names[3]), ("f0003", random_words().names[cloud.word[2]])]
+    assert [(f.name, f.type) for f in maximal] == [
+        ("c0001", random_words().names[3]),
+        ("f0003", random_words().names[cloud.word[2]]),
+    ]
 
 
 def test_words_and_keypoints_keep_the_compounds():

@@ -29,7 +29,9 @@ OBJECT = "object: twins\nmesh: {file: %s, units: m}\n%scloud: {file: cloud.npz}\
 
 def spread_cloud(seed=0, features=40):
     """Features about the lower and the upper cube, in turns."""
-    at = np.random.default_rng(seed).uniform(-SIDE / 2, SIDE / 2, (features, 3)) + [[0, 0, APART * (i % 2)] for i in range(features)]
+    at = np.random.default_rng(seed).uniform(-SIDE / 2, SIDE / 2, (features, 3)) + [
+        [0, 0, APART * (i % 2)] for i in range(features)
+    ]
     return random_cloud(seed, features, 2 * features, at=at)
 
 
@@ -64,22 +66,35 @@ def test_each_feature_belongs_to_the_part_that_is_nearest(kind):
     assert [f.name for f in kind.features[:3]] == ["lower/f0001", "upper/f0002", "lower/f0003"]
     assert kind.learnt.part.tolist() == [1, 2] * 20
     rows = part_rows(kind)
-    assert [(row["name"], row["under"], sum(row["counts"].values())) for row in rows] == [("twins", None, 0), ("lower", 0, 20), ("upper", 0, 20)]
+    assert [(row["name"], row["under"], sum(row["counts"].values())) for row in rows] == [
+        ("twins", None, 0),
+        ("lower", 0, 20),
+        ("upper", 0, 20),
+    ]
     assert part_of_features(kind) == [1, 2] * 20
 
 
 def test_the_parts_are_a_tree_and_facts_of_the_program(kind):
     assert pp(kind.tree, "lower", "")
     assert dr(kind.tree, "lower", "upper")
-    assert [(fact.id, fact.parent, fact.kind) for fact in part_facts(kind)] == [("lower", "", "object"), ("upper", "", "object")]
+    assert [(fact.id, fact.parent, fact.kind) for fact in part_facts(kind)] == [
+        ("lower", "", "object"),
+        ("upper", "", "object"),
+    ]
 
 
 def test_they_are_shown(kind, tmp_path):
     kb = read_kb(tmp_path / "kb")
     text = tree_text(kb)
-    assert "  object lower at [0, 0, 0], 20 learnt features\n  object upper at [0, 0, 0.12], 20 learnt features\n" in text
+    assert (
+        "  object lower at [0, 0, 0], 20 learnt features\n  object upper at [0, 0, 0.12], 20 learnt features\n" in text
+    )
     (document,) = tree_document(kb)["types"]
-    assert [(node["id"], node["learnt_features"]) for node in document["nodes"]] == [("", 0), ("lower", 20), ("upper", 20)]
+    assert [(node["id"], node["learnt_features"]) for node in document["nodes"]] == [
+        ("", 0),
+        ("lower", 20),
+        ("upper", 20),
+    ]
     assert not any("none of its parts" in line for line in check_report(kb))
 
 
@@ -88,7 +103,10 @@ def test_they_are_shown(kind, tmp_path):
     [
         ("parts:\n  - {part: upper, at: [0, 0, 0.12]}\n  - {part: lower, at: [0, 0, 0]}\n", ["lower", "upper"]),
         ("parts:\n  - {part: a, at: [0, 0, 0.01]}\n  - {part: b, at: [0, 0, 0.1]}\n", ["a", "b"]),
-        ("parts: [{part: c, at: [0, 0, 0.1], parts: [{part: a, at: [0, 0, -0.1]}, {part: b, at: [0, 0, 0.02]}]}]\n", ["c/a", "c/b"]),
+        (
+            "parts: [{part: c, at: [0, 0, 0.1], parts: [{part: a, at: [0, 0, -0.1]}, {part: b, at: [0, 0, 0.02]}]}]\n",
+            ["c/a", "c/b"],
+        ),
         ("parts: [{part: a, at: [0, 0, 0]}]\n", ["a", "a"]),
         ("parts: [{part: a, at: [0, 0, 0]}, {part: b, at: [0, 0, 0.12]}, {part: far, at: [9, 9, 9]}]\n", ["a", "b"]),
         ("", ["", ""]),
@@ -122,14 +140,18 @@ def test_parts_that_cannot_be(wrong):
 
 def test_a_cloud_with_parts_that_the_type_does_not_have_is_a_mistake(tmp_path):
     folder = write(tmp_path, replace(spread_cloud(), part=np.arange(40) % 4))
-    with pytest.raises(KBErrors, match=r"object\.yaml:6:1: cloud: knows 3 parts, where there are 2: learn the type again"):
+    with pytest.raises(
+        KBErrors, match=r"object\.yaml:6:1: cloud: knows 3 parts, where there are 2: learn the type again"
+    ):
         read_kb(folder)
 
 
 def test_an_old_cloud_of_a_type_with_parts_is_read_and_noted(tmp_path):
     folder = write(tmp_path, spread_cloud())
     assert kind_of(folder).features[0].name == "f0001"
-    assert "note: twins: its learnt features belong to none of its parts: learn it again" in check_report(read_kb(folder))
+    assert "note: twins: its learnt features belong to none of its parts: learn it again" in check_report(
+        read_kb(folder)
+    )
 
 
 def test_parts_with_features_of_their_own_and_a_cloud_are_a_mistake(tmp_path):

@@ -22,7 +22,14 @@ def many(seed, axis=(0.0, 0, 1), features=300, spread=0.1):
     rng = np.random.default_rng(seed)
     lobes = 2 * features
     along = unit(np.asarray(axis) + spread * rng.normal(size=(lobes, 3)))
-    return random_cloud(seed, features, lobes, axis=along, up=unit(np.cross(along, rng.normal(size=(lobes, 3)))), half_angle=np.full(lobes, 0.7))
+    return random_cloud(
+        seed,
+        features,
+        lobes,
+        axis=along,
+        up=unit(np.cross(along, rng.normal(size=(lobes, 3)))),
+        half_angle=np.full(lobes, 0.7),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +60,9 @@ def test_a_learnt_type_is_summed_up(kb):
 
 def test_keypoints_and_sides_of_edges_are_counted(tmp_path):
     cloud = many(1)
-    sided = read_kb(write_knowledge(tmp_path, {"one": replace(cloud, size=np.where(cloud.feature < 40, 0.0, cloud.size))}))
+    sided = read_kb(
+        write_knowledge(tmp_path, {"one": replace(cloud, size=np.where(cloud.feature < 40, 0.0, cloud.size))})
+    )
     summary = learnt_summary(sided.type("one"))
     assert (summary.features, summary.keypoints, summary.sides) == (300, 260, 40)
     told = "learnt with sift: 260 keypoints and 40 sides of edges, 600 appearances, "
@@ -125,7 +134,12 @@ def test_spoilt_files_are_mistakes_at_their_line(tmp_path):
     [
         ("kb.yaml", "words: {file: words.npz}\n", "", "the knowledge base has no words"),
         ("objects/one/object.yaml", "{file: cloud.npz}", "{file: gone.npz}", "gone.npz"),
-        ("objects/one/object.yaml", "cloud: {file", "features: [{feature: f, type: t, at: [0, 0, 0]}]\ncloud: {file", "learnt or written by hand"),
+        (
+            "objects/one/object.yaml",
+            "cloud: {file",
+            "features: [{feature: f, type: t, at: [0, 0, 0]}]\ncloud: {file",
+            "learnt or written by hand",
+        ),
         ("kb.yaml", "{file: words.npz}", "{file: ../words.npz}", "words.npz"),
     ],
 )
@@ -141,7 +155,10 @@ def test_what_does_not_belong_together_is_a_mistake(tmp_path, file, old, new, sa
 
 def test_words_that_are_fewer_than_the_cloud_knows_are_a_mistake(tmp_path):
     (tmp_path / "other").mkdir()
-    folder, other = write_knowledge(tmp_path, {"one": many(1, features=200)}), write_knowledge(tmp_path / "other", {"one": many(1, features=10)})
+    folder, other = (
+        write_knowledge(tmp_path, {"one": many(1, features=200)}),
+        write_knowledge(tmp_path / "other", {"one": many(1, features=10)}),
+    )
     (folder / "words.npz").write_bytes((other / "words.npz").read_bytes())
     with pytest.raises(KBErrors, match="was learnt with other words"):
         read_kb(folder)

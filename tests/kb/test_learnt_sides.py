@@ -70,7 +70,9 @@ def test_how_exact_it_is_is_told_across_the_edge_alone(seed, along, share):
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)
-@given(SEEDS, st.integers(2, 6), st.floats(0.0, REACH), st.lists(st.integers(0, 4), min_size=1, max_size=3, unique=True))
+@given(
+    SEEDS, st.integers(2, 6), st.floats(0.0, REACH), st.lists(st.integers(0, 4), min_size=1, max_size=3, unique=True)
+)
 def test_a_picture_that_shows_many_points_of_a_stretch_counts_once(seed, times, along, levels):
     once = an_edge(np.random.default_rng(seed), ABOVE, along=along, levels=levels)
     hit = np.random.default_rng(seed).uniform(0.5, 1.0, len(once))
@@ -95,7 +97,13 @@ def rate(seen):
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
-@given(SEEDS, st.integers(1, 4), st.floats(0.0, 6.3), st.sampled_from([(0,), (1, 2), (2, 3, 4), (0, 2)]), st.floats(0.4, 1.0))
+@given(
+    SEEDS,
+    st.integers(1, 4),
+    st.floats(0.0, 6.3),
+    st.sampled_from([(0,), (1, 2), (2, 3, 4), (0, 2)]),
+    st.floats(0.4, 1.0),
+)
 def test_a_hit_rate_is_the_share_of_the_pictures_of_its_lobe_that_showed_it(seed, times, turn, levels, share):
     """What has less than ``SIDES_SEEN`` of them is no feature."""
     rng = np.random.default_rng(seed)

@@ -26,19 +26,32 @@ def test_every_unknown_key_is_said_at_its_place(tmp_path):
 
 def test_every_name_given_twice_is_said_at_its_place(tmp_path):
     rows = "".join(f"  - {{feature: f{i // 2}, type: apex, at: [0, 0, 0]}}\n" for i in range(MANY))
-    found = [line for line in mistakes(write_small(tmp_path, object=f"object: tent\nfeatures:\n{rows}")) if "another part" in line]
+    found = [
+        line
+        for line in mistakes(write_small(tmp_path, object=f"object: tent\nfeatures:\n{rows}"))
+        if "another part" in line
+    ]
     assert found == [
-        f"objects/tent/object.yaml:{i + 3}:5: features.{i}: 'f{i // 2}' is the name of another part of 'tent'" for i in range(1, MANY, 2)
+        f"objects/tent/object.yaml:{i + 3}:5: features.{i}: 'f{i // 2}' is the name of another part of 'tent'"
+        for i in range(1, MANY, 2)
     ]
 
 
 def test_of_keys_given_twice_the_first_is_the_place():
     document = load("x.yaml", b"a: 1\nb: 2\n[1]: 3\na: 4\n")
-    assert [document.place(("a",)), document.place(("b",), key=True), document.place(("c",))] == [(1, 4), (2, 1), (1, 1)]
+    assert [document.place(("a",)), document.place(("b",), key=True), document.place(("c",))] == [
+        (1, 4),
+        (2, 1),
+        (1, 1),
+    ]
 
 
 def test_the_way_to_a_node_is_that_by_which_it_hangs():
-    raw = {"parts": [{"part": "a"}, {"feature": "b", "appearances": [{}, {}]}], "features": 3, "appearances": [{"feature": "c"}]}
+    raw = {
+        "parts": [{"part": "a"}, {"feature": "b", "appearances": [{}, {}]}],
+        "features": 3,
+        "appearances": [{"feature": "c"}],
+    }
     for i, (step, _, item) in enumerate(held(raw)):
         assert path_to(raw, (i,)) == step
         for j, (below, _, _) in enumerate(held(item)):

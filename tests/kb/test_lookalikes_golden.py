@@ -14,7 +14,9 @@ SHIPPED = Path(kb.__file__).parent / "lookalikes"
 def test_the_same_bytes(tmp_path):
     author(tmp_path)
     names = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*") if p.is_file() and p.suffix != ".png")
-    assert names == sorted(str(p.relative_to(SHIPPED)) for p in SHIPPED.rglob("*") if p.is_file() and p.suffix != ".png")
+    assert names == sorted(
+        str(p.relative_to(SHIPPED)) for p in SHIPPED.rglob("*") if p.is_file() and p.suffix != ".png"
+    )
     assert [name for name in names if (tmp_path / name).read_bytes() != (SHIPPED / name).read_bytes()] == []
 
 

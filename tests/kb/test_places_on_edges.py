@@ -19,7 +19,8 @@ from sensing.detectors.edge_sides import EdgeSides
 SIZE, F = 200, 1500.0
 CAMERA = Camera(SIZE, SIZE, np.array([[F, 0, 99.5], [0, F, 99.5], [0, 0, 1]]), np.zeros(0))
 EDGE, BESIDE, INNER = 100.0, 101, 106
-"""Columns: of a vertical edge, of what is beside it on the side of the object, and farther in. Left of the edge is the background."""
+"""Columns: of a vertical edge, of what is beside it on the side of the object, and farther in. Left of the edge is the
+background."""
 ROWS = np.arange(20, 180, 8)
 SLOPES = st.tuples(st.floats(-0.8, 0.8), st.floats(-0.8, 0.8))
 
@@ -27,7 +28,9 @@ SLOPES = st.tuples(st.floats(-0.8, 0.8), st.floats(-0.8, 0.8))
 def plane_depth(normal, level):
     """(SIZE, SIZE) of the plane normal · x = level."""
     v, u = np.mgrid[:SIZE, :SIZE]
-    rays = np.dstack([CAMERA.normalised(np.dstack([u, v]).reshape(-1, 2)).reshape(SIZE, SIZE, 2), np.ones((SIZE, SIZE))])
+    rays = np.dstack(
+        [CAMERA.normalised(np.dstack([u, v]).reshape(-1, 2)).reshape(SIZE, SIZE, 2), np.ones((SIZE, SIZE))]
+    )
     return level / (rays @ normal)
 
 

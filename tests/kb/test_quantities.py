@@ -9,18 +9,31 @@ from kb.quantities import ANGLES, LENGTHS, angle, length, number, unit_of_length
 
 @pytest.mark.parametrize(
     ("text", "metres"),
-    [("0.2 m", 0.2), ("5 cm", 0.05), ("5cm", 0.05), (" -3 mm ", -0.003), ("1e2 mm", 0.1), (2, 2.0), (2.5, 2.5), ("1 in", 0.0254)],
+    [
+        ("0.2 m", 0.2),
+        ("5 cm", 0.05),
+        ("5cm", 0.05),
+        (" -3 mm ", -0.003),
+        ("1e2 mm", 0.1),
+        (2, 2.0),
+        (2.5, 2.5),
+        ("1 in", 0.0254),
+    ],
 )
 def test_lengths_are_metres(text, metres):
     assert length(text) == pytest.approx(metres, abs=1e-15)
 
 
-@pytest.mark.parametrize(("text", "radians"), [("180 deg", math.pi), ("1.5 rad", 1.5), (1.5, 1.5), ("0.25 turn", math.pi / 2)])
+@pytest.mark.parametrize(
+    ("text", "radians"), [("180 deg", math.pi), ("1.5 rad", 1.5), (1.5, 1.5), ("0.25 turn", math.pi / 2)]
+)
 def test_angles_are_radians(text, radians):
     assert angle(text) == pytest.approx(radians, abs=1e-15)
 
 
-@pytest.mark.parametrize("wrong", ["5", "5 deg", "m", "five m", "nan m", "inf m", "1e999 m", float("nan"), True, None, [1], "", 10**400])
+@pytest.mark.parametrize(
+    "wrong", ["5", "5 deg", "m", "five m", "nan m", "inf m", "1e999 m", float("nan"), True, None, [1], "", 10**400]
+)
 def test_what_is_no_length_is_refused(wrong):
     with pytest.raises(ValueError, match="must be"):
         length(wrong)

@@ -26,7 +26,12 @@ def spoilt(text, old, new):
 def test_a_good_kb_is_read(tmp_path):
     kb = read_kb(write_small(tmp_path, rules="near(X) :- present(X).\n"))
     (tent,) = kb.types
-    assert (kb.name, kb.f_ref, kb.appearance_types, kb.rules) == ("small", 600.0, ("apex", "corner"), "near(X) :- present(X).\n")
+    assert (kb.name, kb.f_ref, kb.appearance_types, kb.rules) == (
+        "small",
+        600.0,
+        ("apex", "corner"),
+        "near(X) :- present(X).\n",
+    )
     assert kb.rates.hit == {"apex": 0.9, "corner": 0.8}
     assert kb.rates.clutter == {"apex": 0.666667, "corner": 3.0}  # one feature of three is an apex: λ·P(dv) = 2 · 1/3
     assert (kb.rates.prior, kb.rates.sigma, kb.rates.match_tolerance) == ({"tent": 0.25}, 1.5, 5.0)
@@ -54,10 +59,22 @@ OBJECT_MISTAKES = {
     "mesh without units": (", units: cm", "", "2:7: mesh.units: missing; no mesh format carries its unit"),
     "unit unknown": ("units: cm", "units: ell", "2:31: mesh.units: must be one of m,"),
     "mesh missing": ("file: mesh.obj", "file: other.obj", "2:14: mesh.file: the mesh 'other.obj' is missing"),
-    "mesh outside": ("file: mesh.obj", "file: ../../../x.obj", "2:14: mesh.file: the mesh '../../../x.obj' leads out of"),
-    "mesh outside, absolute": ("file: mesh.obj", "file: /etc/passwd", "2:14: mesh.file: the mesh '/etc/passwd' leads out of"),
+    "mesh outside": (
+        "file: mesh.obj",
+        "file: ../../../x.obj",
+        "2:14: mesh.file: the mesh '../../../x.obj' leads out of",
+    ),
+    "mesh outside, absolute": (
+        "file: mesh.obj",
+        "file: /etc/passwd",
+        "2:14: mesh.file: the mesh '/etc/passwd' leads out of",
+    ),
     "fold": ("fold: 3", "fold: 1", "3:38: symmetries.0.fold: must be a whole number from 2 to 360, not 1"),
-    "symmetry of no axis": ("axis: [0, 0, 1], fold", "axis: [0, 0, 0], fold", "3:21: symmetries.0.axis: must be a direction"),
+    "symmetry of no axis": (
+        "axis: [0, 0, 1], fold",
+        "axis: [0, 0, 0], fold",
+        "3:21: symmetries.0.axis: must be a direction",
+    ),
     "symmetries that do not close": (
         "fold: 3}",
         "fold: 3}, {axis: [1, 0, 2], fold: 7}",
@@ -69,11 +86,31 @@ OBJECT_MISTAKES = {
     "inf": ("0.5 m]", "-.inf]", "6:16: parts.0.at.2: must be finite, not -.inf"),
     "NaN in a text": ("0.5 m]", "nan m]", "6:9: parts.0.at: must be a length in metres"),
     "too large": ("0.5 m]", "1e999]", "6:9: parts.0.at: must be finite"),
-    "two rotations": ("{euler_xyz:", "{quat_xyzw: [0, 0, 0, 1], euler_xyz:", "7:15: parts.0.rotation: must be either quat_xyzw or"),
-    "quaternion's length": ("{euler_xyz: [0, 0, 90 deg]}", "{quat_xyzw: [0, 0, 0, 2]}", "7:27: parts.0.rotation.quat_xyzw: must be of"),
-    "name with a slash": ("feature: apex", "feature: a/b", "9:18: parts.0.features.0.feature: must be a name without '/'"),
-    "name given twice": ("feature: pair", "feature: apex", "15:9: parts.0.features.1: 'apex' is the name of another part"),
-    "arm of no direction": ("[2, 0, 0]", "[0, 0, 0]", "12:16: parts.0.features.0.arms.0: must be a direction, not the zero"),
+    "two rotations": (
+        "{euler_xyz:",
+        "{quat_xyzw: [0, 0, 0, 1], euler_xyz:",
+        "7:15: parts.0.rotation: must be either quat_xyzw or",
+    ),
+    "quaternion's length": (
+        "{euler_xyz: [0, 0, 90 deg]}",
+        "{quat_xyzw: [0, 0, 0, 2]}",
+        "7:27: parts.0.rotation.quat_xyzw: must be of",
+    ),
+    "name with a slash": (
+        "feature: apex",
+        "feature: a/b",
+        "9:18: parts.0.features.0.feature: must be a name without '/'",
+    ),
+    "name given twice": (
+        "feature: pair",
+        "feature: apex",
+        "15:9: parts.0.features.1: 'apex' is the name of another part",
+    ),
+    "arm of no direction": (
+        "[2, 0, 0]",
+        "[0, 0, 0]",
+        "12:16: parts.0.features.0.arms.0: must be a direction, not the zero",
+    ),
     "unknown appearance type": (
         "{type: apex,",
         "{type: spire,",
@@ -95,7 +132,11 @@ OBJECT_MISTAKES = {
         "[30 m, 0.2 m]",
         "14:78: parts.0.features.0.appearances.0.lobe.range: must be [nearest, farthest]",
     ),
-    "negative range": ("[0.2 m, 30 m]", "[-1, 1]", "14:78: parts.0.features.0.appearances.0.lobe.range: must be [nearest,"),
+    "negative range": (
+        "[0.2 m, 30 m]",
+        "[-1, 1]",
+        "14:78: parts.0.features.0.appearances.0.lobe.range: must be [nearest,",
+    ),
     "no lobe": (
         "\n                lobe: {axis: [1, 0, 0], half_angle: 60 deg, range: [0.2, 3]}",
         "",
@@ -118,9 +159,17 @@ OBJECT_MISTAKES = {
     ),
     "a key given twice": ("object: tent", "object: tent\nobject: tent", "2:1: object: this key was given before"),
     "tag": ("object: tent", "object: !!python/name:os.system tent", "1:9: object: the tag "),
-    "no mapping": ("lobe: {axis: [1, 0, 0], half_angle: 60 deg, range: [0.2, 3]}", "lobe: wide", "24:23: parts.0.features.1.features.0"),
+    "no mapping": (
+        "lobe: {axis: [1, 0, 0], half_angle: 60 deg, range: [0.2, 3]}",
+        "lobe: wide",
+        "24:23: parts.0.features.1.features.0",
+    ),
     "no list": ("    features: []", "    features: {}", "26:15: parts.1.features: must be a list"),
-    "opaque must be a truth value": ("object: tent", "object: tent\nopaque: maybe", "2:9: opaque: must be true or false, not 'maybe'"),
+    "opaque must be a truth value": (
+        "object: tent",
+        "object: tent\nopaque: maybe",
+        "2:9: opaque: must be true or false, not 'maybe'",
+    ),
     "no YAML": ("symmetries: [{axis", "symmetries: [[{axis", "no YAML: "),
 }
 
@@ -137,12 +186,24 @@ def test_a_mistake_of_an_object_is_said_with_its_place(kind, tmp_path):
 KB_MISTAKES = {
     "unknown key": ("f_ref: 600", "fref: 600", "3:1: fref: unknown key"),
     "no vocabulary": ("appearance_types: [apex, corner]\n", "", "1:1: appearance_types: missing"),
-    "a type listed twice": ("[apex, corner]", "[apex, corner, apex]", "2:34: appearance_types.2: 'apex' was listed before"),
+    "a type listed twice": (
+        "[apex, corner]",
+        "[apex, corner, apex]",
+        "2:34: appearance_types.2: 'apex' was listed before",
+    ),
     "focal length": ("f_ref: 600", "f_ref: 0", "3:8: f_ref: must be above 0, not 0"),
     "focal length NaN": ("f_ref: 600", "f_ref: .NaN", "3:8: f_ref: must be finite, not .NaN"),
-    "unknown feature type": ("hit: {apex", "hit: {spire", "5:9: detector.hit.spire: unknown feature type 'spire'; known: apex, corner"),
+    "unknown feature type": (
+        "hit: {apex",
+        "hit: {spire",
+        "5:9: detector.hit.spire: unknown feature type 'spire'; known: apex, corner",
+    ),
     "hit rate": ("apex: 0.9", "apex: 1.2", "5:15: detector.hit.apex: must be above 0 and below 1, not 1.2"),
-    "clutter of an unknown type": ("{corner: 3}", "{spire: 3}", "6:13: detector.clutter.spire: unknown appearance type 'spire'"),
+    "clutter of an unknown type": (
+        "{corner: 3}",
+        "{spire: 3}",
+        "6:13: detector.clutter.spire: unknown appearance type 'spire'",
+    ),
     "prior of an unknown type": ("tent: 0.25", "hut: 0.25", "9:10: priors.hut: unknown object type 'hut'; known: tent"),
     "prior": ("tent: 0.25", "tent: 0", "9:16: priors.tent: must be above 0 and below 1, not 0"),
     "no name": ("name: small\n", "", "1:1: name: missing"),
@@ -223,7 +284,9 @@ def test_an_object_of_a_name_that_another_has(tmp_path):
     folder = write_small(tmp_path)
     (folder / "objects/tent2").mkdir()
     (folder / "objects/tent2/object.yaml").write_text("object: tent\n")
-    assert mistakes(folder) == ["objects/tent2/object.yaml:1:9: object: 'tent' is also the object of objects/tent/object.yaml"]
+    assert mistakes(folder) == [
+        "objects/tent2/object.yaml:1:9: object: 'tent' is also the object of objects/tent/object.yaml"
+    ]
 
 
 @pytest.mark.parametrize("text", ["", "# nothing\n"])
@@ -244,7 +307,24 @@ def test_an_object_whose_name_is_no_text(name, tmp_path):
 def test_plain_values_mean_the_same_with_and_without_libyaml(pure, monkeypatch):
     monkeypatch.setattr("kb.files.yaml_text._may_be_deep", lambda _: pure)
     text = b"[yes, 010, 1e3, .5, 12:30:00, 2020-01-01, 0x10, 1_000, ~, '1', \"a\", -3, null, True, <<, no]"
-    expected = ["yes", 10, 1000.0, 0.5, "12:30:00", "2020-01-01", "0x10", "1_000", None, "1", "a", -3, None, True, "<<", "no"]
+    expected = [
+        "yes",
+        10,
+        1000.0,
+        0.5,
+        "12:30:00",
+        "2020-01-01",
+        "0x10",
+        "1_000",
+        None,
+        "1",
+        "a",
+        -3,
+        None,
+        True,
+        "<<",
+        "no",
+    ]
     document = load("x.yaml", text)
     assert document.mistakes == ()
     assert [(type(value), value) for value in document.data] == [(type(value), value) for value in expected]
@@ -262,7 +342,9 @@ def test_bytes_that_are_no_text(tmp_path):
 
 
 def test_rules_of_more_than_the_limit(tmp_path):
-    assert mistakes(write_small(tmp_path, rules="% \n" * 400_000)) == ["rules.pl: the file has 1200000 bytes, more than the 1000000 that are read"]
+    assert mistakes(write_small(tmp_path, rules="% \n" * 400_000)) == [
+        "rules.pl: the file has 1200000 bytes, more than the 1000000 that are read"
+    ]
 
 
 def test_a_bomb_of_aliases_ends_in_a_mistake(tmp_path):

@@ -59,7 +59,11 @@ def test_a_ply_names_its_texture(tmp_path):
 
 
 CANNOT = {
-    "two pictures": (glb_bytes([PNG, JPEG], [0, 1]), SceneError, "has 2 textures; a mesh that is rendered has one picture.*: plogic kb add"),
+    "two pictures": (
+        glb_bytes([PNG, JPEG], [0, 1]),
+        SceneError,
+        "has 2 textures; a mesh that is rendered has one picture.*: plogic kb add",
+    ),
     "half painted": (glb_bytes([PNG], [0, None]), SceneError, "only 1 of its 2 pieces have a texture"),
     "no picture": (glb_bytes([b"\x89PNG\r\n"], [0]), ImageError, "the texture of material 'm0': "),
     "an empty picture": (glb_bytes([b""], [0]), SceneError, "the texture of material 'm0' is missing"),

@@ -26,4 +26,6 @@ def test_the_towers_parts_hold_all_their_features():
         rows = part_rows(kind)
         assert sum(sum(row["counts"].values()) for row in rows) == len(kind.all_features)
         assert [rows[part]["name"] for part in part_of_features(kind)] == [f.name.split("/")[0] for f in kind.features]
-        assert Counter(f.name.split("/")[0] for f in kind.all_features) == {row["name"]: sum(row["counts"].values()) for row in rows[1:]}
+        assert Counter(f.name.split("/")[0] for f in kind.all_features) == {
+            row["name"]: sum(row["counts"].values()) for row in rows[1:]
+        }

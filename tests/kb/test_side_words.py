@@ -22,7 +22,9 @@ def mixed(seed, choice):
     rng = np.random.default_rng(seed)
     centroids = rng.integers(0, 256, (len(choice), BYTES), np.uint8)
     centroids[:, 5] = 7
-    centroids[np.array(choice, bool)] = descriptors(rng.integers(0, 256, (sum(choice), SIDE), np.uint8)).astype(np.uint8)
+    centroids[np.array(choice, bool)] = descriptors(rng.integers(0, 256, (sum(choice), SIDE), np.uint8)).astype(
+        np.uint8
+    )
     return Words("sift", centroids)
 
 
@@ -50,7 +52,10 @@ def test_the_nearest_side_is_brute_forces_first_among_those_of_sides(seed, choic
     colours = rng.integers(0, 256, (asked, SIDE), np.uint8)
     some = np.flatnonzero(choice)
     colours[: asked // 2] = words.centroids[rng.choice(some, asked // 2)][:, LOOKS]
-    far = [[sum((int(a) - int(b)) ** 2 for a, b in zip(row, words.centroids[w][LOOKS], strict=True)) for w in some] for row in colours]
+    far = [
+        [sum((int(a) - int(b)) ** 2 for a, b in zip(row, words.centroids[w][LOOKS], strict=True)) for w in some]
+        for row in colours
+    ]
     nearest = words.nearest_side(colours)
     assert nearest.tolist() == [int(some[np.argmin(row)]) for row in far]
     assert nearest.dtype == np.int64

@@ -51,7 +51,12 @@ def comes_again(one, i, other):
         cos, sin = np.cos(one.angle[i]), np.sin(one.angle[i])
         turned = abs(np.angle(np.exp(1j * (angle - one.angle[i]))))
         tinted = np.linalg.norm(looks[:COLOURS].astype(float) - one.looks[i, :COLOURS])
-        if abs(right * cos + down * sin) < ACROSS and abs(down * cos - right * sin) < ALONG and turned < TURNED and tinted < TINTED:
+        if (
+            abs(right * cos + down * sin) < ACROSS
+            and abs(down * cos - right * sin) < ALONG
+            and turned < TURNED
+            and tinted < TINTED
+        ):
             return True
     return False
 
@@ -79,7 +84,9 @@ def test_what_is_the_same_comes_always_and_what_faces_away_never(seed, count):
 def test_stretches_share_out_all_sides_and_none_is_longer_or_wider_than_one(seed, times, edges):
     rng = np.random.default_rng(seed)
     views = [towards(rng.normal(size=3), 12.0) for _ in range(edges)]
-    seen = joined([an_edge(rng, some, times, along=0.1, across=0.002, middle=rng.uniform(-0.1, 0.1, 3)) for some in views])
+    seen = joined(
+        [an_edge(rng, some, times, along=0.1, across=0.002, middle=rng.uniform(-0.1, 0.1, 3)) for some in views]
+    )
     which = np.flatnonzero(rng.random(len(seen)) < 0.8)
     groups = side_places(seen, which, DIAMETER)
     assert sorted(i for group in groups for i in group.tolist()) == which.tolist()
@@ -88,25 +95,38 @@ def test_stretches_share_out_all_sides_and_none_is_longer_or_wider_than_one(seed
         reach = np.linalg.norm(off, axis=2).max(axis=1)
         wide = np.abs(np.einsum("ijk,jk->ij", off, up)).max(axis=0)
         alike = (up @ up.T).min(axis=1)
-        first = (reach <= STRETCH * DIAMETER) & (wide <= max(WIDE * DIAMETER, PIXELS_WIDE * PIXEL)) & (alike > SAME_WAY - 1e-12)
+        first = (
+            (reach <= STRETCH * DIAMETER)
+            & (wide <= max(WIDE * DIAMETER, PIXELS_WIDE * PIXEL))
+            & (alike > SAME_WAY - 1e-12)
+        )
         assert first.any(), "all are near to one of them"
 
 
 def test_no_sides_have_no_stretches():
-    assert side_places(an_edge(np.random.default_rng(0), towards((0, 0, 1), 12.0)), np.zeros(0, np.intp), DIAMETER) == []
+    assert (
+        side_places(an_edge(np.random.default_rng(0), towards((0, 0, 1), 12.0)), np.zeros(0, np.intp), DIAMETER) == []
+    )
 
 
 def plate(paint=None):
     """A view of a square plate in the plane z = 0, from above; all red, or painted."""
     camera_from_plate = look_at(np.array([0.0, 0.0, AWAY]), np.zeros(3), (0.0, 1.0, 0.0))
     middle = (SIZE - 1) / 2
-    camera = Camera(SIZE, SIZE, np.array([[F, 0, middle], [0, F, middle], [0, 0, 1]]), world_from_camera=np.linalg.inv(camera_from_plate))
+    camera = Camera(
+        SIZE,
+        SIZE,
+        np.array([[F, 0, middle], [0, F, middle], [0, 0, 1]]),
+        world_from_camera=np.linalg.inv(camera_from_plate),
+    )
     mask = np.zeros((SIZE, SIZE), bool)
     inside = slice(round(middle + 0.5 - F * HALF / AWAY), round(middle + 0.5 + F * HALF / AWAY))
     mask[inside, inside] = True
     image = np.zeros((SIZE, SIZE, 3), np.uint8)
     image[mask] = RED if paint is None else paint[mask]
-    return SimpleNamespace(image=image, mask=mask, depth=np.full((SIZE, SIZE), AWAY, np.float32), camera=camera, pixels=2 * HALF * F / AWAY)
+    return SimpleNamespace(
+        image=image, mask=mask, depth=np.full((SIZE, SIZE), AWAY, np.float32), camera=camera, pixels=2 * HALF * F / AWAY
+    )
 
 
 def detect(image, calm, cell):
@@ -144,7 +164,12 @@ def test_sides_of_a_plain_plate_are_on_its_rim_and_face_its_middle(seed):
 
 
 def test_looking_at_sides_changes_nothing_of_keypoints():
-    paint = np.random.default_rng(0).integers(0, 256, (SIZE // 8, SIZE // 8, 3), np.uint8).repeat(8, axis=0).repeat(8, axis=1)
+    paint = (
+        np.random.default_rng(0)
+        .integers(0, 256, (SIZE // 8, SIZE // 8, 3), np.uint8)
+        .repeat(8, axis=0)
+        .repeat(8, axis=1)
+    )
     with sizes():
         plain, both = (observed(plate(paint), 3, detect, 5, *more) for more in ((), (look,)))
         again = observed(plate(paint), 3, detect, 5, look)

@@ -17,7 +17,10 @@ def with_angle(text):
     return KB.replace("  match_tolerance: 5\n", f"  match_tolerance: 5\n  sigma_angle: {text}\n")
 
 
-@pytest.mark.parametrize(("text", "radians"), [("5 deg", np.radians(5.0)), ("0.1", 0.1), ("0.2 rad", 0.2), ("180 deg", np.pi), ("0.5 turn", np.pi)])
+@pytest.mark.parametrize(
+    ("text", "radians"),
+    [("5 deg", np.radians(5.0)), ("0.1", 0.1), ("0.2 rad", 0.2), ("180 deg", np.pi), ("0.5 turn", np.pi)],
+)
 def test_it_is_read_in_radians(text, radians, tmp_path):
     assert read_kb(write_small(tmp_path, kb=with_angle(text))).rates.sigma_angle == pytest.approx(radians, abs=1e-12)
 
@@ -43,7 +46,10 @@ def test_what_is_written_is_read_back(text, tmp_path):
 MISTAKES = {
     "none": ("0 deg", "9:16: detector.sigma_angle: must be above 0 and at most 180 deg, not 0 deg"),
     "negative": ("-5 deg", "9:16: detector.sigma_angle: must be above 0 and at most 180 deg, not -5 deg"),
-    "more than half a turn": ("200 deg", "9:16: detector.sigma_angle: must be above 0 and at most 180 deg, not 200 deg"),
+    "more than half a turn": (
+        "200 deg",
+        "9:16: detector.sigma_angle: must be above 0 and at most 180 deg, not 200 deg",
+    ),
     "no angle": ("x", "9:16: detector.sigma_angle: must be an angle in radians, such as 1.2 or '70 deg', not 'x'"),
     "a length": ("5 cm", "9:16: detector.sigma_angle: must be an angle in radians"),
     "no number": (".nan", "9:16: detector.sigma_angle: must be finite, not .nan"),
@@ -61,7 +67,9 @@ def test_a_mistake_is_said_with_its_place(kind, tmp_path):
 
 
 def test_a_change_of_it_changes_the_kb(tmp_path):
-    folders = [write_small(tmp_path / str(n), kb=text) for n, text in enumerate([KB, with_angle("5 deg"), with_angle("6 deg")])]
+    folders = [
+        write_small(tmp_path / str(n), kb=text) for n, text in enumerate([KB, with_angle("5 deg"), with_angle("6 deg")])
+    ]
     assert len({read_kb(folder).digest for folder in folders}) == 3
 
 

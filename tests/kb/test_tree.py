@@ -97,7 +97,8 @@ def test_all_mistakes_are_found_at_once():
 
 
 @pytest.mark.parametrize(
-    ("edges", "rule"), [([("a", "b"), ("b", "a")], "A2"), ([("a", "b"), ("c", "b")], "D3"), ([("a", "f"), ("f", "b")], "A1")]
+    ("edges", "rule"),
+    [([("a", "b"), ("b", "a")], "A2"), ([("a", "b"), ("c", "b")], "D3"), ([("a", "f"), ("f", "b")], "A1")],
 )
 def test_trees_made_elsewhere_are_checked(edges, rule):
     tree = nx.DiGraph(edges)

@@ -57,7 +57,9 @@ def test_the_same_descriptors_and_seed_give_the_same_words(width):
 
 def test_clusters_become_words_and_there_are_never_too_many():
     middles = np.array([[20] * 128, [120] * 128, [220] * 128], np.uint8)
-    some = np.repeat(middles, PER_WORD, axis=0) + np.random.default_rng(0).integers(0, 5, (3 * PER_WORD, 128)).astype(np.uint8)
+    some = np.repeat(middles, PER_WORD, axis=0) + np.random.default_rng(0).integers(0, 5, (3 * PER_WORD, 128)).astype(
+        np.uint8
+    )
     near = learn_words(some).nearest(some).reshape(3, PER_WORD)
     assert (near == near[:, :1]).all()
     assert len(set(near[:, 0].tolist())) == 3
@@ -118,7 +120,11 @@ def test_clouds_share_their_words_whatever_their_order():
     again, other = worded(dict(reversed(clouds.items())))
     assert words_bytes(words) == words_bytes(again)
     for name, cloud in named.items():
-        assert cloud.lobe_word.tolist() == other[name].lobe_word.tolist() == words.nearest(clouds[name].descriptor).tolist()
+        assert (
+            cloud.lobe_word.tolist()
+            == other[name].lobe_word.tolist()
+            == words.nearest(clouds[name].descriptor).tolist()
+        )
         for feature in range(len(cloud.at)):
             mine = cloud.feature == feature
             weight = {w: cloud.hit[mine & (cloud.lobe_word == w)].sum() for w in set(cloud.lobe_word[mine].tolist())}

@@ -17,7 +17,9 @@ def assert_same_type(first, second):
     assert list(first.tree) == list(second.tree)
     assert list(first.tree.edges) == list(second.tree.edges)
     for edge in first.tree.edges:
-        np.testing.assert_allclose(first.tree.edges[edge]["parent_from_child"], second.tree.edges[edge]["parent_from_child"], atol=1e-12)
+        np.testing.assert_allclose(
+            first.tree.edges[edge]["parent_from_child"], second.tree.edges[edge]["parent_from_child"], atol=1e-12
+        )
     for a, b in zip(first.all_features, second.all_features, strict=True):
         assert (a.name, a.type, a.parts) == (b.name, b.type, b.parts)
         np.testing.assert_allclose(a.arms, b.arms, atol=1e-12)
@@ -51,7 +53,9 @@ def test_the_second_writing_has_the_same_bytes(folder, tmp_path):
     assert sorted(path.name for path in (tmp_path / "copy").rglob(".*")) == []
 
 
-@pytest.mark.parametrize("name", ["y", "1e5", "a: b", "\N{GRINNING FACE}", "a\x85b", "a\x7fb", "\ufeffa", "a\u2028b", "'", '"', "\\\\x"])
+@pytest.mark.parametrize(
+    "name", ["y", "1e5", "a: b", "\N{GRINNING FACE}", "a\x85b", "a\x7fb", "\ufeffa", "a\u2028b", "'", '"', "\\\\x"]
+)
 def test_any_text_is_quoted_as_yaml_reads_it(name):
     assert load("f", f"name: {flow(name)}\n".encode()).data == {"name": name}
 
@@ -95,4 +99,6 @@ def test_a_continuous_symmetry_is_sampled():
 
 def same_motions(first, second):
     distance = np.abs(first[:, None] - second[None]).max(axis=(2, 3))
-    return len(first) == len(second) and bool((distance.min(axis=0) < 1e-9).all() and (distance.min(axis=1) < 1e-9).all())
+    return len(first) == len(second) and bool(
+        (distance.min(axis=0) < 1e-9).all() and (distance.min(axis=1) < 1e-9).all()
+    )

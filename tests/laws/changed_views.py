@@ -48,14 +48,18 @@ def turned(gamma, angle):
     R, middle = np.array([[cos, -sin], [sin, cos]]), gamma.camera.K[:2, 2]
     pose = np.eye(4)
     pose[:2, :2] = R
-    return Gamma(gamma.camera, tuple(_bent(a, R @ (np.array(a.uv) - middle) + middle, angle) for a in gamma.appearances)), pose
+    return Gamma(
+        gamma.camera, tuple(_bent(a, R @ (np.array(a.uv) - middle) + middle, angle) for a in gamma.appearances)
+    ), pose
 
 
 def quarter_turned(gamma):
     """The image turned clockwise by 90 degrees, as wide as it was high, and camera_from_camera (4, 4)."""
     (fx, _, cx), (_, fy, cy), _ = gamma.camera.K
     last = gamma.camera.height - 1
-    camera = Camera(gamma.camera.height, gamma.camera.width, np.array([[fy, 0.0, last - cy], [0.0, fx, cx], [0.0, 0.0, 1.0]]))
+    camera = Camera(
+        gamma.camera.height, gamma.camera.width, np.array([[fy, 0.0, last - cy], [0.0, fx, cx], [0.0, 0.0, 1.0]])
+    )
     pose = np.eye(4)
     pose[:2, :2] = [[0.0, -1.0], [1.0, 0.0]]
     return Gamma(camera, tuple(_bent(a, (last - a.uv[1], a.uv[0]), 0.5 * np.pi) for a in gamma.appearances)), pose
@@ -63,7 +67,9 @@ def quarter_turned(gamma):
 
 def _bent(a, uv, angle):
     arms = tuple(sorted((arm + angle) % WHOLE for arm in a.arms))
-    return replace(a, uv=(float(uv[0]), float(uv[1])), angle=None if a.angle is None else (a.angle + angle) % WHOLE, arms=arms)
+    return replace(
+        a, uv=(float(uv[0]), float(uv[1])), angle=None if a.angle is None else (a.angle + angle) % WHOLE, arms=arms
+    )
 
 
 def in_a_square(gamma, size=901):
@@ -71,7 +77,10 @@ def in_a_square(gamma, size=901):
     K, middle = gamma.camera.K.copy(), 0.5 * (size - 1)
     off = middle - K[:2, 2]
     K[:2, 2] = middle
-    return Gamma(Camera(size, size, K), tuple(replace(a, uv=(float(a.uv[0] + off[0]), float(a.uv[1] + off[1]))) for a in gamma.appearances))
+    return Gamma(
+        Camera(size, size, K),
+        tuple(replace(a, uv=(float(a.uv[0] + off[0]), float(a.uv[1] + off[1]))) for a in gamma.appearances),
+    )
 
 
 def among(gamma, names, places, rng):

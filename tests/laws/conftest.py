@@ -9,4 +9,7 @@ from plogic.logic.safety.author import load_problog
 
 load_problog()
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), *(str(HERE.parent / folder) for folder in ("plogic_program", "factors", "programs_engine", "cycle"))]
+sys.path[:0] = [
+    str(HERE),
+    *(str(HERE.parent / folder) for folder in ("plogic_program", "factors", "programs_engine", "cycle")),
+]

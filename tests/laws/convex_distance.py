@@ -9,7 +9,8 @@ import pybullet
 from scipy.spatial.transform import Rotation
 
 SCALE = 1000.0
-"""Bodies are made so much larger, that the millimetre of margin which pybullet puts around them is a thousandth of one."""
+"""Bodies are made so much larger, that the millimetre of margin which pybullet puts around them is a thousandth of
+one."""
 
 
 def distances(bodies):
@@ -23,9 +24,13 @@ def distances(bodies):
 
 
 def _made(world, vertices, pose):
-    shape = pybullet.createCollisionShape(pybullet.GEOM_MESH, vertices=(SCALE * np.asarray(vertices)).tolist(), physicsClientId=world)
+    shape = pybullet.createCollisionShape(
+        pybullet.GEOM_MESH, vertices=(SCALE * np.asarray(vertices)).tolist(), physicsClientId=world
+    )
     turn, place = Rotation.from_matrix(pose[:3, :3]).as_quat(), SCALE * pose[:3, 3]
-    return pybullet.createMultiBody(1.0, shape, basePosition=place.tolist(), baseOrientation=turn.tolist(), physicsClientId=world)
+    return pybullet.createMultiBody(
+        1.0, shape, basePosition=place.tolist(), baseOrientation=turn.tolist(), physicsClientId=world
+    )
 
 
 def _distance(world, one, other):

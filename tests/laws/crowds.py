@@ -45,4 +45,6 @@ def _feature(rng, before, appearance):
 
 def _pairs(rng, names):
     count = len(names)
-    return frozenset((names[i], names[j]) for i in range(count) for j in range(i + 1, min(i + 4, count)) if rng.random() < 0.2)
+    return frozenset(
+        (names[i], names[j]) for i in range(count) for j in range(i + 1, min(i + 4, count)) if rng.random() < 0.2
+    )

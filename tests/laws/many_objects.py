@@ -31,7 +31,9 @@ def few_kb():
 def twins():
     """The same, with a second type like each, under another name."""
     kb = few_kb()
-    return replace(kb, types=tuple(some for kind in kb.types for some in (replace(kind, name=f"{kind.name}_twin"), kind)))
+    return replace(
+        kb, types=tuple(some for kind in kb.types for some in (replace(kind, name=f"{kind.name}_twin"), kind))
+    )
 
 
 @cache
@@ -64,7 +66,9 @@ def touching(seed, degrees=0.0):
     near, far = 0.0, 0.6
     for _ in range(40):
         x = 0.5 * (near + far)
-        near, far = (x, far) if meet(one, there, other, from_rotation_translation(turn, [x - 0.12, height, 0.9])) else (near, x)
+        near, far = (
+            (x, far) if meet(one, there, other, from_rotation_translation(turn, [x - 0.12, height, 0.9])) else (near, x)
+        )
     beside = from_rotation_translation(turn, [far - 0.12, height, 0.9])
     poses = [(kind, inverse(camera(degrees)) @ pose) for kind, pose in ((one, there), (other, beside))]
     return scene_of(kb, [Placed(kind, pose, depth_of(kind, pose)) for kind, pose in poses], rng)
@@ -82,6 +86,8 @@ def alike(seed, count=3):
     kind, objects = kb.types[seed % len(kb.types)], []
     while len(objects) < count:
         pose = random_pose(kind, rng)
-        if all(np.linalg.norm(pose[:2, 3] / pose[2, 3] - other.pose[:2, 3] / other.pose[2, 3]) > 0.3 for other in objects):
+        if all(
+            np.linalg.norm(pose[:2, 3] / pose[2, 3] - other.pose[:2, 3] / other.pose[2, 3]) > 0.3 for other in objects
+        ):
             objects.append(Placed(kind, pose, depth_of(kind, pose)))
     return scene_of(kb, objects, rng)

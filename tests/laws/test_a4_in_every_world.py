@@ -43,7 +43,9 @@ def test_in_no_listed_world_any_reaches_a_millimetre_into_another(seed):
 def test_nor_of_what_several_views_tell_together(seed):
     """The same from three sides, where the poses that fit all views best reach too deep: unless they are moved, no world holds both."""
     panorama = Panorama(with_twins(), Options(reading="posterior"))
-    views = [View(f"v{n}", touching(seed, degrees).gamma, camera(degrees)) for n, degrees in enumerate((0.0, 8.0, 16.0), 1)]
+    views = [
+        View(f"v{n}", touching(seed, degrees).gamma, camera(degrees)) for n, degrees in enumerate((0.0, 8.0, 16.0), 1)
+    ]
     document = panorama_document(panorama, [(view.id, panorama.look(view)) for view in views])
     assert any(len(world["present"]) == 2 for world in document["worlds"])
     assert deepest(document, twins(), "T_world_object") <= 1.01 * DEEP

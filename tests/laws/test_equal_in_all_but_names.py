@@ -23,7 +23,11 @@ def told(document):
 @pytest.mark.parametrize("order", ["reversed", "mixed"])
 def test_of_two_types_that_are_equal_the_first_by_name_is_found(order):
     kb, gamma = twins(), scene_of_seed(SEED).gamma
-    other = kb.types[::-1] if order == "reversed" else [kb.types[i] for i in np.random.default_rng(3).permutation(len(kb.types))]
+    other = (
+        kb.types[::-1]
+        if order == "reversed"
+        else [kb.types[i] for i in np.random.default_rng(3).permutation(len(kb.types))]
+    )
     one = Perceiver(kb)(gamma, Options(reading="posterior"))
     assert {row["type"] for row in accepted_rows(one)} <= {kind.name for kind in few_kb().types}
     assert told(Perceiver(replace(kb, types=tuple(other)))(gamma, Options(reading="posterior"))) == told(one)

@@ -79,7 +79,9 @@ def test_a_programs_worlds_sum_to_its_evidence_and_its_marginals(drawn):
     assert math.fsum(world["p"] for world in found["worlds"]) == pytest.approx(1.0, abs=1e-9)
     for atom in drawn.queries:
         expected = math.fsum(p for p, true in held if atom in true) / mass
-        assert math.fsum(world["p"] for world in found["worlds"] if atom in world["holds"]) == pytest.approx(expected, abs=1e-9)
+        assert math.fsum(world["p"] for world in found["worlds"] if atom in world["holds"]) == pytest.approx(
+            expected, abs=1e-9
+        )
 
 
 @QUICK

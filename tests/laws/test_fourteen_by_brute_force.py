@@ -66,9 +66,13 @@ def test_the_crowds_have_what_they_are_to_test():
 
 def assert_never_together(subject, worlds):
     pairs = subject.overlaps | (subject.exclusive if subject.reading == "score" else frozenset())
-    same = [(g.id, h.id) for i, g in enumerate(subject.hypotheses) for h in subject.hypotheses[:i] if g.group == h.group]
+    same = [
+        (g.id, h.id) for i, g in enumerate(subject.hypotheses) for h in subject.hypotheses[:i] if g.group == h.group
+    ]
     for w in worlds:
-        assert not any(x in w.present and y in w.present for x, y in (*pairs, *(same if subject.reading == "posterior" else ())))
+        assert not any(
+            x in w.present and y in w.present for x, y in (*pairs, *(same if subject.reading == "posterior" else ()))
+        )
 
 
 @QUICK

@@ -163,7 +163,9 @@ def slowly_told(text, patience):
         patch.setattr(anytime, "FIRST_WAIT", -1.0)
         patch.setattr(bounds, "AT_ONCE", 1)
         patch.setattr(anytime.Bounds, "refine", counted)
-        anytime.answers_by({"texts": [{"text": text, "file": "program"}]}, lambda reply: told.append(copy.deepcopy(reply)))
+        anytime.answers_by(
+            {"texts": [{"text": text, "file": "program"}]}, lambda reply: told.append(copy.deepcopy(reply))
+        )
     return told
 
 

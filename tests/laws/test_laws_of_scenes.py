@@ -30,11 +30,14 @@ POSTERIOR = Options(reading="posterior")
 MANY, TOWERS = 5111, 9501
 """Seeds: ten objects; a tower before the other."""
 SETTLED = 1e-5
-"""Metres, and matrix entries, by which poses may differ that least squares settles from other starts; where it starts the same, they are the same."""
+"""Metres, and matrix entries, by which poses may differ that least squares settles from other starts; where it starts
+the same, they are the same."""
 ALSO_SETTLED = 1e-4
-"""Radians and metres: a hundredth of what poses are off, or less. In 1 of 40 scenes of many objects two ends of least squares were 1.2e-5 apart."""
+"""Radians and metres: a hundredth of what poses are off, or less. In 1 of 40 scenes of many objects two ends of least
+squares were 1.2e-5 apart."""
 FAR = 60.0
-"""Pixels between far clutter and the box around the picture of what is accepted: beyond all evidence areas, and no neighbour of anything in one."""
+"""Pixels between far clutter and the box around the picture of what is accepted: beyond all evidence areas, and no
+neighbour of anything in one."""
 
 
 @cache
@@ -66,7 +69,9 @@ def in_square(subject):
 
 def summary(document):
     """Of what was accepted, in the order of acceptance."""
-    return [(h["type"], h["T_camera_object"], h["probability"], h["log_likelihood_ratio"]) for h in accepted_rows(document)]
+    return [
+        (h["type"], h["T_camera_object"], h["probability"], h["log_likelihood_ratio"]) for h in accepted_rows(document)
+    ]
 
 
 def assert_same(one, other, pose=None, names=None, *, exact=False):
@@ -87,7 +92,9 @@ def assert_same(one, other, pose=None, names=None, *, exact=False):
         assert found[2] == pytest.approx(probability, abs=1e-9)
         assert found[3] == pytest.approx(ratio, abs=0.01)
     assert not left
-    assert [w["probability"] for w in other["worlds"]] == pytest.approx([w["probability"] for w in one["worlds"]], abs=1e-9)
+    assert [w["probability"] for w in other["worlds"]] == pytest.approx(
+        [w["probability"] for w in one["worlds"]], abs=1e-9
+    )
 
 
 @pytest.mark.parametrize("subject", SUBJECTS)
@@ -113,7 +120,15 @@ def test_other_names_change_nothing():
 
 def test_other_names_in_a_folder_change_nothing(tmp_path):
     """Of the types of towers, of their features and of what these look like, in an order that is another by name."""
-    names = {"t1": "two", "t2": "one", "apex": "zenith", "corner": "bend", "patch": "area", "l_junction": "v_junction", "y_junction": "a_junction"}
+    names = {
+        "t1": "two",
+        "t2": "one",
+        "apex": "zenith",
+        "corner": "bend",
+        "patch": "area",
+        "l_junction": "v_junction",
+        "y_junction": "a_junction",
+    }
     shutil.copytree(shipped("towers"), tmp_path / "kb")
     for old in ("t1", "t2"):
         (tmp_path / "kb" / "objects" / old).rename(tmp_path / "kb" / "objects" / names[old])
@@ -144,7 +159,10 @@ def test_a_camera_turned_in_its_plane_turns_the_answers(subject, angle):
     assert_same(document, SUBJECTS[subject]()[0](other, POSTERIOR), pose)
 
 
-@pytest.mark.parametrize(("subject", "seed"), [*(("many", seed) for seed in range(5400, 5408)), *(("towers", seed) for seed in range(9510, 9516))])
+@pytest.mark.parametrize(
+    ("subject", "seed"),
+    [*(("many", seed) for seed in range(5400, 5408)), *(("towers", seed) for seed in range(9510, 9516))],
+)
 def test_a_turned_camera_turns_the_answers_of_any_scene(subject, seed):
     """Up to the types' symmetries: which of the equal poses of a tower is told may be another."""
     perceiving = SUBJECTS[subject]()[0]
@@ -154,7 +172,10 @@ def test_a_turned_camera_turns_the_answers_of_any_scene(subject, seed):
         left = accepted_rows(perceiving(other, POSTERIOR))
         for h in upright:
             there, symmetries = pose @ np.array(h["T_camera_object"]), perceiving.kb.type(h["type"]).symmetries
-            off = [max(pose_error(np.array(g["T_camera_object"]), there, symmetries)) if g["type"] == h["type"] else np.inf for g in left]
+            off = [
+                max(pose_error(np.array(g["T_camera_object"]), there, symmetries)) if g["type"] == h["type"] else np.inf
+                for g in left
+            ]
             same = left.pop(int(np.argmin(off)))
             assert min(off) < ALSO_SETTLED
             assert same["probability"] == pytest.approx(h["probability"], abs=1e-6)
@@ -180,7 +201,9 @@ def test_clutter_of_types_that_no_object_has_changes_nothing():
     more = among(gamma, ["fleck", "a000x"], places, np.random.default_rng(2))
     document = wider(more, POSTERIOR)
     assert summary(document) == summary(interpreted("many"))
-    assert {a for w in document["worlds"] for a, cause in w["causes"].items() if a.startswith("more") and cause != "noise"} == set()
+    assert {
+        a for w in document["worlds"] for a, cause in w["causes"].items() if a.startswith("more") and cause != "noise"
+    } == set()
 
 
 @pytest.mark.parametrize("subject", SUBJECTS)
@@ -226,7 +249,11 @@ def test_of_many_objects_none_reaches_a_millimetre_into_another(seed):
 @pytest.mark.parametrize("seed", [6000, 6001, 6002])
 def test_all_of_one_type_are_found(seed):
     shot = alike(seed)
-    left = [np.array(h["T_camera_object"]) for h in accepted_rows(few_types()(shot.gamma, POSTERIOR)) if h["type"] == shot.truths[0].type]
+    left = [
+        np.array(h["T_camera_object"])
+        for h in accepted_rows(few_types()(shot.gamma, POSTERIOR))
+        if h["type"] == shot.truths[0].type
+    ]
     assert len(left) == len(shot.truths) == 3
     for truth in shot.truths:
         errors = [pose_error(pose, truth.camera_from_object, truth.symmetries) for pose in left]
@@ -258,7 +285,9 @@ def test_what_rejected_ones_would_explain_is_explained_by_accepted_ones():
     perceiving, gamma = SUBJECTS["towers"]()
     beliefs, rejected = judged("towers")
     data = data_of(gamma.appearances, gamma.camera, perceiving.width)
-    tried = [settle(belief.index, belief.posed.camera_from_object, data, perceiving.kb, rounds=0) for belief in rejected]
+    tried = [
+        settle(belief.index, belief.posed.camera_from_object, data, perceiving.kb, rounds=0) for belief in rejected
+    ]
     claimed = set().union(*(claims(belief.posed) for belief in beliefs))
     assert len(tried) > 3
     assert sum(bool(set(claims(posed)) & claimed) for posed in tried) > 3

@@ -28,7 +28,10 @@ def towers_of(seed):
     return scene(rng, one_before_the_other(rng), clutter=6).gamma
 
 
-SCENES = {"towers": lambda: (perceiver(), towers_of(6201)), "many objects": lambda: (few_types(), scene_of_seed(5031).gamma)}
+SCENES = {
+    "towers": lambda: (perceiver(), towers_of(6201)),
+    "many objects": lambda: (few_types(), scene_of_seed(5031).gamma),
+}
 
 
 def weight(document):
@@ -77,8 +80,14 @@ def test_probabilities_are_intervals_that_contain_those_of_what_was_found(readin
         document, _ = interrupted(*SCENES["many objects"](), int(share * whole("many objects")[1]), reading)
         exact = ranked_worlds(situation_of(document), 1000)
         every = {world.present: world.probability for world in exact.worlds}
-        found += [(h["interval"], h["probability"], exact.marginals[h["id"]]) for h in document["hypotheses"] if h["status"] != "rejected"]
-        found += [(world["interval"], world["probability"], every[tuple(world["present"])]) for world in document["worlds"]]
+        found += [
+            (h["interval"], h["probability"], exact.marginals[h["id"]])
+            for h in document["hypotheses"]
+            if h["status"] != "rejected"
+        ]
+        found += [
+            (world["interval"], world["probability"], every[tuple(world["present"])]) for world in document["worlds"]
+        ]
     assert len(found) > 4
     for (low, high), told, true in found:
         assert low <= told <= high
@@ -122,7 +131,11 @@ def against(document, name, reading):
 def counterpart(h, final, kb):
     """The same hypothesis of the finished interpretation: of one type, in one place; None where more time rejects it, or moves it away."""
     kind, pose = kb.type(h["type"]), np.array(h["T_camera_object"])
-    same = [o for o in final["hypotheses"] if o["type"] == h["type"] and same_place(kind, pose, np.array(o["T_camera_object"]))]
+    same = [
+        o
+        for o in final["hypotheses"]
+        if o["type"] == h["type"] and same_place(kind, pose, np.array(o["T_camera_object"]))
+    ]
     return next((o for o in same if o["status"] != "rejected"), None)
 
 

@@ -28,7 +28,10 @@ def staple():
     """A U: two arms along x, one behind the other along z, joined at their left ends."""
     sizes = [(LONG, HIGH, THICK), (LONG, HIGH, THICK), (THICK, HIGH, DEEP)]
     places = [(0.0, 0.0, 0.5 * (THICK - DEEP)), (0.0, 0.0, 0.5 * (DEEP - THICK)), (0.5 * (THICK - LONG), 0.0, 0.0)]
-    boxes = [trimesh.creation.box(size, from_rotation_translation(np.eye(3), at)) for size, at in zip(sizes, places, strict=True)]
+    boxes = [
+        trimesh.creation.box(size, from_rotation_translation(np.eye(3), at))
+        for size, at in zip(sizes, places, strict=True)
+    ]
     whole = trimesh.boolean.union(boxes)
     return Surface(np.asarray(whole.vertices), np.asarray(whole.faces))
 
@@ -53,7 +56,9 @@ def hooked(seed):
     inside = from_rotation_translation(half_turn, [0.10, 0.06, 0.5 * (DEEP - THICK)])
     poses = [one, one @ inside]
     assert not meet(kb.types[0], poses[0], kb.types[1], poses[1])
-    return scene_of(kb, [Placed(kind, pose, depth_of(kind, pose)) for kind, pose in zip(kb.types, poses, strict=True)], rng)
+    return scene_of(
+        kb, [Placed(kind, pose, depth_of(kind, pose)) for kind, pose in zip(kb.types, poses, strict=True)], rng
+    )
 
 
 @cache

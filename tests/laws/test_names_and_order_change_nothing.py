@@ -44,7 +44,10 @@ def shuffled(subject, random):
     def turned(pairs):
         return frozenset(pair if random.random() < 0.5 else pair[::-1] for pair in pairs)
 
-    hypotheses = [replace(h, features=mixed([replace(f, hidden_by=mixed(f.hidden_by)) for f in h.features])) for h in subject.hypotheses]
+    hypotheses = [
+        replace(h, features=mixed([replace(f, hidden_by=mixed(f.hidden_by)) for f in h.features]))
+        for h in subject.hypotheses
+    ]
     return replace(
         subject,
         hypotheses=mixed(hypotheses),
@@ -64,8 +67,14 @@ def relabelled(subject):
     def feature(f):
         return replace(f, id=features[f.id], match=f.match and data[f.match], type="Edge of 2")
 
-    hypotheses = tuple(replace(h, group=f"of {h.group}", features=tuple(feature(f) for f in h.features)) for h in subject.hypotheses)
-    return replace(subject, hypotheses=hypotheses, appearances=tuple(replace(a, id=data[a.id], type="spot") for a in subject.appearances))
+    hypotheses = tuple(
+        replace(h, group=f"of {h.group}", features=tuple(feature(f) for f in h.features)) for h in subject.hypotheses
+    )
+    return replace(
+        subject,
+        hypotheses=hypotheses,
+        appearances=tuple(replace(a, id=data[a.id], type="spot") for a in subject.appearances),
+    )
 
 
 @QUICK

@@ -44,7 +44,11 @@ def live_or_none(subject):
 
 
 @QUICK
-@given(random_situations(most=4), st.lists(st.sampled_from(EVIDENCE), min_size=1, max_size=4, unique=True), st.randoms(use_true_random=False))
+@given(
+    random_situations(most=4),
+    st.lists(st.sampled_from(EVIDENCE), min_size=1, max_size=4, unique=True),
+    st.randoms(use_true_random=False),
+)
 def test_any_detour_comes_to_the_bytes_of_the_direct_way(subject, evidence, random):
     """Evidence comes and goes, in an order of its own; what is left says what it says alone in a scene that never saw the rest."""
     assume(len(subject.hypotheses) > 1)
@@ -71,7 +75,9 @@ def test_any_detour_comes_to_the_bytes_of_the_direct_way(subject, evidence, rand
 def test_a_hypothesis_that_comes_and_goes_leaves_no_trace(subject):
     live = live_or_none(subject)
     before = everything(live)
-    more = hypothesis("h9", [feature("x", "A", match="a0"), feature("y", "C", hidden_by=("h1",))], type="t1", group="g1")
+    more = hypothesis(
+        "h9", [feature("x", "A", match="a0"), feature("y", "C", hidden_by=("h1",))], type="t1", group="g1"
+    )
     try:
         live.add(more, overlaps=frozenset({("h1", "h9")}), exclusive=frozenset({("h9", "h1")}))
     except InconsistentError:
@@ -89,7 +95,9 @@ def test_all_removed_but_one_is_the_one_alone(subject):
     """Nothing speaks of what was removed any more: no pair, no relation, no occlusion."""
     live = live_or_none(subject)
     one, *rest = subject.hypotheses
-    alone = replace(one, features=tuple(replace(f, hidden_by=tuple(g for g in f.hidden_by if g == one.id)) for f in one.features))
+    alone = replace(
+        one, features=tuple(replace(f, hidden_by=tuple(g for g in f.hidden_by if g == one.id)) for f in one.features)
+    )
     try:
         for h in rest:
             live.remove(h.id)
@@ -133,19 +141,31 @@ def apart(count, reading="posterior"):
     members = [
         hypothesis(
             f"p{i}h{j}",
-            [feature(f"f{k}", "A", match=f"p{i}a{k}", density=0.01 * (i + j + k + 1), dv=0.1 * (i + 1 + j) / count) for k in range(2)]
+            [
+                feature(f"f{k}", "A", match=f"p{i}a{k}", density=0.01 * (i + j + k + 1), dv=0.1 * (i + 1 + j) / count)
+                for k in range(2)
+            ]
             + [feature("m", "C", dv=0.3, hidden_by=(f"p{i}h0",) if j else ())],
         )
         for i in range(count)
         for j in range(2)
     ]
-    return situation(members, reading, smoothing=0.01, overlaps=frozenset((f"p{i}h0", f"p{i}h1") for i in range(0, count, 2)))
+    return situation(
+        members, reading, smoothing=0.01, overlaps=frozenset((f"p{i}h0", f"p{i}h1") for i in range(0, count, 2))
+    )
 
 
 @pytest.mark.parametrize("reading", ["score", "posterior"])
 @pytest.mark.parametrize(
     "goal",
-    ["present(p2h0)", "\\+ present(p3h1)", "\\+ noise(p1a0)", "case(p1h0, F, a)", "present(p2h0), \\+ present(p5h1)", "present(p0h0) ; noise(p1a1)"],
+    [
+        "present(p2h0)",
+        "\\+ present(p3h1)",
+        "\\+ noise(p1a0)",
+        "case(p1h0, F, a)",
+        "present(p2h0), \\+ present(p5h1)",
+        "present(p0h0) ; noise(p1a1)",
+    ],
 )
 def test_evidence_solves_only_the_piece_that_it_speaks_of(reading, goal):
     """A formula over two joins them to one."""
@@ -177,5 +197,7 @@ def test_a_hypothesis_added_or_removed_solves_only_its_piece(reading):
     live.remove("p7h1")
     assert live.solved == 14
     assert live.marginals() == LiveScene(live.situation).marginals()
-    alone = replace(subject, hypotheses=tuple(h for h in subject.hypotheses if h.id.startswith("p5")), overlaps=frozenset())
+    alone = replace(
+        subject, hypotheses=tuple(h for h in subject.hypotheses if h.id.startswith("p5")), overlaps=frozenset()
+    )
     assert live.marginals()["p5h1"] == LiveScene(alone).marginals()["p5h1"], "what was not touched is what it is alone"

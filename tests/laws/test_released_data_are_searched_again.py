@@ -38,5 +38,7 @@ def test_the_data_of_one_that_had_to_go_are_searched_again(monkeypatch, seed):
     assert free[0]
     assert not all(free), "claimed for a while"
     assert free[-1], "and looked at again"
-    assert any("did not hold beside the others" in belief.why for belief in found.rejected), "but not for the same again"
+    assert any("did not hold beside the others" in belief.why for belief in found.rejected), (
+        "but not for the same again"
+    )
     assert [belief.why for belief in found.rejected].count("shares volume with an accepted object (A4)") >= 1

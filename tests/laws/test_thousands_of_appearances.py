@@ -30,7 +30,15 @@ def scene(ratios, reading="posterior"):
 
     def claims(numbers, hidden):
         return [
-            feature(f"f{i}", "A", match=f"a{i}", density=CLUTTER * ratios[i], hit_rate=HIT, dv=1e-4, hidden_by=hidden if i == 0 else ())
+            feature(
+                f"f{i}",
+                "A",
+                match=f"a{i}",
+                density=CLUTTER * ratios[i],
+                hit_rate=HIT,
+                dv=1e-4,
+                hidden_by=hidden if i == 0 else (),
+            )
             for i in numbers
         ]
 
@@ -52,7 +60,13 @@ def log_weights(ratios):
         logs = [math.log(0.9) * three, MISSED * math.log(0.5) * one]
         for i in range(COUNT):
             claimants = (one and i < size and not (three and i == 0)) + (two and i >= COUNT - size)
-            logs.append(math.log(claimants * ratios[i] * HIT * (1 - HIT) ** (claimants - 1) + (1 - HIT) ** claimants if claimants else 1.0))
+            logs.append(
+                math.log(
+                    claimants * ratios[i] * HIT * (1 - HIT) ** (claimants - 1) + (1 - HIT) ** claimants
+                    if claimants
+                    else 1.0
+                )
+            )
         found[one, two, three] = math.fsum(logs)
     return found
 
@@ -75,7 +89,9 @@ def test_in_the_posterior_reading_they_weigh_their_closed_form(kind):
     empty = 3 * math.log(0.5) + COUNT * math.log(CLUTTER)
     assert ranking.log_evidence == pytest.approx(total + empty, rel=1e-12, abs=1e-8)
     ids = ("h1", "h2", "h3")
-    expected = {tuple(h for h, here in zip(ids, key, strict=True) if here): math.exp(log - total) for key, log in logs.items()}
+    expected = {
+        tuple(h for h, here in zip(ids, key, strict=True) if here): math.exp(log - total) for key, log in logs.items()
+    }
     assert {w.present: w.probability for w in ranking.worlds} == pytest.approx(expected, rel=1e-7, abs=1e-12)
     assert len(ranking.worlds) == 8, "however improbable, a world that is possible is listed"
     live = LiveScene(subject)

@@ -24,7 +24,12 @@ def plogic(*arguments):
 def scenes(tmp_path_factory):
     folder = tmp_path_factory.mktemp("scenes")
     for seed, objects in ((70_001, 2), (70_002, 1), (70_003, 2)):
-        assert plogic("simulate", "--kb", "towers", "--objects", objects, "--seed", seed, "-o", folder / str(seed)).returncode == 0
+        assert (
+            plogic(
+                "simulate", "--kb", "towers", "--objects", objects, "--seed", seed, "-o", folder / str(seed)
+            ).returncode
+            == 0
+        )
     return folder
 
 
@@ -85,7 +90,10 @@ def test_an_interpretation_with_ground_truth_tells_the_same(scenes, my_kb, tmp_p
     scene.mkdir()
     shutil.copy(scenes / "70001" / "truth.json", scene)
     image, camera = scenes / "70001" / "image.png", scenes / "70001" / "camera.json"
-    assert plogic("perceive", image, "--camera", camera, "--kb", "towers", "-o", scene / "interpretation.json").returncode == 0
+    assert (
+        plogic("perceive", image, "--camera", camera, "--kb", "towers", "-o", scene / "interpretation.json").returncode
+        == 0
+    )
     rows = [
         json.loads(plogic("kb", "learn-rates", folder, "--kb", my_kb, "--dry-run", "--json").stdout)["rates"]
         for folder in (scene, scenes / "70001")
@@ -96,7 +104,11 @@ def test_an_interpretation_with_ground_truth_tells_the_same(scenes, my_kb, tmp_p
 def test_a_dry_run_and_bad_scenes_write_nothing(scenes, my_kb, tmp_path):
     before = (my_kb / "kb.yaml").read_bytes()
     assert plogic("kb", "learn-rates", scenes, "--kb", "towers", "--dry-run").returncode == 0
-    for name, text in (("no_json", "{"), ("no_truth", "{}"), ("no_pose", '{"format": "truth/1", "objects": [{"label": "t1"}]}')):
+    for name, text in (
+        ("no_json", "{"),
+        ("no_truth", "{}"),
+        ("no_pose", '{"format": "truth/1", "objects": [{"label": "t1"}]}'),
+    ):
         (tmp_path / "bad" / name).mkdir(parents=True)
         (tmp_path / "bad" / name / "truth.json").write_text(text)
     run = plogic("kb", "learn-rates", scenes, tmp_path / "bad", "--kb", my_kb)

@@ -50,7 +50,9 @@ def test_no_rate_is_ever_certain(n, more):
     assert mean((n, max(more, 1))) > 0
 
 
-PAIRS = st.dictionaries(st.sampled_from(["x", "y"]), st.tuples(st.integers(0, 9).map(float), st.integers(9, 20).map(float)))
+PAIRS = st.dictionaries(
+    st.sampled_from(["x", "y"]), st.tuples(st.integers(0, 9).map(float), st.integers(9, 20).map(float))
+)
 COUNTS = st.builds(Counts, hit=PAIRS, clutter=PAIRS, prior=PAIRS)
 
 
@@ -66,7 +68,9 @@ def em_by_definition(slots, observed, start):
     hit = {name: start.hit[name] for s in slots for name in {x.feature_type for x in s.sightings}}
     prior = {s.object_type: start.prior[s.object_type] for s in slots}
     for _ in range(20000):
-        sums = {("hit", n): list(observed.hit.get(n, (0, 0))) for n in hit} | {("prior", n): list(observed.prior.get(n, (0, 0))) for n in prior}
+        sums = {("hit", n): list(observed.hit.get(n, (0, 0))) for n in hit} | {
+            ("prior", n): list(observed.prior.get(n, (0, 0))) for n in prior
+        }
         for s in slots:
             there, absent = prior[s.object_type], 1 - prior[s.object_type]
             for x in s.sightings:
@@ -96,7 +100,9 @@ def test_lfi_reaches_the_maximum_of_em_by_definition():
     counts = expected_counts(slots, observed, RATES)
     assert counts.hit["corner"][0] / counts.hit["corner"][1] == pytest.approx(hit["corner"], abs=1e-3)
     assert counts.prior["t1"][0] / counts.prior["t1"][1] == pytest.approx(prior["t1"], abs=1e-3)
-    assert counts.prior["t1"] == pytest.approx((6.0, 9.0), abs=0.01), "two of the three open slots are taken for present"
+    assert counts.prior["t1"] == pytest.approx((6.0, 9.0), abs=0.01), (
+        "two of the three open slots are taken for present"
+    )
 
 
 def test_em_without_open_slots_is_counting():

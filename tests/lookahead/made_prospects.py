@@ -27,7 +27,9 @@ def cloud_of(kind):
     rays = kind.surface.rays
     names, kinds = tuple(f.name for f in kind.features), tuple(f.type for f in kind.features)
     radius = float(np.linalg.norm(rays.vertices - kind.surface.centre, axis=1).max())
-    return Cloud(kind.name, names, kinds, kind.lobes, hit, rays, kind.surface.centre, radius, 0.004 * kind.surface.diameter)
+    return Cloud(
+        kind.name, names, kinds, kind.lobes, hit, rays, kind.surface.centre, radius, 0.004 * kind.surface.diameter
+    )
 
 
 def body(name, kind, x, y, yaw=0.0, *, opaque=True):
@@ -40,7 +42,15 @@ def body(name, kind, x, y, yaw=0.0, *, opaque=True):
 def prospect(bodies, present, probability, rivals=()):
     rates = towers().rates
     pairs = frozenset(frozenset(pair) for pair in rivals)
-    return Prospect(tuple(bodies), np.array(present, bool), np.array(probability), pairs, rates.clutter, rates.match_tolerance, towers().f_ref)
+    return Prospect(
+        tuple(bodies),
+        np.array(present, bool),
+        np.array(probability),
+        pairs,
+        rates.clutter,
+        rates.match_tolerance,
+        towers().f_ref,
+    )
 
 
 def camera_at(x, y, z=2.0, target=MIDDLE):

@@ -15,7 +15,9 @@ VIEWS = [camera_at(5, 0), camera_at(-4, 3), camera_at(1, -6, 4), camera_at(0.5, 
 
 
 def _posed(one, view):
-    return pose_of(towers().type(one.cloud.name), inverse(view) @ one.reference_from_object, data_of([], CAMERA), towers())
+    return pose_of(
+        towers().type(one.cloud.name), inverse(view) @ one.reference_from_object, data_of([], CAMERA), towers()
+    )
 
 
 def _expected(found, one, number, world):
@@ -55,5 +57,7 @@ def test_nothing_is_expected_of_what_is_not_there_or_out_of_view():
     found = sightings(prospect([body("h1", "t1", 0, 0)], [[0], [1]], [0.5, 0.5]), CAMERA, VIEWS[0])
     assert not found.expected(np.array([[False]])).any()
     assert found.expected(np.array([[True]])).any()
-    away = sightings(prospect([body("h1", "t1", 0, 0)], [[1]], [1.0]), CAMERA, camera_at(5, 0, target=np.array([9.0, 0, 2])))
+    away = sightings(
+        prospect([body("h1", "t1", 0, 0)], [[1]], [1.0]), CAMERA, camera_at(5, 0, target=np.array([9.0, 0, 2]))
+    )
     assert len(away.body) == 0

@@ -13,7 +13,10 @@ from plogic.sequence.next_view.look import looked_ahead
 from plogic.sequence.next_view.moves import Candidate, ring, standing, turned_to, within
 
 WORLD = np.eye(4)
-RING = [Candidate(f"at {a}°", camera_at(6 * np.cos(np.radians(a)), 6 * np.sin(np.radians(a)), 1.5)) for a in range(0, 360, 45)]
+RING = [
+    Candidate(f"at {a}°", camera_at(6 * np.cos(np.radians(a)), 6 * np.sin(np.radians(a)), 1.5))
+    for a in range(0, 360, 45)
+]
 
 
 def _behind():
@@ -35,10 +38,15 @@ def test_it_looks_where_what_is_hidden_would_be_seen():
 
 
 def test_no_gain_exceeds_what_is_uncertain_and_a_goal_never_exceeds_the_whole():
-    one = prospect([body("h1", "t1", 1, 0), body("h2", "t2", -1, 0, 0.4)], [[1, 1], [1, 0], [0, 1], [0, 0]], [0.4, 0.3, 0.2, 0.1])
+    one = prospect(
+        [body("h1", "t1", 1, 0), body("h2", "t2", -1, 0, 0.4)], [[1, 1], [1, 0], [0, 1], [0, 0]], [0.4, 0.3, 0.2, 0.1]
+    )
     answers = np.eye(2)[[0, 1, 0, 1]]
     whole, part = (_by_name(looked_ahead(one, CAMERA, RING, goal)) for goal in (None, answers))
-    assert all(0.0 <= part[c.name].gain.bits <= whole[c.name].gain.bits + 1e-9 <= float(entropy(one.probability)) + 1e-6 for c in RING)
+    assert all(
+        0.0 <= part[c.name].gain.bits <= whole[c.name].gain.bits + 1e-9 <= float(entropy(one.probability)) + 1e-6
+        for c in RING
+    )
 
 
 def test_where_worlds_agree_or_nothing_is_seen_there_is_no_gain():
@@ -74,7 +82,9 @@ def test_a_ring_keeps_height_and_distance_and_looks_at_the_middle():
     eyes = np.array([c.reference_from_camera[:3, 3] for c in made])
     assert len(made) == stated["places"] - 1
     assert eyes[:, 2] == pytest.approx(2.0)
-    assert np.linalg.norm(eyes[:, :2] - one.middle[:2], axis=1) == pytest.approx(np.linalg.norm([5, 1] - one.middle[:2]))
+    assert np.linalg.norm(eyes[:, :2] - one.middle[:2], axis=1) == pytest.approx(
+        np.linalg.norm([5, 1] - one.middle[:2])
+    )
     uv = np.array([_centre(c, one) for c in made])
     assert uv == pytest.approx(np.tile([320.0, 240.0], (len(made), 1)), abs=1e-6)
 

@@ -105,7 +105,10 @@ def test_the_other_reading_has_worlds_of_its_own(file):
 
 def test_moves_of_ones_own_and_all_within_a_distance(file, tmp_path):
     behind = camera_at(0.0, 4.0, 1.8)
-    rows = [{"name": "behind", "T_world_camera": behind.tolist()}, {"name": "stay", "T_present_candidate": np.eye(4).tolist()}]
+    rows = [
+        {"name": "behind", "T_world_camera": behind.tolist()},
+        {"name": "stay", "T_present_candidate": np.eye(4).tolist()},
+    ]
     (tmp_path / "moves.json").write_text(json.dumps({"format": "moves/1", "moves": rows}))
     answer = json.loads(_asked(file, "--json", "--moves", str(tmp_path / "moves.json")))
     assert [row["name"] for row in answer["candidates"]] == ["behind", "stay"]

@@ -80,7 +80,10 @@ def test_what_it_asks_for_settles_it(tmp_path):
 
 @pytest.mark.parametrize(
     ("options", "says"),
-    [(("--about", "present(p1)"), "ask the interpretation of one of its views"), (("--reading", "score"), "perceive it again for the other")],
+    [
+        (("--about", "present(p1)"), "ask the interpretation of one of its views"),
+        (("--reading", "score"), "perceive it again for the other"),
+    ],
 )
 def test_what_the_worlds_of_a_sequence_do_not_say_is_refused(tmp_path, options, says):
     with pytest.raises(PlogicError, match=says):
@@ -93,7 +96,10 @@ def test_what_the_worlds_of_a_sequence_do_not_say_is_refused(tmp_path, options, 
         (lambda d: d.pop("rivals"), "the key 'rivals' is missing; if it is an older one, perceive the sequence again"),
         (lambda d: d.update(views=[]), "views: there is none"),
         (lambda d: d["views"][0].update(T_world_camera=[[1, 0, 0, 0]]), "should be a rigid 4 x 4 transform"),
-        (lambda d: d["hypotheses"][0].update(T_world_object=np.diag([1.0, 2.0, 1.0, 1.0]).tolist()), "should be a rigid 4 x 4 transform"),
+        (
+            lambda d: d["hypotheses"][0].update(T_world_object=np.diag([1.0, 2.0, 1.0, 1.0]).tolist()),
+            "should be a rigid 4 x 4 transform",
+        ),
         (lambda d: d["worlds"][0]["present"].append("p99"), "p99 should be among the hypotheses"),
         (lambda d: d["worlds"][0].update(probability="much"), "worlds, unlisted_mass: not complete"),
         (lambda d: d.update(unlisted_mass=[0.0]), "worlds, unlisted_mass: not complete"),

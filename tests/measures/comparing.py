@@ -30,7 +30,9 @@ class Row:
 def turned(pose, degrees, step=(0.0, 0.0, 0.0)):
     """The pose of an object that is turned about its own vertical and moved along its own axes, metres."""
     half = np.radians(degrees) / 2
-    return pose @ from_rotation_translation(rotation_from_quat_xyzw([0, 0, np.sin(half), np.cos(half)]), np.array(step, float))
+    return pose @ from_rotation_translation(
+        rotation_from_quat_xyzw([0, 0, np.sin(half), np.cos(half)]), np.array(step, float)
+    )
 
 
 def abducibles(posed, of):

@@ -33,14 +33,22 @@ def test_four_forecasts_by_hand():
     assert brier(p, y) == pytest.approx((0 + 0.25 + 0.25 + 0.0625) / 4)
     assert brier_skill(p, y) == pytest.approx(1 - 0.140625 / 0.25)
     assert log_loss(p, y) == pytest.approx(-(log(1 - 1e-6) + 2 * log(0.5) + log(0.75)) / 4)
-    assert expected_calibration_error(p, y, bins=2) == pytest.approx(0.75 * (2 / 3 - 1.75 / 3)), "0 alone, the three others together"
+    assert expected_calibration_error(p, y, bins=2) == pytest.approx(0.75 * (2 / 3 - 1.75 / 3)), (
+        "0 alone, the three others together"
+    )
 
 
 def test_bins_by_hand():
     """Six forecasts in three bins of two; the pair of equal ones in the middle stays together."""
     table = reliability([0.1, 0.2, 0.4, 0.4, 0.8, 0.9], [0, 1, 0, 1, 1, 1], bins=3)
-    assert table == (Bin(0.1, 0.2, pytest.approx(0.15), 0.5, 2), Bin(0.4, 0.4, 0.4, 0.5, 2), Bin(0.8, 0.9, pytest.approx(0.85), 1.0, 2))
-    assert expected_calibration_error([0.1, 0.2, 0.4, 0.4, 0.8, 0.9], [0, 1, 0, 1, 1, 1], bins=3) == pytest.approx((0.35 + 0.1 + 0.15) / 3)
+    assert table == (
+        Bin(0.1, 0.2, pytest.approx(0.15), 0.5, 2),
+        Bin(0.4, 0.4, 0.4, 0.5, 2),
+        Bin(0.8, 0.9, pytest.approx(0.85), 1.0, 2),
+    )
+    assert expected_calibration_error([0.1, 0.2, 0.4, 0.4, 0.8, 0.9], [0, 1, 0, 1, 1, 1], bins=3) == pytest.approx(
+        (0.35 + 0.1 + 0.15) / 3
+    )
 
 
 def test_the_interval_of_a_share_is_wilsons():
@@ -83,7 +91,9 @@ def test_no_order_of_the_forecasts_changes_anything(rows, random, bins):
     p, y = split(rows)
     random.shuffle(rows)
     q, z = split(rows)
-    assert [(b.low, b.high, b.count) for b in reliability(p, y, bins)] == [(b.low, b.high, b.count) for b in reliability(q, z, bins)]
+    assert [(b.low, b.high, b.count) for b in reliability(p, y, bins)] == [
+        (b.low, b.high, b.count) for b in reliability(q, z, bins)
+    ]
     for measure in (brier, log_loss):
         assert measure(p, y) == pytest.approx(measure(q, z))
     assert expected_calibration_error(p, y, bins) == pytest.approx(expected_calibration_error(q, z, bins))

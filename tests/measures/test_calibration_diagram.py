@@ -19,7 +19,10 @@ def panel(rows, title="posterior"):
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
-@given(st.lists(ROWS, min_size=1, max_size=3), st.text(st.characters(min_codepoint=32, blacklist_categories=["Cs"]), max_size=10))
+@given(
+    st.lists(ROWS, min_size=1, max_size=3),
+    st.text(st.characters(min_codepoint=32, blacklist_categories=["Cs"]), max_size=10),
+)
 def test_it_is_xml_whatever_it_is_called_and_the_same_twice(forecasters, title):
     panels = [panel(rows, title) for rows in forecasters]
     text = diagram(f"<{title}>", panels)

@@ -150,7 +150,9 @@ def test_duplicating_every_feature_multiplies_shanahans_log_odds(seed, times):
     once, more = shanahan_values(priors), shanahan_values({label: p * times for label, p in priors.items()})
     assert once["one"] != once["far"]
     for label in ("two", "far"):
-        assert log(more["one"] / more[label]) == pytest.approx(times * log(once["one"] / once[label]), rel=1e-9, abs=1e-9)
+        assert log(more["one"] / more[label]) == pytest.approx(
+            times * log(once["one"] / once[label]), rel=1e-9, abs=1e-9
+        )
 
 
 # --- §3.8: what each occlusion relation predicts ---
@@ -196,9 +198,15 @@ def test_partial_occlusion_raises_the_posteriors_log_odds_by_exactly_the_waived_
     back, front = (belief_at(name, shot.poses[name], of) for name in ("t2", "t1"))
     alone, beside = (situation_with(beliefs, of, shot) for beliefs in ([back], [back, front]))
     assert not beside.rivals
-    waived = [f for f in beside.hypotheses[0].features if beside.hypotheses[0].candidate(f) and f.hidden_by and f.match is None]
+    waived = [
+        f
+        for f in beside.hypotheses[0].features
+        if beside.hypotheses[0].candidate(f) and f.hidden_by and f.match is None
+    ]
     assert waived
-    assert ratio_of_t2(beside) - ratio_of_t2(alone) == pytest.approx(-sum(log(1 - f.hit_rate) for f in waived), abs=1e-6)
+    assert ratio_of_t2(beside) - ratio_of_t2(alone) == pytest.approx(
+        -sum(log(1 - f.hit_rate) for f in waived), abs=1e-6
+    )
 
 
 def ratio_of_t2(situation):
@@ -228,10 +236,16 @@ def test_an_occluder_that_hides_no_detected_feature_never_lowers_ev(cases):
     expected, detected, hidden = (np.array(column) for column in zip(*cases, strict=True))
     everywhere = np.ones(58, dtype=bool)
     nowhere = ~everywhere
-    posed = replace(posed, in_image=everywhere, in_lobe=expected, self_hidden=nowhere, matches=np.where(detected, np.arange(58), -1))
+    posed = replace(
+        posed, in_image=everywhere, in_lobe=expected, self_hidden=nowhere, matches=np.where(detected, np.arange(58), -1)
+    )
     dv = perceiver().dv
-    assert explanatory_value(posed.support(hidden & ~(expected & detected)), dv) >= explanatory_value(posed.support(), dv)
-    assert explanatory_value(posed.support(hidden & ~detected), dv) >= explanatory_value(posed.support(hidden), dv) - 1e-12
+    assert explanatory_value(posed.support(hidden & ~(expected & detected)), dv) >= explanatory_value(
+        posed.support(), dv
+    )
+    assert (
+        explanatory_value(posed.support(hidden & ~detected), dv) >= explanatory_value(posed.support(hidden), dv) - 1e-12
+    )
 
 
 # --- §8: duplicates ---
@@ -246,7 +260,11 @@ def test_duplicates_of_a_hypothesis_change_no_types_presence(reading, stand):
     of, cycle = data(shot), cycle_of(shot.gamma)
     run = perception(shot.gamma)
     run.accepted = list(cycle.accepted)
-    run.rivals = [replace(b, posed=posed_at(b.posed.object_type.name, nudged(b.posed), of), status="rival") for b in cycle.accepted for _ in range(3)]
+    run.rivals = [
+        replace(b, posed=posed_at(b.posed.object_type.name, nudged(b.posed), of), status="rival")
+        for b in cycle.accepted
+        for _ in range(3)
+    ]
     twice = replace(cycle, considered=tuple(considered(run.rivals, run.accepted)))
     before, after = (presence(c, of, reading) for c in (cycle, twice))
     assert before.keys() == {"t1", "t2"}
@@ -302,7 +320,9 @@ def test_with_one_tower_present_dv_differs_as_by_hand(name, dv):
 
 def test_two_of_one_type_are_as_distinctive_as_one():
     kind = towers().type("t1")
-    assert distinctiveness_over_delta([kind, kind], towers().types) == pytest.approx(distinctiveness_over_delta([kind], towers().types))
+    assert distinctiveness_over_delta([kind, kind], towers().types) == pytest.approx(
+        distinctiveness_over_delta([kind], towers().types)
+    )
 
 
 @pytest.mark.parametrize("name", ["t1", "t2"])
@@ -315,4 +335,6 @@ def test_ev_by_either_dv_keeps_the_order_of_rivals(name):
     for dv in (perceiver().dv, over_delta):
         values = {label: explanatory_value(b.posed.support(), dv) for label, b in beliefs.items()}
         assert max(values, key=values.get) == "right"
-    assert explanatory_value(beliefs["turned"].posed.support(), over_delta) != explanatory_value(beliefs["turned"].posed.support(), perceiver().dv)
+    assert explanatory_value(beliefs["turned"].posed.support(), over_delta) != explanatory_value(
+        beliefs["turned"].posed.support(), perceiver().dv
+    )

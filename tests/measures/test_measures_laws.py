@@ -76,12 +76,18 @@ def test_an_explained_miss_never_lowers_ev_and_to_b_is_at_least_drop(support, da
         assert before - 1e-12 <= drop <= to_b + 1e-12
 
 
-@given(st.lists(st.sampled_from([("apex", "A"), ("patch", "C"), ("patch", "D"), ("corner", "B"), ("corner", "A")]), max_size=20))
+@given(
+    st.lists(
+        st.sampled_from([("apex", "A"), ("patch", "C"), ("patch", "D"), ("corner", "B"), ("corner", "A")]), max_size=20
+    )
+)
 def test_tally_counts_every_case_once(pairs):
     names = ("apex", "corner", "patch")
     kind = np.array([names.index(name) for name, _ in pairs], np.intp)
     expected, detected = (np.array([case in letters for _, case in pairs], bool) for letters in ("AC", "AD"))
-    counts = {name: Counter(case for other, case in pairs if other == name) for name in sorted({name for name, _ in pairs})}
+    counts = {
+        name: Counter(case for other, case in pairs if other == name) for name in sorted({name for name, _ in pairs})
+    }
     support = tally(names, kind, expected, detected)
     assert list(support) == list(counts)
     assert support == {name: Cells(**count) for name, count in counts.items()}

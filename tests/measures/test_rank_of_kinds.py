@@ -25,7 +25,10 @@ def test_counting_is_the_best_matching(features, there):
     assert counted(weights, kinds, there) == pytest.approx(expected, abs=1e-9)
 
 
-@given(st.lists(st.tuples(st.sampled_from("ab"), WEIGHTS), min_size=1, max_size=4), st.lists(st.sampled_from("ab"), max_size=4))
+@given(
+    st.lists(st.tuples(st.sampled_from("ab"), WEIGHTS), min_size=1, max_size=4),
+    st.lists(st.sampled_from("ab"), max_size=4),
+)
 def test_counting_is_the_best_of_all_substitutions(features, there):
     weights, best = np.array([weight for _, weight in features]), 0.0
     for count in range(min(len(features), len(there)) + 1):

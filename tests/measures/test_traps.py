@@ -37,8 +37,14 @@ INDEX = {
         (HERE, "test_c_where_certainties_clash_perceive_smooths_and_says_so"),
         (HERE, "test_c_smoothing_never_touches_the_measure"),
     ],
-    "d": [(PROGRAM, "test_d_unexplained_data_cost_something"), (HERE, "test_d_the_empty_world_loses_where_data_want_an_explanation")],
-    "e": [(PROGRAM, "test_e_a_common_appearance_is_not_noise_when_its_clutter_is_rare"), (HERE, "test_e_windows_are_no_noise")],
+    "d": [
+        (PROGRAM, "test_d_unexplained_data_cost_something"),
+        (HERE, "test_d_the_empty_world_loses_where_data_want_an_explanation"),
+    ],
+    "e": [
+        (PROGRAM, "test_e_a_common_appearance_is_not_noise_when_its_clutter_is_rare"),
+        (HERE, "test_e_windows_are_no_noise"),
+    ],
     "f": [
         (PROGRAM, "test_f_cyclic_occlusion_is_one_alternative_over_joint_states"),
         (PROGRAM, "test_f_presence_depends_on_occluders"),
@@ -61,7 +67,9 @@ def test_every_trap_has_its_tests(trap):
         tree = ast.parse((TESTS / file).read_text(encoding="utf-8"))
         found = [node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == name]
         assert len(found) == 1, f"{name} is not in {file}"
-        assert any(isinstance(node, ast.Assert) or is_check(node) for node in ast.walk(found[0])), f"{name} asserts nothing"
+        assert any(isinstance(node, ast.Assert) or is_check(node) for node in ast.walk(found[0])), (
+            f"{name} asserts nothing"
+        )
 
 
 def is_check(node):
@@ -77,7 +85,9 @@ def hiding():
     shot = scene(rng, one_before_the_other(rng))
     cycle = cycle_of(shot.gamma)
     assert len(cycle.accepted) == 2
-    return shot, replace(cycle, considered=(belief_at("t2", turned(shot.poses["t2"], 0.0, (0.02, 0, 0)), data(shot), "rival"),))
+    return shot, replace(
+        cycle, considered=(belief_at("t2", turned(shot.poses["t2"], 0.0, (0.02, 0, 0)), data(shot), "rival"),)
+    )
 
 
 def situation_of(shot, cycle, reading, **changes):

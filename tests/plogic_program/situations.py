@@ -44,7 +44,13 @@ def feature(name, case="A", **changes):
 def from_table(name, cells):
     """The features of one row of Table 1, each matched to an appearance of its own."""
     return tuple(
-        feature(f"{kind}/{case.lower()}{i}", case, type=kind, dv=DV[kind], match=f"{name}_{kind}_{case}{i}" if case in "AD" else None)
+        feature(
+            f"{kind}/{case.lower()}{i}",
+            case,
+            type=kind,
+            dv=DV[kind],
+            match=f"{name}_{kind}_{case}{i}" if case in "AD" else None,
+        )
         for kind, row in cells.items()
         for case, n in zip("ACBD", row, strict=True)
         for i in range(n)
@@ -52,14 +58,18 @@ def from_table(name, cells):
 
 
 def hypothesis(name, features, **changes):
-    return replace(HypothesisFact(name, "box", POSE, opaque=True, group=f"g_{name}", features=tuple(features)), **changes)
+    return replace(
+        HypothesisFact(name, "box", POSE, opaque=True, group=f"g_{name}", features=tuple(features)), **changes
+    )
 
 
 def situation(hypotheses, reading="score", mode="to_B", **changes):
     """A situation whose Γ is what its hypotheses are matched to."""
     names = sorted({f.match for h in hypotheses for f in h.features if f.match})
     data = tuple(AppearanceFact(name, "l_junction", (1.0, 1.0), 2e-5) for name in names)
-    plain = Situation(reading, tuple(hypotheses), data, mode, dv=DV, rank={"box": 0.9}, priors={"box": 0.3, "t1": 0.5, "t2": 0.5})
+    plain = Situation(
+        reading, tuple(hypotheses), data, mode, dv=DV, rank={"box": 0.9}, priors={"box": 0.3, "t1": 0.5, "t2": 0.5}
+    )
     return replace(plain, **changes)
 
 
@@ -107,7 +117,8 @@ def _some(rng, pairs):
 def random_situations(most=5, readings=("score", "posterior"), modes=("to_B", "drop", "reassign")):
     """1 to ``most`` hypotheses: cyclic occlusion, rivals, overlaps, exclusive pairs, groups, smoothing.
 
-    Drawn from a seed: what hypothesis draws one by one keeps near its simplest, a lone hypothesis that shares nothing, far too often.
+    Drawn from a seed: what hypothesis draws one by one keeps near its simplest, a lone hypothesis that shares nothing,
+    far too often.
     """
     return st.integers(0, 2**32 - 1).map(lambda seed: _random_situation(Random(seed), most, readings, modes))  # noqa: S311 - a test's
 
@@ -130,7 +141,9 @@ def _random_situation(rng, most, readings, modes):
     return Situation(
         reading=rng.choice(readings),
         hypotheses=hypotheses,
-        appearances=tuple(AppearanceFact(f"a{i}", "l_junction", (1.0, 1.0), rng.choice([1e-5, 1e-3])) for i in range(6)),
+        appearances=tuple(
+            AppearanceFact(f"a{i}", "l_junction", (1.0, 1.0), rng.choice([1e-5, 1e-3])) for i in range(6)
+        ),
         reconsider=rng.choice(modes),
         overlaps=_some(rng, pairs),
         rivals=_some(rng, pairs) | exclusive,
@@ -145,9 +158,13 @@ def with_gravity(subject, seed, **changes):
     """Of which some float in some worlds: heights and who rests on whom are drawn; the ground's height is told in half of them."""
     rng = Random(seed)  # noqa: S311 - a test's
     known = [h.id for h in subject.hypotheses if rng.random() < 0.9]
-    feet = tuple(Foot(name, low, low + rng.choice([0.0, 0.05])) for name in known for low in [rng.choice([0.0, 0.1, 0.2, 0.3])])
+    feet = tuple(
+        Foot(name, low, low + rng.choice([0.0, 0.05])) for name in known for low in [rng.choice([0.0, 0.1, 0.2, 0.3])]
+    )
     apart = {frozenset(pair) for pair in subject.overlaps}
     rests = [(x, y) for x in known for y in known if x != y and frozenset((x, y)) not in apart and rng.random() < 0.25]
     ground = rng.choice([None, 0.02])
     rests += [(foot.id, "ground") for foot in feet if ground is not None and foot.low <= ground]
-    return replace(subject, gravity=replace(Gravity(rng.choice([0.02, 0.3, 0.9, 1.0]), ground, feet, tuple(rests)), **changes))
+    return replace(
+        subject, gravity=replace(Gravity(rng.choice([0.02, 0.3, 0.9, 1.0]), ground, feet, tuple(rests)), **changes)
+    )

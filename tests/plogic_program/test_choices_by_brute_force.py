@@ -24,7 +24,9 @@ def sees(subject, h, f, world):
     """D7 in words."""
     if not (f.in_image and f.in_lobe) or (f.self_hidden and h.opaque):
         return False
-    return not any(g.id in f.hidden_by and g.id != h.id and g.opaque and not is_rival(subject, g.id, h.id) for g in world)
+    return not any(
+        g.id in f.hidden_by and g.id != h.id and g.opaque and not is_rival(subject, g.id, h.id) for g in world
+    )
 
 
 def allowed(subject, world, pairs):
@@ -45,7 +47,9 @@ def score_by_choices(subject):
     picks = {h.id: [(f, f.dv) for f in h.features if f.in_image and f.dv > 0] for h in subject.hypotheses}
     weights = defaultdict(float)
     for choice in product(*(picks[h] or [(None, 1.0)] for h in order)):
-        weight = math.prod(dv / math.fsum(v for _, v in picks[h] or [(None, 1.0)]) for h, (_, dv) in zip(order, choice, strict=True))
+        weight = math.prod(
+            dv / math.fsum(v for _, v in picks[h] or [(None, 1.0)]) for h, (_, dv) in zip(order, choice, strict=True)
+        )
         world = []
         for name, (f, _) in zip(order, choice, strict=True):
             h = scene.by_id[name]

@@ -23,8 +23,12 @@ def leaves(reason):
 
 def test_explanations_of_a_goal_and_of_its_negation():
     account = explain(WET, "wet")
-    assert {frozenset(e.choices): e.probability for e in account.why} == pytest.approx({frozenset({"rain"}): 0.3, frozenset({"sprinkler"}): 0.5})
-    assert account.covered.listed == pytest.approx((account.probability, account.probability)), "together they are the goal, overlap and all"
+    assert {frozenset(e.choices): e.probability for e in account.why} == pytest.approx(
+        {frozenset({"rain"}): 0.3, frozenset({"sprinkler"}): 0.5}
+    )
+    assert account.covered.listed == pytest.approx((account.probability, account.probability)), (
+        "together they are the goal, overlap and all"
+    )
     assert account.covered.unlisted == 0
     assert [set(e.choices) for e in account.why_not] == [{"\\+ sprinkler", "\\+ rain"}]
     assert account.failure is None
@@ -46,7 +50,9 @@ def test_explanations_given_evidence():
 
 
 def test_recursion_ends():
-    graph = Text("0.3::e(1,2). 0.5::e(2,3). 0.2::e(1,3). 0.1::e(3,1). path(X,Y) :- e(X,Y). path(X,Y) :- e(X,Z), path(Z,Y).")
+    graph = Text(
+        "0.3::e(1,2). 0.5::e(2,3). 0.2::e(1,3). 0.1::e(3,1). path(X,Y) :- e(X,Y). path(X,Y) :- e(X,Z), path(Z,Y)."
+    )
     account = explain(graph, "path(1, 3)")
     assert [set(e.choices) for e in account.why] == [{"e(1, 3)"}, {"e(1, 2)", "e(2, 3)"}]
 
@@ -63,7 +69,9 @@ def test_each_pick_is_an_explanation_in_mode_to_b():
     account = explain(towers(mode="to_B"), "present(t2)", most=3)
     assert account.why[0].choices == ("pick(t2, 'apex/a0')",)
     assert account.why[0].given_evidence == pytest.approx(0.0789, abs=0.01)
-    assert all("/d" in choice for e in account.why_not for choice in e.choices), "what speaks against it are the novel items"
+    assert all("/d" in choice for e in account.why_not for choice in e.choices), (
+        "what speaks against it are the novel items"
+    )
 
 
 def test_why_not_names_the_condition_that_fails():

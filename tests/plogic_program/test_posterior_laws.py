@@ -91,7 +91,12 @@ def duplicated(subject, copies):
         return frozenset((x + a, y + b) for x, y in pairs for a in ("", "_copy") for b in ("", "_copy"))
 
     def widened(h):
-        return replace(h, features=tuple(replace(f, hidden_by=(*f.hidden_by, *(f"{g}_copy" for g in f.hidden_by))) for f in h.features))
+        return replace(
+            h,
+            features=tuple(
+                replace(f, hidden_by=(*f.hidden_by, *(f"{g}_copy" for g in f.hidden_by))) for f in h.features
+            ),
+        )
 
     same = frozenset((name, f"{name}_copy") for name in ids)
     return replace(

@@ -14,7 +14,9 @@ MODES = ("to_B", "drop", "reassign")
 def pair(relation, front, back, mode="to_B", **changes):
     """Two hypotheses h1 and h2 with these features, h1 standing to h2 in the relation."""
     h1 = hypothesis("h1", front, opaque=changes.pop("opaque", True))
-    return situation([h1, hypothesis("h2", back)], mode=mode, relations=tuple(pair_facts(relation, "h1", "h2")), **changes)
+    return situation(
+        [h1, hypothesis("h2", back)], mode=mode, relations=tuple(pair_facts(relation, "h1", "h2")), **changes
+    )
 
 
 SEEN = [feature("a", match="a1"), feature("b", match="a2"), feature("c", "C")]
@@ -78,7 +80,9 @@ def test_every_relation_can_be_checked_and_says_the_same_from_both_sides(relatio
         relations=tuple(pair_facts(relation, "h2", "h1")),
     )
     swapped = {"h1": "h2", "h2": "h1"}
-    assert {(d.relation, swapped[d.args[0]], swapped[d.args[1]]) for d in doubts(renamed)} == {(d.relation, *d.args) for d in doubts(one)}
+    assert {(d.relation, swapped[d.args[0]], swapped[d.args[1]]) for d in doubts(renamed)} == {
+        (d.relation, *d.args) for d in doubts(one)
+    }
 
 
 def test_the_papers_example_gives_no_reason_to_doubt():
@@ -87,5 +91,7 @@ def test_the_papers_example_gives_no_reason_to_doubt():
 
 
 def test_a_coarse_relation_of_an_older_document_is_checked_too():
-    old = situation([hypothesis("h1", SEEN), hypothesis("h2", FOUND_BEHIND)], relations=(PairFact("totally_occludes", "h1", "h2"),))
+    old = situation(
+        [hypothesis("h1", SEEN), hypothesis("h2", FOUND_BEHIND)], relations=(PairFact("totally_occludes", "h1", "h2"),)
+    )
     assert len(doubts(old)) == 1

@@ -61,7 +61,9 @@ def test_a_collection_that_depends_on_itself_is_spelt_out():
 
 
 def test_all_unknown_predicates_are_told_at_once():
-    message = told(UnknownPredicateError, "a :- b, nothing(1).\n0.5::b :- \\+ missing.\nc :- absent(X), member(X, [1]).\nquery(a).")
+    message = told(
+        UnknownPredicateError, "a :- b, nothing(1).\n0.5::b :- \\+ missing.\nc :- absent(X), member(X, [1]).\nquery(a)."
+    )
     assert message == (
         "u.pl:2:14: no clauses for missing/0; also u.pl:1:9: no clauses for nothing/1; also u.pl:3:6: no clauses for absent/1"
         "; also u.pl:3:17: no clauses for member/2 (:- use_module(library(lists)) would define it)"
@@ -101,7 +103,9 @@ def test_a_choice_or_a_goal_that_is_not_ground_names_its_variables(program):
 
 
 def test_errors_name_the_file_that_they_are_in():
-    assert told(ProgramError, "a.", "b :- true,\n  nothing.", goals=["b"]).startswith("more.pl:2:3: no clauses for nothing/0")
+    assert told(ProgramError, "a.", "b :- true,\n  nothing.", goals=["b"]).startswith(
+        "more.pl:2:3: no clauses for nothing/0"
+    )
     assert told(ProgramError, "a.", "a :- b. b.", goals=["a"]).startswith("more.pl:1:1: a/0 is defined by the program")
     assert told(ProgramError, "a.", "b :- (c.", goals=["b"]).startswith("more.pl:1:6: Unmatched")
 
@@ -112,12 +116,16 @@ def test_a_goal_that_nothing_defines_is_told_without_a_run(goal):
     assert asked(":- use_module(library(assert)). :- assertz(zork(1)). a.", goals=[goal])[0][0][1] == 1.0
 
 
-@pytest.mark.parametrize("program", ["0.3::a. evidence(a). evidence(\\+ a).", "a :- fail. evidence(a). 0.5::b. query(b)."])
+@pytest.mark.parametrize(
+    "program", ["0.3::a. evidence(a). evidence(\\+ a).", "a :- fail. evidence(a). 0.5::b. query(b)."]
+)
 def test_impossible_evidence_is_no_mistake_of_the_program(program):
     assert told(InconsistentError, program) == "no world satisfies the evidence: its probability is 0"
 
 
-@pytest.mark.parametrize("program", ["a :- try_call(b, 1). query(a).", "a; b :- c. c. query(a).", "a :- varnumbers(1, X). query(a)."])
+@pytest.mark.parametrize(
+    "program", ["a :- try_call(b, 1). query(a).", "a; b :- c. c. query(a).", "a :- varnumbers(1, X). query(a)."]
+)
 def test_what_problog_stumbles_over_is_one_clear_line(program):
     assert told(ProgramError, program).startswith("u.pl")
 
@@ -131,4 +139,6 @@ def test_evidence_may_rule_out_the_clause_that_is_not_ground():
 def test_a_goal_that_fails_in_the_run_is_told_where_it_stands():
     program = "a(0).\nb(X) :- a(X)."
     assert told(ProgramError, program, goals=["b(X), Y is 1 / X"]).startswith("goal:1:9: Error while evaluating")
-    assert told(ProgramError, program, "c(X) :- b(X).\nd(Y) :- c(X),\n  Y is 1 / X.", goals=["a(0)", "d(Y)"]).startswith("more.pl:3:5: Error")
+    assert told(
+        ProgramError, program, "c(X) :- b(X).\nd(Y) :- c(X),\n  Y is 1 / X.", goals=["a(0)", "d(Y)"]
+    ).startswith("more.pl:3:5: Error")

@@ -26,12 +26,21 @@ GOLDEN = Path(__file__).parent / "golden"
 def small(reading="score", mode="to_B"):
     """Every kind of line once: a name that needs an atom, occlusion, a rival, an overlap, a shared appearance, an undefined ev."""
     front = hypothesis(
-        "h1", [feature("roof/apex", type="apex", dv=0.99, match="a1"), feature("corner", match="a2"), feature("patch", "C", dv=0.15)],
+        "h1",
+        [
+            feature("roof/apex", type="apex", dv=0.99, match="a1"),
+            feature("corner", match="a2"),
+            feature("patch", "C", dv=0.15),
+        ],
         parts=(PartFact("roof", "", "object", "roof"),),
     )
     back = hypothesis(
         "h2",
-        [feature("corner", match="a2", residual=0.9), feature("patch", "C", dv=0.15, hidden_by=("h1",)), feature("rim", "D", match="a3")],
+        [
+            feature("corner", match="a2", residual=0.9),
+            feature("patch", "C", dv=0.15, hidden_by=("h1",)),
+            feature("rim", "D", match="a3"),
+        ],
     )
     rival = hypothesis("h3", [feature("corner", match="a4", self_hidden=True)], group="g_h2", opaque=False)
     nowhere = hypothesis("h4", [feature("corner", "B", in_image=False)], type="Grand Hall")
@@ -42,7 +51,10 @@ def small(reading="score", mode="to_B"):
         mode,
         overlaps=pair,
         rivals=pair,
-        relations=(PairFact("partially_occludes", "h1", "h2", "partially_occludes_po"), PairFact("non_occludes", "h1", "h4")),
+        relations=(
+            PairFact("partially_occludes", "h1", "h2", "partially_occludes_po"),
+            PairFact("non_occludes", "h1", "h4"),
+        ),
         part_relations=(PairFact("totally_occludes", "h2", "h1", "totally_occludes_tppi", ("", "roof")),),
     )
     return replace(
@@ -67,7 +79,9 @@ def small(reading="score", mode="to_B"):
 
 
 def cyclic():
-    ring = [hypothesis(f"h{i}", [feature("x", match=f"a{i}"), feature("y", "C", hidden_by=(f"h{3 - i}",))]) for i in (1, 2)]
+    ring = [
+        hypothesis(f"h{i}", [feature("x", match=f"a{i}"), feature("y", "C", hidden_by=(f"h{3 - i}",))]) for i in (1, 2)
+    ]
     return situation(ring, smoothing=0.01)
 
 

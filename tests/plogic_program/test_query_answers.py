@@ -32,7 +32,9 @@ def test_every_answer_most_probable_first_with_its_interval():
 
 
 def test_without_a_goal_a_situation_lists_its_hypotheses():
-    assert asked(towers(), None) == pytest.approx({f"present({h})": p for h, p in ranked_worlds(towers()).marginals.items()}, abs=1e-9)
+    assert asked(towers(), None) == pytest.approx(
+        {f"present({h})": p for h, p in ranked_worlds(towers()).marginals.items()}, abs=1e-9
+    )
 
 
 def test_without_a_goal_a_program_answers_its_own_queries():
@@ -40,7 +42,9 @@ def test_without_a_goal_a_program_answers_its_own_queries():
 
 
 def test_conjunction_negation_and_evidence():
-    assert asked(towers(), "present(t1), \\+ present(t2)")["present(t1), \\+ present(t2)"] == pytest.approx(0.039, abs=5e-4)
+    assert asked(towers(), "present(t1), \\+ present(t2)")["present(t1), \\+ present(t2)"] == pytest.approx(
+        0.039, abs=5e-4
+    )
     given = asked(towers(), "present(t2_distorted)", given=["\\+ present(t2)"])
     assert given["present(t2_distorted)"] == pytest.approx((1 - 0.508046) / 2, abs=1e-6)
     with pytest.raises(InconsistentError):
@@ -71,7 +75,9 @@ def test_nodes_are_written_as_paths(node):
 
 def test_no_name_is_read_as_program_text():
     evil = "x). present(zzz"
-    subject = situation([hypothesis(evil, [feature("a'), query(b", type="t)\n:- consult(x).\n% ")], type="% \nquery(present(zzz)).")])
+    subject = situation(
+        [hypothesis(evil, [feature("a'), query(b", type="t)\n:- consult(x).\n% ")], type="% \nquery(present(zzz)).")]
+    )
     assert list(asked(subject, "present(H)")) == [f"present('{evil}')"]
 
 
@@ -95,7 +101,9 @@ def test_mereology():
 def test_occlusion_by_outlines_and_by_features():
     front = hypothesis("h1", [feature("x")])
     back = hypothesis("h2", [feature("y", "C", hidden_by=("h1",)), feature("z", "D", hidden_by=("h1",), match="b")])
-    subject = situation([front, back], relations=(PairFact("totally_occludes", "h1", "h2", "totally_occludes_tppi"),), smoothing=0.01)
+    subject = situation(
+        [front, back], relations=(PairFact("totally_occludes", "h1", "h2", "totally_occludes_tppi"),), smoothing=0.01
+    )
     goals = ["hides_all_features(X, Y)", "occludes(X, Y)", "roc(R, X, Y)", "behind(Y, X)", "non_occludes(X, Y)"]
     hides, occludes, roc, behind, non = ([a.goal for a in row] for row in answers_to_all(subject, goals))
     assert (hides, occludes, non) == (["hides_all_features(h1, h2)"], ["occludes(h1, h2)"], [])
@@ -107,7 +115,9 @@ def test_occlusion_by_outlines_and_by_features():
 def test_the_whole_vocabulary_can_be_asked(reading):
     letters = "XYZ"
     goals = [f"{e.usage.split('(')[0]}({', '.join(letters[: e.arity])})" for e in entries(reading) if e.name != "near"]
-    two = situation([hypothesis("h1", [feature("x")]), hypothesis("h2", [feature("y", match="b"), feature("z", "D")])], reading)
+    two = situation(
+        [hypothesis("h1", [feature("x")]), hypothesis("h2", [feature("y", match="b"), feature("z", "D")])], reading
+    )
     assert len(answers_to_all(two, [*goals, "near(X, Y, 1)"])) == len(goals) + 1
 
 
@@ -124,7 +134,9 @@ def test_rules_of_a_knowledge_base_and_of_a_user():
     rules = "alone(H) :- present(H).\n"
     with pytest.raises(ProgramError, match=r"rules\.pl:1:1: alone/1 is defined by the program"):
         answers(towers(rules=rules))
-    subject = towers(rules="tip(H) :- feature(H, 'corner/a0', corner), \\+ noise(\"y_apex_A0\"). 0.5::lucky(H) :- tip(H).")
+    subject = towers(
+        rules="tip(H) :- feature(H, 'corner/a0', corner), \\+ noise(\"y_apex_A0\"). 0.5::lucky(H) :- tip(H)."
+    )
     assert asked(subject, "lucky(t2)")["lucky(t2)"] == pytest.approx(0.961 / 2, abs=5e-4)
     assert ranked_worlds(subject).marginals == ranked_worlds(towers()).marginals
     both = Text("both(X, Y) :- present(X), present(Y), X \\= Y.", "mine.pl")

@@ -213,11 +213,17 @@ def test_a_pure_library_may_be_loaded(library):
     assert run([Text(f":- use_module(library({library})). 0.5::a. query(a).")])[0][0].probability == pytest.approx(0.5)
 
 
-@pytest.mark.parametrize("call", ["write(x)", "writeln(x, y)", "writenl(x)", "nl", "debugprint(x)", "dbg_printdb", "print_state"])
+@pytest.mark.parametrize(
+    "call", ["write(x)", "writeln(x, y)", "writenl(x)", "nl", "debugprint(x)", "dbg_printdb", "print_state"]
+)
 def test_output_is_no_part_of_the_answers(call, capfd):
     engine, db = engine_for()
     db += parse(f"a :- {call}.").statements[0]
-    assert [str(name) for name, node in engine.ground(db, parse("a.").statements[0], label="query").get_names("query") if node == 0] == ["a"]
+    assert [
+        str(name)
+        for name, node in engine.ground(db, parse("a.").statements[0], label="query").get_names("query")
+        if node == 0
+    ] == ["a"]
     assert capfd.readouterr() == ("", "")
 
 
@@ -227,7 +233,9 @@ def test_what_is_refused_in_one_call_is_forgotten_in_the_next():
         db += statement
     with pytest.raises(RefusedError):
         engine.ground(db, parse("a.").statements[0])
-    assert [str(name) for name, _ in engine.ground(db, parse("b.").statements[0], label="query").get_names("query")] == ["b"]
+    assert [
+        str(name) for name, _ in engine.ground(db, parse("b.").statements[0], label="query").get_names("query")
+    ] == ["b"]
 
 
 def test_all_mistakes_are_told_at_once():
@@ -236,7 +244,10 @@ def test_all_mistakes_are_told_at_once():
         run([Text(program, "u.pl")])
     told = str(caught.value)
     assert told.startswith("u.pl:1:6: consult/1 is not allowed")
-    assert [place in told for place in ("u.pl:3:3: use_module/1", "u.pl:4:1: length/2 belongs to ProbLog", "u.pl:5:5: directive")] == [True] * 3
+    assert [
+        place in told
+        for place in ("u.pl:3:3: use_module/1", "u.pl:4:1: length/2 belongs to ProbLog", "u.pl:5:5: directive")
+    ] == [True] * 3
 
 
 def test_trust_lifts_the_rule(bait):
@@ -249,8 +260,13 @@ def test_trust_lifts_the_rule(bait):
 
 def test_a_trusted_program_reads_its_own_files_and_runs_its_own_python(tmp_path):
     (tmp_path / "more.pl").write_text("0.25::b.\n")
-    (tmp_path / "helper.py").write_text("from problog.extern import problog_export\n@problog_export('-int')\ndef seven():\n    return 7\n")
-    program = Text(":- consult('more.pl'). :- use_module('helper.py'). a(X) :- b, seven(X). query(a(_)).", str(tmp_path / "program.pl"))
+    (tmp_path / "helper.py").write_text(
+        "from problog.extern import problog_export\n@problog_export('-int')\ndef seven():\n    return 7\n"
+    )
+    program = Text(
+        ":- consult('more.pl'). :- use_module('helper.py'). a(X) :- b, seven(X). query(a(_)).",
+        str(tmp_path / "program.pl"),
+    )
     with pytest.raises(UnsafeProgramError):
         run([program])
     (found,) = run([program], limits=Limits(trust=True))
@@ -263,7 +279,10 @@ def test_the_limits_hold_for_trusted_programs_too():
     assert "limits of time and memory still hold" in TRUSTED
 
 
-@pytest.mark.parametrize("goal", ["use_module('x.py')", "X", "a, consult(x)", "\\+ consult(x)", "a :- b", "a. b", "findall(x, consult(y), L)"])
+@pytest.mark.parametrize(
+    "goal",
+    ["use_module('x.py')", "X", "a, consult(x)", "\\+ consult(x)", "a :- b", "a. b", "findall(x, consult(y), L)"],
+)
 def test_goals_and_evidence_pass_the_same_door(goal):
     program = Text("a. b.", "user.pl")
     with pytest.raises(ProgramError, match="goal"):
@@ -272,7 +291,9 @@ def test_goals_and_evidence_pass_the_same_door(goal):
         run([program], ["a"], [goal])
 
 
-@pytest.mark.parametrize("goal", ["X = consult(x), call(X)", "X =.. [use_module, 'x.py'], \\+ X", "findall(y, call(consult, x), L)"])
+@pytest.mark.parametrize(
+    "goal", ["X = consult(x), call(X)", "X =.. [use_module, 'x.py'], \\+ X", "findall(y, call(consult, x), L)"]
+)
 def test_a_goal_that_builds_a_goal_is_refused_when_it_runs(goal):
     with pytest.raises(UnsafeProgramError, match="is not allowed"):
         run([Text("a. b.", "user.pl")], [goal])

@@ -22,7 +22,10 @@ def test_a_rivals_that_share_an_appearance_have_exactly_one_cause_each():
     """Both may be present in the posterior, but an appearance is never explained twice, nor is a second detector free."""
     pair = [hypothesis(name, [feature("x", match="a")]) for name in ("h1", "h2")]
     subject = situation(pair, "posterior")
-    theirs = stock(program_text(subject) + "query(cause(_, _, _)). query(noise(_)). both :- cause(a, h1, x), cause(a, h2, x). query(both).")
+    theirs = stock(
+        program_text(subject)
+        + "query(cause(_, _, _)). query(noise(_)). both :- cause(a, h1, x), cause(a, h2, x). query(both)."
+    )
     assert theirs["both"] == 0.0
     assert theirs["cause(a,h1,x)"] + theirs["cause(a,h2,x)"] + theirs["noise(a)"] == pytest.approx(1, abs=1e-9)
     assert_same_worlds(subject)
@@ -72,7 +75,13 @@ def test_f_cyclic_occlusion_is_one_alternative_over_joint_states(mode, count):
     """Mutual occlusion, and A before B before C before A; an occluder outside the cycle; each equal to ProbLog."""
     ring = [
         hypothesis(
-            f"h{i}", [feature("x"), feature("y", "C", hidden_by=(f"h{(i + 1) % count}", "front")), feature("z", "D"), feature("u", "A")]
+            f"h{i}",
+            [
+                feature("x"),
+                feature("y", "C", hidden_by=(f"h{(i + 1) % count}", "front")),
+                feature("z", "D"),
+                feature("u", "A"),
+            ],
         )
         for i in range(count)
     ]
@@ -104,7 +113,10 @@ def test_f_a_cycle_without_a_stable_state_accepts_none():
 @pytest.mark.parametrize("density", [1e-9, 1e-6, 2e-5])
 def test_g_hundreds_of_weak_appearances(density):
     """The mass of the evidence is far below 1e-100, and stock ProbLog gives the same marginals."""
-    many = [hypothesis(f"h{i}", [feature(f"x{j}", match=f"a{i}_{j}", density=density) for j in range(150)]) for i in range(2)]
+    many = [
+        hypothesis(f"h{i}", [feature(f"x{j}", match=f"a{i}_{j}", density=density) for j in range(150)])
+        for i in range(2)
+    ]
     missed = hypothesis("h2", [feature(f"x{j}", "C") for j in range(100)])
     subject = situation([*many, missed], "posterior")
     ranking = ranked_worlds(subject)
@@ -116,11 +128,17 @@ def test_g_hundreds_of_weak_appearances(density):
 
 def test_g_labels_are_never_below_problogs_threshold():
     subject = situation(
-        [hypothesis("h1", [feature("x", density=1e-30), feature("y", dv=1e-12), feature("z", "C", hit_rate=1e-15)])], "posterior"
+        [hypothesis("h1", [feature("x", density=1e-30), feature("y", dv=1e-12), feature("z", "C", hit_rate=1e-15)])],
+        "posterior",
     )
     for reading in ("posterior", "score"):
         text = program_text(replace(subject, reading=reading))
-        labels = [float(piece.split("::")[0].split()[-1]) for piece in text.split(";") for piece in piece.split("\n") if "::" in piece]
+        labels = [
+            float(piece.split("::")[0].split()[-1])
+            for piece in text.split(";")
+            for piece in piece.split("\n")
+            if "::" in piece
+        ]
         assert labels
         assert min(labels) >= 1e-9
         assert_same_worlds(replace(subject, reading=reading))

@@ -32,14 +32,18 @@ def worlds_program(subject):
     atoms = [names.atom(h.id) for h in subject.hypotheses]
     lines = [program_text(subject)]
     for number, bits in enumerate(product((False, True), repeat=len(atoms))):
-        body = ", ".join(f"present({atom})" if bit else f"\\+ present({atom})" for atom, bit in zip(atoms, bits, strict=True))
+        body = ", ".join(
+            f"present({atom})" if bit else f"\\+ present({atom})" for atom, bit in zip(atoms, bits, strict=True)
+        )
         lines.append(f"world({number}) :- {body}.\nquery(world({number})).")
     return "\n".join(lines)
 
 
 def subsets(subject):
     ids = [h.id for h in subject.hypotheses]
-    return [tuple(h for h, bit in zip(ids, bits, strict=True) if bit) for bits in product((False, True), repeat=len(ids))]
+    return [
+        tuple(h for h, bit in zip(ids, bits, strict=True) if bit) for bits in product((False, True), repeat=len(ids))
+    ]
 
 
 def assert_same_worlds(subject):
@@ -83,7 +87,9 @@ def test_marginals_and_causes_equal_problog(subject):
     except InconsistentError:
         return
     names = names_of(subject)
-    text = program_text(subject) + "\nquery(present(_)). query(cause(_, _, _)). query(noise(_)). query(case(_, _, _)).\n"
+    text = (
+        program_text(subject) + "\nquery(present(_)). query(cause(_, _, _)). query(noise(_)). query(case(_, _, _)).\n"
+    )
     theirs = stock(text)
     for h in subject.hypotheses:
         assert theirs.get(f"present({names.atom(h.id)})", 0.0) == pytest.approx(ranking.marginals[h.id], abs=1e-9)
@@ -92,7 +98,9 @@ def test_marginals_and_causes_equal_problog(subject):
         caused = [p for goal, p in theirs.items() if goal.startswith(f"cause({a.id},")]
         assert noise + math.fsum(caused) == pytest.approx(1.0, abs=1e-8), "exactly one cause per appearance (trap a)"
         if subject.reading == "score":
-            assert noise == pytest.approx(sum(w.probability for w in ranking.worlds if w.causes[a.id] == "noise"), abs=1e-9)
+            assert noise == pytest.approx(
+                sum(w.probability for w in ranking.worlds if w.causes[a.id] == "noise"), abs=1e-9
+            )
     assert_one_case_per_feature(subject, names, theirs, ranking)
 
 
@@ -100,11 +108,15 @@ def assert_one_case_per_feature(subject, names, theirs, ranking):
     """A present feature in the image is in exactly one of the four cases (§4); one that projects outside it is in none."""
     for h in subject.hypotheses:
         for f in h.features:
-            total = math.fsum(p for goal, p in theirs.items() if goal.startswith(f"case({names.atom(h.id)},{names.atom(f.id)},"))
+            total = math.fsum(
+                p for goal, p in theirs.items() if goal.startswith(f"case({names.atom(h.id)},{names.atom(f.id)},")
+            )
             assert total == pytest.approx(ranking.marginals[h.id] if f.in_image else 0.0, abs=1e-8)
 
 
-@pytest.mark.parametrize(("reading", "mode"), [("score", "drop"), ("score", "to_B"), ("score", "reassign"), ("posterior", "to_B")])
+@pytest.mark.parametrize(
+    ("reading", "mode"), [("score", "drop"), ("score", "to_B"), ("score", "reassign"), ("posterior", "to_B")]
+)
 def test_two_towers_equal_problog(reading, mode):
     assert_same_worlds(towers(reading, mode))
 

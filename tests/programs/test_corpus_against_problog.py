@@ -1,7 +1,7 @@
 """Programs of our own, by area of the language, with their answers in the file: stock ProbLog and we are both held to them.
 
-A file ends with what it expects: ``% expect: goal = probability`` (every answer), ``% expect nothing``, ``% expect error: Kind`` (stock fails,
-too), or ``% expect refused: line:column`` (by the safety rule).
+A file ends with what it expects: ``% expect: goal = probability`` (every answer), ``% expect nothing``, ``% expect
+error: Kind`` (stock fails, too), or ``% expect refused: line:column`` (by the safety rule).
 """
 
 from __future__ import annotations
@@ -86,7 +86,9 @@ def test_a_file_says_one_thing_that_the_tests_read(path, text, expected):
         assert not expected.refused or re.fullmatch(r"\d+:\d+", expected.refused)
 
 
-@pytest.mark.parametrize(("path", "text", "expected"), [p for p in PROGRAMS if not p[2].refused], ids=lambda p: getattr(p, "stem", ""))
+@pytest.mark.parametrize(
+    ("path", "text", "expected"), [p for p in PROGRAMS if not p[2].refused], ids=lambda p: getattr(p, "stem", "")
+)
 def test_stock_problog_answers_what_the_file_says(path, text, expected, capfd):
     if expected.error:
         with pytest.raises(Exception):  # noqa: B017, PT011 - ProbLog raises what Python raises; which, our own test says

@@ -33,7 +33,7 @@ class Drawn:
 
     def worlds(self):
         """(probability, the atoms that are true) of every total choice that has one, given nothing."""
-        outcomes = [[*alternative, (str(1 - sum(eval(p) for p, _ in alternative)), None)] for alternative in self.choices]  # noqa: S307
+        outcomes = [[*alternative, (_rest(alternative), None)] for alternative in self.choices]
         for chosen in product(*outcomes):
             p = 1.0
             for label, _ in chosen:
@@ -47,7 +47,14 @@ class Drawn:
 
     def held(self):
         """The worlds in which the evidence holds."""
-        return [(p, true) for p, true in self.worlds() if all((atom in true) != negated for negated, atom in self.evidence)]
+        return [
+            (p, true) for p, true in self.worlds() if all((atom in true) != negated for negated, atom in self.evidence)
+        ]
+
+
+def _rest(alternative):
+    """What the outcomes of an alternative leave, as a label."""
+    return str(1 - sum(eval(p) for p, _ in alternative))  # noqa: S307 - labels that this file drew
 
 
 @st.composite

@@ -66,7 +66,8 @@ PROGRAMS = {
     "terms": "0.3::e(f(1,g(X))) :- d(X). d(u). d(v-w). k(X) :- e(f(_,g(X))). query(k(X)). query(e(f(1,g(v-w)))).",
     "repeated variables": "0.5::q(X,Y) :- d(X), d(Y). d(1). d(2). same(X) :- q(X,X). query(same(Z)). t :- q(A,A), \\+ q(A,B), d(B). query(t).",
     "arithmetic": "n(1). n(2). n(3). 0.5::k(N) :- n(N). s(S) :- k(A), k(B), A < B, S is A*10+B. query(s(X)).",
-    "big alternative": "; ".join(f"0.05::a({i})" for i in range(18)) + ". b :- a(X), X > 3. evidence(b). query(a(3)). query(a(17)). query(b).",
+    "big alternative": "; ".join(f"0.05::a({i})" for i in range(18))
+    + ". b :- a(X), X > 3. evidence(b). query(a(3)). query(a(17)). query(b).",
     "certain": "a. b :- a, \\+ c. 0.0::c. 1.0::d. query(a). query(b). query(c). query(d).",
     "evidence by value": "0.3::a. 0.4::b. c :- a. c :- b. evidence(c, true). evidence(b, false). query(a).",
     "negative query": "0.3::a. query(\\+ a). query(a).",

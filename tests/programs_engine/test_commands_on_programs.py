@@ -36,8 +36,20 @@ def test_worlds_of_a_program(program):
     found, status = worlds(program)
     assert (found["format"], status, found["unlisted_mass"]) == ("worlds/1", 0, [0.0, 0.0])
     assert [world["true"] for world in found["worlds"]] == [["burglary"], ["earthquake"], ["burglary", "earthquake"]]
-    assert found["worlds"][0]["choices"] == ["burglary", "\\+earthquake", "alarm (line 2)", "\\+alarm (line 3)", "calls(mary)"]
-    assert found["worlds"][1]["choices"] == ["\\+burglary", "earthquake", "alarm (line 2)", "alarm (line 3)", "calls(mary)"]
+    assert found["worlds"][0]["choices"] == [
+        "burglary",
+        "\\+earthquake",
+        "alarm (line 2)",
+        "\\+alarm (line 3)",
+        "calls(mary)",
+    ]
+    assert found["worlds"][1]["choices"] == [
+        "\\+burglary",
+        "earthquake",
+        "alarm (line 2)",
+        "alarm (line 3)",
+        "calls(mary)",
+    ]
     assert sum(world["probability"] for world in found["worlds"]) == pytest.approx(1.0)
     few, _ = worlds(program, 1)
     assert few["unlisted_mass"] == pytest.approx([1 - found["worlds"][0]["probability"]] * 2)

@@ -63,7 +63,9 @@ def test_a_deadline_gives_intervals_that_contain_the_exact_value(seconds):
     assert len(found) == len(goals)
     assert [a.goal for a in found[0]] == ["burglary"]
     for answers, expected in zip(found, exact, strict=True):
-        assert all(a.interval[0] - 1e-12 <= expected[a.goal] <= a.interval[1] + 1e-12 for a in answers if a.goal in expected)
+        assert all(
+            a.interval[0] - 1e-12 <= expected[a.goal] <= a.interval[1] + 1e-12 for a in answers if a.goal in expected
+        )
         assert done == all(a.interval[0] == a.interval[1] for a in answers) or not answers
     assert done or seconds < 60
 

@@ -25,7 +25,11 @@ def grouped(drawn):
     for p, true in drawn.held():
         groups.setdefault(frozenset(atom for atom in drawn.queries if atom in true), []).append(p)
     mass = sum(sum(ps) for ps in groups.values())
-    return mass, {atoms: sum(ps) / mass for atoms, ps in groups.items()}, {atoms: max(ps) for atoms, ps in groups.items()}
+    return (
+        mass,
+        {atoms: sum(ps) / mass for atoms, ps in groups.items()},
+        {atoms: max(ps) for atoms, ps in groups.items()},
+    )
 
 
 @settings(derandomize=True, deadline=None, max_examples=120)
@@ -45,7 +49,11 @@ def test_the_choices_of_a_world_are_possible_and_lead_to_it(drawn):
     assume(drawn.held())
     for world in worlds(drawn.text):
         chosen = set(world["choices"])
-        fitting = [p for p, true in drawn.held() if _made(chosen, true) and {q for q in drawn.queries if q in true} == set(world["holds"])]
+        fitting = [
+            p
+            for p, true in drawn.held()
+            if _made(chosen, true) and {q for q in drawn.queries if q in true} == set(world["holds"])
+        ]
         assert fitting
         _, _, best = grouped(drawn)
         assert sum(fitting) >= best[frozenset(world["holds"])] * (1 - 1e-9)
@@ -97,7 +105,10 @@ def test_a_program_that_asks_nothing_is_asked_for_what_is_probable():
 
 def test_goals_distinguish_worlds():
     ranking = program_worlds(Text("0.3::a(1). 0.6::a(2). b(X) :- a(X), X > 1. query(a(1))."), 10, goals=["b(X)"])
-    assert [(w.holds, w.probability) for w in ranking.worlds] == [(("b(2)",), pytest.approx(0.6)), ((), pytest.approx(0.4))]
+    assert [(w.holds, w.probability) for w in ranking.worlds] == [
+        (("b(2)",), pytest.approx(0.6)),
+        ((), pytest.approx(0.4)),
+    ]
 
 
 def test_a_choice_whose_head_other_clauses_give_too_is_told_with_its_line():

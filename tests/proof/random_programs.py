@@ -22,7 +22,11 @@ class Clause:
 
     def text(self):
         """The clause as ProbLog reads it."""
-        heads = "; ".join(f"{p}::a{h}" for p, h in zip(self.labels, self.heads, strict=True)) if self.labels else f"a{self.heads[0]}"
+        heads = (
+            "; ".join(f"{p}::a{h}" for p, h in zip(self.labels, self.heads, strict=True))
+            if self.labels
+            else f"a{self.heads[0]}"
+        )
         body = ", ".join(f"a{b}" if positive else f"\\+ a{b}" for b, positive in self.body)
         return f"{heads} :- {body}." if body else f"{heads}."
 
@@ -33,8 +37,16 @@ def programs(draw, most=6):
     clauses = []
     for _ in range(draw(st.integers(2, most))):
         labels = draw(st.one_of(st.just(()), st.sampled_from(LABELS)))
-        heads = tuple(draw(st.lists(st.integers(0, ATOMS - 1), min_size=max(1, len(labels)), max_size=max(1, len(labels)), unique=True)))
-        body = tuple(draw(st.lists(st.tuples(st.integers(0, ATOMS - 1), st.booleans()), max_size=3, unique_by=lambda b: b[0])))
+        heads = tuple(
+            draw(
+                st.lists(
+                    st.integers(0, ATOMS - 1), min_size=max(1, len(labels)), max_size=max(1, len(labels)), unique=True
+                )
+            )
+        )
+        body = tuple(
+            draw(st.lists(st.tuples(st.integers(0, ATOMS - 1), st.booleans()), max_size=3, unique_by=lambda b: b[0]))
+        )
         clauses.append(Clause(heads, labels, tuple(b for b in body if _stratified(heads, b))))
     return tuple(clauses) + tuple(Clause((a,), (), ((a, True),)) for a in range(ATOMS))
 
@@ -94,7 +106,9 @@ def explanations(clauses, goal, *, wanted, evidence):
 
 
 def _given(all_worlds, selection, evidence):
-    return math.fsum(p for p, taken, m in all_worlds if _agrees(m, evidence) and all(taken[i] == v for i, v in selection.items()))
+    return math.fsum(
+        p for p, taken, m in all_worlds if _agrees(m, evidence) and all(taken[i] == v for i, v in selection.items())
+    )
 
 
 def _agrees(true, evidence):

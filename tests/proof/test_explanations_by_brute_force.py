@@ -52,7 +52,12 @@ def written(found):
 
 
 @LAW
-@given(programs(), st.integers(0, ATOMS - 1), st.booleans(), st.dictionaries(st.integers(0, ATOMS - 1), st.booleans(), max_size=2))
+@given(
+    programs(),
+    st.integers(0, ATOMS - 1),
+    st.booleans(),
+    st.dictionaries(st.integers(0, ATOMS - 1), st.booleans(), max_size=2),
+)
 def test_the_explanations_are_the_minimal_sets_of_choices_that_entail_the_goal(clauses, goal, wanted, evidence):
     text = "\n".join(clause.text() for clause in clauses)
     given_goals = [f"a{a}" if value else f"\\+ a{a}" for a, value in evidence.items()]
@@ -107,7 +112,9 @@ def test_every_tree_ends_in_the_choices_of_its_explanation(clauses, goal, wanted
         if not any(node["kind"] == "cases" for node in nodes):
             used = {node["goal"] for node in nodes if node["kind"] == "choice"}
             heads = {choice.split(" :- ")[0] for choice in data["choices"]}
-            assert heads <= used | {choice.split(" :- ")[0] for choice in used}, "no choice without its place in the proof"
+            assert heads <= used | {choice.split(" :- ")[0] for choice in used}, (
+                "no choice without its place in the proof"
+            )
 
 
 def flattened(node):

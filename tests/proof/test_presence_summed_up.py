@@ -31,7 +31,9 @@ def test_the_posterior_reading_lists_log_likelihood_ratios():
 
 def test_given_evidence_counts():
     scene = towers(mode="to_B", smoothing=0.01)
-    with_it, without = (present(scene, "present(t2)", given=[g]).probability for g in ("present(t1)", "\\+ present(t1)"))
+    with_it, without = (
+        present(scene, "present(t2)", given=[g]).probability for g in ("present(t1)", "\\+ present(t1)")
+    )
     assert with_it > without
 
 

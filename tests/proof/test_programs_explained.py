@@ -63,7 +63,9 @@ def test_each_explanation_by_stock_problog(program, goal, given):
     assert [e.given_evidence for e in explained] == pytest.approx(weighed[1:], abs=1e-9)
     sets = [(e.goal, e.choices) for e in explained]
     fewer = [(shown, (*choices[:i], *choices[i + 1 :])) for shown, choices in sets for i in range(len(choices))]
-    asked = [g for shown, choices in (*sets, *fewer) for g in (conjunction(choices), f"{conjunction(choices)}, ({shown})")]
+    asked = [
+        g for shown, choices in (*sets, *fewer) for g in (conjunction(choices), f"{conjunction(choices)}, ({shown})")
+    ]
     found = chances(program, asked)
     entailed = [with_goal / alone for alone, with_goal in zip(found[::2], found[1::2], strict=True)]
     assert entailed[: len(sets)] == pytest.approx([1.0] * len(sets)), "it entails the goal"

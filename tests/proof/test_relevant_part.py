@@ -34,12 +34,19 @@ def test_what_hangs_together_is_kept_and_what_does_not_is_left_out():
     scene = towers()
     alone = replace(scene.hypotheses[0], id="far", group="far", features=())
     wide = replace(scene, hypotheses=(*scene.hypotheses, alone))
-    assert {h.id for h in relevant(wide, ["present(t2), \\+ present(t1)"]).hypotheses} == {h.id for h in scene.hypotheses}
+    assert {h.id for h in relevant(wide, ["present(t2), \\+ present(t1)"]).hypotheses} == {
+        h.id for h in scene.hypotheses
+    }
     assert {h.id for h in relevant(wide, ["present(far)"]).hypotheses} == {"far"}
 
 
-@pytest.mark.parametrize("goal", ["present(H)", "left_of(t1, X)", "my_rule(t1)", "findall(H, present(H), L)", "not ( well", "present(nobody)"])
+@pytest.mark.parametrize(
+    "goal",
+    ["present(H)", "left_of(t1, X)", "my_rule(t1)", "findall(H, present(H), L)", "not ( well", "present(nobody)"],
+)
 def test_a_goal_that_may_be_about_others_keeps_the_whole(goal):
     scene = towers()
-    wide = replace(scene, hypotheses=(*scene.hypotheses, replace(scene.hypotheses[0], id="far", group="far", features=())))
+    wide = replace(
+        scene, hypotheses=(*scene.hypotheses, replace(scene.hypotheses[0], id="far", group="far", features=()))
+    )
     assert relevant(wide, [goal]) is wide

@@ -69,7 +69,12 @@ def test_a_test_of_what_nothing_binds_is_open():
 
 @pytest.mark.parametrize(
     ("goal", "said"),
-    [("open", "open/1 is known"), ("open(a, b)", "open/1 is known"), ("opem(baker)", "open/1"), ("stuff(baker, S)", "staff/2")],
+    [
+        ("open", "open/1 is known"),
+        ("open(a, b)", "open/1 is known"),
+        ("opem(baker)", "open/1"),
+        ("stuff(baker, S)", "staff/2"),
+    ],
 )
 def test_an_unknown_predicate_is_answered_with_what_would_be_right(goal, said):
     with pytest.raises(UnknownPredicateError, match=said):

@@ -14,7 +14,15 @@ from plogic.face.shown.overlay import PALETTE, bgr, crowded, overlay
 
 INK = """const c = document.querySelector('.dots'); const p = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
 let n = 0; for (let i = 3; i < p.length; i += 4) if (p[i]) n += 1; return n"""
-OTHERS = {"id": "(others)", "type": "(others)", "case": "B", "expected": False, "detected": False, "match": None, "in_lobe": False}
+OTHERS = {
+    "id": "(others)",
+    "type": "(others)",
+    "case": "B",
+    "expected": False,
+    "detected": False,
+    "match": None,
+    "in_lobe": False,
+}
 OTHERS |= {"in_image": True, "hidden_by": [], "stands_for": 1000}
 PRESS = "const c = document.querySelector('.dots'); c.dispatchEvent(new KeyboardEvent('keydown', {key: arguments[0]}))"
 
@@ -26,14 +34,23 @@ def photo(towers):
     document = copy.deepcopy(towers)
     uv = rng.uniform(0, 1, (3000, 2)) * [WIDTH, HEIGHT]
     document["appearances"] += [
-        {"id": f"k{i}", "type": f"sift_w{i % 900:04d}", "uv": uv[i].round(2).tolist(), "detector": "sift", "clutter": 1e-6} for i in range(3000)
+        {
+            "id": f"k{i}",
+            "type": f"sift_w{i % 900:04d}",
+            "uv": uv[i].round(2).tolist(),
+            "detector": "sift",
+            "clutter": 1e-6,
+        }
+        for i in range(3000)
     ]
     document["causes_else"] = "noise"
     first = document["hypotheses"][0]
     for h in document["hypotheses"]:
         if h["status"] == "accepted":
             h["features"].append(h["features"][0] | OTHERS)
-    document["hypotheses"].append(first | {"id": "r9", "status": "rejected", "features": [], "why": "log-likelihood ratio 3.1: luck"})
+    document["hypotheses"].append(
+        first | {"id": "r9", "status": "rejected", "features": [], "why": "log-likelihood ratio 3.1: luck"}
+    )
     return document
 
 

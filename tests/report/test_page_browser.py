@@ -44,7 +44,10 @@ def test_a_violation_would_be_seen(chromium, towers, tmp_path):
 
 
 def test_what_is_unfinished_says_so_at_its_head(chromium, towers, tmp_path):
-    said = [shown_as(chromium, tmp_path, page(towers | more)).run("return document.body.innerText") for more in ({}, {"unfinished": True})]
+    said = [
+        shown_as(chromium, tmp_path, page(towers | more)).run("return document.body.innerText")
+        for more in ({}, {"unfinished": True})
+    ]
     assert ["Unfinished: more time may change all of this." in text for text in said] == [False, True]
 
 
@@ -150,7 +153,9 @@ def test_webgl_has_drawn_and_turns_by_drag_keys_and_wheel(shown):
 
 
 def test_a_lost_context_is_drawn_anew_without_it(shown):
-    shown.run("document.querySelector('#stage canvas').getContext('webgl').getExtension('WEBGL_lose_context').loseContext()")
+    shown.run(
+        "document.querySelector('#stage canvas').getContext('webgl').getExtension('WEBGL_lose_context').loseContext()"
+    )
     shown.settle()
     assert shown.run(DATA)["painter"] == "canvas"
     assert shown.run(COLOURS)[0] > 5000

@@ -14,7 +14,15 @@ from plogic.face.pages.report import page
 from plogic.face.shown.overlay import PALETTE, bgr, overlay, sides_of
 from plogic.face.shown.pencil import Pencil
 
-OTHERS = {"id": "(others)", "type": "(others)", "case": "B", "expected": False, "detected": False, "match": None, "in_lobe": False}
+OTHERS = {
+    "id": "(others)",
+    "type": "(others)",
+    "case": "B",
+    "expected": False,
+    "detected": False,
+    "match": None,
+    "in_lobe": False,
+}
 OTHERS |= {"in_image": True, "hidden_by": [], "stands_for": 1000}
 TEXT = "return document.querySelector(arguments[0]).textContent"
 INK = """const c = document.querySelector('.dots'), k = c.width / arguments[2], px = devicePixelRatio || 1;
@@ -24,17 +32,45 @@ const w = 2 * r + 1, up = [...Array(w).keys()];
 return up.map((i) => up.map((j) => p[4 * (i * w + j) + 3]))"""
 POINT = """const c = document.querySelector('.dots'), b = c.getBoundingClientRect(), k = b.width / arguments[2];
 c.dispatchEvent(new PointerEvent('pointermove', {clientX: b.left + (arguments[0] + 0.5) * k, clientY: b.top + (arguments[1] + 0.5) * k}))"""
-FOUND, MISSED = {"id": "s1", "type": "sift_w0007", "uv": [60.0, 40.0]}, {"id": "s2", "type": "sift_w0007", "uv": [100.0, 40.0]}
+FOUND, MISSED = (
+    {"id": "s1", "type": "sift_w0007", "uv": [60.0, 40.0]},
+    {"id": "s2", "type": "sift_w0007", "uv": [100.0, 40.0]},
+)
 STROKES = (0.0, math.pi / 2, math.pi, -math.pi / 2)
 
 
 def with_sides(towers, angle=math.pi / 2):
     """The towers as learnt types; h1 has one side of an edge found, whose ``angle`` is downwards, and one missed."""
     document = copy.deepcopy(towers)
-    a = {"id": "e1", "type": "sift_w0007", "uv": [60.0, 40.0], "detector": "sift", "angle": angle, "score": 0.5, "clutter": 1e-5}
-    k = {"id": "e2", "type": "sift_w0003", "uv": [20.0, 20.0], "detector": "sift", "angle": 1.0, "scale": 4.0, "score": 0.5, "clutter": 1e-5}
+    a = {
+        "id": "e1",
+        "type": "sift_w0007",
+        "uv": [60.0, 40.0],
+        "detector": "sift",
+        "angle": angle,
+        "score": 0.5,
+        "clutter": 1e-5,
+    }
+    k = {
+        "id": "e2",
+        "type": "sift_w0003",
+        "uv": [20.0, 20.0],
+        "detector": "sift",
+        "angle": 1.0,
+        "scale": 4.0,
+        "score": 0.5,
+        "clutter": 1e-5,
+    }
     document["appearances"] += [a, k]
-    base = {"in_image": True, "in_lobe": True, "self_hidden": False, "hidden_by": [], "expected": True, "at": [0.0, 0.0, 5.0], "residual": None}
+    base = {
+        "in_image": True,
+        "in_lobe": True,
+        "self_hidden": False,
+        "hidden_by": [],
+        "expected": True,
+        "at": [0.0, 0.0, 5.0],
+        "residual": None,
+    }
     first = document["hypotheses"][0]
     first["features"] += [
         FOUND | base | {"match": "e1", "residual": 0.4, "detected": True, "case": "A"},
@@ -148,13 +184,20 @@ def test_a_side_says_what_it_is_when_pointed_at(seen, towers):
 
 def test_names_stand_above_the_marks(seen):
     assert seen.run(COUNT, ".over .name") == 2
-    assert seen.run("const [a, b] = ['.dots', '.over'].map((s) => document.querySelector(s)); return a.compareDocumentPosition(b)") == 4
+    assert (
+        seen.run(
+            "const [a, b] = ['.dots', '.over'].map((s) => document.querySelector(s)); return a.compareDocumentPosition(b)"
+        )
+        == 4
+    )
 
 
 def test_a_photo_without_sides_says_nothing_of_them(chromium, towers, tmp_path):
     document = with_sides(towers)
     document["appearances"] = [a for a in document["appearances"] if a["id"] != "e1"]
-    document["hypotheses"][0]["features"] = [f for f in document["hypotheses"][0]["features"] if f["id"] not in ("s1", "s2")]
+    document["hypotheses"][0]["features"] = [
+        f for f in document["hypotheses"][0]["features"] if f["id"] not in ("s1", "s2")
+    ]
     shown_as(chromium, tmp_path, page(document))
     assert chromium.run(COUNT, "[data-layer='sides'], [data-sides]") == 0
     assert complaints(chromium) == []

@@ -95,7 +95,11 @@ def flat_cap(seed=0, features=24, relief=0.7):
     """
     rng = np.random.default_rng(seed)
     at = np.column_stack([rng.uniform(-0.1, 0.1, (features, 2)), rng.normal(0.0, 5e-4, features)])
-    around, aside, turn = rng.uniform(0.0, 2.0 * np.pi, features), rng.uniform(0.0, relief, features), rng.uniform(0.0, 2.0 * np.pi, features)
+    around, aside, turn = (
+        rng.uniform(0.0, 2.0 * np.pi, features),
+        rng.uniform(0.0, relief, features),
+        rng.uniform(0.0, 2.0 * np.pi, features),
+    )
     frames = np.array([about_z(a) @ about_x(b) @ about_z(c) for a, b, c in zip(around, aside, turn, strict=True)])
     looks = [type_names(30)[i] for i in rng.permutation(30)[:features]]
     return kb_of(made("cap", None, at, frames, looks, np.full(features, np.radians(80.0))))
@@ -117,7 +121,13 @@ def with_other_look(kind, name):
 
     def both(feature):
         mine = FeatureAppearance(feature.type, Lobe(axis, angle, 0.05, 20.0))
-        return Feature(feature.name, feature.type, feature.at, feature.rotation, (mine, FeatureAppearance(name, Lobe(-axis, angle, 0.05, 20.0))))
+        return Feature(
+            feature.name,
+            feature.type,
+            feature.at,
+            feature.rotation,
+            (mine, FeatureAppearance(name, Lobe(-axis, angle, 0.05, 20.0))),
+        )
 
     features = tuple(both(feature) for feature in kind.features)
     return replace(kind, features=features, all_features=features)
@@ -134,7 +144,9 @@ def picture_of(index, pose, features, camera=STRAIGHT):
     """Exact data of some features at a pose; an angle is where a point a little way along the x axis of the feature's frame is seen."""
     chosen = [index.object_type.features[f] for f in features]
     at = transform_points(pose, np.array([feature.at for feature in chosen]).reshape(-1, 3))
-    beside = transform_points(pose, np.array([feature.at + 1e-6 * feature.rotation[:, 0] for feature in chosen]).reshape(-1, 3))
+    beside = transform_points(
+        pose, np.array([feature.at + 1e-6 * feature.rotation[:, 0] for feature in chosen]).reshape(-1, 3)
+    )
     uv = camera.project(at)
     step = camera.project(beside) - uv
     angle = np.arctan2(step[:, 1], step[:, 0]) % (2.0 * np.pi)
@@ -144,7 +156,9 @@ def picture_of(index, pose, features, camera=STRAIGHT):
 
 def datum(number, name, uv, angle=None):
     """One appearance."""
-    return Appearance(f"d{number}", name, (float(uv[0]), float(uv[1])), "made", angle=None if angle is None else float(angle))
+    return Appearance(
+        f"d{number}", name, (float(uv[0]), float(uv[1])), "made", angle=None if angle is None else float(angle)
+    )
 
 
 def a_trial(ready, seed, detector=EASY, appearances=200):

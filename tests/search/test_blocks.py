@@ -29,7 +29,11 @@ def clutter(number, seed, arms=4, step=1.0):
     for i in range(number):
         place = np.rint(rng.uniform(0, [639, 479]) / step) * step
         angles = tuple(np.sort(rng.uniform(0, 2 * np.pi, rng.integers(0, arms + 1))).tolist())
-        rows.append(Appearance(f"a{i}", kinds[rng.integers(len(kinds))], (float(place[0]), float(place[1])), "drawn", arms=angles))
+        rows.append(
+            Appearance(
+                f"a{i}", kinds[rng.integers(len(kinds))], (float(place[0]), float(place[1])), "drawn", arms=angles
+            )
+        )
     return data_of(rows, CAMERA)
 
 
@@ -133,8 +137,15 @@ def test_the_search_for_a_type_can_be_stopped_at_every_look(arms, monkeypatch):
     again, many = looks(np.inf)
     assert many >= few > 20
     assert many > 2 * few or not arms, "without arms it looks between cells"
-    assert [ratio for ratio, _ in again] == [ratio for ratio, _ in found] == [ratio for ratio, _ in generate(index, data, kb)]
+    assert (
+        [ratio for ratio, _ in again]
+        == [ratio for ratio, _ in found]
+        == [ratio for ratio, _ in generate(index, data, kb)]
+    )
     for most in np.linspace(0, many - 1, 6).astype(int):
         with pytest.raises(OutOfTimeError):
             looks(most)
-    assert all(np.array_equal(a[1].camera_from_object, b[1].camera_from_object) for a, b in combinations([*found[:1], *again[:1]], 2))
+    assert all(
+        np.array_equal(a[1].camera_from_object, b[1].camera_from_object)
+        for a, b in combinations([*found[:1], *again[:1]], 2)
+    )

@@ -23,7 +23,9 @@ def seen(noise, spread, seed):
     at = transform_points(TRUTH, POINTS)
     uv, depth = CAMERA.project(at) + rng.normal(0.0, noise, (12, 2)), at[:, 2] + rng.normal(0.0, spread, 12)
     rows = zip(uv.tolist(), depth.tolist(), strict=True)
-    data = [Appearance(f"a{i}", "t", tuple(place), "test", depth=d, depth_sigma=spread) for i, (place, d) in enumerate(rows)]
+    data = [
+        Appearance(f"a{i}", "t", tuple(place), "test", depth=d, depth_sigma=spread) for i, (place, d) in enumerate(rows)
+    ]
     return data_of(data, CAMERA)
 
 
@@ -76,6 +78,9 @@ def test_without_depths_there_is_nothing_to_add():
     data = data_of([Appearance("a", "t", (1.0, 2.0), "x")], CAMERA)
     assert data.depth is None
     assert side_sight(TRUTH, POINTS[:1], np.array([0]), data, 1.0) is None
-    some = data_of([Appearance("a", "t", (1.0, 2.0), "x"), Appearance("b", "t", (1.0, 2.0), "x", depth=1.0, depth_sigma=0.1)], CAMERA)
+    some = data_of(
+        [Appearance("a", "t", (1.0, 2.0), "x"), Appearance("b", "t", (1.0, 2.0), "x", depth=1.0, depth_sigma=0.1)],
+        CAMERA,
+    )
     assert side_sight(TRUTH, POINTS[:1], np.array([0]), some, 1.0) is None
     assert some.only(np.array([False, True])).depth.tolist() == [1.0]

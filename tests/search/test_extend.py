@@ -42,7 +42,10 @@ def test_the_true_pose_is_recovered_from_perturbed_ones(name, seed):
     assert sum(right) >= 4
     assert found.fitted[0]
     used = found.matches[0] >= 0
-    off = CAMERA.project(transform_points(found.camera_from_object[0], index.points[used])) - data.uv[found.matches[0][used]]
+    off = (
+        CAMERA.project(transform_points(found.camera_from_object[0], index.points[used]))
+        - data.uv[found.matches[0][used]]
+    )
     assert np.sqrt((off**2).sum(axis=1).mean()) < 1.5
 
 
@@ -51,7 +54,10 @@ def test_a_batch_equals_singles():
     index, pose, data, maps, rng = view("t1", 5044)
     starts = np.stack([perturbed(rng, pose, index.cells.centre, 6.0, 0.02) for _ in range(5)])
     batch = extend(starts, index.cells, index.points, index.weights, maps, data, TOLERANCE).camera_from_object
-    alone = [extend(s[None], index.cells, index.points, index.weights, maps, data, TOLERANCE).camera_from_object for s in starts]
+    alone = [
+        extend(s[None], index.cells, index.points, index.weights, maps, data, TOLERANCE).camera_from_object
+        for s in starts
+    ]
     singles = np.concatenate(alone)
     assert len(batch) == len(singles) >= 5
     apart = np.abs(batch[:, None] - singles[None]).max(axis=(2, 3))

@@ -1,8 +1,9 @@
 """The fast search is held to the paper's plain one, which tries every set of four: what it accepts explains no less.
 
-Evidence is a step function of the pose at two edges: where a viewpoint leaves a lobe, and where a datum lies just within the match tolerance.
-Two refined poses about one optimum, some tenths of a degree apart, may lie on either side of one of them. So of each object the fast search may
-explain less by what *one* match says at most, and an object of which one match fewer is too few to be accepted is no part of the law.
+Evidence is a step function of the pose at two edges: where a viewpoint leaves a lobe, and where a datum lies just
+within the match tolerance. Two refined poses about one optimum, some tenths of a degree apart, may lie on either side
+of one of them. So of each object the fast search may explain less by what *one* match says at most, and an object of
+which one match fewer is too few to be accepted is no part of the law.
 """
 
 import numpy as np
@@ -14,12 +15,25 @@ from plogic.cycle.beside import FEWEST
 SEEDS = range(8)
 SCENES = [(objects, seed, angles) for objects in (1, 2) for seed in SEEDS for angles in (ANGLES, PLACES)]
 MISSED = {
-    (2, 14, PLACES): "without angles: it comes to within a degree, but three of five data lie within the tolerance there, where four are demanded",
-    (2, 54, PLACES): "without angles: of the object's five features that were detected one is among the 16 that pairs are made of",
+    (
+        2,
+        14,
+        PLACES,
+    ): "without angles: it comes to within a degree, but three of five data lie within the tolerance there, where four are demanded",
+    (
+        2,
+        54,
+        PLACES,
+    ): "without angles: of the object's five features that were detected one is among the 16 that pairs are made of",
 }
 MORE = [(1, 36, ANGLES), (1, 49, ANGLES), (1, 49, PLACES), (2, 30, ANGLES), (2, 46, ANGLES)]
-"""Of the first sixty seeds, scenes in which the fast search misses what the plain one finds; and in which it once did, or is at an edge."""
-LAW = [*SCENES, *MORE, *(pytest.param(*scene, marks=pytest.mark.xfail(reason=why, strict=True)) for scene, why in MISSED.items())]
+"""Of the first sixty seeds, scenes in which the fast search misses what the plain one finds; and in which it once did,
+or is at an edge."""
+LAW = [
+    *SCENES,
+    *MORE,
+    *(pytest.param(*scene, marks=pytest.mark.xfail(reason=why, strict=True)) for scene, why in MISSED.items()),
+]
 UNLIKE = {
     (2, 4, ANGLES): "the fast one accepts an object more: of its four data POSIT makes no pose",
     (2, 6, ANGLES): "at the edge: three of four expected features detected, where four are demanded",
@@ -79,7 +93,11 @@ def test_what_posit_makes_no_pose_of_the_fast_path_has_more():
 
 def test_what_only_the_plain_one_accepts_the_fast_one_proposed_and_judged_at_the_edge():
     accepted, rejected = interpreted(2, 6, ANGLES, "index")
-    (missed,) = [b for b in interpreted(2, 6, ANGLES, "quadruples")[0] if not any(apart(b, other)[0] < 90.0 for other in accepted)]
+    (missed,) = [
+        b
+        for b in interpreted(2, 6, ANGLES, "quadruples")[0]
+        if not any(apart(b, other)[0] < 90.0 for other in accepted)
+    ]
     (near,) = [b for b in rejected if apart(b, missed)[0] < 3.0]
     assert not clear(missed)
     assert "only 3 of its expected features detected" in near.why
@@ -89,4 +107,6 @@ def test_what_only_the_plain_one_accepts_the_fast_one_proposed_and_judged_at_the
 def test_what_either_accepts_is_there(seed):
     _, _, truths = world(2, seed, ANGLES)
     for generator in ("index", "quadruples"):
-        assert {b.posed.object_type.name for b in interpreted(2, seed, ANGLES, generator)[0]} <= {truth.type for truth in truths}
+        assert {b.posed.object_type.name for b in interpreted(2, seed, ANGLES, generator)[0]} <= {
+            truth.type for truth in truths
+        }

@@ -50,7 +50,9 @@ def test_the_best_hypothesis_is_the_true_pose(name, shots):
     right = 0
     for pose, gamma in mine:
         settled = best(name, gamma)
-        assert ratio_at(name, settled, gamma) > ratio_at(name, pose, gamma) - 1.0, "nothing nearer to the truth explains Γ better"
+        assert ratio_at(name, settled, gamma) > ratio_at(name, pose, gamma) - 1.0, (
+            "nothing nearer to the truth explains Γ better"
+        )
         right += is_right(name, settled, pose)
     assert right >= len(mine) - 1
 
@@ -80,7 +82,11 @@ def rolled(gamma, quarter):
     flat = np.array([[cos, -sin], [sin, cos]])
     centre = gamma.camera.K[:2, 2]
     moved = tuple(
-        replace(a, uv=tuple(flat @ (np.array(a.uv) - centre) + centre), arms=tuple(sorted(np.mod(np.array(a.arms) + quarter * np.pi / 2, 2 * np.pi))))
+        replace(
+            a,
+            uv=tuple(flat @ (np.array(a.uv) - centre) + centre),
+            arms=tuple(sorted(np.mod(np.array(a.arms) + quarter * np.pi / 2, 2 * np.pi))),
+        )
         for a in gamma.appearances
     )
     turn = np.eye(4)

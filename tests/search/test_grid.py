@@ -35,7 +35,9 @@ def close(uv, angle, sides, facing, reach):
     """Pairs (place, side) within ``reach`` pixels, and within a part of the circle; at a hair's breadth of it neither."""
     far = np.linalg.norm(uv[:, None] - sides[None], axis=2)
     turned = np.abs(np.angle(np.exp(1j * (angle[:, None] - facing[None]))))
-    return set(zip(*(i.tolist() for i in np.nonzero((far <= reach[:, None] - 1e-9) & (turned <= PART - 1e-9))), strict=True))
+    return set(
+        zip(*(i.tolist() for i in np.nonzero((far <= reach[:, None] - 1e-9) & (turned <= PART - 1e-9))), strict=True)
+    )
 
 
 def asked(grid, uv, reach, angle=None):
@@ -51,7 +53,11 @@ REACHES = st.floats(0.0, 60.0)
 @given(st.integers(0, 9999), SIZES, COUNTS, COUNTS, REACHES)
 def test_every_pair_within_reach_and_a_part_of_the_circle_is_found_once(seed, size, count, others, most):
     rng = np.random.default_rng(seed)
-    (uv, facing), (ask, angle), reach = places(rng, count, size), places(rng, others, size), rng.uniform(0, most, others)
+    (uv, facing), (ask, angle), reach = (
+        places(rng, count, size),
+        places(rng, others, size),
+        rng.uniform(0, most, others),
+    )
     pairs = asked(grid_of(np.arange(count), uv, size, facing), ask, reach, angle)
     assert len(pairs) == len(set(pairs))
     assert close(ask, angle, uv, facing, reach) <= set(pairs)
@@ -67,7 +73,9 @@ def test_by_place_alone_nothing_within_reach_is_missed_whichever_way_it_faces(se
     assert near <= set(by_place)
     assert len(by_place) == len(set(by_place))
     assert set(asked(grid_of(np.arange(count), uv, size, facing), ask, reach, np.zeros(others))) <= set(by_place)
-    assert set(asked(grid_of(np.arange(count), uv, size, facing), ask, reach)) == set(by_place)  # by direction too, but not asked for
+    assert set(asked(grid_of(np.arange(count), uv, size, facing), ask, reach)) == set(
+        by_place
+    )  # by direction too, but not asked for
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
@@ -134,8 +142,14 @@ SIDE = 1
 
 def made(kinds, seed=0):
     rng = np.random.default_rng(seed)
-    rows = [Appearance(f"a{i}", "sift", tuple(rng.uniform(0, [639, 479]).tolist()), "made", **KINDS[kind]) for i, kind in enumerate(kinds)]
-    turned = [replace(row, angle=float(rng.uniform(0, 2 * pi))) if kind == SIDE else row for row, kind in zip(rows, kinds, strict=True)]
+    rows = [
+        Appearance(f"a{i}", "sift", tuple(rng.uniform(0, [639, 479]).tolist()), "made", **KINDS[kind])
+        for i, kind in enumerate(kinds)
+    ]
+    turned = [
+        replace(row, angle=float(rng.uniform(0, 2 * pi))) if kind == SIDE else row
+        for row, kind in zip(rows, kinds, strict=True)
+    ]
     return data_of(turned, CAMERA)
 
 

@@ -21,7 +21,9 @@ def asked(place, made=None):
 
 
 def right(arrays):
-    return arrays.keys() == ARRAYS.keys() and all(np.array_equal(arrays[k], ARRAYS[k]) and arrays[k].dtype == ARRAYS[k].dtype for k in ARRAYS)
+    return arrays.keys() == ARRAYS.keys() and all(
+        np.array_equal(arrays[k], ARRAYS[k]) and arrays[k].dtype == ARRAYS[k].dtype for k in ARRAYS
+    )
 
 
 def harm_bit(offset):
@@ -81,7 +83,11 @@ HARMS = {
     "an empty manifest": manifest(b""),
     "a manifest of something else": manifest(b'{"key": 3}'),
     "a manifest that is no text": manifest(b"\xff\xfe["),
-    "the folder of another key": lambda place: (asked(place.parent / OTHER), shutil.rmtree(place), (place.parent / OTHER).rename(place)),
+    "the folder of another key": lambda place: (
+        asked(place.parent / OTHER),
+        shutil.rmtree(place),
+        (place.parent / OTHER).rename(place),
+    ),
 }
 
 
@@ -120,7 +126,9 @@ def aged(folder, number, seconds, size=10):
 def test_those_used_last_stay(tmp_path):
     places = [aged(tmp_path, i, 1000 - i) for i in range(FOLDERS + 3)]
     forget_beside(places[0])
-    assert sorted(tmp_path.iterdir()) == sorted([places[0], *places[-(FOLDERS - 1) :]]), "the one that was just written is one of them"
+    assert sorted(tmp_path.iterdir()) == sorted([places[0], *places[-(FOLDERS - 1) :]]), (
+        "the one that was just written is one of them"
+    )
 
 
 def test_they_take_no_more_than_so_many_bytes_but_one_always_stays(tmp_path):
@@ -146,7 +154,18 @@ def test_what_is_read_is_used(tmp_path):
 
 
 def test_nobody_elses_is_touched(tmp_path):
-    foreign = ["notes", "f" * 63, "f" * 65, "F" * 64, "g" * 64, f"{KEY}.old", ".hidden", f".{KEY}", f".{KEY}-short", f"x{KEY}"]
+    foreign = [
+        "notes",
+        "f" * 63,
+        "f" * 65,
+        "F" * 64,
+        "g" * 64,
+        f"{KEY}.old",
+        ".hidden",
+        f".{KEY}",
+        f".{KEY}-short",
+        f"x{KEY}",
+    ]
     for name in foreign:
         (tmp_path / name).mkdir()
         (tmp_path / name / "mine").write_text("x")

@@ -58,7 +58,9 @@ def test_agreement_is_what_a_loop_over_poses_and_pairs_says(seed, share, pixels)
     thing = ready(random_cloud(seed, 8, 16, half_angle=rng.uniform(0.2, 1.5, 16)))
     truth = pose_before(rng)
     data = gamma_at(thing.cloud, rng.integers(0, 16, 20), truth)
-    poses = np.stack([truth, *(pose_before(rng, rng.uniform(0.5, 1.2)) for _ in range(3)), truth @ np.diag([1.0, -1, -1, 1])])
+    poses = np.stack(
+        [truth, *(pose_before(rng, rng.uniform(0.5, 1.2)) for _ in range(3)), truth @ np.diag([1.0, -1, -1, 1])]
+    )
     lobes = np.concatenate([rng.integers(0, 16, 30), np.arange(16)])
     some = pairs(rng.integers(0, 20, 46), lobes)
     found = agreement(thing.index, poses, some, data, share, pixels)
@@ -112,7 +114,12 @@ def test_votes_and_the_choice_of_one_each_are_those_of_loops(seed, count):
     for h in range(3):
         row = np.array([some.weight[p] * exp(-0.5 * (1.5 * off[h, p]) ** 2) for p in range(count)])
         for owner in (datum, feature):
-            row = np.array([w if w == max(row[q] for q in range(count) if owner[q] == owner[p]) else 0.0 for p, w in enumerate(row)])
+            row = np.array(
+                [
+                    w if w == max(row[q] for q in range(count) if owner[q] == owner[p]) else 0.0
+                    for p, w in enumerate(row)
+                ]
+            )
         np.testing.assert_allclose(kept[h], row)
         chosen = np.flatnonzero(kept[h])
         assert len(set(datum[chosen].tolist())) == len(set(feature[chosen].tolist())) == len(chosen)
@@ -123,7 +130,10 @@ def test_votes_and_the_choice_of_one_each_are_those_of_loops(seed, count):
 
 def test_descriptors_of_another_width_pair_with_nothing():
     thing = ready(random_cloud())
-    others = [keypoint_of(random_cloud(width=32), lobe, pose_before(np.random.default_rng(0)), number=lobe) for lobe in range(6)]
+    others = [
+        keypoint_of(random_cloud(width=32), lobe, pose_before(np.random.default_rng(0)), number=lobe)
+        for lobe in range(6)
+    ]
     data = data_of(others, CAMERA)
     assert not data.described.any()
     assert len(pairs_of(thing.index, data)) == 0

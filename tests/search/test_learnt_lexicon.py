@@ -30,7 +30,15 @@ def noisy(rng, descriptors):
 def data_like(descriptors):
     """Keypoints of these descriptors anywhere; every fifth has none."""
     rows = [
-        Appearance(f"a{i}", "sift", (float(i), 2.0), "made", angle=1.0, scale=5.0, descriptor=b"" if i % 5 == 4 else row.tobytes())
+        Appearance(
+            f"a{i}",
+            "sift",
+            (float(i), 2.0),
+            "made",
+            angle=1.0,
+            scale=5.0,
+            descriptor=b"" if i % 5 == 4 else row.tobytes(),
+        )
         for i, row in enumerate(descriptors)
     ]
     return data_of(rows, CAMERA, descriptors.shape[1])
@@ -75,7 +83,9 @@ def all_pairs(cloud, data, words=None, most=NTH):
 
 def assert_same(found, expected):
     assert len(found.datum) == len(rows_of(found)), "no pair twice"
-    assert np.array_equal(np.lexsort((found.apart, found.lobe)), np.arange(len(found.lobe))), "by appearance, the most alike first"
+    assert np.array_equal(np.lexsort((found.apart, found.lobe)), np.arange(len(found.lobe))), (
+        "by appearance, the most alike first"
+    )
     assert rows_of(found).keys() == expected.keys()
     assert rows_of(found) == {key: pytest.approx(value, abs=0.05) for key, value in expected.items()}
 
@@ -104,7 +114,11 @@ def test_with_a_vocabulary_they_are_those_of_the_nearest_words(width, seed):
     look = noisy(rng, base[rng.integers(0, 4, 30)])
     cloud = random_cloud(seed, 6, 30, width=width, descriptor=look, lobe_word=nearest(look, words, 1)[:, 0])
     data = data_like(noisy(rng, base[rng.integers(0, 4, 23)]))
-    found, expected, every = lexicon_of({"t": cloud}, words).alike("t", data), all_pairs(cloud, data, words), all_pairs(cloud, data, most=99)
+    found, expected, every = (
+        lexicon_of({"t": cloud}, words).alike("t", data),
+        all_pairs(cloud, data, words),
+        all_pairs(cloud, data, most=99),
+    )
     assert_same(found, expected)
     assert expected.keys() <= every.keys()
 
@@ -137,7 +151,9 @@ def test_of_a_part_of_the_data_they_are_the_pairs_of_that_part(width, seed, bits
         whole = rows_of(lexicon_of(clouds, words).alike(name, data))
         for i in rng.permutation(3):
             place = {int(row): own for own, row in enumerate(parts[i].rows)}
-            assert rows_of(lexicon.alike(name, parts[i])) == {(place[d], lobe): a for (d, lobe), a in whole.items() if d in place}
+            assert rows_of(lexicon.alike(name, parts[i])) == {
+                (place[d], lobe): a for (d, lobe), a in whole.items() if d in place
+            }
 
 
 def test_other_data_are_not_mistaken_for_the_last():
@@ -156,7 +172,9 @@ def test_a_type_among_others_has_the_pairs_that_it_has_alone(seed):
     together = lexicon_of(clouds)
     assert together.names == tuple(clouds)
     for name, cloud in clouds.items():
-        assert rows_of(together.alike(name, data)) == pytest.approx(rows_of(lexicon_of({name: cloud}).alike(name, data)), abs=0.05)
+        assert rows_of(together.alike(name, data)) == pytest.approx(
+            rows_of(lexicon_of({name: cloud}).alike(name, data)), abs=0.05
+        )
 
 
 @WIDTHS
@@ -176,7 +194,9 @@ def test_where_there_is_nothing_nothing_is_alike(width):
 def test_vectors_have_euclids_distance_and_the_root_of_hammings():
     rng = np.random.default_rng(5)
     a, b = rng.integers(0, 256, (2, 32), np.uint8)
-    assert np.linalg.norm(spread(a[None]) - spread(b[None])) ** 2 == pytest.approx(sum(int(x ^ y).bit_count() for x, y in zip(a, b, strict=True)))
+    assert np.linalg.norm(spread(a[None]) - spread(b[None])) ** 2 == pytest.approx(
+        sum(int(x ^ y).bit_count() for x, y in zip(a, b, strict=True))
+    )
     a, b = rng.integers(0, 256, (2, 128), np.uint8)
     assert np.linalg.norm(spread(a[None]) - spread(b[None])) == pytest.approx(np.linalg.norm(a.astype(float) - b))
 

@@ -36,7 +36,12 @@ def around(rng, count, middle=(0.0, 0.0, 0.0)):
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
-@given(SEEDS, st.integers(1, 30), st.floats(0.3, 3.0), st.sampled_from([(0.0, 0.0, 0.0), (0.4, -0.3, 0.2), (30.0, 20.0, -10.0)]))
+@given(
+    SEEDS,
+    st.integers(1, 30),
+    st.floats(0.3, 3.0),
+    st.sampled_from([(0.0, 0.0, 0.0), (0.4, -0.3, 0.2), (30.0, 20.0, -10.0)]),
+)
 def test_lobes_hold_the_viewpoints_that_are_within_their_cone_and_range(seed, count, granularity, middle):
     """Also where the object's frame lies far away from it."""
     thing, viewpoints = made(seed, middle=middle), around(np.random.default_rng(seed), count, middle)
@@ -90,11 +95,18 @@ def test_about_a_pose_are_the_lobes_of_keypoints_that_a_little_more_width_would_
 def test_each_viewpoint_is_asked_for_itself(seed, count):
     thing, viewpoints = made(seed), around(np.random.default_rng(seed), count)
     angle, away = seen(thing.cloud, viewpoints)
-    inner = (np.abs(angle - thing.cloud.half_angle) > RIM) & (np.abs(away - thing.cloud.r_min) > RIM) & (np.abs(away - thing.cloud.r_max) > RIM)
+    inner = (
+        (np.abs(angle - thing.cloud.half_angle) > RIM)
+        & (np.abs(away - thing.cloud.r_min) > RIM)
+        & (np.abs(away - thing.cloud.r_max) > RIM)
+    )
     alone = np.concatenate([held_from(thing.index.lobes, one[None], 1.0) for one in viewpoints])
     assert (held_from(thing.index.lobes, viewpoints, 1.0) == alone)[inner].all()
 
 
 def test_what_is_seen_in_front_is_seen_by_all_of_one_side():
     thing = ready(one_sided(3, 24))
-    assert held_from(thing.index.lobes, np.array([[0.0, 0, 1.0], [0.0, 0, -1.0]]), 1.0).tolist() == [[True] * 24, [False] * 24]
+    assert held_from(thing.index.lobes, np.array([[0.0, 0, 1.0], [0.0, 0, -1.0]]), 1.0).tolist() == [
+        [True] * 24,
+        [False] * 24,
+    ]

@@ -40,7 +40,9 @@ def scene(seed):
     """A type of which appearances look alike, at a pose, among keypoints of it that are anywhere near."""
     rng = np.random.default_rng(seed)
     look = np.clip(rng.integers(0, 256, 128) + rng.normal(0, 14, (20, 128)), 0, 255).astype(np.uint8)
-    cloud = random_cloud(seed, FEATURES, 20, descriptor=look, half_angle=rng.uniform(0.2, 1.5, 20), size=np.full(20, 0.015))
+    cloud = random_cloud(
+        seed, FEATURES, 20, descriptor=look, half_angle=rng.uniform(0.2, 1.5, 20), size=np.full(20, 0.015)
+    )
     thing, pose = ready(cloud), pose_before(rng)
     lobes = rng.integers(0, 20, 18)
     data = gamma_at(cloud, lobes, pose)
@@ -137,7 +139,11 @@ def test_likeness_is_what_a_loop_counts(seed):
     for feature, match in enumerate(matches.tolist()):
         how = {d: min(by.values()) for (f, d), by in right.items() if f == feature}
         apart, fit = how.get(match, (1.0, 1.0))
-        others = [d for d, (off, _) in how.items() if np.linalg.norm(data.uv[d] - data.uv[match]) > SAME and off <= apart + AS_RIGHT]
+        others = [
+            d
+            for d, (off, _) in how.items()
+            if np.linalg.norm(data.uv[d] - data.uv[match]) > SAME and off <= apart + AS_RIGHT
+        ]
         by = right.get((feature, match))
         rare = as_right(thing, data, min(by, key=by.get), match, apart) if by else 1.0
         here = max(usual[match], data.types.count(data.types[match]) / (data.camera.width * data.camera.height))
@@ -150,7 +156,13 @@ def as_right(thing, data, lobe, match, apart):
     """Of the most alike keypoints of the whole image, how many beside the match look as right as it, as a share of the most that are known."""
     off = np.linalg.norm(thing.cloud.descriptor[lobe].astype(float) - data.descriptors, axis=1) / FARTHEST
     known = [d for d in range(len(off)) if off[d] < 1 and off[d] <= np.sort(off)[NTH - 1]]  # of equals all
-    return min(1.0, sum(off[d] <= LOOSER * (apart + AS_RIGHT) and np.linalg.norm(data.uv[d] - data.uv[match]) >= SAME for d in known) / NTH)
+    return min(
+        1.0,
+        sum(
+            off[d] <= LOOSER * (apart + AS_RIGHT) and np.linalg.norm(data.uv[d] - data.uv[match]) >= SAME for d in known
+        )
+        / NTH,
+    )
 
 
 def rarity(usual, others, apart, fit, rare=0.0, here=0.0):
@@ -159,7 +171,10 @@ def rarity(usual, others, apart, fit, rare=0.0, here=0.0):
     return fit * usual / (others / (pi * AROUND**2) + chance * max(usual, here))
 
 
-@pytest.mark.parametrize(("apart", "counts"), [(0.0, False), (SAME - 1.0, False), (SAME + 1.0, True), (AROUND - 1.0, True), (AROUND + 1.0, False)])
+@pytest.mark.parametrize(
+    ("apart", "counts"),
+    [(0.0, False), (SAME - 1.0, False), (SAME + 1.0, True), (AROUND - 1.0, True), (AROUND + 1.0, False)],
+)
 def test_the_same_edge_seen_again_is_no_clutter(apart, counts):
     thing, pose = ready(one_sided(1, 10)), pose_before(np.random.default_rng(5))
     rows = [keypoint_of(thing.cloud, lobe, pose, number=i) for i, lobe in enumerate([*range(10), 0])]
@@ -180,7 +195,15 @@ def test_the_more_a_match_looks_right_the_rarer_it_is():
     thing, pose = ready(one_sided(1, 10)), pose_before(np.random.default_rng(5))
     rows = [keypoint_of(thing.cloud, lobe, pose, number=lobe) for lobe in range(10)]
     said = []
-    for change in ({}, {"descriptors": 7}, {"descriptors": 15}, {"angle": 0.2}, {"angle": 0.4}, {"scale": 1.15}, {"scale": 1.4}):
+    for change in (
+        {},
+        {"descriptors": 7},
+        {"descriptors": 15},
+        {"angle": 0.2},
+        {"angle": 0.4},
+        {"scale": 1.15},
+        {"scale": 1.4},
+    ):
         data = data_of(rows, gamma_at(thing.cloud, [0], pose).camera)
         data = replace(
             data,
@@ -197,8 +220,14 @@ def test_the_more_a_match_looks_right_the_rarer_it_is():
 
 def test_what_is_not_matched_is_one_and_so_is_all_where_nothing_is():
     thing, posed, data, _ = scene(3)
-    assert likeness(thing.index, posed, near(thing, posed), np.full(FEATURES, -1), data, thing.kb).tolist() == [1.0] * FEATURES
+    assert (
+        likeness(thing.index, posed, near(thing, posed), np.full(FEATURES, -1), data, thing.kb).tolist()
+        == [1.0] * FEATURES
+    )
     nothing = data.only(np.zeros(18, bool))
-    assert likeness(thing.index, posed, near(thing, posed), np.full(FEATURES, -1), nothing, thing.kb).tolist() == [1.0] * FEATURES
+    assert (
+        likeness(thing.index, posed, near(thing, posed), np.full(FEATURES, -1), nothing, thing.kb).tolist()
+        == [1.0] * FEATURES
+    )
     found = right_pairs(thing.index, posed, nothing, near(thing, posed), np.arange(FEATURES), nothing.described, AROUND)
     assert [len(part) for part in (found.feature, found.datum, found.pair, found.lobe)] == [0, 0, 0, 0]

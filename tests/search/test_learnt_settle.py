@@ -40,7 +40,9 @@ def test_lobes_that_hold_the_viewpoint_are_those_of_any_type(seed, distance):
         assert posed.hit[f] == max(rates, default=0.0)
         assert posed.in_lobe[f] == bool(rates)
         lobes = [lobe for lobe in held if thing.cloud.feature[lobe] == f and thing.cloud.hit[lobe] == posed.hit[f]]
-        assert posed.turn[f] == pytest.approx(screen_angle(pose[:3, :3] @ thing.cloud.up[lobes[0]], posed.at[f]) if lobes else 0.0)
+        assert posed.turn[f] == pytest.approx(
+            screen_angle(pose[:3, :3] @ thing.cloud.up[lobes[0]], posed.at[f]) if lobes else 0.0
+        )
     inside = CAMERA.contains(CAMERA.project(transform_points(pose, thing.cloud.at)))
     assert posed.in_image.tolist() == inside.tolist()
     assert posed.candidate.tolist() == (inside & posed.in_lobe).tolist()
@@ -72,17 +74,30 @@ def test_the_assignment_takes_expected_features_first_and_is_the_best(seed):
     """Four features so close that they could take each other's keypoints; some lobes do not hold the viewpoint, some are hidden."""
     rng = np.random.default_rng(seed)
     look = np.tile(rng.integers(0, 256, 128, np.uint8), (4, 1))
-    alike = {"descriptor": look, "size": np.full(4, 0.02), "up": np.tile([[1.0, 0, 0]], (4, 1)), "axis": np.tile([[0.0, 0, 1]], (4, 1))}
-    thing = ready(one_sided(seed, 4, at=rng.uniform(-0.003, 0.003, (4, 3)), half_angle=np.where(rng.random(4) < 0.6, 0.9, 1e-3), **alike))
+    alike = {
+        "descriptor": look,
+        "size": np.full(4, 0.02),
+        "up": np.tile([[1.0, 0, 0]], (4, 1)),
+        "axis": np.tile([[0.0, 0, 1]], (4, 1)),
+    }
+    thing = ready(
+        one_sided(
+            seed, 4, at=rng.uniform(-0.003, 0.003, (4, 3)), half_angle=np.where(rng.random(4) < 0.6, 0.9, 1e-3), **alike
+        )
+    )
     pose = pose_before(rng, 0.8, 0.1)
     data = gamma_at(thing.cloud, rng.permutation(4)[:3], pose)
     data.uv[:] += rng.normal(0, 0.8, data.uv.shape)
     free, hidden, tolerance = rng.random(3) < 0.8, rng.random(4) < 0.25, thing.kb.rates.match_tolerance
     posed = matched(thing.index, posed_of(thing, pose, data), data, thing.kb, free, hidden)
     apart = np.linalg.norm(posed.uv[:, None] - data.uv[None], axis=2)
-    reach = np.maximum(tolerance, WIDE * thing.cloud.sigma * data.camera.f / posed.at[:, 2])  # less exact places are looked for farther off
+    reach = np.maximum(
+        tolerance, WIDE * thing.cloud.sigma * data.camera.f / posed.at[:, 2]
+    )  # less exact places are looked for farther off
     off = apart * (tolerance / reach)[:, None]
-    possible = np.array([[may_be(thing, posed, data, f, d) and free[d] and off[f, d] <= tolerance for d in range(3)] for f in range(4)])
+    possible = np.array(
+        [[may_be(thing, posed, data, f, d) and free[d] and off[f, d] <= tolerance for d in range(3)] for f in range(4)]
+    )
     expected = posed.candidate & ~hidden
     taken = posed.matches
     assert len(set(taken[taken >= 0].tolist())) == (taken >= 0).sum()
@@ -168,4 +183,7 @@ def test_the_pose_is_found_among_clutter_and_the_evidence_says_so():
     assert ratio > 50
     assert np.degrees(rotation) < 0.5
     assert translation < 0.005
-    assert generate(thing.index, data_of(clutter, CAMERA), thing.kb) == [] or generate(thing.index, data_of(clutter, CAMERA), thing.kb)[0][0] < 20
+    assert (
+        generate(thing.index, data_of(clutter, CAMERA), thing.kb) == []
+        or generate(thing.index, data_of(clutter, CAMERA), thing.kb)[0][0] < 20
+    )

@@ -32,7 +32,9 @@ def test_several_keypoints_are_as_each_alone():
     thing, rng = ready(), np.random.default_rng(4)
     lobes = [3, 0, 7, 3]
     poses = [pose_on_axis(rng, thing.cloud, lobe, 1.0) for lobe in lobes]
-    rows = [keypoint_of(thing.cloud, lobe, pose, number=i) for i, (lobe, pose) in enumerate(zip(lobes, poses, strict=True))]
+    rows = [
+        keypoint_of(thing.cloud, lobe, pose, number=i) for i, (lobe, pose) in enumerate(zip(lobes, poses, strict=True))
+    ]
     np.testing.assert_allclose(single_poses(thing.index, pairs(lobes), data_of(rows, CAMERA)), poses, atol=1e-5)
 
 

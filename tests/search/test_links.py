@@ -37,7 +37,14 @@ def test_features_without_edges_have_no_links():
 
 
 def test_an_arm_links_to_what_it_points_at():
-    data = data_of([junction("a", (100.0, 100.0), 0.0, 1.57), junction("b", (200.0, 101.0), 2.5), junction("c", (100.0, 40.0), 3.0)], CAMERA)
+    data = data_of(
+        [
+            junction("a", (100.0, 100.0), 0.0, 1.57),
+            junction("b", (200.0, 101.0), 2.5),
+            junction("c", (100.0, 40.0), 3.0),
+        ],
+        CAMERA,
+    )
     links = data_links(data)
     assert list(zip(links.first.tolist(), links.second.tolist(), strict=True)) == [(0, 1)]
     assert links.length[0] == pytest.approx(np.hypot(100, 1))
@@ -59,7 +66,11 @@ def test_every_view_has_a_pair_near_the_true_pose(name):
         data = data_of(scene(rng, {name: pose}).gamma.appearances, CAMERA)
         pairs = linked_pairs(index.cells, index.links, index.allowed(data), data, (10.0, 2000.0))
         assert 0 < len(pairs.cell) <= MOST_PAIRS
-        turned = pose_error(coarse_poses(pairs, index.cells, data), np.broadcast_to(pose, (len(pairs.cell), 4, 4)), index.object_type.symmetries)
+        turned = pose_error(
+            coarse_poses(pairs, index.cells, data),
+            np.broadcast_to(pose, (len(pairs.cell), 4, 4)),
+            index.object_type.symmetries,
+        )
         assert np.degrees(turned[0]).min() < 20.0
 
 
@@ -72,7 +83,11 @@ def test_arms_that_do_not_fit_refuse_a_pair():
     allowed = index.allowed(data)
     right = linked_pairs(index.cells, index.links, allowed, data, (10.0, 2000.0))
     bent = data_of(
-        [Appearance(a.id, a.type, a.uv, a.detector, arms=(*a.arms[:1], *(x + np.pi / 4 for x in a.arms[1:]))) for a in shot.gamma.appearances], CAMERA
+        [
+            Appearance(a.id, a.type, a.uv, a.detector, arms=(*a.arms[:1], *(x + np.pi / 4 for x in a.arms[1:])))
+            for a in shot.gamma.appearances
+        ],
+        CAMERA,
     )
     assert len(linked_pairs(index.cells, index.links, allowed, bent, (10.0, 2000.0)).cell) < len(right.cell)
 

@@ -63,7 +63,9 @@ def test_telling_them_as_one_changes_no_probability(perceiver, gamma, monkeypatc
 def test_it_reads_back_to_the_same_probabilities(document):
     situation = situation_of(json.loads(text_of(document)))
     again = ranked_worlds(situation, 100)
-    assert [(w["probability"], tuple(w["present"])) for w in document["worlds"]] == [(w.probability, w.present) for w in again.worlds]
+    assert [(w["probability"], tuple(w["present"])) for w in document["worlds"]] == [
+        (w.probability, w.present) for w in again.worlds
+    ]
     others = [f for f in situation.hypotheses[0].features if f.id == OTHERS]
     assert len(others) == 1
     assert others[0].stands_for > 20
@@ -76,8 +78,13 @@ def test_the_document_says_how_many_are_left_out(perceiver, document):
     weights = counts["weights"]
     cells = [counts[key] for key in weights]
     assert sum(f.get("stands_for", 1) for f in h["features"] if f["in_image"]) == sum(cells)
-    assert sum(f.get("stands_for", 1) for f in h["features"]) + h["left_out"]["outside_image"] == len(perceiver.kb.type("cube").features)
-    good, bad = weights["expected_detected"] + weights["hidden_missed"], weights["expected_missed"] + weights["hidden_detected"]
+    assert sum(f.get("stands_for", 1) for f in h["features"]) + h["left_out"]["outside_image"] == len(
+        perceiver.kb.type("cube").features
+    )
+    good, bad = (
+        weights["expected_detected"] + weights["hidden_missed"],
+        weights["expected_missed"] + weights["hidden_detected"],
+    )
     assert h["ev"] == pytest.approx((good - bad) / (good + bad), abs=1e-9)
 
 
@@ -87,16 +94,22 @@ def test_what_no_question_needs_is_not_carried(document, gamma):
     assert document["causes_else"] == "noise"
     matched = {f["match"] for h in document["hypotheses"] for f in h["features"]}
     assert 0 < len(document["worlds"][0]["causes"]) <= len(matched)
-    assert {f["type"] for f in document["hypotheses"][0]["features"] if f["id"] != OTHERS} <= document["measures"]["dv"].keys()
+    assert {f["type"] for f in document["hypotheses"][0]["features"] if f["id"] != OTHERS} <= document["measures"][
+        "dv"
+    ].keys()
 
 
 def test_a_rejected_hypothesis_can_be_looked_at(perceiver, gamma):
     delta, _, _ = perceiver.delta(gamma, Options(), Stopwatch())
     posed = delta.beliefs["h1"].posed
     rows = looked_at(posed, [a.id for a in gamma.appearances], perceiver.dv)
-    assert [row["stands_for"] for row in rows if row["id"] == OTHERS] == [sum(left_out(posed).values()) - left_out(posed)["outside_image"]]
+    assert [row["stands_for"] for row in rows if row["id"] == OTHERS] == [
+        sum(left_out(posed).values()) - left_out(posed)["outside_image"]
+    ]
     assert len(rows) == len(told(posed)) + 1 == np.count_nonzero(posed.candidate | posed.detected) + 1
-    assert sum(row["expected"] and row["detected"] for row in rows) == np.count_nonzero(posed.candidate & posed.detected)
+    assert sum(row["expected"] and row["detected"] for row in rows) == np.count_nonzero(
+        posed.candidate & posed.detected
+    )
 
 
 def test_the_explanation_counts_all_and_stays_short(document):

@@ -105,7 +105,9 @@ def test_without_sigma_angle_the_same_kb_goes_the_old_way():
     again, _, _ = without_angles().delta(silent, Options(reading="posterior"), Stopwatch())
     assert list(again.beliefs) == list(delta.beliefs)
     for name, belief in delta.beliefs.items():
-        assert np.array_equal(again.beliefs[name].posed.camera_from_object, belief.posed.camera_from_object), "angles say nothing"
+        assert np.array_equal(again.beliefs[name].posed.camera_from_object, belief.posed.camera_from_object), (
+            "angles say nothing"
+        )
 
 
 def test_a_deadline_in_the_past_gives_an_unfinished_answer():
@@ -136,7 +138,9 @@ def test_a_document_tells_of_what_was_found():
 def steps(gamma, perceiving=None):
     """Accepted types and the events of the trace."""
     delta, _, trace = (perceiving or perceiver()).delta(gamma, Options(reading="posterior"), Stopwatch())
-    return [b.posed.object_type.name for b in delta.beliefs.values() if b.status == "accepted"], [step["event"] for step in trace]
+    return [b.posed.object_type.name for b in delta.beliefs.values() if b.status == "accepted"], [
+        step["event"] for step in trace
+    ]
 
 
 def test_where_nothing_is_accepted_single_data_vote(monkeypatch):

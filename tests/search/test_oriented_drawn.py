@@ -46,7 +46,9 @@ def test_a_pose_shows_what_its_lobes_hold_of_what_cells_beside_it_show(seed):
         index = asked.index.indices[kinds[row]]
         mine = found.feature[found.pose == row]
         assert sorted(mine.tolist()) == np.flatnonzero(expected(index, poses[row])).tolist()
-        assert [asked.index.looks[i] for i in found.looks[found.pose == row]] == [index.object_type.lobes.types[f] for f in mine]
+        assert [asked.index.looks[i] for i in found.looks[found.pose == row]] == [
+            index.object_type.lobes.types[f] for f in mine
+        ]
 
 
 def one_by_one(asked, which, pose, share):
@@ -64,9 +66,14 @@ def one_by_one(asked, which, pose, share):
         name = index.object_type.lobes.types[f]
         look = asked.index.looks.index(name)
         for column, kind in enumerate(asked.data.types):
-            off, bent = np.linalg.norm(asked.data.uv[column] - uv[row]), np.angle(np.exp(1j * (asked.data.angle[column] - angle[row])))
+            off, bent = (
+                np.linalg.norm(asked.data.uv[column] - uv[row]),
+                np.angle(np.exp(1j * (asked.data.angle[column] - angle[row]))),
+            )
             if kind == name and off <= within * sigma and abs(bent) <= within * spread:
-                bell = np.exp(-0.5 * ((off / sigma) ** 2 + (bent / spread) ** 2)) / (2.0 * np.pi * sigma**2 * np.sqrt(2.0 * np.pi) * spread)
+                bell = np.exp(-0.5 * ((off / sigma) ** 2 + (bent / spread) ** 2)) / (
+                    2.0 * np.pi * sigma**2 * np.sqrt(2.0 * np.pi) * spread
+                )
                 table[row, column] = hit[row] * bell / (asked.chances.clutter[look] / asked.area / (2.0 * np.pi))
     table[table < table.max(axis=0)] = 0.0  # a datum serves the likeliest
     inside = ((uv >= 0.0) & (uv < [camera.width, camera.height])).all(axis=1)
@@ -165,7 +172,10 @@ def test_whatever_the_camera_exact_data_lead_to_the_exact_pose(K, dist, within):
     poses, kinds = turned_about(clouds().shared, np.array([0]), pose[None], np.radians(3.0)), np.zeros(8, np.intp)
     for share in (0.02, 0.005, 0.0):
         poses, _, _ = climbed(clouds().asked(data), kinds, poses, share, 4)
-    off = np.linalg.norm(camera.project(transform_points(poses[0], index.points)) - camera.project(transform_points(pose, index.points)), axis=1)
+    off = np.linalg.norm(
+        camera.project(transform_points(poses[0], index.points)) - camera.project(transform_points(pose, index.points)),
+        axis=1,
+    )
     assert off.max() < within
 
 
@@ -203,5 +213,10 @@ def test_four_right_data_among_wrong_ones_lead_home():
     kinds, poses = by_fours(asked, np.array([0]), pose[None], 0.08)
     assert set(kinds.tolist()) == {0}
     assert 1 <= len(poses) <= 35
-    off = [np.linalg.norm(STRAIGHT.project(transform_points(p, index.points[features[:4]])) - [a.uv for a in own[:4]], axis=1).max() for p in poses]
+    off = [
+        np.linalg.norm(
+            STRAIGHT.project(transform_points(p, index.points[features[:4]])) - [a.uv for a in own[:4]], axis=1
+        ).max()
+        for p in poses
+    ]
     assert min(off) < 0.1

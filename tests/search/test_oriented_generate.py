@@ -124,7 +124,10 @@ def test_clutter_of_unknown_types_and_without_angles_changes_nothing(seed):
     _, case, _ = a_trial(clouds(), seed)
     rng, names = np.random.default_rng(seed), clouds().shared.looks
     places, angles = rng.uniform(0.0, 479.0, (120, 2)), rng.uniform(0.0, 6.28, 120)
-    more = [datum(1000 + i, "unknown" if i % 2 else names[i % 30], uv, angles[i] if i % 2 else None) for i, uv in enumerate(places)]
+    more = [
+        datum(1000 + i, "unknown" if i % 2 else names[i % 30], uv, angles[i] if i % 2 else None)
+        for i, uv in enumerate(places)
+    ]
     assert alike(clouds().proposals(data_of([*case.gamma.appearances, *more], case.gamma.camera)), answers(seed), 1e-12)
 
 

@@ -37,7 +37,9 @@ def sampled(posed, data, kb, angles, count=40_000):
     at, axes, sigma = posed.at[found], posed.axes[found], sigmas(posed, kb)[found]
     facts = known(posed, found, data, kb)
     scale = np.array([1.0, 1.0, 1.0, *[centre[2]] * 3])
-    wide = 1.5 * np.linalg.cholesky(np.linalg.inv(information(facts.at, centre, facts.precision, camera, facts.across) * np.outer(scale, scale)))
+    wide = 1.5 * np.linalg.cholesky(
+        np.linalg.inv(information(facts.at, centre, facts.precision, camera, facts.across) * np.outer(scale, scale))
+    )
     normal = np.random.default_rng(7).normal(size=(count, 6))
     step = normal @ wide.T
     turn = Rotation.from_rotvec(step[:, :3]).as_matrix()
@@ -89,7 +91,9 @@ def test_the_program_is_told_what_the_surplus_says(seed):
     hit, near = as_fitted(posed, data, kb)
     found, missed = matched(posed), posed.candidate & ~posed.detected
     clutter = clutter_density(kb, data, posed.matches[found])
-    told = np.log((hit[found] * near[found] + (1 - hit[found]) * clutter) / clutter).sum() + np.log(1 - hit[missed]).sum()
+    told = (
+        np.log((hit[found] * near[found] + (1 - hit[found]) * clutter) / clutter).sum() + np.log(1 - hit[missed]).sum()
+    )
     assert told == pytest.approx(evidence(posed, data, kb).surplus, abs=1e-6)
     assert np.array_equal(hit, as_counted(posed, data, kb)[0])
 
@@ -108,7 +112,10 @@ def test_where_no_datum_has_an_angle_it_is_judged_as_without():
 
 def test_what_is_searched_for_together_must_be_as_sure_as_a_learnt_type():
     which, case, data = a_trial(clouds(), 1)
-    pose, plain = case.truth.camera_from_object, replace(clouds().kb, rates=replace(clouds().kb.rates, sigma_angle=None))
+    pose, plain = (
+        case.truth.camera_from_object,
+        replace(clouds().kb, rates=replace(clouds().kb.rates, sigma_angle=None)),
+    )
     assert significant(settle(clouds().rows[which], pose, data, clouds().kb, rounds=0)) == SURE
     assert significant(settle(clouds().rows[which], pose, data, plain, rounds=0)) > SURE
 
@@ -118,7 +125,9 @@ def test_of_many_poses_at_once_the_share_is_that_of_each():
     for seed in range(3):
         posed, data, kb = stood(seed)
         one, camera = known(posed, matched(posed), data, kb), data.camera
-        facts.append([rows[[0, 1, 2, 3, -4, -3, -2, -1]] for rows in (one.at, one.precision, one.across)] + [one.middle])
+        facts.append(
+            [rows[[0, 1, 2, 3, -4, -3, -2, -1]] for rows in (one.at, one.precision, one.across)] + [one.middle]
+        )
     at, precision, across, middle = (np.array(rows) for rows in zip(*facts, strict=True))
     together = share_of(information(at, middle, precision, camera, across), middle[:, 2], camera)
     for row in range(3):

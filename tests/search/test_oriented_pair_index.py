@@ -37,8 +37,13 @@ def all_pairs():
     sights, found = clouds(**SMALL).shared.sights, []
     for kind, cell in np.ndindex(*sights.looks.shape[:2]):
         some = np.flatnonzero(sights.looks[kind, cell] >= 0)
-        xy, looks, angle = (rows[kind, cell] for rows in (sights.xy.astype(float), sights.looks, sights.angle.astype(float)))
-        near = {i: sorted((j for j in some if j != i), key=lambda j, i=i: np.hypot(*(xy[j] - xy[i])))[:NEIGHBOURS] for i in some}
+        xy, looks, angle = (
+            rows[kind, cell] for rows in (sights.xy.astype(float), sights.looks, sights.angle.astype(float))
+        )
+        near = {
+            i: sorted((j for j in some if j != i), key=lambda j, i=i: np.hypot(*(xy[j] - xy[i])))[:NEIGHBOURS]
+            for i in some
+        }
         for i in some:
             for j in some:
                 if i == j or (j not in near[i] and i not in near[j]) or looks[i] > looks[j]:
@@ -58,7 +63,11 @@ def beside(one, other):
 def asked(looks, angles):
     """What the oracle finds."""
     parts = [part(angle) for angle in angles]
-    return sorted(row for pair, own, row, _ in all_pairs() if pair == looks and all(beside(a, b) for a, b in zip(own, parts, strict=True)))
+    return sorted(
+        row
+        for pair, own, row, _ in all_pairs()
+        if pair == looks and all(beside(a, b) for a, b in zip(own, parts, strict=True))
+    )
 
 
 def found(index, looks, angles):
@@ -71,7 +80,11 @@ def found(index, looks, angles):
 def rows_of(entry):
     """What is said, in the index's steps."""
     says = said(entry)
-    steps = np.floor(says.line / (2.0 * np.pi) * FINE), np.rint(np.log(says.length / SHORTEST) / STEP), *np.rint(127.0 * says.place.T)
+    steps = (
+        np.floor(says.line / (2.0 * np.pi) * FINE),
+        np.rint(np.log(says.length / SHORTEST) / STEP),
+        *np.rint(127.0 * says.place.T),
+    )
     return sorted(tuple(map(int, row)) for row in zip(says.kind, says.cell, *steps, strict=True))
 
 
@@ -127,7 +140,11 @@ def test_what_is_further_off_than_the_tolerance_is_not_found(looks, angles, degr
     _, entry, far = index.found(*query, np.radians(degrees))
     got = Counter(rows_of(entry))
     assert (far * step <= np.radians(degrees)).all()
-    off = [(row, max(abs(wrapped(np.array(a) - b)) for a, b in zip(own, angles, strict=True))) for pair, _, row, own in all_pairs() if pair == looks]
+    off = [
+        (row, max(abs(wrapped(np.array(a) - b)) for a, b in zip(own, angles, strict=True)))
+        for pair, _, row, own in all_pairs()
+        if pair == looks
+    ]
     assert got <= Counter(row for row, far in off if far <= np.radians(degrees) + step)
     assert got >= Counter(row for row, far in off if far <= np.radians(degrees) - step)
 
@@ -175,14 +192,18 @@ def test_types_in_another_order_have_the_same_pairs_under_other_numbers():
     other = pair_index(ready.rows[::-1])
     assert other.looks == ready.shared.looks
     for looks, angles in (((0, 1), (0.3, 2.0)), ((2, 2), (-1.0, 0.5))):
-        assert sorted((2 - kind, *rest) for kind, *rest in found(other, looks, angles)) == found(ready.shared, looks, angles)
+        assert sorted((2 - kind, *rest) for kind, *rest in found(other, looks, angles)) == found(
+            ready.shared, looks, angles
+        )
 
 
 @pytest.mark.parametrize("features", [1, 2])
 def test_types_of_one_or_two_features(features):
     index = clouds(count=2, features=features, looks=3, seed=9).shared
     looks = [(a, b) for a in range(3) for b in range(a, 3)]
-    rows = [row for pair in looks for turn in np.arange(0.1, 6.3, 0.3) for row in found(index, pair, (turn, turn + 1.0))]
+    rows = [
+        row for pair in looks for turn in np.arange(0.1, 6.3, 0.3) for row in found(index, pair, (turn, turn + 1.0))
+    ]
     assert features == 2 or not rows
 
 

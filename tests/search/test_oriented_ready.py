@@ -31,9 +31,16 @@ def the_same(first, second):
     arrays = [(getattr(first, name), getattr(second, name)) for name in PAIRS]
     arrays += [(getattr(first.sights, name), getattr(second.sights, name)) for name in SIGHTS]
     for one, other in zip(first.indices, second.indices, strict=True):
-        arrays += [(getattr(one.cells, name), getattr(other.cells, name)) for name in ("directions", "cell_from_object", "xy", "visible", "centre")]
+        arrays += [
+            (getattr(one.cells, name), getattr(other.cells, name))
+            for name in ("directions", "cell_from_object", "xy", "visible", "centre")
+        ]
     names = [[index.object_type.name for index in side.indices] for side in (first, second)]
-    return names[0] == names[1] and first.looks == second.looks and all(np.array_equal(a, b) and a.dtype == b.dtype for a, b in arrays)
+    return (
+        names[0] == names[1]
+        and first.looks == second.looks
+        and all(np.array_equal(a, b) and a.dtype == b.dtype for a, b in arrays)
+    )
 
 
 def test_what_comes_from_the_files_is_what_was_made(tmp_path):
@@ -51,7 +58,11 @@ def test_what_comes_from_the_files_is_what_was_made(tmp_path):
         assert all(a.kind == b.kind and np.array_equal(a.pose, b.pose) for a, b in zip(*answers, strict=True))
 
 
-@pytest.mark.parametrize("chosen", [slice(None, None, -1), slice(2, None), slice(0, -2), slice(1, -1)], ids=["reversed", "two", "others", "ends"])
+@pytest.mark.parametrize(
+    "chosen",
+    [slice(None, None, -1), slice(2, None), slice(0, -2), slice(1, -1)],
+    ids=["reversed", "two", "others", "ends"],
+)
 def test_types_in_another_order_or_fewer_of_them_have_an_index_of_their_own(tmp_path, chosen):
     types = clouds(**MORE).kb.types
     made(tmp_path, types)
@@ -106,13 +117,17 @@ def test_few_types_and_places_that_cannot_be_written_are_not_kept(tmp_path):
 
 def answer_of(kb, cache, gamma):
     delta, _, _ = Perceiver(kb, cache).delta(gamma, Options(reading="posterior"), Stopwatch())
-    return {belief.posed.object_type.name: belief.posed.camera_from_object.tobytes() for belief in delta.beliefs.values()}
+    return {
+        belief.posed.object_type.name: belief.posed.camera_from_object.tobytes() for belief in delta.beliefs.values()
+    }
 
 
 def test_a_perceiver_answers_alike_with_and_without_whatever_was_kept_before(tmp_path):
     some = clouds(**MORE | {"features": 40}, appearances=60)
     _, case, _ = a_trial(some, 4, appearances=60)
-    whole, turned, fewer = (replace(some.kb, types=some.kb.types[chosen]) for chosen in (slice(None), slice(None, None, -1), slice(2, None)))
+    whole, turned, fewer = (
+        replace(some.kb, types=some.kb.types[chosen]) for chosen in (slice(None), slice(None, None, -1), slice(2, None))
+    )
     answers = [answer_of(kb, cache, case.gamma) for kb, cache in [(whole, None), (whole, tmp_path), (whole, tmp_path)]]
     assert case.truth.type in answers[0]
     assert answers[0] == answers[1] == answers[2]

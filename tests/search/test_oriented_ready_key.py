@@ -46,7 +46,9 @@ def other_lobe(**change):
 
 
 def with_surface(change):
-    return with_second(lambda kind: replace(kind, surface=Surface(*change(kind.surface.vertices, kind.surface.triangles))))
+    return with_second(
+        lambda kind: replace(kind, surface=Surface(*change(kind.surface.vertices, kind.surface.triangles)))
+    )
 
 
 def second_appearance():
@@ -67,7 +69,9 @@ CHANGES = {
     "position": lambda: second_feature(at=types()[1].features[1].at + 1e-12),
     "rotation": lambda: second_feature(rotation=about_x(1e-9) @ types()[1].features[1].rotation),
     "an arm": lambda: second_feature(arms=[[0.0, 0.0, 1.0]]),
-    "appearance type": lambda: second_feature(appearances=(replace(types()[1].features[1].appearances[0], type="other"),)),
+    "appearance type": lambda: second_feature(
+        appearances=(replace(types()[1].features[1].appearances[0], type="other"),)
+    ),
     "an appearance more": lambda: second_feature(appearances=second_appearance()),
     "lobe's axis": lambda: other_lobe(axis=(0.0, 1.0, 0.0)),
     "lobe's width": lambda: other_lobe(half_angle=0.1),
@@ -76,7 +80,9 @@ CHANGES = {
     "no surface": lambda: with_second(lambda kind: replace(kind, surface=None)),
     "vertices": lambda: with_surface(lambda vertices, triangles: (vertices * 1.001, triangles)),
     "triangles": lambda: with_surface(lambda vertices, triangles: (vertices, triangles[:-1])),
-    "symmetries": lambda: with_second(lambda kind: replace(kind, symmetries=np.array([np.eye(4), np.diag([-1.0, -1.0, 1.0, 1.0])]))),
+    "symmetries": lambda: with_second(
+        lambda kind: replace(kind, symmetries=np.array([np.eye(4), np.diag([-1.0, -1.0, 1.0, 1.0])]))
+    ),
 }
 
 
@@ -90,7 +96,9 @@ def test_the_same_content_has_the_same_key_whoever_holds_it():
     kb = clouds(count=3, features=8, looks=8).kb
     again = random_types(3, 8, 8, np.random.default_rng(1))
     assert key_of(again.types) == key_of(kb.types)
-    assert key_of([replace(kind, mesh_scale=2.0) for kind in kb.types]) == key_of(kb.types), "what the index does not look at"
+    assert key_of([replace(kind, mesh_scale=2.0) for kind in kb.types]) == key_of(kb.types), (
+        "what the index does not look at"
+    )
 
 
 @pytest.mark.parametrize(("name", "value"), [("source_digest", b"other code"), ("version", "0.0")])
@@ -105,20 +113,37 @@ def test_other_code_and_other_libraries_change_the_key(monkeypatch, name, value)
 
 
 def test_every_source_file_that_runs_while_an_index_is_made_is_hashed():
-    some, ran = [replace(kind) for kind in random_types(3, 8, 8, np.random.default_rng(5)).types], set()  # of which nothing is computed yet
+    some, ran = (
+        [replace(kind) for kind in random_types(3, 8, 8, np.random.default_rng(5)).types],
+        set(),
+    )  # of which nothing is computed yet
     former = sys.getprofile()
     sys.setprofile(lambda frame, *_: ran.add(frame.f_code.co_filename))
     try:
         _arrays(pair_index([type_index(kind, dict.fromkeys({f.type for f in kind.features}, 1.0)) for kind in some]))
     finally:
         sys.setprofile(former)
-    ours = {Path(name).relative_to(ROOT).as_posix() for name in ran if Path(name).is_relative_to(ROOT) and name != __file__}
-    assert {READY, "geometry/visibility/rays.py", "kb/surfaces/surface.py", "kb/clouds/cloud.py", "kb/clouds/lobes.py", "plogic/match/hand/type_index.py"} <= ours
+    ours = {
+        Path(name).relative_to(ROOT).as_posix() for name in ran if Path(name).is_relative_to(ROOT) and name != __file__
+    }
+    assert {
+        READY,
+        "geometry/visibility/rays.py",
+        "kb/surfaces/surface.py",
+        "kb/clouds/cloud.py",
+        "kb/clouds/lobes.py",
+        "plogic/match/hand/type_index.py",
+    } <= ours
     assert ours <= sources_in(ROOT, SOURCES)
 
 
 def test_so_is_all_that_makes_the_types_and_all_that_is_imported():
     found = sources_in(ROOT, SOURCES)
-    assert {"kb/files/read.py", "kb/clouds/cloud.py", "geometry/visibility/rays.py", "plogic/match/oriented/ready_key.py"} | sources(ROOT, READY) <= found
+    assert {
+        "kb/files/read.py",
+        "kb/clouds/cloud.py",
+        "geometry/visibility/rays.py",
+        "plogic/match/oriented/ready_key.py",
+    } | sources(ROOT, READY) <= found
     assert {name.split("/")[0] for name in found} == {"geometry", "kb", "plogic"}, "the wheel holds them"
     assert not any("__pycache__" in name for name in found)

@@ -70,7 +70,9 @@ def test_at_a_wrong_angle_nothing_is_matched(off):
     index, pose, features, appearances = scene()
     appearances = [a for a, n in zip(appearances, range(len(features)), strict=True) if n % 2 == 0]
     wrong = match(index, pose, data_of(turned(appearances, off), STRAIGHT))
-    near = np.array([np.linalg.norm(np.array(a.uv) - wrong.uv, axis=1) <= clouds().kb.rates.match_tolerance for a in appearances])
+    near = np.array(
+        [np.linalg.norm(np.array(a.uv) - wrong.uv, axis=1) <= clouds().kb.rates.match_tolerance for a in appearances]
+    )
     alone = near.sum(axis=1) == 1  # beside another feature a datum may be that one's
     assert alone.any()
     assert not set(np.flatnonzero(alone).tolist()) & set(wrong.matches.tolist())
@@ -206,7 +208,9 @@ def test_without_any_angles_refinement_is_that_of_places():
         index, _, start, data = cap_scene(seed)
         got = refined_by(index, start, data, np.full(len(data.angle), np.nan))
         weights = np.full((1, len(data.uv)), 1.0 / NOISE**2)
-        places = refine_poses(start[None], index.points[None], data.uv[None], weights, STRAIGHT, 20, huber=2.0 * NOISE)[0]
+        places = refine_poses(start[None], index.points[None], data.uv[None], weights, STRAIGHT, 20, huber=2.0 * NOISE)[
+            0
+        ]
         assert np.allclose(got, places, atol=1e-7)
 
 
@@ -232,4 +236,6 @@ def test_many_poses_are_refined_as_each_alone():
     three = Held(*(np.repeat(row, 3, axis=0) for row in one))
     together = refined(starts, three, Noise(NOISE, SIGMA), STRAIGHT, steps=10, robust=2.0)
     for pose, mine in zip(starts, together, strict=True):
-        assert np.allclose(refined(pose[None], one, Noise(NOISE, SIGMA), STRAIGHT, steps=10, robust=2.0)[0], mine, atol=1e-6)
+        assert np.allclose(
+            refined(pose[None], one, Noise(NOISE, SIGMA), STRAIGHT, steps=10, robust=2.0)[0], mine, atol=1e-6
+        )

@@ -94,7 +94,9 @@ def test_a_feature_that_looks_two_ways_is_seen_one_way_from_each_side():
 
 def test_what_a_type_shows_does_not_hang_on_the_others():
     rows = clouds().rows
-    names = {name: i for i, name in enumerate(sorted({name for index in rows for name in index.object_type.lobes.types}))}
+    names = {
+        name: i for i, name in enumerate(sorted({name for index in rows for name in index.object_type.lobes.types}))
+    }
     together = sights_of(rows, names)
     for kind, index in enumerate(rows):
         alone = sights_of([index], names)

@@ -19,7 +19,14 @@ from plogic.match.oriented.typed_data import typed_data
 
 
 def votes_of(ready, data, most=2000, kinds=None, check=unhurried):
-    return single_votes(ready.shared, data, ready.noise, np.arange(len(ready.rows)) if kinds is None else np.array(kinds, np.intp), most, check)
+    return single_votes(
+        ready.shared,
+        data,
+        ready.noise,
+        np.arange(len(ready.rows)) if kinds is None else np.array(kinds, np.intp),
+        most,
+        check,
+    )
 
 
 def same(one, other):
@@ -48,7 +55,9 @@ def test_an_exact_picture_votes_for_what_it_shows(kind, cell, roll):
 @given(st.integers(0, 20), st.integers(0, 4), st.sampled_from([50.0, 120.0, 300.0]), st.sampled_from([0.0, 0.5]))
 def test_boxes_are_those_that_counting_one_by_one_finds(seed, kind, size, offset):
     _, _, data = a_trial(clouds(), seed)
-    matches = module._matches(clouds().shared, kind, slice(30, 60), typed_data(data, clouds().shared.looks), np.zeros(2))
+    matches = module._matches(
+        clouds().shared, kind, slice(30, 60), typed_data(data, clouds().shared.looks), np.zeros(2)
+    )
     wide, one = np.float32(CELL * size), np.float32(CELL)
     x, y = matches.x / wide - matches.right / one, matches.y / wide - matches.down / one
     boxes = defaultdict(list)
@@ -104,7 +113,9 @@ def test_of_more_than_can_be_asked_the_first_are(monkeypatch):
     assert set(votes.kind) == {3}
 
 
-@pytest.mark.parametrize("appearances", [[], [datum(0, "never seen", (300, 200), 0.1)], [datum(0, clouds().shared.looks[0], (300, 200))]])
+@pytest.mark.parametrize(
+    "appearances", [[], [datum(0, "never seen", (300, 200), 0.1)], [datum(0, clouds().shared.looks[0], (300, 200))]]
+)
 def test_who_says_nothing_has_no_votes(appearances):
     votes, asked = votes_of(clouds(), data_of(appearances, STRAIGHT))
     assert asked == len(clouds().rows)

@@ -19,7 +19,8 @@ WIDTH = 0.02
 def wide(kind, width):
     """The type, each appearance of which is so wide, m; ``width`` is asked for each feature by number."""
     features = tuple(
-        replace(f, appearances=tuple(replace(a, lobe=replace(a.lobe, size=width(i))) for a in f.appearances)) for i, f in enumerate(kind.features)
+        replace(f, appearances=tuple(replace(a, lobe=replace(a.lobe, size=width(i))) for a in f.appearances))
+        for i, f in enumerate(kind.features)
     )
     return replace(kind, features=features, all_features=features)
 
@@ -80,7 +81,9 @@ def test_wrong_scales_have_no_right_vote(factor):
 def test_what_is_of_unknown_size_is_of_any(width):
     some = ready(width)
     which, case, plain = a_trial(some, 2, EASY, 300)
-    without, with_scales = (own(votes(some, data), data, which, case) for data in (plain, scaled(case, some.kb.types[which])))
+    without, with_scales = (
+        own(votes(some, data), data, which, case) for data in (plain, scaled(case, some.kb.types[which]))
+    )
     assert len(with_scales) >= 0.8 * len(without) > 0
     sizes = some.shared.sizes
     assert (sizes is None) == np.isnan(width(1))

@@ -14,7 +14,11 @@ NAMES = ("a", "b", "c")
 
 def some_data(rng, count):
     """Of three known types and an unknown one, a fifth of them without an angle, crowded."""
-    kinds, places, angles = rng.choice([*NAMES, "x"], count), rng.uniform(0.0, 60.0, (count, 2)), rng.uniform(0.0, 2.0 * np.pi, count)
+    kinds, places, angles = (
+        rng.choice([*NAMES, "x"], count),
+        rng.uniform(0.0, 60.0, (count, 2)),
+        rng.uniform(0.0, 2.0 * np.pi, count),
+    )
     return data_of([datum(i, kinds[i], places[i], None if i % 5 == 0 else angles[i]) for i in range(count)], STRAIGHT)
 
 
@@ -27,7 +31,9 @@ def test_each_sight_has_all_data_of_its_type_that_have_an_angle(seed, count, sig
     row, at = table.of(looks)
     assert (np.diff(row) >= 0).all()
     for sight, look in enumerate(looks):
-        mine = [i for i, kind in enumerate(data.types) if look >= 0 and kind == NAMES[look] and np.isfinite(data.angle[i])]
+        mine = [
+            i for i, kind in enumerate(data.types) if look >= 0 and kind == NAMES[look] and np.isfinite(data.angle[i])
+        ]
         wanted = sorted((*data.ideal[i].tolist(), data.angle[i]) for i in mine)
         of = at[row == sight]
         assert sorted((*table.places[i].tolist(), table.angles[i]) for i in of) == wanted
@@ -46,7 +52,10 @@ def test_the_order_of_the_data_does_not_matter():
     data = some_data(rng, 40)
     other = data.only(np.ones(40, bool))
     order = rng.permutation(40)
-    shuffled = data_of([datum(i, data.types[i], data.uv[i], None if np.isnan(data.angle[i]) else data.angle[i]) for i in order], STRAIGHT)
+    shuffled = data_of(
+        [datum(i, data.types[i], data.uv[i], None if np.isnan(data.angle[i]) else data.angle[i]) for i in order],
+        STRAIGHT,
+    )
     for table in (typed_data(other, NAMES), typed_data(shuffled, NAMES)):
         assert np.allclose(table.places, typed_data(data, NAMES).places)
         assert np.array_equal(table.angles, typed_data(data, NAMES).angles)

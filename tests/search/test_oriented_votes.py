@@ -104,7 +104,10 @@ def test_an_angle_that_is_off_weighs_less(degrees):
     turned = [appearances[0], replace(appearances[1], angle=appearances[1].angle + np.radians(degrees))]
     votes = votes_of(ready, turned)
     weight = votes.weight[true_ones(votes, 2, 40, 1.0, scale)].max()
-    least, most = (WHOLE * np.exp(-0.5 * (off / spread) ** 2) for off in (np.radians(degrees) + step, max(0.0, np.radians(degrees) - step)))
+    least, most = (
+        WHOLE * np.exp(-0.5 * (off / spread) ** 2)
+        for off in (np.radians(degrees) + step, max(0.0, np.radians(degrees) - step))
+    )
     assert round(least) <= weight <= round(most)
 
 
@@ -126,7 +129,9 @@ def test_a_datum_at_another_angle_says_something_else():
 @pytest.mark.parametrize("apart", [NEAREST - 0.5, REACH + 0.5, 0.0])
 def test_what_is_too_near_or_too_far_is_no_pair(apart):
     names = clouds().shared.looks
-    assert not len(votes_of(clouds(), [datum(0, names[0], (300, 200), 0.1), datum(1, names[1], (300 + apart, 200), 0.2)]).weight)
+    assert not len(
+        votes_of(clouds(), [datum(0, names[0], (300, 200), 0.1), datum(1, names[1], (300 + apart, 200), 0.2)]).weight
+    )
 
 
 @pytest.mark.parametrize("number", [0, 1])

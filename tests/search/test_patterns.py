@@ -25,7 +25,13 @@ def gamma(uv, angle, looks):
     """Sides as data; those out of the image are left out."""
     inside = CAMERA.contains(uv)
     rows = zip(uv[inside].tolist(), np.mod(angle[inside], 2 * pi).tolist(), looks[inside], strict=True)
-    return data_of([Appearance(f"a{i}", "sift", (u, v), "made", angle=a, descriptor=b.tobytes()) for i, ((u, v), a, b) in enumerate(rows)], CAMERA)
+    return data_of(
+        [
+            Appearance(f"a{i}", "sift", (u, v), "made", angle=a, descriptor=b.tobytes())
+            for i, ((u, v), a, b) in enumerate(rows)
+        ],
+        CAMERA,
+    )
 
 
 def square(size, step=5.9):
@@ -33,7 +39,9 @@ def square(size, step=5.9):
     along = np.arange(step / 2 - size / 2, size / 2, step)
     top = np.column_stack([along, np.full(len(along), -size / 2)])
     turns = [np.array([[cos(a), -sin(a)], [sin(a), cos(a)]]) for a in (0.0, pi / 2, pi, 3 * pi / 2)]
-    return np.concatenate([top @ turn.T for turn in turns]), np.repeat([pi / 2 + k * pi / 2 for k in range(4)], len(along))
+    return np.concatenate([top @ turn.T for turn in turns]), np.repeat(
+        [pi / 2 + k * pi / 2 for k in range(4)], len(along)
+    )
 
 
 def checkered(size=60.0, tiles=7):
@@ -47,7 +55,11 @@ def checkered(size=60.0, tiles=7):
 
 def thing(rng, count=40, size=90.0):
     """A thing of no order."""
-    return rng.uniform(-size / 2, size / 2, (count, 2)), rng.uniform(0, 2 * pi, count), rng.integers(100, 156, (count, 5), np.uint8)
+    return (
+        rng.uniform(-size / 2, size / 2, (count, 2)),
+        rng.uniform(0, 2 * pi, count),
+        rng.integers(100, 156, (count, 5), np.uint8),
+    )
 
 
 def wide(looks, varied=0.0):
@@ -137,7 +149,9 @@ def test_of_few_sides_and_of_one_place_nothing_is_said():
         assert share_elsewhere(own[:count], way[:count], wide(looks[:count]), data) == 0.0
     tiny = MIDDLE + (own - MIDDLE) / 60.0 * CELL
     assert share_elsewhere(tiny, way, wide(np.tile(BRIGHT, (len(own), 1))), data) == 0.0
-    assert share_elsewhere(own, way, wide(np.tile(BRIGHT, (len(own), 1))), data.only(np.zeros(len(data.ids), bool))) == 0.0
+    assert (
+        share_elsewhere(own, way, wide(np.tile(BRIGHT, (len(own), 1))), data.only(np.zeros(len(data.ids), bool))) == 0.0
+    )
 
 
 def test_of_many_sides_some_are_looked_for():

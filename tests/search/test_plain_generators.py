@@ -37,7 +37,11 @@ def nothing_hidden(posed):
 def test_every_set_is_there_once_the_most_distinctive_first(asked):
     index, data, _, _ = asked
     pairs, seen = pairs_of(index, data), index.cells.visible
-    found = [row for features, rows in every(pairs, seen, index.weights) for row in zip(features.tolist(), rows.tolist(), strict=True)]
+    found = [
+        row
+        for features, rows in every(pairs, seen, index.weights)
+        for row in zip(features.tolist(), rows.tolist(), strict=True)
+    ]
     looks = {f: pairs.datum[pairs.feature == f].tolist() for f in range(len(pairs.points))}
     brute = {
         (four, row)
@@ -99,7 +103,9 @@ def test_each_proposes_the_true_pose_best_first_and_always_the_same(asked, gener
     assert translation < 0.03 * np.linalg.norm(truth[:3, 3])
     assert [ratio for ratio, _ in found] == sorted((ratio for ratio, _ in found), reverse=True)
     again = generate_plainly(generator, index, data, kb, nothing_hidden)
-    assert all(np.array_equal(a.camera_from_object, b.camera_from_object) for (_, a), (_, b) in zip(found, again, strict=True))
+    assert all(
+        np.array_equal(a.camera_from_object, b.camera_from_object) for (_, a), (_, b) in zip(found, again, strict=True)
+    )
 
 
 @pytest.mark.parametrize("generator", PLAIN)

@@ -98,7 +98,10 @@ def test_settling_on_sides_alone_moves_a_pose_to_where_their_edges_are():
         thing = ready(with_sides(one_sided(seed, 60, width=138), range(60), looks))
         truth = pose_before(rng)
         rows = [keypoint_of(thing.cloud, lobe, truth, number=lobe) for lobe in range(60)]
-        slid = [replace(a, uv=tuple(np.array(a.uv) + rng.uniform(-2, 2) * np.array([-np.sin(a.angle), np.cos(a.angle)]))) for a in rows]
+        slid = [
+            replace(a, uv=tuple(np.array(a.uv) + rng.uniform(-2, 2) * np.array([-np.sin(a.angle), np.cos(a.angle)])))
+            for a in rows
+        ]
         start = from_rotation_translation(truth[:3, :3], truth[:3, 3] + rng.normal(0, 0.001, 3))
         posed = settle(thing.index, start, data_of(slid, CAMERA), thing.kb, rounds=4)
         assert (posed.matches == np.arange(60)).mean() > 0.8

@@ -24,7 +24,9 @@ def run(matches, worths, rounds, end=99, *, worth=True, as_good=0.0):
     def better(posed):
         return None if posed.number >= min(end, len(matches) - 1) else posed.number + 1
 
-    return settled(0, match, better, rounds, (lambda posed: worths[posed.number]) if worth else None, as_good).number, looked
+    return settled(
+        0, match, better, rounds, (lambda posed: worths[posed.number]) if worth else None, as_good
+    ).number, looked
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)

@@ -31,8 +31,20 @@ def made(seed, features=14, lobes=22):
     """A type with keypoints and sides that is seen from its front, and some poses before it."""
     rng = np.random.default_rng(seed)
     axis = unit(np.array([0.0, 0, 1]) + 0.3 * rng.normal(size=(lobes, 3)))
-    seen = {"axis": axis, "up": unit(np.cross(axis, rng.normal(size=(lobes, 3)))), "half_angle": rng.uniform(0.2, 0.9, lobes)}
-    cloud = random_cloud(seed, features, lobes, width=138, r_min=np.full(lobes, 0.2), hit=rng.permutation(np.linspace(0.3, 0.9, lobes)), **seen)
+    seen = {
+        "axis": axis,
+        "up": unit(np.cross(axis, rng.normal(size=(lobes, 3)))),
+        "half_angle": rng.uniform(0.2, 0.9, lobes),
+    }
+    cloud = random_cloud(
+        seed,
+        features,
+        lobes,
+        width=138,
+        r_min=np.full(lobes, 0.2),
+        hit=rng.permutation(np.linspace(0.3, 0.9, lobes)),
+        **seen,
+    )
     looks = np.array([100, 140, 100, 140, 128]) + rng.integers(-8, 9, (lobes, 5))
     thing = ready(with_sides(cloud, range(0, features, 2), looks))
     return thing, np.array([pose_before(rng, rng.uniform(0.6, 1.2)) for _ in range(3)]), rng
@@ -44,10 +56,23 @@ def beside(thing, pose, rng, reach, count=30):
     for number in range(count):
         one = keypoint_of(thing.cloud, int(rng.choice(lobes)), pose, number=number)
         off, along = rng.uniform(-1.5 * reach, 1.5 * reach), rng.uniform(-1.5, 1.5) * (ALONG + reach / 3)
-        uv = np.array(one.uv) + off * np.array([cos(one.angle), sin(one.angle)]) + along * np.array([-sin(one.angle), cos(one.angle)])
+        uv = (
+            np.array(one.uv)
+            + off * np.array([cos(one.angle), sin(one.angle)])
+            + along * np.array([-sin(one.angle), cos(one.angle)])
+        )
         looks = np.frombuffer(one.descriptor, np.uint8) + rng.integers(-22, 23, 5)
         angle = (one.angle + rng.uniform(-TURNED, TURNED)) % (2 * pi)
-        rows.append(Appearance(f"a{number}", "sift", tuple(uv.tolist()), "made", angle=angle, descriptor=looks.astype(np.uint8).tobytes()))
+        rows.append(
+            Appearance(
+                f"a{number}",
+                "sift",
+                tuple(uv.tolist()),
+                "made",
+                angle=angle,
+                descriptor=looks.astype(np.uint8).tobytes(),
+            )
+        )
     return data_of([row for row in rows if CAMERA.contains(np.array(row.uv))], CAMERA)
 
 
@@ -65,7 +90,10 @@ def agreeing(thing, lobe, uv, angle, data, reach):
     for d in np.flatnonzero(data.sided):
         du, dv = data.uv[d] - uv
         apart = data.looks[d, :COLOURS].astype(float) - thing.cloud.descriptor[lobe, 128 : 128 + COLOURS]
-        near = abs(du * cos(angle) + dv * sin(angle)) <= reach and abs(dv * cos(angle) - du * sin(angle)) <= ALONG + reach / 3
+        near = (
+            abs(du * cos(angle) + dv * sin(angle)) <= reach
+            and abs(dv * cos(angle) - du * sin(angle)) <= ALONG + reach / 3
+        )
         if near and abs(np.angle(np.exp(1j * (data.angle[d] - angle)))) < TURNED and np.linalg.norm(apart) < OFF:
             found.append(int(d))
     return found
@@ -119,13 +147,17 @@ def test_the_right_pose_is_worth_more_than_others_and_each_pose_is_asked_for_its
     for h in range(4):
         alone = side_fit(thing.index, poses[h : h + 1], data, GRANULARITY, 4.0, MOST)
         assert alone.worth.tolist() == pytest.approx([fit.worth[h]])
-        assert sorted(alone.weight[0][alone.weight[0] > 0].tolist()) == pytest.approx(sorted(fit.weight[h][fit.weight[h] > 0].tolist()))
+        assert sorted(alone.weight[0][alone.weight[0] > 0].tolist()) == pytest.approx(
+            sorted(fit.weight[h][fit.weight[h] > 0].tolist())
+        )
 
 
 def test_the_surest_are_looked_for_where_there_are_many():
     rng = np.random.default_rng(0)
     count = 2 * MOST
-    thing = ready(with_sides(one_sided(1, count, width=138, hit=rng.permutation(np.linspace(0.2, 0.9, count))), range(count)))
+    thing = ready(
+        with_sides(one_sided(1, count, width=138, hit=rng.permutation(np.linspace(0.2, 0.9, count))), range(count))
+    )
     pose = pose_before(rng)
     fit = side_fit(thing.index, pose[None], gamma_at(thing.cloud, range(count), pose), GRANULARITY, 6.0, MOST)
     assert fit.points.shape == (1, MOST, 3)
@@ -133,7 +165,9 @@ def test_the_surest_are_looked_for_where_there_are_many():
     surest = sorted(thing.cloud.hit[held])[-MOST:]
     rows = [int(np.flatnonzero((thing.index.places == point).all(axis=1))[0]) for point in fit.points[0]]
     assert sorted(thing.cloud.hit[rows].tolist()) == pytest.approx(surest)
-    assert side_fit(thing.index, pose[None], gamma_at(thing.cloud, range(count), pose), GRANULARITY, 6.0, count).points.shape == (1, len(held), 3)
+    assert side_fit(
+        thing.index, pose[None], gamma_at(thing.cloud, range(count), pose), GRANULARITY, 6.0, count
+    ).points.shape == (1, len(held), 3)
 
 
 def test_what_was_never_missed_may_be_missed():
@@ -147,7 +181,10 @@ def test_what_was_never_missed_may_be_missed():
 
 @pytest.mark.parametrize("width", [32, 128, 138])
 def test_types_whose_keypoints_have_no_colours_have_no_sides(width):
-    thing, poses = ready(one_sided(1, 20, width=width)), np.array([pose_before(np.random.default_rng(i)) for i in range(3)])
+    thing, poses = (
+        ready(one_sided(1, 20, width=width)),
+        np.array([pose_before(np.random.default_rng(i)) for i in range(3)]),
+    )
     assert thing.index.looks.shape == (20, SIDE + 1)
     seen = Appearance("a0", "sift", (300.0, 200.0), "made", angle=1.0, descriptor=bytes(range(SIDE)))
     fit = side_fit(thing.index, poses, data_of([seen], CAMERA, width), GRANULARITY, 6.0, MOST)
@@ -163,6 +200,11 @@ def test_without_sides_there_are_none_and_they_say_nothing(sided):
     data = gamma_at(cloud, range(1, 20, 2), poses[0])
     fit = side_fit(thing.index, poses, data, GRANULARITY, 6.0, MOST)
     assert fit.worth.tolist() == [0.0] * 3
-    assert [some.shape for some in (fit.points, fit.uv, fit.across, fit.weight)] == [(3, 0, 3), (3, 0, 2), (3, 0, 2), (3, 0)]
+    assert [some.shape for some in (fit.points, fit.uv, fit.across, fit.weight)] == [
+        (3, 0, 3),
+        (3, 0, 2),
+        (3, 0, 2),
+        (3, 0),
+    ]
     nothing = side_fit(thing.index, poses[:0], data, GRANULARITY, 6.0, MOST)
     assert nothing.worth.shape == (0,)

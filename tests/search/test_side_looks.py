@@ -101,7 +101,9 @@ def test_contrasts_of_the_images_edges_fit_on_average_neither_better_nor_worse(c
     edges = np.zeros((count, SIDE), np.uint8)
     edges[:, SIDE - 1] = np.clip(128 + rng.normal(0, rng.uniform(5, 40), count), 0, 255)
     usual = contrasts_of(edges)
-    assert (of_contrasts(contrast, varied, usual=usual) * usual).sum() == pytest.approx(usual.sum() * WILD + (1.0 - WILD), abs=0.02)
+    assert (of_contrasts(contrast, varied, usual=usual) * usual).sum() == pytest.approx(
+        usual.sum() * WILD + (1.0 - WILD), abs=0.02
+    )
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -122,7 +124,9 @@ def test_contrasts_fit_the_worse_the_farther_they_are_from_what_was_learnt(contr
     likeliest = int(fit.argmax())
     assert (np.diff(fit[: likeliest + 1]) >= -1e-12).all()
     assert (np.diff(fit[likeliest:]) <= 1e-12).all()
-    kept = 1.0 - (varied**2 + BRIGHT**2) / EDGES**2  # the rest is as the edges of objects are, of which the middle is 128
+    kept = (
+        1.0 - (varied**2 + BRIGHT**2) / EDGES**2
+    )  # the rest is as the edges of objects are, of which the middle is 128
     assert likeliest == pytest.approx(128 + (contrast - 128) * kept, abs=0.51)
     assert (fit >= WILD).all()
 

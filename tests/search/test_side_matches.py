@@ -29,7 +29,9 @@ REACH = 3.0
 
 def angles(thing, pose, lobes):
     """(N,) radians on the screen towards the sides of lobes."""
-    return screen_angle(thing.cloud.up[lobes] @ pose[:3, :3].T, transform_points(pose, thing.cloud.at[thing.cloud.feature[lobes]]))
+    return screen_angle(
+        thing.cloud.up[lobes] @ pose[:3, :3].T, transform_points(pose, thing.cloud.at[thing.cloud.feature[lobes]])
+    )
 
 
 def side(thing, pose, lobe, number=0, *, off=0.0, along=0.0, turned=0.0, looks=LOOKS):
@@ -38,7 +40,14 @@ def side(thing, pose, lobe, number=0, *, off=0.0, along=0.0, turned=0.0, looks=L
     angle = angles(thing, pose, [lobe])[0]
     place = uv + off * np.array([cos(angle), sin(angle)]) + along * np.array([-sin(angle), cos(angle)])
     descriptor = np.asarray(looks, np.uint8).tobytes()
-    return Appearance(f"a{number}", "sift", tuple(place.tolist()), "made", angle=float((angle + turned) % (2 * pi)), descriptor=descriptor)
+    return Appearance(
+        f"a{number}",
+        "sift",
+        tuple(place.tolist()),
+        "made",
+        angle=float((angle + turned) % (2 * pi)),
+        descriptor=descriptor,
+    )
 
 
 def found_in(thing, pose, rows, free=None, reach=REACH):
@@ -61,14 +70,23 @@ def crowd(seed, features=5, lobes=9):
     """A type all of whose features are a few pixels apart, some with several appearances, of their own looks and directions."""
     rng = np.random.default_rng(seed)
     axis = unit(np.array([0.0, 0, 1]) + 0.1 * rng.normal(size=(lobes, 3)))
-    seen = {"axis": axis, "up": unit(np.cross(axis, rng.normal(size=(lobes, 3)))), "half_angle": np.full(lobes, 0.9), "r_min": np.full(lobes, 0.2)}
+    seen = {
+        "axis": axis,
+        "up": unit(np.cross(axis, rng.normal(size=(lobes, 3)))),
+        "half_angle": np.full(lobes, 0.9),
+        "r_min": np.full(lobes, 0.2),
+    }
     cloud = random_cloud(seed, features, lobes, width=138, at=rng.uniform(-0.004, 0.004, (features, 3)), **seen)
-    thing = ready(with_sides(cloud, range(features), LOOKS + rng.integers(-20, 21, (lobes, 5)), rng.integers(0, 60, lobes)))
+    thing = ready(
+        with_sides(cloud, range(features), LOOKS + rng.integers(-20, 21, (lobes, 5)), rng.integers(0, 60, lobes))
+    )
     pose, rows = pose_before(rng, 0.8, 0.1), []
     for number in range(int(rng.integers(1, 25))):
         off, along = rng.uniform(-1.5 * REACH, 1.5 * REACH), rng.uniform(-1.5 * ALONG, 1.5 * ALONG)
         turned, looks = rng.uniform(-1.3 * TURNED, 1.3 * TURNED), LOOKS + rng.integers(-25, 26, 5)
-        rows.append(side(thing, pose, int(rng.integers(lobes)), number, off=off, along=along, turned=turned, looks=looks))
+        rows.append(
+            side(thing, pose, int(rng.integers(lobes)), number, off=off, along=along, turned=turned, looks=looks)
+        )
     return thing, pose, rows, rng
 
 
@@ -76,7 +94,10 @@ def as_seen(thing, pose, lobe, row):
     """Of a side and an appearance: pixels across and along, radians, whether it has the colours."""
     uv = CAMERA.project(transform_points(pose, thing.cloud.at[[thing.cloud.feature[lobe]]]))[0]
     angle, (du, dv) = angles(thing, pose, [lobe])[0], np.array(row.uv) - uv
-    apart = np.frombuffer(row.descriptor, np.uint8)[:COLOURS].astype(float) - thing.cloud.descriptor[lobe, 128 : 128 + COLOURS]
+    apart = (
+        np.frombuffer(row.descriptor, np.uint8)[:COLOURS].astype(float)
+        - thing.cloud.descriptor[lobe, 128 : 128 + COLOURS]
+    )
     turned = abs(np.angle(np.exp(1j * (row.angle - angle))))
     return du * cos(angle) + dv * sin(angle), dv * cos(angle) - du * sin(angle), turned, np.linalg.norm(apart) < OFF
 
@@ -119,7 +140,11 @@ def test_there_are_enough_such_pairs():
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
-@given(st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6), st.integers(-3, 3)), max_size=40, unique_by=lambda row: row[:2]))
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 6), st.integers(0, 6), st.integers(-3, 3)), max_size=40, unique_by=lambda row: row[:2]
+    )
+)
 def test_the_best_pair_is_taken_and_again_the_best_of_what_is_left(pairs):
     feature, datum, worth = (np.array([row[i] for row in pairs], np.intp) for i in range(3))
     taken = []
@@ -201,8 +226,13 @@ def test_it_is_as_much_less_rare_as_more_looks_as_right_around_it(seed, count):
     (found, data, _), (plain, one, _) = found_in(thing, pose, rows, free), found_in(thing, pose, rows[:1])
     assert found.datum.tolist() == [0]
     lobe = np.flatnonzero(thing.cloud.sided)[:1]
-    fits = [looks_fit(thing.index.looks[lobe], data.looks[:1], np.zeros(1, np.float32), of.contrasts)[0] for of in (data, one)]
-    assert found.rare[0] == pytest.approx(plain.rare[0] * FEW / (FEW + others) * fits[0] / fits[1])  # the more edges are as bright, the less it says
+    fits = [
+        looks_fit(thing.index.looks[lobe], data.looks[:1], np.zeros(1, np.float32), of.contrasts)[0]
+        for of in (data, one)
+    ]
+    assert found.rare[0] == pytest.approx(
+        plain.rare[0] * FEW / (FEW + others) * fits[0] / fits[1]
+    )  # the more edges are as bright, the less it says
 
 
 @pytest.mark.parametrize("name", ["turned", "looks"])
@@ -217,7 +247,9 @@ def test_what_fits_better_is_rarer(alone, name):
 
 
 def test_of_several_that_look_alike_the_nearest_to_the_line_is_taken_and_of_one_line_the_best_looking(alone):
-    rows = [side(*alone, 0, i, off=off, along=along) for i, (off, along) in enumerate([(1.5, 0.0), (-0.4, 3.0), (2.0, 0.0)])]
+    rows = [
+        side(*alone, 0, i, off=off, along=along) for i, (off, along) in enumerate([(1.5, 0.0), (-0.4, 3.0), (2.0, 0.0)])
+    ]
     assert found_in(*alone, rows)[0].datum.tolist() == [1]
     rows = [side(*alone, 0, i, along=float(i), turned=turned) for i, turned in enumerate([0.2, -0.1, 0.02])]
     assert found_in(*alone, rows)[0].datum.tolist() == [2]
@@ -228,7 +260,9 @@ def test_without_lobes_or_sides_there_are_none(alone):
     found, data, posed = found_in(thing, pose, [side(thing, pose, 0)])
     assert found.pattern == 0.0
     nothing = side_matches(thing.index, posed, data, np.zeros(0, np.intp), data.sided, np.full(1, REACH))
-    none = side_matches(thing.index, posed, data.only(~data.sided), np.zeros(1, np.intp), np.zeros(0, bool), np.full(1, REACH))
+    none = side_matches(
+        thing.index, posed, data.only(~data.sided), np.zeros(1, np.intp), np.zeros(0, bool), np.full(1, REACH)
+    )
     for empty in (nothing, none):
         assert [len(getattr(empty, name)) for name in ("feature", "datum", "off", "across", "rare")] == [0] * 5
         assert empty.across.shape == (0, 2)

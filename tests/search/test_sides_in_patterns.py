@@ -27,7 +27,12 @@ def tile():
     count = len(own)
     at = np.column_stack([own / 1000.0 + 0.0005, np.zeros(count)])
     up = np.column_stack([np.cos(way), np.sin(way), np.zeros(count)])
-    ranges = {"half_angle": np.full(count, 0.9), "r_min": np.full(count, 0.1), "r_max": np.full(count, 3.0), "hit": np.full(count, 0.8)}
+    ranges = {
+        "half_angle": np.full(count, 0.9),
+        "r_min": np.full(count, 0.1),
+        "r_max": np.full(count, 3.0),
+        "hit": np.full(count, 0.8),
+    }
     lobes = {"axis": np.tile([0.0, 0.0, -1.0], (count, 1)), "up": up, "sigma": np.full(count, 1e-5)} | ranges
     return ready(with_sides(random_cloud(0, count, count, width=138, at=at, **lobes), range(count), BRIGHT))
 
@@ -35,7 +40,11 @@ def tile():
 def floor(tiles, seed=0, noise=0.3):
     """So many squares about the one in the middle, on all sides; and only its own bright sides where there are none."""
     uv, angle, looks = checkered(SIZE, max(tiles, 1))
-    some = np.ones(len(uv), bool) if tiles else (np.abs(uv - MIDDLE).max(axis=1) < SIZE / 2 + 1) & (looks == BRIGHT).all(axis=1)
+    some = (
+        np.ones(len(uv), bool)
+        if tiles
+        else (np.abs(uv - MIDDLE).max(axis=1) < SIZE / 2 + 1) & (looks == BRIGHT).all(axis=1)
+    )
     uv = uv + np.random.default_rng(seed).normal(0, noise, uv.shape)
     return gamma(uv[some], angle[some], looks[some])
 
@@ -43,7 +52,9 @@ def floor(tiles, seed=0, noise=0.3):
 def sides(tile, data, free=None):
     posed = pose_of(tile.index, POSE, data, tile.kb)
     lobes = lobes_held(tile.index, POSE, CAMERA.f / tile.kb.f_ref)
-    return side_matches(tile.index, posed, data, lobes, data.sided if free is None else free, np.full(len(tile.cloud.at), 3.0))
+    return side_matches(
+        tile.index, posed, data, lobes, data.sided if free is None else free, np.full(len(tile.cloud.at), 3.0)
+    )
 
 
 def test_a_square_of_a_floor_is_a_pattern_and_a_square_alone_is_none(tile):
@@ -73,8 +84,13 @@ def test_what_a_match_says_is_its_density_across_the_line_against_what_is_usual(
     found = sides(tile, data)
     sigma = np.full(len(found.feature), 0.7)
     like, usual = side_likeness(found, sigma, data, tile.kb), clutter_density(tile.kb, data, found.datum)
-    says = [n * exp(-0.5 * (off / 0.7) ** 2) / (2 * pi * 0.7**2) / f for n, off, f in zip(like, found.off, usual, strict=True)]
-    rare = [r * exp(-0.5 * (off / 0.7) ** 2) / (sqrt(2 * pi) * 0.7) for r, off in zip(found.rare, found.off, strict=True)]
+    says = [
+        n * exp(-0.5 * (off / 0.7) ** 2) / (2 * pi * 0.7**2) / f
+        for n, off, f in zip(like, found.off, usual, strict=True)
+    ]
+    rare = [
+        r * exp(-0.5 * (off / 0.7) ** 2) / (sqrt(2 * pi) * 0.7) for r, off in zip(found.rare, found.off, strict=True)
+    ]
     assert says == pytest.approx(rare if tiles == 0 else np.minimum(rare, 1.0 / found.pattern).tolist())
     assert len(says) > 10
 
@@ -85,7 +101,10 @@ def test_a_square_of_a_floor_is_no_evidence_and_a_square_alone_is(tile):
         data = floor(tiles)
         posed = matched(tile.index, pose_of(tile.index, POSE, data, tile.kb), data, tile.kb)
         assert posed.detected.sum() > 10
-        usual, hit = clutter_density(tile.kb, data, posed.matches[posed.detected]), hit_rates(posed, tile.kb)[posed.detected]
+        usual, hit = (
+            clutter_density(tile.kb, data, posed.matches[posed.detected]),
+            hit_rates(posed, tile.kb)[posed.detected],
+        )
         gain = (hit * match_density(posed, tile.kb)[posed.detected] + (1 - hit) * usual) / usual
         assert gain.max() <= 1 / ORDERED + 1e-9 or tiles == 0
         ratio[tiles] = evidence(posed, data, tile.kb).ratio

@@ -91,7 +91,9 @@ def _small(w):
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(st.floats(-np.pi, np.pi))
 def test_a_camera_turned_in_its_plane_turns_the_plane(index, roll):
-    turn = from_rotation_translation([[np.cos(roll), -np.sin(roll), 0], [np.sin(roll), np.cos(roll), 0], [0, 0, 1]], np.zeros(3))
+    turn = from_rotation_translation(
+        [[np.cos(roll), -np.sin(roll), 0], [np.sin(roll), np.cos(roll), 0], [0, 0, 1]], np.zeros(3)
+    )
     poses = [standing(*place, 20.0 * i) for i, place in enumerate(PLACES)]
     plain, turned = (support_of([(index, motion @ pose) for pose in poses]) for motion in (np.eye(4), turn))
     assert plain.by == turned.by
@@ -132,7 +134,9 @@ def test_on_the_plane_the_search_finds_what_stands_there_and_nothing_where_it_is
     found = resting(index, TABLE, data, kb, np.zeros((0, 4)))
     assert any(same(posed.camera_from_object, truth) for _, posed in found)
     assert resting(index, TABLE, data, kb, np.array([[*truth[:3, 3], index.inner_radius]])) == [
-        (worth, posed) for worth, posed in found if np.linalg.norm(posed.camera_from_object[:3, 3] - truth[:3, 3]) > 2.0 * index.inner_radius
+        (worth, posed)
+        for worth, posed in found
+        if np.linalg.norm(posed.camera_from_object[:3, 3] - truth[:3, 3]) > 2.0 * index.inner_radius
     ]
 
 

@@ -55,7 +55,9 @@ def facing(slant, towards, roll):
 def test_both_reflections_reproject_alike():
     points = np.array([[0.0, 0, 0], [0.3, 0, 0], [0, 0.3, 0]])
     ray = np.array([0.0, 0.0, 1.0])
-    poses = triple_poses(one_triple(points), weak_image(facing(0.7, 0.4, 1.0), ray, 0.2, points), points, (1e-9, 1e9), 1.0)
+    poses = triple_poses(
+        one_triple(points), weak_image(facing(0.7, 0.4, 1.0), ray, 0.2, points), points, (1e-9, 1e9), 1.0
+    )
     assert np.allclose(poses[0, :2, :2], poses[1, :2, :2])
     assert rotation_angle(poses[0, :3, :3].T @ poses[1, :3, :3]) > 0.5
 
@@ -112,7 +114,9 @@ def test_image_triples_are_counter_clockwise_for_the_eye_and_take_grids_first():
 
 
 def test_fewer_than_three_data_make_no_triple():
-    data = data_of([Appearance("a", "patch", (1.0, 2.0), "drawn"), Appearance("b", "patch", (9.0, 2.0), "drawn")], CAMERA)
+    data = data_of(
+        [Appearance("a", "patch", (1.0, 2.0), "drawn"), Appearance("b", "patch", (9.0, 2.0), "drawn")], CAMERA
+    )
     assert image_triples(data, np.arange(2)).data.shape == (0, 3)
 
 
@@ -123,7 +127,10 @@ def test_some_triple_of_a_real_view_is_near_the_true_pose(name):
     data = data_of(scene(rng, {name: pose}).gamma.appearances, CAMERA)
     patches = np.flatnonzero(np.array(data.types) == "patch")
     poses = triple_poses(index.triples, image_triples(data, patches), index.points, (10.0, 2000.0), CAMERA.f)
-    turned = [rotation_angle(np.swapaxes(poses[:, :3, :3], 1, 2) @ (pose @ s)[:3, :3]).min() for s in index.object_type.symmetries]
+    turned = [
+        rotation_angle(np.swapaxes(poses[:, :3, :3], 1, 2) @ (pose @ s)[:3, :3]).min()
+        for s in index.object_type.symmetries
+    ]
     assert np.degrees(min(turned)) < 15.0
 
 

@@ -59,7 +59,9 @@ def test_xy_is_the_picture_that_a_camera_takes_from_there(name):
         viewpoint = cells.centre + distance * cells.directions[c]
         rotation = cells.cell_from_object[c]
         pose = from_rotation_translation(rotation, -rotation @ viewpoint)
-        assert np.allclose(camera.project(transform_points(pose, [f.at for f in kind.features])), cells.xy[c], atol=1e-9)
+        assert np.allclose(
+            camera.project(transform_points(pose, [f.at for f in kind.features])), cells.xy[c], atol=1e-9
+        )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -75,7 +77,9 @@ def test_what_one_cell_shows_converges(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_opposite_walls_are_never_seen_together(name):
     kind, cells = towers().type(name), cells_of(name)
-    normals = np.array([f.rotation @ f.appearances[0].lobe.axis if f.type == "patch" else np.zeros(3) for f in kind.features])
+    normals = np.array(
+        [f.rotation @ f.appearances[0].lobe.axis if f.type == "patch" else np.zeros(3) for f in kind.features]
+    )
     opposite = normals @ normals.T < -0.99
     assert opposite.any()
     together = cells.visible.astype(int).T @ cells.visible.astype(int)

@@ -138,7 +138,9 @@ def test_of_poses_alike_one_is_kept_the_best(view):
     elsewhere[0, 3] += 1.0
     kept = best_apart(np.array([0.5, 0.9, 0.7]), np.stack([pose, beside, elsewhere]), index.cells, data, 10)
     assert kept.tolist() == [1, 2]
-    assert best_apart(np.array([0.5, 0.9, 0.7]), np.stack([pose, beside, elsewhere]), index.cells, data, 1).tolist() == [1]
+    assert best_apart(
+        np.array([0.5, 0.9, 0.7]), np.stack([pose, beside, elsewhere]), index.cells, data, 1
+    ).tolist() == [1]
 
 
 def test_pairs_are_taken_by_index():

@@ -29,6 +29,8 @@ def quads(corners, wall=190.0, dark=45.0, size=(200, 160), noise=3.0, seed=0):
 
 def sensed(fine, size, noise, seed):
     size = (size, size) if isinstance(size, int) else size
-    picture = cv2.GaussianBlur(cv2.resize(np.asarray(fine, np.float32), size, interpolation=cv2.INTER_AREA), (0, 0), 0.4)
+    picture = cv2.GaussianBlur(
+        cv2.resize(np.asarray(fine, np.float32), size, interpolation=cv2.INTER_AREA), (0, 0), 0.4
+    )
     grain = np.random.default_rng(seed).normal(0, noise, (size[1], size[0], 3))
     return np.clip(np.rint(picture[:, :, None] + grain), 0, 255).astype(np.uint8)

@@ -85,7 +85,13 @@ def test_at_and_beyond_the_border_there_are_colours_too():
 
 @pytest.mark.parametrize(
     ("image", "grey"),
-    [(plain(WHITE), True), (plain(RED), False), (plain(WHITE)[..., 0], True), (painted(2), False), (np.repeat(painted(2)[..., :1], 3, axis=2), True)],
+    [
+        (plain(WHITE), True),
+        (plain(RED), False),
+        (plain(WHITE)[..., 0], True),
+        (painted(2), False),
+        (np.repeat(painted(2)[..., :1], 3, axis=2), True),
+    ],
     ids=["white", "red", "one channel", "painted", "grey in three channels"],
 )
 def test_grey_is_what_has_three_equal_channels(image, grey):

@@ -32,7 +32,11 @@ def part(found, start, stop=None):
 @given(st.integers(0, 999), st.integers(3, 12), st.integers(1, 400))
 def test_blobs_come_first_then_points_along_edges_then_regions_each_the_strongest_first(seed, cell, most):
     image = texture(120, 140, seed)
-    found, blobs, edges = described(image, cell=cell, most=most), keypoints(image, most=most), edge_points(image, cell, min(most, EDGES))
+    found, blobs, edges = (
+        described(image, cell=cell, most=most),
+        keypoints(image, most=most),
+        edge_points(image, cell, min(most, EDGES)),
+    )
     assert len(blobs) > 0
     assert len(edges.uv) > 0
     same(part(found, 0, len(blobs)), blobs)
@@ -109,7 +113,9 @@ def test_given_places_are_described_as_opencv_does_each_alone_in_their_order(see
     sift = cv2.SIFT.create(0, LAYERS, CONTRAST, EDGE, SIGMA, cv2.CV_8U, True)  # noqa: FBT003 (positional in OpenCV 4 and 5)
     assert len(found) == count
     for i in range(count):
-        place = cv2.KeyPoint(*uv[i].tolist(), float(scale[i]), float(np.degrees(angle[i] % (2 * np.pi))), float(response[i]), 0)
+        place = cv2.KeyPoint(
+            *uv[i].tolist(), float(scale[i]), float(np.degrees(angle[i] % (2 * np.pi))), float(response[i]), 0
+        )
         _, expected = sift.compute(image, [place])
         assert found.descriptors[i].tolist() == expected[0].tolist()
     np.testing.assert_allclose(found.uv, uv, atol=1e-4)
@@ -132,7 +138,9 @@ def test_a_picture_turned_by_a_quarter_has_the_same_descriptions_turned():
     some = (np.abs(points.uv - middle) < 35).all(axis=1)
     uv, angle, size = points.uv[some], points.angle[some], np.full(some.sum(), EDGE_SIZE)
     upright = sift_at(image, uv, angle, size, size)
-    turned = (uv - middle) @ np.array([[0.0, 1.0], [-1.0, 0.0]]) + middle  # (u, v) -> (-v, u): a quarter clockwise on the screen
+    turned = (uv - middle) @ np.array(
+        [[0.0, 1.0], [-1.0, 0.0]]
+    ) + middle  # (u, v) -> (-v, u): a quarter clockwise on the screen
     lying = sift_at(np.rot90(image, -1).copy(), turned, angle + np.pi / 2, size, size)
     gap = np.linalg.norm(upright.descriptors.astype(float) - lying.descriptors, axis=1)
     assert len(gap) > 20

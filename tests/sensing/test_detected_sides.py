@@ -54,7 +54,10 @@ def test_sides_follow_the_keypoints_with_an_angle_five_bytes_and_no_scale(seed, 
     assert mine[0].score == max(a.score for a in mine)
     assert {a.detector for a in mine} == {"sift"}
     assert {a.type for a in mine} <= {name for name, sided in zip(known.names, known.sided, strict=True) if sided}
-    apart = [(np.abs(row.astype(int) - known.centroids[:, POINT : POINT + SIDE].astype(int)) ** 2).sum(axis=1) for row in expected.looks]
+    apart = [
+        (np.abs(row.astype(int) - known.centroids[:, POINT : POINT + SIDE].astype(int)) ** 2).sum(axis=1)
+        for row in expected.looks
+    ]
     assert [a.type for a in mine] == [known.names[np.where(known.sided, far, 10**9).argmin()] for far in apart]
 
 
@@ -127,4 +130,6 @@ def test_other_lengths_are_a_stated_mistake(a_type, size, wanted):
     document["appearances"][0]["descriptor"] = base64.b64encode(bytes(size)).decode()
     with pytest.raises(GammaError) as caught:
         gamma_from_dict(document)
-    assert list(caught.value.mistakes) == [f"gamma.json: appearances.0.descriptor: has {size} bytes, and one of {a_type!r} has {wanted}"]
+    assert list(caught.value.mistakes) == [
+        f"gamma.json: appearances.0.descriptor: has {size} bytes, and one of {a_type!r} has {wanted}"
+    ]

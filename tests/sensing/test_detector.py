@@ -82,7 +82,9 @@ def test_an_entry_point_that_does_not_load_is_named(monkeypatch):
     from importlib.metadata import EntryPoint
 
     broken = EntryPoint("broken", "no_such_module_anywhere:Factory", "plogic.detectors")
-    monkeypatch.setattr("sensing.detectors.detector.entry_points", lambda group: [broken] if group == "plogic.detectors" else [])
+    monkeypatch.setattr(
+        "sensing.detectors.detector.entry_points", lambda group: [broken] if group == "plogic.detectors" else []
+    )
     with pytest.raises(DetectorError, match="'broken' of no_such_module_anywhere:Factory does not load"):
         detectors()
 
@@ -145,7 +147,9 @@ def dot(uv=(5.0, 5.0), **others):
 def test_what_a_third_party_gets_wrong_is_one_line_that_names_it(found, why):
     register("third", lambda: Third(found))
     try:
-        with pytest.raises(DetectorError, match=f"^detector 'third': {why}|^detector 'third': appearance 0 of 1: .*{why}") as caught:
+        with pytest.raises(
+            DetectorError, match=f"^detector 'third': {why}|^detector 'third': appearance 0 of 1: .*{why}"
+        ) as caught:
             detect(np.full((100, 200, 3), 120, np.uint8), camera(np.zeros((100, 200))), {"dot"})
     finally:
         unregister("third")

@@ -45,7 +45,9 @@ def by_loop(grey, cell):
     def between(x, y):
         i, j = floor(x), floor(y)
         return sum(
-            float(rise[j + dj, i + di]) * (x - i if di else 1 - x + i) * (y - j if dj else 1 - y + j) for di in (0, 1) for dj in (0, 1)
+            float(rise[j + dj, i + di]) * (x - i if di else 1 - x + i) * (y - j if dj else 1 - y + j)
+            for di in (0, 1)
+            for dj in (0, 1)
         )
 
     best = {}
@@ -96,7 +98,9 @@ def test_points_are_those_of_a_loop_over_all_pixels(size, cell):
     assert len(found.uv) == len(found.angle) == len(found.rise) == len(expected)
     if expected:
         np.testing.assert_allclose(found.uv, [one[1] for one in expected], atol=1e-4)
-        np.testing.assert_allclose(np.exp(1j * found.angle), np.exp(1j * np.array([one[2] for one in expected])), atol=1e-5)
+        np.testing.assert_allclose(
+            np.exp(1j * found.angle), np.exp(1j * np.array([one[2] for one in expected])), atol=1e-5
+        )
         np.testing.assert_allclose(found.rise, [one[3] for one in expected], rtol=1e-6)
 
 

@@ -49,7 +49,9 @@ def seen(near, far, blur):
     beyond = [ndtr(-depth / np.hypot(BROAD, blur)) for depth in DEPTHS]
     levels = [share * np.array(far, float) + (1 - share) * np.array(near, float) for share in beyond]
     other = beyond[0] * np.array(near, float) + (1 - beyond[0]) * np.array(far, float)
-    return np.array([*ratios(np.array(levels)).ravel(), 128 + GAIN * np.log((levels[0].mean() + DARK) / (other.mean() + DARK))])
+    return np.array(
+        [*ratios(np.array(levels)).ravel(), 128 + GAIN * np.log((levels[0].mean() + DARK) / (other.mean() + DARK))]
+    )
 
 
 def texture(seed, height=75, width=90):
@@ -75,7 +77,9 @@ def test_both_sides_are_at_the_edge_and_say_what_colour_they_are_of(angle, shift
 
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(ANGLES, SHIFTS, BLURS, COLOURS, st.lists(COLOURS, min_size=2, max_size=2))
-def test_what_is_beyond_changes_the_near_colours_by_a_few_bytes_and_those_farther_in_not_at_all(angle, shift, blur, own, others):
+def test_what_is_beyond_changes_the_near_colours_by_a_few_bytes_and_those_farther_in_not_at_all(
+    angle, shift, blur, own, others
+):
     assume(all(contrast(own, other) > 50 for other in others))
     colours = []
     for other in others:
@@ -147,7 +151,9 @@ def test_a_picture_turned_by_a_quarter_has_its_sides_turned(seed, cell, cells):
     image = texture(seed, cell * cells, cell * cells)
     one, other = edge_sides(image, cell), edge_sides(np.ascontiguousarray(np.rot90(image, -1)), cell)
     place = np.column_stack([cell * cells - 1 - one.uv[:, 1], one.uv[:, 0]])  # clockwise: (u, v) goes to (h - 1 - v, u)
-    far = np.linalg.norm(place[:, None] - other.uv[None], axis=2) + np.abs(np.exp(1j * (one.angle[:, None] + pi / 2 - other.angle[None])) - 1)
+    far = np.linalg.norm(place[:, None] - other.uv[None], axis=2) + np.abs(
+        np.exp(1j * (one.angle[:, None] + pi / 2 - other.angle[None])) - 1
+    )
     twin = far.argmin(axis=1)
     same = far[np.arange(len(one)), twin] < 0.01
     assert len(one) > 20

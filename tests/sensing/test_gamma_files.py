@@ -33,7 +33,15 @@ GOOD = {
     "format": "gamma/1",
     "camera": {"width": 640, "height": 480, "K": [[600, 0, 320], [0, 600, 240], [0, 0, 1]], "dist": []},
     "appearances": [
-        {"id": "a1", "type": "corner", "uv": [312.4, 201.9], "detector": "junction", "angle": 0.3, "scale": 4.0, "score": 0.93},
+        {
+            "id": "a1",
+            "type": "corner",
+            "uv": [312.4, 201.9],
+            "detector": "junction",
+            "angle": 0.3,
+            "scale": 4.0,
+            "score": 0.93,
+        },
         {"id": "a2", "type": "patch", "uv": [10, 20], "detector": "patch"},
     ],
 }
@@ -81,7 +89,13 @@ def test_an_appearance_can_be_told_without_its_descriptor():
     keys = ["id", "type", "uv", "detector", "angle", "scale", "score", "arms"]
     assert list(appearance_to_dict(a)) == [*keys, "descriptor"]
     assert list(appearance_to_dict(a, described=False)) == keys
-    assert list(appearance_to_dict(Appearance("a1", "dot", (1.0, 2.0), "dots", scale=3.0))) == ["id", "type", "uv", "detector", "scale"]
+    assert list(appearance_to_dict(Appearance("a1", "dot", (1.0, 2.0), "dots", scale=3.0))) == [
+        "id",
+        "type",
+        "uv",
+        "detector",
+        "scale",
+    ]
 
 
 def test_a_file_round_trip_gives_the_same_bytes(tmp_path):
@@ -141,7 +155,16 @@ def test_each_mistake_is_one_line_that_states_its_place(key, value, place):
 
 @pytest.mark.parametrize(
     ("a_type", "size"),
-    [("sift", 128), ("sift", 138), ("sift_w0007", 128), ("sift_w0007", 138), ("sift", 5), ("sift_w0007", 5), ("orb", 32), ("orb_w0000", 32)],
+    [
+        ("sift", 128),
+        ("sift", 138),
+        ("sift_w0007", 128),
+        ("sift_w0007", 138),
+        ("sift", 5),
+        ("sift_w0007", 5),
+        ("orb", 32),
+        ("orb_w0000", 32),
+    ],
 )
 def test_a_keypoint_s_descriptor_has_its_detector_s_length(a_type, size):
     document = copy.deepcopy(GOOD)

@@ -106,7 +106,9 @@ def test_a_cut_off_file_is_refused(tmp_path, kind):
         read_image(tmp_path / f"b.{kind}")
 
 
-@pytest.mark.parametrize(("data", "why"), [(b"", "is empty"), (b"not an image", "is not an image"), (b"\x89PNG\r\n\x1a\nxx", "cut off")])
+@pytest.mark.parametrize(
+    ("data", "why"), [(b"", "is empty"), (b"not an image", "is not an image"), (b"\x89PNG\r\n\x1a\nxx", "cut off")]
+)
 def test_what_is_no_image_is_refused(tmp_path, data, why):
     (tmp_path / "x.jpg").write_bytes(data)
     with pytest.raises(ImageError, match=why) as caught:

@@ -65,7 +65,9 @@ def test_orb_s_places_have_no_bias_that_grows_with_the_level():
 
 
 @BOTH
-@pytest.mark.parametrize(("slope", "angle"), [((0.6, 0), 0.0), ((0, 0.6), np.pi / 2), ((-0.6, 0), np.pi), ((0, -0.6), 3 * np.pi / 2)])
+@pytest.mark.parametrize(
+    ("slope", "angle"), [((0.6, 0), 0.0), ((0, 0.6), np.pi / 2), ((-0.6, 0), np.pi), ((0, -0.6), 3 * np.pi / 2)]
+)
 def test_an_angle_runs_clockwise_on_the_screen_towards_the_brighter_side(name, slope, angle):
     found = keypoints(blob((64, 64), 3.0, slope), name)
     middle = found.chosen(np.linalg.norm(found.uv - 64, axis=1) < 2)
@@ -81,7 +83,9 @@ def test_a_shift_by_whole_pixels_shifts_the_keypoints(name, by):
     a, b = keypoints(whole[: 220 - dv, : 260 - du], name), keypoints(whole[dv:, du:], name)
     inner = within(a, (60, 60), (200, 160))
     assert len(inner) > 15
-    assert paired(inner, b.uv + np.array(by), b.angle) > (0.95 if name == "sift" else 0.6)  # ORB's smaller pictures are sampled anew
+    assert paired(inner, b.uv + np.array(by), b.angle) > (
+        0.95 if name == "sift" else 0.6
+    )  # ORB's smaller pictures are sampled anew
 
 
 @BOTH
@@ -106,7 +110,9 @@ def test_light_changes_few_keypoints(name, gain, offset):
 def test_light_changes_few_bits_of_a_descriptor():
     image = texture()
     a, b = keypoints(image), keypoints(np.rint(image * 0.8 + 20).astype(np.uint8))
-    near = np.linalg.norm(a.uv[:, None] - b.uv[None], axis=2) + 10 * np.abs(np.sin((a.angle[:, None] - b.angle[None]) / 2))
+    near = np.linalg.norm(a.uv[:, None] - b.uv[None], axis=2) + 10 * np.abs(
+        np.sin((a.angle[:, None] - b.angle[None]) / 2)
+    )
     i = np.flatnonzero(near.min(axis=1) < 0.3)
     gap = np.linalg.norm(a.descriptors[i].astype(float) - b.descriptors[near[i].argmin(axis=1)].astype(float), axis=1)
     assert np.median(gap) < 60  # of a length of 512

@@ -24,7 +24,9 @@ def picture(name, number, H, size=(320, 240), noise=3.0):
     fine_from_pixel = np.array([[FINE, 0, (FINE - 1) / 2], [0, FINE, (FINE - 1) / 2], [0, 0, 1]])
     fine = np.full((size[1] * FINE, size[0] * FINE), 150, np.uint8)
     to_fine = fine_from_pixel @ H @ unit_from_print
-    cv2.warpPerspective(print_, to_fine, fine.shape[::-1], dst=fine, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_TRANSPARENT)
+    cv2.warpPerspective(
+        print_, to_fine, fine.shape[::-1], dst=fine, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_TRANSPARENT
+    )
     soft = cv2.GaussianBlur(cv2.resize(fine.astype(np.float32), size, interpolation=cv2.INTER_AREA), (0, 0), 0.5)
     grain = np.random.default_rng(0).normal(0, noise, (*soft.shape, 3))
     return np.clip(np.rint(soft[:, :, None] * 0.7 + 30 + grain), 0, 255).astype(np.uint8)
@@ -32,7 +34,9 @@ def picture(name, number, H, size=(320, 240), noise=3.0):
 
 def warp(side, turn, squeeze=1.0, tilt=(0.0, 0.0), at=(150.0, 110.0)):
     H = np.eye(3)
-    H[:2, :2] = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ np.diag([side, side * squeeze])
+    H[:2, :2] = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ np.diag(
+        [side, side * squeeze]
+    )
     H[:2, 2] = np.array(at) - H[:2, :2] @ (0.5, 0.5)
     H[2, :2] = tilt
     return H
@@ -44,7 +48,9 @@ def projected(H, points):
 
 
 @pytest.mark.parametrize("name", list(DICTIONARIES))
-@pytest.mark.parametrize("H", [warp(100, 0.0), warp(60, 0.7, 0.8, (0.1, -0.1)), warp(80, 3.6, 0.9, (-0.1, 0.15)), warp(45, 5.1)])
+@pytest.mark.parametrize(
+    "H", [warp(100, 0.0), warp(60, 0.7, 0.8, (0.1, -0.1)), warp(80, 3.6, 0.9, (-0.1, 0.15)), warp(45, 5.1)]
+)
 def test_a_warped_marker_is_found_with_its_corners(name, H):
     found = {a.type: a for a in MarkerDetector(name).detect(picture(name, 7, H))}
     assert set(found) == {f"{name}_7{end}" for end in ("", "_c0", "_c1", "_c2", "_c3")}
@@ -54,7 +60,9 @@ def test_a_warped_marker_is_found_with_its_corners(name, H):
     assert middle.uv == pytest.approx(projected(H, np.array([[0.5, 0.5]]))[0], abs=0.5)
     upper = corners[1] - corners[0]
     assert np.cos(middle.angle - np.arctan2(upper[1], upper[0])) > np.cos(0.03)
-    assert middle.scale == pytest.approx(np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).mean(), rel=0.02)
+    assert middle.scale == pytest.approx(
+        np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).mean(), rel=0.02
+    )
 
 
 @pytest.mark.parametrize(("name", "number"), [("aruco_4x4", 0), ("aruco_4x4", 49), ("apriltag_36h11", 586)])
@@ -70,7 +78,9 @@ def test_every_dictionary_has_the_ids_that_are_said():
 
 
 def test_two_markers_are_reported_by_id():
-    both = np.hstack([picture("aruco_4x4", 9, warp(80, 0.2), (300, 240)), picture("aruco_4x4", 2, warp(80, 1.2), (300, 240))])
+    both = np.hstack(
+        [picture("aruco_4x4", 9, warp(80, 0.2), (300, 240)), picture("aruco_4x4", 2, warp(80, 1.2), (300, 240))]
+    )
     assert [a.type for a in MarkerDetector("aruco_4x4").detect(both)][::5] == ["aruco_4x4_2", "aruco_4x4_9"]
 
 

@@ -14,7 +14,9 @@ ANGLES = np.radians([0.0, 17.0, 40.0, 63.0, 85.0])
 
 
 def rectangle(centre, width, height, angle=0.0, skew=0.0):
-    corners = np.array([[-width / 2, -height / 2], [width / 2, -height / 2], [width / 2, height / 2], [-width / 2, height / 2]])
+    corners = np.array(
+        [[-width / 2, -height / 2], [width / 2, -height / 2], [width / 2, height / 2], [-width / 2, height / 2]]
+    )
     corners[:, 1] += skew * corners[:, 0]
     cos, sin = np.cos(angle), np.sin(angle)
     return corners @ np.array([[cos, sin], [-sin, cos]]) + centre

@@ -44,11 +44,19 @@ def about(found, mask):
 
 
 def apart(one, i, other, j):
-    return np.linalg.norm(one.descriptors[i].astype(float)[:, None] - other.descriptors[j].astype(float)[None], axis=2).min()
+    return np.linalg.norm(
+        one.descriptors[i].astype(float)[:, None] - other.descriptors[j].astype(float)[None], axis=2
+    ).min()
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)
-@given(st.sampled_from(sorted(SHAPES)), st.floats(0, 6.28), st.floats(0.7, 1.6), st.sampled_from([YELLOW, RED, BLUE]), st.integers(0, 99))
+@given(
+    st.sampled_from(sorted(SHAPES)),
+    st.floats(0, 6.28),
+    st.floats(0.7, 1.6),
+    st.sampled_from([YELLOW, RED, BLUE]),
+    st.integers(0, 99),
+)
 def test_a_coloured_shape_is_found_whole(shape, turn, size, colour, seed):
     image, mask = scene(shape, colour, turn=turn, size=size, floor=15, seed=seed)
     found = regions(image)
@@ -101,7 +109,9 @@ def test_without_colours_there_is_brightness_alone():
     assert regions(image).descriptors.shape[1] == 138
 
 
-@pytest.mark.parametrize("image", [np.zeros((240, 320, 3), np.uint8), np.full((2, 2, 3), 9, np.uint8), np.zeros((1, 40), np.uint8)])
+@pytest.mark.parametrize(
+    "image", [np.zeros((240, 320, 3), np.uint8), np.full((2, 2, 3), 9, np.uint8), np.zeros((1, 40), np.uint8)]
+)
 def test_where_nothing_stands_out_there_are_none(image):
     found = regions(image)
     assert len(found) == 0

@@ -20,7 +20,10 @@ from sensing.simulated.settle import settle
 
 def shapes():
     rng = np.random.default_rng(0)
-    return [("tall", box(np.array([0.6, 0.6, 1.5]), rng, painted=True)), ("ramp", wedge(np.array([0.8, 0.7, 1.3]), rng, painted=False))]
+    return [
+        ("tall", box(np.array([0.6, 0.6, 1.5]), rng, painted=True)),
+        ("ramp", wedge(np.array([0.8, 0.7, 1.3]), rng, painted=False)),
+    ]
 
 
 def volume(mesh: TexturedMesh) -> float:

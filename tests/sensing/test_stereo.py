@@ -14,7 +14,9 @@ from sensing.appearance import Appearance, Gamma
 from sensing.files.stereo import Pair, fused
 from sensing.files.stereo_files import read_stereo
 
-CAMERA = Camera(640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]), np.array([0.1, -0.05, 0.001, 0.002, 0.01]))
+CAMERA = Camera(
+    640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]), np.array([0.1, -0.05, 0.001, 0.002, 0.01])
+)
 ASIDE = np.eye(4)
 ASIDE[0, 3] = -0.2
 TOED_IN = look_at([0.25, 0.02, 0.0], [0.0, 0.0, 2.0], up=(0.0, -1.0, 0.0))
@@ -23,7 +25,9 @@ TOED_IN = look_at([0.25, 0.02, 0.0], [0.0, 0.0, 2.0], up=(0.0, -1.0, 0.0))
 def gamma(points, types, noise=0.0, seed=0, **more):
     uv = CAMERA.project(points) + np.random.default_rng(seed).normal(0.0, noise, (len(points), 2)) * (noise > 0)
     rows = zip(types, uv.tolist(), strict=True)
-    return Gamma(CAMERA, tuple(Appearance(f"a{i}", kind, (u, v), "test", **more) for i, (kind, (u, v)) in enumerate(rows)))
+    return Gamma(
+        CAMERA, tuple(Appearance(f"a{i}", kind, (u, v), "test", **more) for i, (kind, (u, v)) in enumerate(rows))
+    )
 
 
 def points_of(count, seed=1):
@@ -43,8 +47,16 @@ def test_exact_places_give_exact_depths(right_from_left):
 def test_the_stated_noise_is_the_noise():
     points = points_of(400)
     types = [f"t{i}" for i in range(400)]
-    both = fused(gamma(points, types, 0.5, 2), gamma(transform_points(ASIDE, points), types, 0.5, 3), Pair(ASIDE), sigma=0.5)
-    off = np.array([(a.depth - z) / a.depth_sigma for a, z in zip(both.appearances, points[:, 2], strict=True) if a.depth is not None])
+    both = fused(
+        gamma(points, types, 0.5, 2), gamma(transform_points(ASIDE, points), types, 0.5, 3), Pair(ASIDE), sigma=0.5
+    )
+    off = np.array(
+        [
+            (a.depth - z) / a.depth_sigma
+            for a, z in zip(both.appearances, points[:, 2], strict=True)
+            if a.depth is not None
+        ]
+    )
     assert len(off) > 380
     assert 0.85 < off.std() < 1.15
 
@@ -65,7 +77,10 @@ def test_descriptors_and_angles_tell_apart_what_types_do_not():
         sides.append((uv, [Appearance(f"d{i}", "w", tuple(uv[i]), "test", descriptor=looks[i]) for i in (0, 1)]))
     left, right = (Gamma(CAMERA, tuple(rows)) for _, rows in sides)
     assert [a.depth for a in fused(left, right, Pair(ASIDE)).appearances] == pytest.approx([2.0, 2.0], rel=1e-6)
-    turned = [Gamma(CAMERA, tuple(Appearance(f"d{i}", "w", tuple(uv[i]), "test", angle=turns[i]) for i in (0, 1))) for uv, _ in sides]
+    turned = [
+        Gamma(CAMERA, tuple(Appearance(f"d{i}", "w", tuple(uv[i]), "test", angle=turns[i]) for i in (0, 1)))
+        for uv, _ in sides
+    ]
     assert [a.depth for a in fused(*turned, Pair(ASIDE)).appearances] == pytest.approx([2.0, 2.0], rel=1e-6)
 
 

@@ -134,7 +134,15 @@ def test_motion_keeps_the_light_and_its_centre(length):
 
 def test_hardness_spans_from_a_good_camera_to_a_bad_one():
     easy, hard = (random_sensor(np.random.default_rng(2), h) for h in (0.0, 1.0))
-    assert (easy.noise, easy.blur, easy.gain, easy.gamma, easy.motion, easy.vignette, easy.jpeg) == (1.5, 0.4, 1, 1, 0, 0, 95)
+    assert (easy.noise, easy.blur, easy.gain, easy.gamma, easy.motion, easy.vignette, easy.jpeg) == (
+        1.5,
+        0.4,
+        1,
+        1,
+        0,
+        0,
+        95,
+    )
     assert hard.noise > 1.5
     assert hard.jpeg < 95
 
@@ -162,12 +170,18 @@ def test_paint_is_not_mirrored_and_shadow_falls_away_from_the_lamp():
     square = np.array([(-0.1, 0, 0), (0.1, 0, 0), (0.1, 0, 0.2), (-0.1, 0, 0.2)])
     card = TexturedMesh(square, [(0, 1, 2), (0, 2, 3)], [(0, 0), (1, 0), (1, 1), (0, 1)], texture)
     view = camera(eye=(0, -0.7, 0.5))
-    picture = photographed([Body(None, card, at(0, 0))], view, Light((0.0, 1.0, 1.0)), Table(floor_pattern="plain"), CLEAN, supersample=2)
+    picture = photographed(
+        [Body(None, card, at(0, 0))], view, Light((0.0, 1.0, 1.0)), Table(floor_pattern="plain"), CLEAN, supersample=2
+    )
     v, u = np.nonzero((picture.image[:, :, 2] > 60) & (picture.segmentation == 0) & (picture.image[:, :, 0] < 20))
     assert len(u)
     camera_from_world = inverse(view.world_from_camera)
-    assert [u.mean(), v.mean()] == pytest.approx(view.project(transform_points(camera_from_world, [(-0.05, 0, 0.15)])[0]), abs=2)
-    before, beside = view.project(transform_points(camera_from_world, [(0, -0.05, 0), (0.25, -0.05, 0)])).round().astype(int)
+    assert [u.mean(), v.mean()] == pytest.approx(
+        view.project(transform_points(camera_from_world, [(-0.05, 0, 0.15)])[0]), abs=2
+    )
+    before, beside = (
+        view.project(transform_points(camera_from_world, [(0, -0.05, 0), (0.25, -0.05, 0)])).round().astype(int)
+    )
     assert picture.image[before[1], before[0]].mean() < 0.8 * picture.image[beside[1], beside[0]].mean()
 
 
@@ -178,7 +192,9 @@ def test_a_table_needs_a_pose_and_a_body():
 
 def test_what_hides_a_body_is_in_its_fraction():
     rng = np.random.default_rng(1)
-    front, back = (Body(n, printed_box(np.array([0.1, 0.1, 0.1]), rng), at(x, 0)) for n, x in (("front", 0.1), ("back", -0.1)))
+    front, back = (
+        Body(n, printed_box(np.array([0.1, 0.1, 0.1]), rng), at(x, 0)) for n, x in (("front", 0.1), ("back", -0.1))
+    )
     view = camera(eye=(0.7, 0.1, 0.2), size=(320, 240), f=300.0)
     fractions = seen_fractions([front, back], view)
     alone, both = (photographed(b, view, Light(), Table(), CLEAN, 1).segmentation for b in ([back], [front, back]))

@@ -46,7 +46,9 @@ def between(depth, uv):
     """Depth at places (N, 2) between pixels."""
     low = np.floor(uv).astype(int)
     (u, v), (a, b) = low.T, (uv - low).T
-    return (depth[v, u] * (1 - a) + depth[v, u + 1] * a) * (1 - b) + (depth[v + 1, u] * (1 - a) + depth[v + 1, u + 1] * a) * b
+    return (depth[v, u] * (1 - a) + depth[v, u + 1] * a) * (1 - b) + (
+        depth[v + 1, u] * (1 - a) + depth[v + 1, u + 1] * a
+    ) * b
 
 
 @pytest.mark.parametrize("mesh", [cube(), tetrahedron()])
@@ -57,7 +59,9 @@ def test_visible_points_of_the_mesh_project_to_their_own_depth(mesh):
         viewpoint = turn.camera.world_from_camera[:3, 3]
         towards = viewpoint - middle
         steep = (mesh.normals * towards).sum(axis=1) > 0.25 * np.linalg.norm(towards, axis=1)
-        at = transform_points(inverse(turn.camera.world_from_camera), middle[steep & ~rays.blocks(viewpoint, middle, 1e-6 * diameter)])
+        at = transform_points(
+            inverse(turn.camera.world_from_camera), middle[steep & ~rays.blocks(viewpoint, middle, 1e-6 * diameter)]
+        )
         assert np.abs(between(turn.depth, turn.camera.project(at)) - at[:, 2]).max() < 1e-3 * diameter
         checked += len(at)
     assert checked > 6
@@ -74,7 +78,9 @@ def test_the_body_and_its_margin_fill_the_picture_and_no_more(margin):
         v, u = np.nonzero(turn.mask)
         left = np.array([u.min(), v.min(), width - 1 - u.max(), height - 1 - v.max()])
         assert (left <= round(margin * turn.pixels)).all()
-        assert (left > margin * turn.pixels - 1 - 0.01 * turn.pixels).all()  # a corner near the viewpoint looks a little larger
+        assert (
+            left > margin * turn.pixels - 1 - 0.01 * turn.pixels
+        ).all()  # a corner near the viewpoint looks a little larger
         assert max(np.ptp(u), np.ptp(v)) > 0.5 * turn.pixels
         distance = np.linalg.norm(turn.camera.world_from_camera[:3, 3])
         assert distance == pytest.approx(AWAY * SIDE * 3**0.5)

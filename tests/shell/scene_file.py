@@ -19,7 +19,9 @@ def towers_document() -> dict[str, Any]:
         "reconsider": situation.reconsider,
         "smoothing": situation.smoothing,
         "hypotheses": [{**h, "status": "accepted"} for h in hypotheses],
-        "appearances": [{"id": a.id, "type": a.type, "uv": list(a.uv), "clutter": a.clutter} for a in situation.appearances],
+        "appearances": [
+            {"id": a.id, "type": a.type, "uv": list(a.uv), "clutter": a.clutter} for a in situation.appearances
+        ],
         "facts": facts_of(situation),
         "priors": situation.priors,
         "measures": {"dv": situation.dv, "rank": situation.rank},

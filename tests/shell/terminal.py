@@ -24,7 +24,9 @@ class Terminal:
     def __init__(self, *args, **env):
         self.master, slave = pty.openpty()
         fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 110, 0, 0))
-        variables = {k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "PLOGIC_TRACEBACK")} | {"TERM": "xterm"} | env
+        variables = (
+            {k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "PLOGIC_TRACEBACK")} | {"TERM": "xterm"} | env
+        )
         command = ["setsid", "--ctty", "--wait", str(BIN / "plogic"), "shell", *map(str, args)]
         self.process = subprocess.Popen(command, stdin=slave, stdout=slave, stderr=slave, env=variables)
         os.close(slave)

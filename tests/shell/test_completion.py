@@ -20,7 +20,9 @@ def scene():
 
 @pytest.fixture(scope="module")
 def program():
-    with Session(Text("0.3::rain.\n0.5::sprinkler(front); 0.2::sprinkler('Back yard').\nwet(X) :- sprinkler(X).\nquery(rain).\n")) as session:
+    with Session(
+        Text("0.3::rain.\n0.5::sprinkler(front); 0.2::sprinkler('Back yard').\nwet(X) :- sprinkler(X).\nquery(rain).\n")
+    ) as session:
         session.observe("wet(front)")
         yield GoalCompleter(session)
 
@@ -34,7 +36,10 @@ def offered(completer, text):
 
 def test_verbs_and_predicates_at_the_beginning(scene):
     found = offered(scene, "pre")
-    assert found == {"predict ": "P(goal | everything observed), beside P(goal)", "present(": "hypothesis H is in the world"}
+    assert found == {
+        "predict ": "P(goal | everything observed), beside P(goal)",
+        "present(": "hypothesis H is in the world",
+    }
     assert {"ask ", "observe ", "quit", "noise(", "tall("} <= set(offered(scene, ""))
 
 
@@ -46,7 +51,10 @@ def test_predicates_after_a_verb_and_after_a_comma(scene):
 
 def test_names_inside_parentheses(scene):
     assert offered(scene, "ask present(t2_") == {"ask present(t2_distorted": "t2, a hypothesis"}
-    assert offered(scene, "expected(t2, corner/a0".removesuffix("/a0")).keys() >= {"expected(t2, 'corner/a0'", "expected(t2, corner"}
+    assert offered(scene, "expected(t2, corner/a0".removesuffix("/a0")).keys() >= {
+        "expected(t2, 'corner/a0'",
+        "expected(t2, corner",
+    }
     assert offered(scene, "why detected(t1, 'apex/a") == {"why detected(t1, 'apex/a0'": "apex, a feature"}
     assert offered(scene, "noise(x_apex") == {}
     assert offered(scene, "noise(y_apex") == {"noise('y_apex_A0'": "l_junction, an appearance"}

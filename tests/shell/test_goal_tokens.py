@@ -15,7 +15,14 @@ SAME = [
     ("\\+ a, b", "\\+a,b /* or\nso */"),
     ("X =< 0.5", "X=<0.5."),
 ]
-OTHER = [("p(a)", "p(b)"), ("p('A')", "p(A)"), ("p('a b')", "p('a  b')"), ("a, b", "b, a"), ("p(1.5)", "p(1, 5)"), ('p("x y")', "p('x y')")]
+OTHER = [
+    ("p(a)", "p(b)"),
+    ("p('A')", "p(A)"),
+    ("p('a b')", "p('a  b')"),
+    ("a, b", "b, a"),
+    ("p(1.5)", "p(1, 5)"),
+    ('p("x y")', "p('x y')"),
+]
 
 
 @pytest.mark.parametrize(("left", "right"), SAME)
@@ -62,7 +69,10 @@ def test_the_verb_of_a_line(line):
     assert verb_of(line) == LINES[line]
 
 
-@pytest.mark.parametrize(("line", "told"), [("obsrve p(a)", "did you mean `observe`"), ("zzzz p(a)", "zzzz is no verb; `help`"), ("aks X", "`ask`")])
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [("obsrve p(a)", "did you mean `observe`"), ("zzzz p(a)", "zzzz is no verb; `help`"), ("aks X", "`ask`")],
+)
 def test_a_bad_verb_is_told(line, told):
     with pytest.raises(InputError, match=told):
         verb_of(line)
@@ -74,4 +84,6 @@ def test_quit_has_two_names_and_nothing_else():
 
 
 def test_every_verb_of_the_issue_is_there():
-    assert {"ask", "observe", "unobserve", "predict", "worlds", "why", "whynot", "listing", "save"} <= {verb.name for verb in VERBS}
+    assert {"ask", "observe", "unobserve", "predict", "worlds", "why", "whynot", "listing", "save"} <= {
+        verb.name for verb in VERBS
+    }

@@ -58,7 +58,20 @@ class Page(HTMLParser):
 def test_html_is_escaped_and_whole(result):
     page = Page(result._repr_html_())
     assert page.open == []
-    assert page.seen <= {"div", "p", "table", "caption", "thead", "tbody", "tr", "th", "td", "details", "summary", "pre"}
+    assert page.seen <= {
+        "div",
+        "p",
+        "table",
+        "caption",
+        "thead",
+        "tbody",
+        "tr",
+        "th",
+        "td",
+        "details",
+        "summary",
+        "pre",
+    }
     assert "<script>alert('&\"')</script>\\x1b[2J" in "".join(page.texts), "it is there, as text"
 
 

@@ -75,7 +75,10 @@ def test_observing_says_how_probable_it_was(session):
 def test_what_is_impossible_is_refused_and_changes_nothing(session):
     session.observe("sprinkler(front)")
     before = session.predict("wet(G)")
-    with pytest.raises(InconsistentError, match=r"sprinkler\('Back yard'\) is impossible given sprinkler\(front\): its probability is 0"):
+    with pytest.raises(
+        InconsistentError,
+        match=r"sprinkler\('Back yard'\) is impossible given sprinkler\(front\): its probability is 0",
+    ):
         session.observe("sprinkler('Back yard')")
     with pytest.raises(InconsistentError, match=r"\\\+ wet\(front\) is impossible given"):
         session.observe("\\+ wet(front)")
@@ -129,7 +132,9 @@ def test_the_order_of_observations_changes_no_byte():
         with Session(Text(PROGRAM)) as session:
             for literal in order:
                 session.observe(literal)
-            found.add((session.predict("sprinkler(X)").rows, session.worlds().worlds, session.why("wet('Back yard')").account))
+            found.add(
+                (session.predict("sprinkler(X)").rows, session.worlds().worlds, session.why("wet('Back yard')").account)
+            )
     assert len(found) == 1
 
 
@@ -193,7 +198,9 @@ def test_the_towers():
     with Session(towers()) as session:
         assert [round(row.probability[0], 3) for row in session.worlds().worlds] == [0.961, 0.029, 0.010]
         session.observe("\\+ present(t2)")
-        assert now(session.predict("present(t2_distorted)"))["present(t2_distorted)"] == pytest.approx((1 - 0.508046) / 2, abs=1e-6)
+        assert now(session.predict("present(t2_distorted)"))["present(t2_distorted)"] == pytest.approx(
+            (1 - 0.508046) / 2, abs=1e-6
+        )
         worlds = session.worlds()
         assert [row.holds for row in worlds.worlds] == [("t1 t1",), ("t1 t1", "t2 t2_distorted")]
         with pytest.raises(InconsistentError, match="impossible given"):
@@ -212,7 +219,9 @@ def test_evidence_that_only_the_text_can_speak_of():
         session.observe("\\+ present(t2_distorted)")
         given = list(session.observed)
         expected = {a.goal: a.probability for a in answers(subject, "present(H)", given=given)}
-        assert {goal: p for goal, p in now(session.predict("present(H)")).items() if p} == pytest.approx(expected, abs=1e-9)
+        assert {goal: p for goal, p in now(session.predict("present(H)")).items() if p} == pytest.approx(
+            expected, abs=1e-9
+        )
         worlds = session.worlds()
         for name in ("t1 t1", "t2 t2"):
             mass = sum(row.probability[0] for row in worlds.worlds if name in row.holds)

@@ -54,13 +54,32 @@ def test_ask_prints_what_query_prints(rain, goal):
 
 
 def test_a_line_that_fails_is_told_with_its_number_and_does_not_end_the_session(rain):
-    done = ran(rain, "observe rain", "observe \\+ rain", "obsrve rain", "wet(", "zork(X)", "worlds many", "why", "listing zork", "predict rain")
+    done = ran(
+        rain,
+        "observe rain",
+        "observe \\+ rain",
+        "obsrve rain",
+        "wet(",
+        "zork(X)",
+        "worlds many",
+        "why",
+        "listing zork",
+        "predict rain",
+    )
     assert done.returncode == 1
     told = done.stderr.splitlines()
     assert [line.split(": ")[1] for line in told] == [f"line {i}" for i in range(2, 9)]
     for line, part in zip(
         told,
-        ["is impossible given rain", "did you mean `observe`", "goal:1:4: ", "zork/1", "should be a number", "`why [N] GOAL`", "no such predicate"],
+        [
+            "is impossible given rain",
+            "did you mean `observe`",
+            "goal:1:4: ",
+            "zork/1",
+            "should be a number",
+            "`why [N] GOAL`",
+            "no such predicate",
+        ],
         strict=True,
     ):
         assert part in line
@@ -97,7 +116,20 @@ def test_save_does_not_overwrite_a_program(rain, tmp_path):
 
 def test_help_is_a_table_of_the_verbs_and_what_each_means(rain):
     text = good("shell", rain, stdin="help\nhelp observe\nhelp wet\n")
-    for verb in ("ask", "observe", "unobserve", "predict", "worlds", "why", "whynot", "listing", "save", "load", "help", "quit"):
+    for verb in (
+        "ask",
+        "observe",
+        "unobserve",
+        "predict",
+        "worlds",
+        "why",
+        "whynot",
+        "listing",
+        "save",
+        "load",
+        "help",
+        "quit",
+    ):
         assert f"\n {verb}" in text
     assert "wet(_)" in text
 
@@ -127,7 +159,15 @@ def test_the_subject_cannot_come_from_stdin():
 
 
 def test_a_scene(towers_file):
-    lines = ["ask object(H, T)", "worlds 2", "observe \\+ present(t2)", "worlds", "predict present(t2_distorted)", "help present", "listing 3"]
+    lines = [
+        "ask object(H, T)",
+        "worlds 2",
+        "observe \\+ present(t2)",
+        "worlds",
+        "predict present(t2_distorted)",
+        "help present",
+        "listing 3",
+    ]
     done = ran(towers_file, *lines)
     assert (done.returncode, done.stderr) == (0, "")
     assert "0.961   object(t2, t2)" in done.stdout
@@ -140,7 +180,9 @@ def test_a_scene(towers_file):
 
 def test_lines_as_other_systems_write_them(rain):
     lines = b"\xef\xbb\xbfrain.\r\n\xff\xfe\r\nquit\r\n"
-    run = subprocess.run([str(BIN / "plogic"), "shell", rain], input=lines, capture_output=True, check=False, timeout=60)
+    run = subprocess.run(
+        [str(BIN / "plogic"), "shell", rain], input=lines, capture_output=True, check=False, timeout=60
+    )
     assert run.returncode == 1
     assert run.stderr.decode() == "plogic: line 2: is not UTF-8 text\n"
     assert "0.300   rain" in run.stdout.decode()

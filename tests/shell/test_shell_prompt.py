@@ -81,7 +81,9 @@ def test_a_history_that_cannot_be_kept_is_said_once(shell, rain, tmp_path):
 
 
 def test_ctrl_c_stops_the_question_and_not_the_shell(shell, tmp_path):
-    (tmp_path / "slow.pl").write_text("0.3::rain.\nslow :- between(1, 300, X), between(1, 300, Y), between(1, 300, Z), X + Y + Z < 0.\n")
+    (tmp_path / "slow.pl").write_text(
+        "0.3::rain.\nslow :- between(1, 300, X), between(1, 300, Y), between(1, 300, Z), X + Y + Z < 0.\n"
+    )
     terminal = shell(tmp_path / "slow.pl")
     terminal.wait(PROMPT)
     terminal.type("observe rain\r")

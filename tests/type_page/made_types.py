@@ -25,7 +25,9 @@ def write_learnt(folder, cloud=None):
     uv = np.stack([(np.arange(len(vertices)) // 4 + 0.5) / 6, np.full(len(vertices), 0.5)], axis=1)
     place.joinpath("mesh.obj").write_text(obj_text((vertices - 0.5) * 0.2, triangles, uv, "mesh.mtl"))
     place.joinpath("mesh.mtl").write_text("newmtl paint\nKd 1 1 1\nmap_Kd paint.png\n")
-    colours = np.array([[200, 60, 60], [60, 200, 60], [60, 60, 200], [60, 200, 200], [200, 60, 200], [200, 200, 60]], np.uint8)
+    colours = np.array(
+        [[200, 60, 60], [60, 200, 60], [60, 60, 200], [60, 200, 200], [200, 60, 200], [200, 200, 60]], np.uint8
+    )
     cv2.imwrite(str(place / "paint.png"), np.repeat(np.repeat(colours[None], 16, axis=0), 16, axis=1))
     place.joinpath("object.yaml").write_text(OBJECT)
     place.joinpath("cloud.npz").write_bytes(cloud_bytes(cloud if cloud is not None else random_cloud(3, 400, 900)))
@@ -38,7 +40,9 @@ def hostile(kb):
     """The KB with its first type, whose names are all markup; feature types, appearance types and features too."""
     kind = kb.types[0]
     features = [
-        replace(f, type=HOSTILE, appearances=tuple(replace(a, type=HOSTILE) for a in f.appearances)) if f.type == "corner" else f
+        replace(f, type=HOSTILE, appearances=tuple(replace(a, type=HOSTILE) for a in f.appearances))
+        if f.type == "corner"
+        else f
         for f in kind.features
     ]
     evil = replace(kind, name=HOSTILE, features=tuple(features), all_features=tuple(features))

@@ -148,8 +148,18 @@ def test_buttons_walk_through_the_features(tower):
 
 
 def test_the_tree_counts_and_lights_what_is_chosen(tower, tower_kb):
-    rows = tower.run("return [...document.querySelectorAll('#tree button')].map((b) => [...b.children].map((c) => c.textContent))")
-    assert [row[:2] for row in rows] == [["t2", "54"], ["body", "49"], ["corner", "8"], ["patch", "41"], ["roof", "5"], ["apex", "1"], ["patch", "4"]]
+    rows = tower.run(
+        "return [...document.querySelectorAll('#tree button')].map((b) => [...b.children].map((c) => c.textContent))"
+    )
+    assert [row[:2] for row in rows] == [
+        ["t2", "54"],
+        ["body", "49"],
+        ["corner", "8"],
+        ["patch", "41"],
+        ["roof", "5"],
+        ["apex", "1"],
+        ["patch", "4"],
+    ]
     assert [row[2] for row in rows if row[0] == "apex"] == ["dv 0.991"]
     before = tower.run(COLOURS)
     tower.run("[...document.querySelectorAll('#tree button')][4].click()")

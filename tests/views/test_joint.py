@@ -46,7 +46,9 @@ def test_two_views_are_surer_than_either(seed):
     """Of a tower of which each view alone shows less than it should; what its pose owes is owed once."""
     views = [view(n, turned(4.0 * n), hit=0.3, patch_hit=0.3, seed=seed) for n in (1, 2)]
     some = [standing("t1", BESIDE["t1"])]
-    chances = [joint(seen(*these), some, perceiver(), POSTERIOR)[1].marginals["h1"] for these in (views[:1], views[1:], views)]
+    chances = [
+        joint(seen(*these), some, perceiver(), POSTERIOR)[1].marginals["h1"] for these in (views[:1], views[1:], views)
+    ]
     assert max(chances[:2]) < 0.5 < chances[2]
 
 
@@ -89,7 +91,9 @@ def test_of_one_view_the_joint_worlds_are_those_of_the_image():
     order = [f"h{1 + next(i for i, one in enumerate(some) if one is mine)}" for mine in found.standing]
     image = ranked_worlds(delta.situation)
     assert order
-    assert [lone(p) for p in ranking.marginals.values()] == pytest.approx([lone(image.marginals[h]) for h in order], abs=0.2)
+    assert [lone(p) for p in ranking.marginals.values()] == pytest.approx(
+        [lone(image.marginals[h]) for h in order], abs=0.2
+    )
 
 
 def test_without_a_view_there_is_nothing_to_judge():

@@ -34,7 +34,9 @@ def test_two_views_place_it_better_than_one_and_once(perceiver):
     alone = [some for some in merged(looks[:1], perceiver.kb) if some.object_type.name == name]
     both = [some for some in merged(looks, perceiver.kb) if some.object_type.name == name]
     assert min(_off(some.world_from_object, one) for some in both) < 0.006
-    assert min(_off(some.world_from_object, one) for some in both) <= min(_off(some.world_from_object, one) for some in alone)
+    assert min(_off(some.world_from_object, one) for some in both) <= min(
+        _off(some.world_from_object, one) for some in alone
+    )
     first = looks[0].seen.view
     assert not any(a.same(b, first) for i, a in enumerate(alone) for b in alone[:i])
 
@@ -55,6 +57,8 @@ def test_a_twin_whose_mark_an_occluder_hides_stays_in_question(perceiver):
     state = begun.state([0])
     name = begun.scene.objects[0].kind.name[:-2]
     of = {b.id: b.cloud.name for b in state.prospect.bodies if b.cloud.name.startswith(name)}
-    chances = {twin: sum(state.ranking.marginals[i] for i, mine in of.items() if mine == twin) for twin in set(of.values())}
+    chances = {
+        twin: sum(state.ranking.marginals[i] for i, mine in of.items() if mine == twin) for twin in set(of.values())
+    }
     assert sorted(chances) == [f"{name}_a", f"{name}_b"]
     assert all(p == pytest.approx(0.5, abs=0.01) for p in chances.values())

@@ -20,7 +20,10 @@ def test_names_and_poses_last_while_the_camera_turns_away_and_back(seed):
     assert sorted(k.standing.object_type.name for k in known.known) == ["t1", "t2"]
     assert sorted(k.id for k in known.known) == ["p1", "p2"]
     errors = [
-        pose_error(k.standing.world_from_object, BESIDE[name := k.standing.object_type.name], towers().type(name).symmetries) for k in known.known
+        pose_error(
+            k.standing.world_from_object, BESIDE[name := k.standing.object_type.name], towers().type(name).symmetries
+        )
+        for k in known.known
     ]
     assert max(np.degrees(turn) for turn, _ in errors) < 2.0
     assert max(moved for _, moved in errors) < 0.02 * np.linalg.norm(EYE)

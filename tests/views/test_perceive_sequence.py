@@ -33,14 +33,31 @@ def names(count=4):
 
 
 def test_a_sequence_gives_a_panorama_and_a_line_a_frame(frames, tmp_path):
-    done = plogic("perceive", *names(), "--kb", "towers", "--poses", "poses.json", "--reading", "posterior", "-o", tmp_path / "p.json", cwd=frames)
+    done = plogic(
+        "perceive",
+        *names(),
+        "--kb",
+        "towers",
+        "--poses",
+        "poses.json",
+        "--reading",
+        "posterior",
+        "-o",
+        tmp_path / "p.json",
+        cwd=frames,
+    )
     assert done.returncode == 0, done.stderr
     told = json.loads((tmp_path / "p.json").read_text())
     assert told["format"] == "panorama/1"
     assert [v["frame"] for v in told["views"]] == names()
-    assert {o["type"]: (o["last_seen"], o["age"], o["in_view"]) for o in told["objects"]} == {"t1": ("v4", 0, True), "t2": ("v4", 0, True)}
+    assert {o["type"]: (o["last_seen"], o["age"], o["in_view"]) for o in told["objects"]} == {
+        "t1": ("v4", 0, True),
+        "t2": ("v4", 0, True),
+    }
     assert told["worlds"][0]["present"] == ["p1", "p2"]
-    assert [v["interpretation"]["camera"]["T_world_camera"] for v in told["views"]] == [turned(angle).tolist() for angle in ANGLES]
+    assert [v["interpretation"]["camera"]["T_world_camera"] for v in told["views"]] == [
+        turned(angle).tolist() for angle in ANGLES
+    ]
     (ahead,) = told["ahead"]
     assert {row["id"] for row in ahead["predicted"]} == {"p1", "p2"}
     lines = done.stderr.splitlines()
@@ -50,7 +67,9 @@ def test_a_sequence_gives_a_panorama_and_a_line_a_frame(frames, tmp_path):
 
 
 def test_each_view_of_it_is_an_interpretation(frames, tmp_path):
-    told = document("perceive", *names(2), "--kb", "towers", "--poses", "poses.json", "--reading", "posterior", cwd=frames)
+    told = document(
+        "perceive", *names(2), "--kb", "towers", "--poses", "poses.json", "--reading", "posterior", cwd=frames
+    )
     path = tmp_path / "v2.json"
     path.write_text(json.dumps(told["views"][1]["interpretation"]))
     worlds = document("worlds", path, "--json")
@@ -60,7 +79,9 @@ def test_each_view_of_it_is_an_interpretation(frames, tmp_path):
 def test_gammas_that_know_their_places_need_no_poses(frames, tmp_path):
     for n, angle in enumerate(ANGLES[:2], 1):
         gamma = view(n, turned(angle)).gamma
-        write_gamma(replace(gamma, camera=replace(gamma.camera, world_from_camera=turned(angle))), tmp_path / f"f{n}.json")
+        write_gamma(
+            replace(gamma, camera=replace(gamma.camera, world_from_camera=turned(angle))), tmp_path / f"f{n}.json"
+        )
     own = document("perceive", *names(2), "--kb", "towers", cwd=tmp_path)
     told = document("perceive", *names(2), "--kb", "towers", "--poses", frames / "poses.json", cwd=frames)
     assert own["objects"] == told["objects"]
@@ -71,9 +92,17 @@ def test_images_without_poses_are_taken_to_be_from_one_place_and_that_is_said(tm
     frame, camera = "scene/frame-000/image.png", "scene/frame-000/camera.json"
     done = plogic("perceive", frame, frame, "--kb", "towers", "--camera", camera, "-o", "p.json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert done.stderr.splitlines()[0] == "all images are taken to be from the one place that --camera tells; where the camera moved, give --poses"
+    assert (
+        done.stderr.splitlines()[0]
+        == "all images are taken to be from the one place that --camera tells; where the camera moved, give --poses"
+    )
     poses = "scene/poses.json"
-    assert "one place" not in plogic("perceive", frame, frame, "--kb", "towers", "--camera", camera, "--poses", poses, cwd=tmp_path).stderr
+    assert (
+        "one place"
+        not in plogic(
+            "perceive", frame, frame, "--kb", "towers", "--camera", camera, "--poses", poses, cwd=tmp_path
+        ).stderr
+    )
 
 
 def test_poses_of_other_names_go_by_their_order(frames, tmp_path):

@@ -31,11 +31,25 @@ def pair(tmp_path_factory):
 def errors(told):
     truth = {name: inverse(turned(0.0)) @ pose for name, pose in BESIDE.items()}
     accepted = [h for h in told["hypotheses"] if h["status"] == "accepted"]
-    return {h["type"]: pose_error(np.array(h["T_camera_object"]), truth[h["type"]], towers().type(h["type"]).symmetries) for h in accepted}
+    return {
+        h["type"]: pose_error(np.array(h["T_camera_object"]), truth[h["type"]], towers().type(h["type"]).symmetries)
+        for h in accepted
+    }
 
 
 def test_the_pair_is_one_viewpoint_and_stands_better(pair):
-    both = document("perceive", "left.json", "right.json", "--stereo", "stereo.json", "--kb", "towers", "--reading", "posterior", cwd=pair)
+    both = document(
+        "perceive",
+        "left.json",
+        "right.json",
+        "--stereo",
+        "stereo.json",
+        "--kb",
+        "towers",
+        "--reading",
+        "posterior",
+        cwd=pair,
+    )
     alone = document("perceive", "left.json", "--kb", "towers", "--reading", "posterior", cwd=pair)
     assert both["format"] == alone["format"]
     assert [a["id"] for a in both["appearances"]] == [a["id"] for a in alone["appearances"]]
@@ -51,7 +65,10 @@ def test_the_pair_is_one_viewpoint_and_stands_better(pair):
         (["left.json", "--stereo", "stereo.json"], "--stereo: takes two INPUTs"),
         (["left.json", "right.json", "--stereo", "none.json"], "none.json: is missing"),
         (["left.json", "right.json", "--stereo", "left.json"], "left.json: should be"),
-        (["left.json", "picture.png", "--stereo", "stereo.json"], "picture.png: an image needs its camera: stereo.json"),
+        (
+            ["left.json", "picture.png", "--stereo", "stereo.json"],
+            "picture.png: an image needs its camera: stereo.json",
+        ),
     ],
 )
 def test_what_is_wrong_is_said_in_a_line(pair, arguments, words):

@@ -21,7 +21,9 @@ def check_command(folder: str, *, as_json: bool) -> str:
     lines = check_report(kb)
     if as_json:
         warnings = [line.removeprefix("warning: ") for line in lines if line.startswith("warning: ")]
-        return json.dumps({"format": "kb_check/1", "kb": kb.name, "digest": kb.digest, "report": lines, "warnings": warnings})
+        return json.dumps(
+            {"format": "kb_check/1", "kb": kb.name, "digest": kb.digest, "report": lines, "warnings": warnings}
+        )
     return "\n".join(lines)
 
 
@@ -52,9 +54,7 @@ def measures_command(folder: str, gamma: str | None, *, as_json: bool) -> str:
         return json.dumps(document)
     texts = [plain_table("features of Σo", _words_in_one_row(rows, kb))]
     if "ranks" in document:
-        texts.append(
-            plain_table("object types by rank", document["ranks"])
-        )
+        texts.append(plain_table("object types by rank", document["ranks"]))
     return "\n".join(texts)
 
 
@@ -66,7 +66,10 @@ def _words_in_one_row(rows: list[dict[str, Any]], kb: KnowledgeBase) -> list[dic
         return others
     share, dv = sum(row["p_dv"] for row in words), [row["dv"] for row in words]
     texts = f"{len(words)} visual words of {len(names)}", f"{min(dv):.3f} to {max(dv):.3f}"
-    return [*others, {"type": texts[0], "instances": sum(row["instances"] for row in words), "p_dv": share, "dv": texts[1]}]
+    return [
+        *others,
+        {"type": texts[0], "instances": sum(row["instances"] for row in words), "p_dv": share, "dv": texts[1]},
+    ]
 
 
 def _ranks(kb: KnowledgeBase, gamma: str, dv: dict[str, float]) -> list[dict[str, Any]]:

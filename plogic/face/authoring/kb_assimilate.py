@@ -35,7 +35,9 @@ def assimilate_command(panorama: str, unknown: str, kb_folder: str, name: str, *
     write_types(folder, [new])
     where = folder / "objects" / name
     if as_json:
-        return json.dumps({"format": "kb_assimilate/1", "kb": str(folder), "type": new.document | {"notes": list(new.notes)}})
+        return json.dumps(
+            {"format": "kb_assimilate/1", "kb": str(folder), "type": new.document | {"notes": list(new.notes)}}
+        )
     return "\n".join([*new.lines, *(f"  note: {note}" for note in new.notes), f"wrote {where}"])
 
 
@@ -44,10 +46,14 @@ def _check_features(features: Sequence[SeenFeature], kb: KnowledgeBase, panorama
     from kb.shown.unseen import FEWEST
 
     if len(features) < FEWEST:
-        raise InputError(f"{panorama}: {unknown} has {len(features)} features, and a pose is taken from {FEWEST}: look at it again from elsewhere")
+        raise InputError(
+            f"{panorama}: {unknown} has {len(features)} features, and a pose is taken from {FEWEST}: look at it again from elsewhere"
+        )
     strange = sorted({feature.type for feature in features} - set(kb.appearance_types))
     if strange:
-        raise InputError(f"{panorama}: {', '.join(strange)[:200]}: no appearance types of {kb.name}; add them to kb.yaml")
+        raise InputError(
+            f"{panorama}: {', '.join(strange)[:200]}: no appearance types of {kb.name}; add them to kb.yaml"
+        )
 
 
 def draft_files(name: str, features: Sequence[SeenFeature], kb: KnowledgeBase, origin: str) -> NewType:
@@ -59,7 +65,11 @@ def draft_files(name: str, features: Sequence[SeenFeature], kb: KnowledgeBase, o
     kind = draft_type(name, features, kb.f_ref)
     comment = "".join(sign if " " <= sign <= "~" else "?" for sign in origin)
     lines = [f"# A draft, made from {comment[:200]}: features where they were seen, lobes from where they were."]
-    lines += ["# The body is the convex hull of the features, made smaller until it hides nothing that was seen."] if kind.surface else []
+    lines += (
+        ["# The body is the convex hull of the features, made smaller until it hides nothing that was seen."]
+        if kind.surface
+        else []
+    )
     text = EDITOR_LINE + "\n".join(lines) + "\n" + object_text(kind, "mesh.obj" if kind.surface else None)
     files = {"object.yaml": text.encode()} | ({"mesh.obj": obj_text(kind.surface).encode()} if kind.surface else {})
     document = _document(kind)

@@ -12,7 +12,9 @@ from plogic.face.shown.options import AS_JSON, SEED
 
 UNITS = ["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
 """``kb.quantities.LENGTHS``, said again so that ``--help`` imports nothing; a test holds the two together."""
-KB = click.option("--kb", "kb_folder", required=True, type=click.Path(path_type=Path), help="Folder of the knowledge base.")
+KB = click.option(
+    "--kb", "kb_folder", required=True, type=click.Path(path_type=Path), help="Folder of the knowledge base."
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -32,8 +34,15 @@ def kb_new(folder: Path, name: str | None) -> None:
 
 @kb.command("add")
 @click.argument("name")
-@click.option("--mesh", type=click.Path(path_type=Path), required=True, help="Triangle mesh: OBJ, PLY, STL, GLB, GLTF, OFF or DAE.")
-@click.option("--units", type=click.Choice(UNITS), help="Unit of the mesh's coordinates. Required: no mesh format carries it.")
+@click.option(
+    "--mesh",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="Triangle mesh: OBJ, PLY, STL, GLB, GLTF, OFF or DAE.",
+)
+@click.option(
+    "--units", type=click.Choice(UNITS), help="Unit of the mesh's coordinates. Required: no mesh format carries it."
+)
 @KB
 @AS_JSON
 def kb_add(name: str, mesh: Path, units: str | None, kb_folder: Path, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
@@ -46,19 +55,32 @@ def kb_add(name: str, mesh: Path, units: str | None, kb_folder: Path, as_json: b
 @kb.command("learn")
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @KB
-@click.option("--detector", type=click.Choice(["sift", "orb"]), default="sift", show_default=True, help="What looks; orb is the fast one.")
+@click.option(
+    "--detector",
+    type=click.Choice(["sift", "orb"]),
+    default="sift",
+    show_default=True,
+    help="What looks; orb is the fast one.",
+)
 @click.option("--jobs", type=click.IntRange(1, 64), default=2, show_default=True, help="Processes.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--photo", type=click.Path(path_type=Path), help="A photo of the one type named, instead of a texture.")
-@click.option("--points", type=click.Path(path_type=Path), help="Clicked points of the photo: YAML, JSON or CSV of u, v, x, y, z.")
-@click.option("--camera", type=click.Path(path_type=Path), help="The photo's camera; without it, its focal length is recovered.")
-@click.option("--mesh", type=click.Path(path_type=Path), help="With --photo: the mesh of a type that is not there yet (kb add).")
+@click.option(
+    "--points", type=click.Path(path_type=Path), help="Clicked points of the photo: YAML, JSON or CSV of u, v, x, y, z."
+)
+@click.option(
+    "--camera", type=click.Path(path_type=Path), help="The photo's camera; without it, its focal length is recovered."
+)
+@click.option(
+    "--mesh", type=click.Path(path_type=Path), help="With --photo: the mesh of a type that is not there yet (kb add)."
+)
 @click.option("--units", type=click.Choice(UNITS), help="Unit of that mesh.")
 @AS_JSON
 def kb_learn(names: tuple[str, ...], kb_folder: Path, **options: Any) -> None:  # noqa: ANN401 - click hands over options
     """Learn the features of types NAME from their textured meshes, all without features where none is named; or of one from a photo.
 
-    The turns of a shape that its texture keeps are written into object.yaml as symmetries, unless some are stated there.
+    The turns of a shape that its texture keeps are written into object.yaml as symmetries, unless some are stated
+    there.
     """
     from plogic.face.authoring.kb_learn import learn_command
     from plogic.face.authoring.kb_learn_photo import learn_photo_command, sources_of
@@ -73,7 +95,9 @@ def kb_learn(names: tuple[str, ...], kb_folder: Path, **options: Any) -> None:  
 @kb.command("import")
 @click.argument("source", metavar="FILE_OR_FOLDER", type=click.Path(path_type=Path))
 @KB
-@click.option("--units", type=click.Choice(UNITS), help="Unit of the meshes, if not the format's: m for URDF and SDF, mm for BOP.")
+@click.option(
+    "--units", type=click.Choice(UNITS), help="Unit of the meshes, if not the format's: m for URDF and SDF, mm for BOP."
+)
 @AS_JSON
 def kb_import(source: Path, kb_folder: Path, units: str | None, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
     """Make object types from a URDF or SDF file, or from a BOP `models` folder with its symmetries."""

@@ -20,7 +20,8 @@ def import_command(source: Path, folder: Path, units: str | None, *, as_json: bo
     Where there is no such KB folder, a new knowledge base is made first.
 
     Raises:
-        IntakeError: a file that no type can be made of. InputError: no such file, a folder that is no KB, a type that exists. SensingError.
+        IntakeError: a file that no type can be made of. InputError: no such file, a folder that is no KB, a type that
+        exists. SensingError.
     """
     from plogic.face.authoring.kb_types import is_new, told, write_types
 
@@ -44,7 +45,9 @@ def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
     readers = {".urdf": urdf_visuals, ".sdf": sdf_visuals, ".world": sdf_visuals}
     reader = readers.get(path.suffix.lower())
     if reader is None:
-        raise InputError(f"{path}: is neither a .urdf nor an .sdf, nor a BOP models folder; a mesh comes with: plogic kb add NAME --mesh {path}")
+        raise InputError(
+            f"{path}: is neither a .urdf nor an .sdf, nor a BOP models folder; a mesh comes with: plogic kb add NAME --mesh {path}"
+        )
     stem = path.resolve().parent.name if path.stem == "model" else path.stem  # Gazebo's: NAME/model.sdf
     name = re.sub(r"[^A-Za-z0-9_.-]", "_", stem).lstrip(".-") or "robot"
     check_places(folder, [name])
@@ -61,4 +64,6 @@ def _of_bop(models: Path, folder: Path, units: str | None) -> list[NewType]:
     rows = bop_models(models)
     check_places(folder, [name for name, _, _ in rows])
     known = [bop_symmetries(entry, unit, f"{models / 'models_info.json'}: {name}") for name, _, entry in rows]
-    return [new_type(name, read_source(path), unit, path, turns) for (name, path, _), turns in zip(rows, known, strict=True)]
+    return [
+        new_type(name, read_source(path), unit, path, turns) for (name, path, _), turns in zip(rows, known, strict=True)
+    ]

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 BY_HAND = "its features were written by hand; learning would replace them: take them out of object.yaml first"
 
 
-def learn_command(kb_folder: str, names: Sequence[str], options: Mapping[str, Any], *, say: Callable[[str], None]) -> str:
+def learn_command(
+    kb_folder: str, names: Sequence[str], options: Mapping[str, Any], *, say: Callable[[str], None]
+) -> str:
     """Learn the types that are named, or all that have a texture and no features; ``options``: detector, jobs, seed, as_json."""
     from kb.learning.parts import with_parts
     from kb.learning.words import worded
@@ -54,15 +56,23 @@ def _text(title: str, rows: list[dict[str, Any]]) -> str:
     from plogic.face.shown.printing import plain_table
 
     table = plain_table(title, [{name: value for name, value in row.items() if name != "symmetries"} for row in rows])
-    return "\n".join([table.rstrip("\n"), *(line for row in rows for line in symmetry_lines(row["type"], row["symmetries"]))])
+    return "\n".join(
+        [table.rstrip("\n"), *(line for row in rows for line in symmetry_lines(row["type"], row["symmetries"]))]
+    )
 
 
 def _chosen(kb: KnowledgeBase, names: Sequence[str]) -> list[ObjectType]:
     """The types to learn, each once; everything that is wrong with them is told at once."""
     known = {kind.name: kind for kind in kb.types}
     names = list(dict.fromkeys(names))
-    wrong = [f"{name}: no such object type; there are: {', '.join(known) or 'none (plogic kb add)'}" for name in names if name not in known]
-    some = [known[name] for name in names if name in known] if names else [kind for kind in kb.types if not kind.features]
+    wrong = [
+        f"{name}: no such object type; there are: {', '.join(known) or 'none (plogic kb add)'}"
+        for name in names
+        if name not in known
+    ]
+    some = (
+        [known[name] for name in names if name in known] if names else [kind for kind in kb.types if not kind.features]
+    )
     wrong += [f"{kind.name}: {fault}" for kind in some if (fault := _fault(kind)) is not None]
     if wrong:
         raise InputError("\n".join(wrong))
@@ -95,9 +105,13 @@ def _fault(kind: ObjectType) -> str | None:
 
 def check_detector(kb_folder: str, kb: KnowledgeBase, detector: str, fresh: Iterable[str]) -> None:
     """Raise InputError where clouds that stay, those of types that are not ``fresh``, were learnt with another detector."""
-    mixed = sorted({detector, *(kind.learnt.detector for kind in kb.types if kind.learnt is not None and kind.name not in fresh)})
+    mixed = sorted(
+        {detector, *(kind.learnt.detector for kind in kb.types if kind.learnt is not None and kind.name not in fresh)}
+    )
     if len(mixed) > 1:
-        raise InputError(f"{kb_folder}: clouds of {' and '.join(mixed)} cannot share one vocabulary: learn all types with one detector")
+        raise InputError(
+            f"{kb_folder}: clouds of {' and '.join(mixed)} cannot share one vocabulary: learn all types with one detector"
+        )
 
 
 def row_of(name: str, cloud: LearntCloud) -> dict[str, Any]:
@@ -130,7 +144,9 @@ def files_of(folder: Path, words: Words, clouds: Mapping[str, LearntCloud]) -> d
             own = _named(place / "object.yaml", "cloud", cloud_bytes(clouds[name]))
             shared = [path for path in own if path.resolve() in {other.resolve() for other in files}]
             if shared:
-                raise InputError(f"{place / 'object.yaml'}: names {shared[0]} for its cloud, which another file names too: give it one of its own")
+                raise InputError(
+                    f"{place / 'object.yaml'}: names {shared[0]} for its cloud, which another file names too: give it one of its own"
+                )
             files |= own
     return files
 

@@ -1,6 +1,7 @@
 """Clouds that were learnt before, by all that decides them: the mesh as it is rendered, the options, our own source, the libraries.
 
-Nobody has to remember to change a version: what was learnt by other code, or with another threshold, is not found and learnt anew.
+Nobody has to remember to change a version: what was learnt by other code, or with another threshold, is not found and
+learnt anew.
 """
 
 from __future__ import annotations
@@ -29,7 +30,11 @@ LIBRARIES = ("numpy", "scipy", "pybullet", "trimesh")
 
 
 def learnt_of(
-    kind: ObjectType, kb: KnowledgeBase, options: Mapping[str, Any], say: Callable[[str], None], painted: PaintedMesh | None = None
+    kind: ObjectType,
+    kb: KnowledgeBase,
+    options: Mapping[str, Any],
+    say: Callable[[str], None],
+    painted: PaintedMesh | None = None,
 ) -> LearntCloud:
     """The cloud of a type from the cache, or learnt and put there; raises as ``looked`` does."""
     from kb.clouds.learnt import cloud_bytes, read_cloud
@@ -42,7 +47,9 @@ def learnt_of(
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
     folder = cache_folder("clouds")
     if folder is None:
-        say(f"{kind.name}: is not remembered for the next time: there is no home folder; XDG_CACHE_HOME may name another")
+        say(
+            f"{kind.name}: is not remembered for the next time: there is no home folder; XDG_CACHE_HOME may name another"
+        )
         return read_cloud(cloud_bytes(looked(kind, kb, options, say, painted)))
     how = (kb.f_ref, options["detector"], options["seed"], painted is not None)
     place = folder / f"{key_of(read_mesh(kind.mesh_file, kind.mesh_scale), how)}.npz"

@@ -24,7 +24,8 @@ def with_entry(file: Path, content: bytes, key: str, value: Mapping[str, str] | 
     A list of mappings is written in one line, as a mapping is.
 
     Raises:
-        InputError: it is written in a form that cannot be changed so, such as an anchor or a flow; with what to write into it.
+        InputError: it is written in a form that cannot be changed so, such as an anchor or a flow; with what to write
+        into it.
     """
     from kb.files.yaml_text import load
 
@@ -36,8 +37,12 @@ def with_entry(file: Path, content: bytes, key: str, value: Mapping[str, str] | 
     node = next((item for name, item in getattr(document.root, "value", ()) if name.value == key), None)
     changed = (f"{text.rstrip()}\n{key}: {entry}\n" if node is None else _replaced(text, node, entry)).encode()
     again = load(str(file), changed)
-    if again.mistakes or again.data != document.data | {key: dict(value) if isinstance(value, Mapping) else [dict(item) for item in value]}:
-        raise InputError(f"{file}: cannot be changed as it is written: write this into it, and try again: {key}: {entry}")
+    if again.mistakes or again.data != document.data | {
+        key: dict(value) if isinstance(value, Mapping) else [dict(item) for item in value]
+    }:
+        raise InputError(
+            f"{file}: cannot be changed as it is written: write this into it, and try again: {key}: {entry}"
+        )
     return changed
 
 

@@ -30,12 +30,17 @@ CHUNK = 20
 
 
 def looked(
-    kind: ObjectType, kb: KnowledgeBase, options: Mapping[str, Any], say: Callable[[str], None], painted: PaintedMesh | None = None
+    kind: ObjectType,
+    kb: KnowledgeBase,
+    options: Mapping[str, Any],
+    say: Callable[[str], None],
+    painted: PaintedMesh | None = None,
 ) -> LearntCloud:
     """The cloud of a type, rendered from its mesh file; of one ``painted`` with a photo, only of what the photo shows.
 
     Raises:
-        InputError: nothing of it comes again from view to view, or a process died. SensingError: the mesh cannot be drawn.
+        InputError: nothing of it comes again from view to view, or a process died. SensingError: the mesh cannot be
+        drawn.
     """
     from kb.learning.features import cloud_of
     from kb.learning.observations import joined
@@ -51,7 +56,9 @@ def looked(
     diameter = extent(read_mesh(kind.mesh_file, kind.mesh_scale).vertices)[1]
     cloud = cloud_of(whole if painted is None else on_shown(painted, whole), diameter, kb.f_ref, DIRECTIONS)
     if not len(cloud.at):
-        raise InputError(f"{kind.name}: no keypoint of it comes again from view to view: its texture is too plain for {options['detector']}")
+        raise InputError(
+            f"{kind.name}: no keypoint of it comes again from view to view: its texture is too plain for {options['detector']}"
+        )
     compounds, together, largest = compound_sizes(cloud)
     groups = f", {together} of them in {compounds_text(compounds, largest)}" if compounds else ""
     say(f"{kind.name}: {len(cloud.at)} features{groups}, {len(cloud.feature)} appearances")
@@ -69,7 +76,9 @@ def _seen(name: str, task: tuple[str, float, str, int], count: int, jobs: int) -
                 seen += some
                 _progress(f"{name}: {part.stop} of {count} views")
     except BrokenProcessPool:
-        raise InputError(f"{name}: a process that rendered it was killed, as for lack of memory: fewer --jobs than {jobs}?") from None
+        raise InputError(
+            f"{name}: a process that rendered it was killed, as for lack of memory: fewer --jobs than {jobs}?"
+        ) from None
     finally:
         _progress("")
     return seen

@@ -46,11 +46,15 @@ def sources_of(options: dict[str, Any]) -> Sources | None:
             raise InputError(f"{', '.join(idle)}: only with --photo")
         return None
     if given["points"] is None:
-        raise InputError("--photo needs --points, a file of clicked correspondences: u, v in pixels, x, y, z of the object")
+        raise InputError(
+            "--photo needs --points, a file of clicked correspondences: u, v in pixels, x, y, z of the object"
+        )
     return Sources(**given)
 
 
-def learn_photo_command(kb_folder: str, names: Sequence[str], sources: Sources, options: dict[str, Any], *, say: Callable[[str], None]) -> str:
+def learn_photo_command(
+    kb_folder: str, names: Sequence[str], sources: Sources, options: dict[str, Any], *, say: Callable[[str], None]
+) -> str:
     """Register, paint, learn, and only then write: the type (where it is new), its texture, its cloud and the words.
 
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
@@ -122,7 +126,9 @@ def _new(kb_folder: Path, name: str, sources: Sources) -> tuple[NewType, ObjectT
     check_places(kb_folder, [name])
     new = new_type(name, read_source(sources.mesh), sources.units, sources.mesh)
     if PAINT[0] in new.files:
-        raise InputError(f"{name}: {sources.mesh} has a texture of its own, which shows more than a photo: plogic kb add, then kb learn")
+        raise InputError(
+            f"{name}: {sources.mesh} has a texture of its own, which shows more than a photo: plogic kb add, then kb learn"
+        )
     with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:
         draft = Path(folder) / "kb"
         new_command(draft, "draft")
@@ -146,7 +152,9 @@ def _registered(kind: ObjectType, sources: Sources) -> tuple[Registration, Paint
     size = photo.shape[1], photo.shape[0]
     camera = None if sources.camera is None else read_camera(sources.camera, size=size)
     if camera is not None and (camera.width, camera.height) != size:
-        raise InputError(f"{sources.camera}: is of {camera.width} x {camera.height} pixels, but {sources.photo} of {size[0]} x {size[1]}")
+        raise InputError(
+            f"{sources.camera}: is of {camera.width} x {camera.height} pixels, but {sources.photo} of {size[0]} x {size[1]}"
+        )
     found = registered(points, size, kind.surface, camera)
     mesh = painted(kind.surface, photo, found.camera, found.camera_from_object)
     if len(mesh.triangles) > MAX_TRIANGLES:
@@ -181,7 +189,9 @@ def _paint_files(mesh: PaintedMesh, photo: str, metres_per_unit: float) -> dict[
     return {PAINT[0]: ("\n".join(lines) + "\n").encode(), PAINT[1]: material.encode(), PAINT[2]: png(mesh.texture).data}
 
 
-def _write(kb_folder: Path, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearntCloud, seed: int) -> int:
+def _write(
+    kb_folder: Path, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearntCloud, seed: int
+) -> int:
     """Everything, and how many words there are now."""
     from kb.files.yaml_text import load
     from kb.learning.words import worded
@@ -205,13 +215,24 @@ def _write(kb_folder: Path, new: NewType | None, name: str, paint: dict[str, byt
 
 
 def _answer(
-    kb_folder: str, kind: ObjectType, found: Registration, mesh: PaintedMesh, cloud: LearntCloud, words: int, *, as_json: bool
+    kb_folder: str,
+    kind: ObjectType,
+    found: Registration,
+    mesh: PaintedMesh,
+    cloud: LearntCloud,
+    words: int,
+    *,
+    as_json: bool,
 ) -> str:
     from geometry.camera import camera_to_dict
     from plogic.face.authoring.kb_learn import row_of
     from plogic.face.shown.printing import plain_table
 
-    row = row_of(kind.name, cloud) | {"shown": round(_share(mesh), 3), "f px": round(found.camera.f, 1), "± px": round(found.f_error, 1)}
+    row = row_of(kind.name, cloud) | {
+        "shown": round(_share(mesh), 3),
+        "f px": round(found.camera.f, 1),
+        "± px": round(found.f_error, 1),
+    }
     row |= {"rms px": round(found.rms, 2)}
     if not as_json:
         return plain_table(f"learnt into {kb_folder}: {words} words in all", [row])

@@ -98,5 +98,3 @@ def _table(kb: KnowledgeBase, rates: Rates, counts: Counts) -> str:
 
 def _document(kb: KnowledgeBase, rates: Rates, counts: Counts, scenes: int) -> str:
     return json.dumps({"format": "rates/1", "kb": kb.name, "scenes": scenes, "rates": _rows(kb, rates, counts)})
-
-

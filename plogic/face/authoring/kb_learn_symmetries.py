@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 KEPT = "symmetries: as object.yaml states them"
 
 
-def symmetries_of(kind: ObjectType, cloud: LearntCloud, options: Mapping[str, Any], say: Callable[[str], None]) -> list[Trial]:
+def symmetries_of(
+    kind: ObjectType, cloud: LearntCloud, options: Mapping[str, Any], say: Callable[[str], None]
+) -> list[Trial]:
     """A trial for each turn of the type's shape; new pictures of it are taken where the cloud alone does not rule all of them out."""
     from geometry.cones import even_directions
     from kb.learning.symmetries import DIRECTIONS, judged, trials

@@ -42,7 +42,9 @@ def check_places(folder: Path, names: Sequence[str]) -> None:
     there = type_folders(folder)
     taken = [place for name in names if is_there(place := there.get(name, folder / "objects" / name))]
     if taken:
-        raise InputError("\n".join(f"{place}: exists already; remove it first, or choose another name" for place in taken))
+        raise InputError(
+            "\n".join(f"{place}: exists already; remove it first, or choose another name" for place in taken)
+        )
 
 
 def type_folders(folder: Path) -> dict[str, Path]:
@@ -83,5 +85,7 @@ def told(folder: Path, types: Sequence[NewType], what: str, *, new: bool, as_jso
         return json.dumps({"format": f"{what}/1", "kb": str(folder), "new_kb": new, "types": documents})
     lines = [line for kind in types for line in (*kind.lines, *(f"  note: {note}" for note in kind.notes))]
     lines += [f"made a new knowledge base: {folder}"] if new else []
-    wrote = ", ".join(str(folder / "objects" / kind.name) for kind in types[:3]) + (f" and {len(types) - 3} more" if len(types) > 3 else "")
+    wrote = ", ".join(str(folder / "objects" / kind.name) for kind in types[:3]) + (
+        f" and {len(types) - 3} more" if len(types) > 3 else ""
+    )
     return "\n".join([*lines, f"wrote {wrote}"])

@@ -6,6 +6,7 @@ import math
 import os
 import sys
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,16 +29,40 @@ BAD, LATE = 1, 3
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.argument("inputs", metavar="INPUTS...", nargs=-1, required=True)
 @KB
-@click.option("--jobs", type=click.IntRange(1, 256), help="Processes at work on this machine, one thread each (default: one a core).")
-@click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to work instead, as tcp://HOST:8786; needs plogic[dask].")
-@click.option("-o", "--out", default="-", help="File to append lines to; `-` is stdout (default).")
-@click.option("--resume", is_flag=True, help="Go on with the lines that the file has: skip what is done, cut a torn last line.")
 @click.option(
-    "--order", type=click.Choice(["input", "done"]), default="input", show_default=True, help="Lines in the order of the inputs, or as they are done."
+    "--jobs",
+    type=click.IntRange(1, 256),
+    help="Processes at work on this machine, one thread each (default: one a core).",
 )
-@click.option("--full", is_flag=True, help="Whole interpretations, as `perceive` writes them, in place of objects, poses and worlds.")
-@click.option("-n", "worlds", type=click.IntRange(0, 100), default=10, show_default=True, help="Worlds that a line lists.")
-@click.option("--timeout", type=Number(0.0, min_open=True), help="Seconds that a frame may take; what takes longer is a bad frame.")
+@click.option(
+    "--dask",
+    metavar="ADDRESS",
+    help="Scheduler of a Dask cluster to work instead, as tcp://HOST:8786; needs plogic[dask].",
+)
+@click.option("-o", "--out", default="-", help="File to append lines to; `-` is stdout (default).")
+@click.option(
+    "--resume", is_flag=True, help="Go on with the lines that the file has: skip what is done, cut a torn last line."
+)
+@click.option(
+    "--order",
+    type=click.Choice(["input", "done"]),
+    default="input",
+    show_default=True,
+    help="Lines in the order of the inputs, or as they are done.",
+)
+@click.option(
+    "--full",
+    is_flag=True,
+    help="Whole interpretations, as `perceive` writes them, in place of objects, poses and worlds.",
+)
+@click.option(
+    "-n", "worlds", type=click.IntRange(0, 100), default=10, show_default=True, help="Worlds that a line lists."
+)
+@click.option(
+    "--timeout",
+    type=Number(0.0, min_open=True),
+    help="Seconds that a frame may take; what takes longer is a bad frame.",
+)
 @CAMERA
 @FIRST_READING
 @RECONSIDER
@@ -46,12 +71,13 @@ BAD, LATE = 1, 3
 def batch(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) -> None:  # noqa: ANN401 - click's
     r"""Perceive many frames: one line of JSON each, the same whoever works.
 
-    INPUTS are pictures, Γ files (.json), folders with such at any depth, patterns in quotes, and BOP datasets; `-` is a list of them on stdin, one a
-    line. A picture's camera is --camera, or camera.json beside it.
+    INPUTS are pictures, Γ files (.json), folders with such at any depth, patterns in quotes, and BOP datasets; `-` is a
+    list of them on stdin, one a line. A picture's camera is --camera, or camera.json beside it.
 
-    A line (frame/1) has input, frame, status (done, unfinished, error), the SHA-256 of what was read, the KB and the options; then the accepted
-    hypotheses with poses and probabilities and the most probable worlds, or the error. A bad frame is such a line and no stop; the exit
-    status is then 1, and else 3 where --deadline left one unfinished. After a kill or Ctrl-C, --resume goes on.
+    A line (frame/1) has input, frame, status (done, unfinished, error), the SHA-256 of what was read, the KB and the
+    options; then the accepted hypotheses with poses and probabilities and the most probable worlds, or the error. A bad
+    frame is such a line and no stop; the exit status is then 1, and else 3 where --deadline left one unfinished. After
+    a kill or Ctrl-C, --resume goes on.
     """
     if options["jobs"] and options["dask"] is not None:
         raise click.UsageError("--jobs and --dask exclude each other")
@@ -65,7 +91,9 @@ def batch(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) -> 
     sys.exit(batch_command(inputs, kb_folder, out, options, listed=sys.stdin))
 
 
-def batch_command(inputs: Sequence[str], kb_folder: str, out: str, options: dict[str, Any], *, listed: Iterable[str]) -> int:
+def batch_command(
+    inputs: Sequence[str], kb_folder: str, out: str, options: dict[str, Any], *, listed: Iterable[str]
+) -> int:
     """Find the frames, start who works, write the lines; returns the exit status. ``listed``: what ``-`` among the inputs stands for.
 
     Raises:
@@ -79,7 +107,9 @@ def batch_command(inputs: Sequence[str], kb_folder: str, out: str, options: dict
 
     beside = waiting_beside(out)
     check_out([] if out == "-" else [Path(out), *([beside] if beside is not None else [])], resume=options["resume"])
-    chosen = {key: options[key] for key in ("camera", "reading", "reconsider", "smoothing", "deadline", "worlds", "full")}
+    chosen = {
+        key: options[key] for key in ("camera", "reading", "reconsider", "smoothing", "deadline", "worlds", "full")
+    }
     settings = Settings(kb_folder, **chosen)
     _check_camera(settings.camera)
     frames = frames_of(inputs, listed)
@@ -112,14 +142,23 @@ def _engine(settings: Settings, options: dict[str, Any]) -> Engine:
     if options["dask"] is not None:
         from plogic.run.batch.dask import Cluster
 
-        return Cluster(settings, os.getcwd(), options["dask"], options["timeout"], lambda line: click.echo(line, err=True))  # noqa: PTH109 - text
+        said = partial(click.echo, err=True)
+        return Cluster(settings, str(Path.cwd()), options["dask"], options["timeout"], said)
     from plogic.run.batch.pool import Pool
 
-    return Pool(settings, os.getcwd(), options["jobs"] or len(os.sched_getaffinity(0)), options["timeout"])  # noqa: PTH109
+    return Pool(settings, str(Path.cwd()), options["jobs"] or len(os.sched_getaffinity(0)), options["timeout"])
 
 
 def _run(
-    frames: Sequence[Frame], engine: Engine, log: Log, waiting: Waiting, settings: Settings, kb: dict[str, str], out: str, *, in_order: bool
+    frames: Sequence[Frame],
+    engine: Engine,
+    log: Log,
+    waiting: Waiting,
+    settings: Settings,
+    kb: dict[str, str],
+    out: str,
+    *,
+    in_order: bool,
 ) -> int:
     from plogic.run.batch.frame_lines import ERROR, UNFINISHED
     from plogic.run.batch.frames_run import run

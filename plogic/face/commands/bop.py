@@ -24,14 +24,24 @@ NOTE = "AR_VSD is not computed: the mean of the two is not the challenge's AR, a
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.argument("dataset", metavar="DATASET")
 @KB
-@click.option("-o", "--out", required=True, help="Results file (CSV) to write; `-` is stdout, and scores then go to stderr.")
-@click.option("--ids", type=click.Path(), help='BOP numbers of the types as JSON, {"003_cracker_box": 2}; obj_000002 needs none.')
-@click.option("--times", "timed", is_flag=True, help="Write each image's seconds; else -1, so that the same input gives the same bytes.")
+@click.option(
+    "-o", "--out", required=True, help="Results file (CSV) to write; `-` is stdout, and scores then go to stderr."
+)
+@click.option(
+    "--ids", type=click.Path(), help='BOP numbers of the types as JSON, {"003_cracker_box": 2}; obj_000002 needs none.'
+)
+@click.option(
+    "--times",
+    "timed",
+    is_flag=True,
+    help="Write each image's seconds; else -1, so that the same input gives the same bytes.",
+)
 @AS_JSON
 def bop(dataset: str, kb_folder: str, out: str, ids: str | None, timed: bool, as_json: bool) -> None:  # noqa: FBT001 - click's flags
     """Perceive every image of a BOP dataset, write the challenge's results file, and score it where there is ground truth.
 
-    DATASET is a dataset's folder, one of its splits, or one scene. A name by the challenge's convention is METHOD_DATASET-SPLIT.csv.
+    DATASET is a dataset's folder, one of its splits, or one scene. A name by the challenge's convention is
+    METHOD_DATASET-SPLIT.csv.
     """
     options = {"ids": ids, "timed": timed, "as_json": as_json}
     text = bop_command(dataset, kb_folder, out, options, say=lambda line: click.echo(line, err=True), write=click.echo)
@@ -91,12 +101,17 @@ def look_of(kb: KnowledgeBase) -> Look:
     from sensing.detectors.detector import detect
 
     if not detectable(kb):
-        raise InputError(f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types[:8])})")
+        raise InputError(
+            f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types[:8])})"
+        )
     perceiver = Perceiver(kb, cache_folder("indices"), processors())
 
     def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
         accepted = perceiver.accepted(detect(image, camera, kb.sought, kb.words))
-        return [(belief.posed.object_type.name, belief.posed.camera_from_object, probability) for belief, probability in accepted]
+        return [
+            (belief.posed.object_type.name, belief.posed.camera_from_object, probability)
+            for belief, probability in accepted
+        ]
 
     return look
 

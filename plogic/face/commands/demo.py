@@ -51,7 +51,9 @@ def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], Non
         gamma = detect(image, scene.camera, kb.appearance_types)
     perceiver = Perceiver(kb)
     say(f"{len(gamma.appearances)} appearances; searching for worlds that explain them ...")
-    documents: dict[Reading, dict[str, Any]] = {name: perceiver(gamma, Options(reading=name), image, clock) for name in READINGS}
+    documents: dict[Reading, dict[str, Any]] = {
+        name: perceiver(gamma, Options(reading=name), image, clock) for name in READINGS
+    }
     files = {
         "image.png": png(image),
         "camera.json": json_bytes(camera_to_dict(scene.camera)),
@@ -62,7 +64,13 @@ def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], Non
     }
     write_into(out, files)
     document = documents[reading]
-    asked = {"format": "demo/1", "reading": reading, "folder": str(out), "worlds": document["worlds"], "unlisted_mass": document["unlisted_mass"]}
+    asked = {
+        "format": "demo/1",
+        "reading": reading,
+        "folder": str(out),
+        "worlds": document["worlds"],
+        "unlisted_mass": document["unlisted_mass"],
+    }
     return json.dumps(asked | {"answers": _answers(document)}) if as_json else _told(document, out)
 
 
@@ -110,7 +118,9 @@ def _told(document: dict[str, Any], out: Path) -> str:
     shown = [tables.measures(held), tables.worlds(document), tables.answers({"answers": _answers(document)})]
     texts = [text_of_table(table) for table in shown]
     prefix = f"{out}/" if document["reading"] == "score" else f"{out}/posterior-"
-    return "\n".join([*texts, "", f"look at {prefix}page.html and {prefix}picture.png; ask {prefix}interpretation.json"])
+    return "\n".join(
+        [*texts, "", f"look at {prefix}page.html and {prefix}picture.png; ask {prefix}interpretation.json"]
+    )
 
 
 def _answers(document: dict[str, Any]) -> list[dict[str, Any]]:

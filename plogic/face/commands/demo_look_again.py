@@ -1,7 +1,7 @@
 """``plogic demo --look-again``: one image leaves two worlds near even, and the second view that was chosen settles it.
 
-Γ comes from the simulated camera's pixels alone. Two towers of the shipped ``lookalikes`` differ on their north wall, which the first view does not
-show; the robot goes where looking tells most, and both views are judged together.
+Γ comes from the simulated camera's pixels alone. Two towers of the shipped ``lookalikes`` differ on their north wall,
+which the first view does not show; the robot goes where looking tells most, and both views are judged together.
 """
 
 from __future__ import annotations
@@ -71,7 +71,17 @@ def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json:
         told = {"worlds": first.document["worlds"], "next_view": ahead, "after": after["worlds"]}
         return json.dumps({"format": "demo/1", "folder": str(out), **told})
     before, later = (text_of_table(tables.worlds(some, 5)) for some in (_held(first.document), after))
-    parts = ["after the first view", before, "", table_of(ahead), "", f"after the second view, from {chosen['name']}", later, "", _where(out)]
+    parts = [
+        "after the first view",
+        before,
+        "",
+        table_of(ahead),
+        "",
+        f"after the second view, from {chosen['name']}",
+        later,
+        "",
+        _where(out),
+    ]
     return "\n".join(parts)
 
 
@@ -80,7 +90,9 @@ def _held(document: dict[str, Any]) -> dict[str, Any]:
 
 
 def _where(out: Path) -> str:
-    return f"look at {out}/views.png; ask {out}/interpretation.json (one view); where the camera stood: {out}/poses.json"
+    return (
+        f"look at {out}/views.png; ask {out}/interpretation.json (one view); where the camera stood: {out}/poses.json"
+    )
 
 
 def _look(name: str, robot: Robot, perceiver: Perceiver) -> _Look:
@@ -125,7 +137,9 @@ def _together(looks: Sequence[_Look], perceiver: Perceiver) -> dict[str, Any]:
     from plogic.sequence.views.merging import merged
 
     found = [look.found for look in looks]
-    both, ranking = joint([one.seen for one in found], merged(found, perceiver.kb), perceiver, Options(reading="posterior"))
+    both, ranking = joint(
+        [one.seen for one in found], merged(found, perceiver.kb), perceiver, Options(reading="posterior")
+    )
     return _told(both.standing, ranking, looks[0])
 
 
@@ -136,24 +150,41 @@ def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look) -> dict[
     old = {f"h{i}": standing_of(belief, first.found.seen.view) for i, belief in enumerate(first.found.beliefs, 1)}
     names: dict[str, str] = {}
     for i, some in enumerate(standing, 1):
-        known = [name for name, other in old.items() if name not in names.values() and some.same(other, first.found.seen.view)]
+        known = [
+            name
+            for name, other in old.items()
+            if name not in names.values() and some.same(other, first.found.seen.view)
+        ]
         names[f"h{i}"] = known[0] if known else f"n{i}"
     rows = [
-        {"probability": w.probability, "present": sorted(names[h] for h in w.present), "causes": dict(w.causes)} for w in ranking.worlds
+        {"probability": w.probability, "present": sorted(names[h] for h in w.present), "causes": dict(w.causes)}
+        for w in ranking.worlds
     ]
     hypotheses = [
-        {"id": names[f"h{i}"], "type": some.object_type.name, "T_world_object": some.world_from_object.tolist()} for i, some in enumerate(standing, 1)
+        {"id": names[f"h{i}"], "type": some.object_type.name, "T_world_object": some.world_from_object.tolist()}
+        for i, some in enumerate(standing, 1)
     ]
-    return {"format": "worlds/1", "reading": "posterior", "worlds": rows, "unlisted_mass": list(ranking.unlisted), "hypotheses": hypotheses}
+    return {
+        "format": "worlds/1",
+        "reading": "posterior",
+        "worlds": rows,
+        "unlisted_mass": list(ranking.unlisted),
+        "hypotheses": hypotheses,
+    }
 
 
-def _write(out: Path, kb: KnowledgeBase, robot: Robot, looks: Sequence[_Look], ahead: dict[str, Any], after: dict[str, Any]) -> None:
+def _write(
+    out: Path, kb: KnowledgeBase, robot: Robot, looks: Sequence[_Look], ahead: dict[str, Any], after: dict[str, Any]
+) -> None:
     """The pictures, the interpretation of the first view, the candidates, and what both views say."""
     from geometry.camera import camera_to_dict
     from plogic.facts.interpretation import text_of
     from sensing.simulated.scene_files import png, truth_to_dict
 
-    frames = [{"frame": f"view-{i}.png", "T_world_camera": look.found.seen.view.world_from_camera.tolist()} for i, look in enumerate(looks, 1)]
+    frames = [
+        {"frame": f"view-{i}.png", "T_world_camera": look.found.seen.view.world_from_camera.tolist()}
+        for i, look in enumerate(looks, 1)
+    ]
     write_into(
         out,
         {

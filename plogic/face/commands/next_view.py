@@ -28,20 +28,38 @@ LISTED_WORLDS = 100
 
 @click.command(name="next-view", context_settings={"help_option_names": ["-h", "--help"]})
 @INTERPRETATION
-@click.option("--about", metavar="GOAL", help="What should become certain, as `plogic query` takes it (default: which world it is).")
-@click.option("--ring", type=Number(0.0, min_open=True), metavar="METRES", help="Radius of the ring around the scene (default: the present one).")
+@click.option(
+    "--about",
+    metavar="GOAL",
+    help="What should become certain, as `plogic query` takes it (default: which world it is).",
+)
+@click.option(
+    "--ring",
+    type=Number(0.0, min_open=True),
+    metavar="METRES",
+    help="Radius of the ring around the scene (default: the present one).",
+)
 @click.option("--moves", type=click.Path(path_type=Path), help="Candidates of your own: a moves/1 or poses/1 file.")
-@click.option("--within", type=Number(0.0, min_open=True), metavar="METRES", help="All of a grid within this distance, turned to the scene.")
-@click.option("-n", "number", type=click.IntRange(1), default=5, show_default=True, help="Candidates to list, the best first.")
+@click.option(
+    "--within",
+    type=Number(0.0, min_open=True),
+    metavar="METRES",
+    help="All of a grid within this distance, turned to the scene.",
+)
+@click.option(
+    "-n", "number", type=click.IntRange(1), default=5, show_default=True, help="Candidates to list, the best first."
+)
 @READING
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @AS_JSON
 def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **options: Any) -> None:  # noqa: ANN401 - click's
     """Say where to look next: the camera moves that would tell most, with their expected gains in bits, and why.
 
-    INTERPRETATION is that of one image, or a sequence's panorama/1: what all its views leave open, from where the last one stood.
+    INTERPRETATION is that of one image, or a sequence's panorama/1: what all its views leave open, from where the last
+    one stood.
 
-    Without --ring, --moves or --within the candidates are a ring of eleven places around the scene at the present height and distance.
+    Without --ring, --moves or --within the candidates are a ring of eleven places around the scene at the present
+    height and distance.
     """
     if sum(options[name] is not None for name in ("ring", "moves", "within")) > 1:
         raise click.UsageError("--ring, --moves and --within exclude one another")
@@ -75,7 +93,11 @@ def looked(document: dict[str, Any], number: int, seed: int, options: dict[str, 
     from plogic.sequence.next_view.look import looked_ahead
     from plogic.sequence.next_view.reading import prospect_of
 
-    camera, reading, about = camera_from_dict(document["camera"]), options["reading"] or document["reading"], options["about"]
+    camera, reading, about = (
+        camera_from_dict(document["camera"]),
+        options["reading"] or document["reading"],
+        options["about"],
+    )
     if "format" not in document:  # of a sequence
         _of_presence(document, reading, about)
         situation, (worlds, unlisted) = None, _listed(document)
@@ -84,11 +106,19 @@ def looked(document: dict[str, Any], number: int, seed: int, options: dict[str, 
         worlds, unlisted = _worlds(document, situation, options["reading"])
         situation = replace(situation, reading=reading)
     prospect = prospect_of(document, worlds)
-    answers = None if about is None or situation is None else answers_in(situation, [members for _, members in worlds], about)
+    answers = (
+        None if about is None or situation is None else answers_in(situation, [members for _, members in worlds], about)
+    )
     candidates, made = _candidates(prospect, camera, options)
     looks = looked_ahead(prospect, camera, candidates, answers, seed)
     uncertain = float(entropy(prospect.probability if answers is None else prospect.probability @ answers))
-    stated = {"about": about, "reading": reading, "entropy_bits": round(uncertain, 6), "worlds": len(worlds), "unlisted_mass": unlisted}
+    stated = {
+        "about": about,
+        "reading": reading,
+        "entropy_bits": round(uncertain, 6),
+        "worlds": len(worlds),
+        "unlisted_mass": unlisted,
+    }
     stated |= marks(stopped_in(document))
     return next_view_document(looks, stated | {"moves": made, "seed": seed}, camera.world_from_camera, number)
 
@@ -98,9 +128,13 @@ def _of_presence(document: dict[str, Any], reading: str, about: str | None) -> N
     from plogic.base.errors import InterpretationError
 
     if about is not None:
-        raise InterpretationError("--about: the worlds of a sequence say who is present and no more; ask the interpretation of one of its views")
+        raise InterpretationError(
+            "--about: the worlds of a sequence say who is present and no more; ask the interpretation of one of its views"
+        )
     if reading != document["reading"]:
-        raise InterpretationError(f"--reading: the worlds of this sequence are of the {document['reading']} reading; perceive it again for the other")
+        raise InterpretationError(
+            f"--reading: the worlds of this sequence are of the {document['reading']} reading; perceive it again for the other"
+        )
 
 
 def _listed(document: dict[str, Any]) -> tuple[Worlds, list[float]]:
@@ -120,7 +154,9 @@ def _worlds(document: dict[str, Any], situation: Situation, reading: str | None)
         return _listed(document)
     from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
-    ranking = ranked_worlds(replace(situation, reading="posterior" if reading == "posterior" else "score"), LISTED_WORLDS)
+    ranking = ranked_worlds(
+        replace(situation, reading="posterior" if reading == "posterior" else "score"), LISTED_WORLDS
+    )
     return [(w.probability, w.present) for w in ranking.worlds], list(ranking.unlisted)
 
 
@@ -131,7 +167,10 @@ def _candidates(prospect: Prospect, camera: Camera, options: dict[str, Any]) -> 
     stand = standing(camera.world_from_camera)
     if options["moves"] is not None:
         moves = read_moves(options["moves"])
-        return checked([Candidate(m.name, m.present(camera.world_from_camera)) for m in moves]), {"moves": "list", "places": len(moves)}
+        return checked([Candidate(m.name, m.present(camera.world_from_camera)) for m in moves]), {
+            "moves": "list",
+            "places": len(moves),
+        }
     if options["within"] is not None:
         return within(prospect, stand, options["within"])
     return ring(prospect, stand, options["ring"])

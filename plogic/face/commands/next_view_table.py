@@ -29,7 +29,10 @@ def outlook_document(look: Outlook, world_from_reference: NDArray[np.float64] | 
         "gain_bits": round(look.gain.bits, DIGITS),
         "standard_error": round(look.gain.error, DIGITS),
         "sites": look.gain.sites,
-        "why": [{"text": r.text, "mass": round(r.mass, DIGITS), "sites": r.sites, "bits": round(r.bits, DIGITS)} for r in look.why],
+        "why": [
+            {"text": r.text, "mass": round(r.mass, DIGITS), "sites": r.sites, "bits": round(r.bits, DIGITS)}
+            for r in look.why
+        ],
     }
 
 
@@ -50,13 +53,19 @@ def table_of(document: dict[str, Any]) -> str:
     table.add_column("why")
     for i, row in enumerate(document["candidates"], 1):
         bits = f"{row['gain_bits']:.3f}" + (f" ± {row['standard_error']:.3f}" if row["standard_error"] >= SHOWN else "")
-        table.add_row(str(i), Text(row["name"]), Text(bits), Text("\n".join(r["text"] for r in row["why"]) or _nothing(row)))
+        table.add_row(
+            str(i), Text(row["name"]), Text(bits), Text("\n".join(r["text"] for r in row["why"]) or _nothing(row))
+        )
     unfinished = notice(stopped_in(document), anew=False)
     return "\n".join([_open(document), *[unfinished] * bool(unfinished), text_of_table(table)])
 
 
 def _nothing(row: dict[str, Any]) -> str:
-    return "no feature that would tell the worlds apart" if row["sites"] == 0 else "no feature that tells more than 0.001 bits by itself"
+    return (
+        "no feature that would tell the worlds apart"
+        if row["sites"] == 0
+        else "no feature that tells more than 0.001 bits by itself"
+    )
 
 
 def _open(document: dict[str, Any]) -> str:

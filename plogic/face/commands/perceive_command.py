@@ -60,7 +60,9 @@ def perceive_command(
 
 def places(out: str, options: Mapping[str, Any]) -> list[Path]:
     """The files that will be written. Raises InputError where one is named for two outputs."""
-    named = [Path(options[key]) for key in ("report", "picture", "timings") if options.get(key)] + [Path(out)] * (out != "-")
+    named = [Path(options[key]) for key in ("report", "picture", "timings") if options.get(key)] + [Path(out)] * (
+        out != "-"
+    )
     for path in named:
         if named.count(path) > 1:
             raise InputError(f"{path}: is named for two outputs")

@@ -39,7 +39,8 @@ def sequence_command(
 ) -> int:
     """Read, interpret frame after frame, write; returns the exit status. A line a frame on ``say``.
 
-    Where a frame cannot be read, what was made of those before it is written first. Raises InputError, CameraError and the like.
+    Where a frame cannot be read, what was made of those before it is written first. Raises InputError, CameraError and
+    the like.
     """
     from plogic.base.forked import processors
     from plogic.base.remembered import cache_folder
@@ -73,7 +74,11 @@ def sequence_command(
 
 
 def _looks(
-    panorama: Panorama, frames: Sequence[str], poses: Sequence[Placed | None], options: Mapping[str, Any], say: Callable[[str], None]
+    panorama: Panorama,
+    frames: Sequence[str],
+    poses: Sequence[Placed | None],
+    options: Mapping[str, Any],
+    say: Callable[[str], None],
 ) -> tuple[list[tuple[str, Look]], PlogicError | None]:
     """Frame after frame, up to one that cannot be used, and what is wrong with that; raised where it is the first."""
     looks: list[tuple[str, Look]] = []
@@ -99,8 +104,8 @@ def _check(options: Mapping[str, Any]) -> None:
 def placed_frames(frames: Sequence[str], poses: str | None) -> tuple[list[Placed | None], list[Placed]]:
     """The pose of each frame, None where its own file must tell it, and the poses at which there is no frame, where all that is known is told.
 
-    A pose is a frame's if it bears its name, or the end of its path; where none bears any, the first is the first frame's, and so on. Raises
-    InputError or CameraError.
+    A pose is a frame's if it bears its name, or the end of its path; where none bears any, the first is the first
+    frame's, and so on. Raises InputError or CameraError.
     """
     if poses is None:
         return [None] * len(frames), []
@@ -112,7 +117,9 @@ def placed_frames(frames: Sequence[str], poses: str | None) -> tuple[list[Placed
     found = [_named(frame, named) for frame in frames]
     if not any(found) and len(named) == len(frames):
         return list(named), foreseen
-    lost = [f"{frame}: {poses} has no pose of this name" for frame, one in zip(frames, found, strict=True) if one is None]
+    lost = [
+        f"{frame}: {poses} has no pose of this name" for frame, one in zip(frames, found, strict=True) if one is None
+    ]
     if lost:
         raise InputError("\n".join(lost))
     return found, foreseen
@@ -121,7 +128,9 @@ def placed_frames(frames: Sequence[str], poses: str | None) -> tuple[list[Placed
 def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
     """The one pose of this name; of the longest common end of the path where there are several."""
     parts = Path(frame).parts
-    fit = [(len(own), placed) for placed in poses if (own := Path(str(placed.frame)).parts) and parts[-len(own) :] == own]
+    fit = [
+        (len(own), placed) for placed in poses if (own := Path(str(placed.frame)).parts) and parts[-len(own) :] == own
+    ]
     return max(fit, key=lambda pair: pair[0])[1] if fit else None
 
 
@@ -133,7 +142,9 @@ def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, 
     gamma, image = gamma_of(frame, picture, options.get("camera"), panorama.perceiver.kb, Stopwatch())
     pose = gamma.camera.world_from_camera if placed is None else placed.world_from_camera
     if pose is None:
-        raise InputError(f"{frame}: where its camera stood is not known: give --poses FILE, or T_world_camera in the Γ's camera")
+        raise InputError(
+            f"{frame}: where its camera stood is not known: give --poses FILE, or T_world_camera in the Γ's camera"
+        )
     there = replace(gamma, camera=replace(gamma.camera, world_from_camera=pose))  # one camera file serves all frames
     return panorama.look(View(f"v{number}", there, pose), image)
 
@@ -153,6 +164,7 @@ def _summary(frame: str, look: Look, panorama: Panorama) -> str:
     told += [REASONS[stopped]] if stopped else []
     told += [f"gone: {', '.join(look.gone)}"] * bool(look.gone)
     known = ", ".join(
-        f"{k.id} {k.standing.object_type.name} ({k.probability:.3f}{f', {k.age} views ago' if k.age else ''})" for k in panorama.known
+        f"{k.id} {k.standing.object_type.name} ({k.probability:.3f}{f', {k.age} views ago' if k.age else ''})"
+        for k in panorama.known
     )
     return f"{look.view.id} {frame}: {len(look.view.gamma.appearances)} appearances; {'; '.join([*told, known or 'no known object'])}"

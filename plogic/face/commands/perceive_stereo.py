@@ -49,7 +49,9 @@ def stereo_command(
     kb = kb_of(kb_folder)
     calibration = read_stereo(options["stereo"])
     cameras = calibration.left, calibration.right
-    (left, image), (right, _) = (_read(source, camera, options, kb, clock) for source, camera in zip(inputs, cameras, strict=True))
+    (left, image), (right, _) = (
+        _read(source, camera, options, kb, clock) for source, camera in zip(inputs, cameras, strict=True)
+    )
     gamma = fused(left, right, calibration.pair, kb.rates.sigma)
     perceiver = Perceiver(kb, cache_folder("indices"), processors(), options["generator"])
     end = monotonic() + options["deadline"] if options.get("deadline") else None
@@ -79,7 +81,7 @@ def _read(
     picture = read_image(source)
     height, width = picture.shape[:2]
     if (camera.width, camera.height) != (width, height):
-        raise InputError(f"{options['stereo']}: the camera is {camera.width}x{camera.height}, but {source} is {width}x{height}")
+        raise InputError(
+            f"{options['stereo']}: the camera is {camera.width}x{camera.height}, but {source} is {width}x{height}"
+        )
     return detected(picture, camera, kb, clock), picture
-
-

@@ -14,7 +14,9 @@ LATE = 3
 """Exit status where a deadline was reached."""
 
 
-def query_command(source: str, goal: str | None, given: Sequence[str], options: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
+def query_command(
+    source: str, goal: str | None, given: Sequence[str], options: dict[str, Any], *, as_json: bool
+) -> tuple[str, int]:
     """P(goal) of an interpretation or a program; exit 3 where the deadline was reached, answers then being intervals.
 
     ``options``: rules, reading, deadline, trust.
@@ -26,7 +28,11 @@ def query_command(source: str, goal: str | None, given: Sequence[str], options: 
     from plogic.scene.readings.unfinished import marks, stopped_of, with_notice
 
     subject, deadline = subject_of(source, options["reading"]), options["deadline"]
-    asked: dict[str, Any] = {"given": list(given), "rules": rules_from(options["rules"]), "limits": Limits(trust=bool(options["trust"]))}
+    asked: dict[str, Any] = {
+        "given": list(given),
+        "rules": rules_from(options["rules"]),
+        "limits": Limits(trust=bool(options["trust"])),
+    }
     if deadline is None:
         found, exact = answers(subject, goal, **asked), True
     else:
@@ -35,11 +41,15 @@ def query_command(source: str, goal: str | None, given: Sequence[str], options: 
     document: dict[str, Any] = {"format": "answers/1", "answers": rows, **marks(stopped_of(subject))}
     if not exact:
         document["deadline"] = "reached"
-    text = json.dumps(document) if as_json else with_notice(text_of_table(tables.answers(document)), stopped_of(subject))
+    text = (
+        json.dumps(document) if as_json else with_notice(text_of_table(tables.answers(document)), stopped_of(subject))
+    )
     return text if exact or as_json else f"{text.rstrip()}\n{_said(rows)}", 0 if exact else LATE
 
 
 def _said(rows: list[dict[str, Any]]) -> str:
     if not rows:
         return "The deadline was reached before any answer was known."
-    return "The deadline was reached: each interval contains the exact probability; further answers may not be known yet."
+    return (
+        "The deadline was reached: each interval contains the exact probability; further answers may not be known yet."
+    )

@@ -11,7 +11,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-def shell_command(source: str, options: dict[str, Any], *, write: Callable[[str], None], say: Callable[[str], None]) -> int:
+def shell_command(
+    source: str, options: dict[str, Any], *, write: Callable[[str], None], say: Callable[[str], None]
+) -> int:
     """Run a session; the exit code is 1 where a line failed and nobody sat at a terminal. ``options``: reading, trust."""
     from plogic.face.session.session import Session
     from plogic.logic.safety.allowlist import TRUSTED

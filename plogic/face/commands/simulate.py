@@ -19,10 +19,16 @@ if TYPE_CHECKING:
 
 BOP = click.option("--bop", type=click.Path(path_type=Path), help="New folder for scenes as a BOP dataset as well.")
 BOP_IMAGES = click.option(
-    "--bop-images", type=click.IntRange(1, 1000), default=1, show_default=True, help="Its images: scenes of this seed and the next."
+    "--bop-images",
+    type=click.IntRange(1, 1000),
+    default=1,
+    show_default=True,
+    help="Its images: scenes of this seed and the next.",
 )
 ROBOT = click.option(
-    "--robot", metavar="MOVES.json|ring:N", help="Look again from elsewhere: a moves/1 or poses/1 file, or N places around; frames and poses.json."
+    "--robot",
+    metavar="MOVES.json|ring:N",
+    help="Look again from elsewhere: a moves/1 or poses/1 file, or N places around; frames and poses.json.",
 )
 RING = "ring:"
 MOST_VIEWS = 360
@@ -30,12 +36,20 @@ MOST_VIEWS = 360
 
 
 def simulate_command(
-    kb_folder: str, number: int, decoys: int, seed: int, out: Path, bop: Path | None = None, bop_images: int = 1, robot: str | None = None
+    kb_folder: str,
+    number: int,
+    decoys: int,
+    seed: int,
+    out: Path,
+    bop: Path | None = None,
+    bop_images: int = 1,
+    robot: str | None = None,
 ) -> None:
     """Write image.png, camera.json and truth.json into a new folder; the types are drawn by the seed, every type once before any twice.
 
-    With ``bop``, the scenes of this seed and the next become a BOP dataset in a folder of its own; the first is the same. With ``robot``,
-    the camera moves: a folder a frame, the first from where the scene's camera is, and ``poses.json``.
+    With ``bop``, the scenes of this seed and the next become a BOP dataset in a folder of its own; the first is the
+    same. With ``robot``, the camera moves: a folder a frame, the first from where the scene's camera is, and
+    ``poses.json``.
     """
     from sensing.files.whole_files import check_new_folder
     from sensing.simulated.scene_files import write_scene
@@ -61,7 +75,11 @@ def _tour(scene: Scene, moves: str, out: Path) -> None:
 
     robot = Robot(scene)
     start = robot.world_from_camera
-    others = robot.ring(_views(moves))[1:] if moves.startswith(RING) else [move.world(start) for move in read_moves(Path(moves))]
+    others = (
+        robot.ring(_views(moves))[1:]
+        if moves.startswith(RING)
+        else [move.world(start) for move in read_moves(Path(moves))]
+    )
     write_tour(robot, [start, *others], out)
 
 
@@ -86,7 +104,12 @@ def _scene(shapes: Sequence[tuple[str, TexturedMesh]], number: int, decoys: int,
 
 
 def _write_bop(
-    kb: KnowledgeBase, shapes: Sequence[tuple[str, TexturedMesh]], seeds: Sequence[int], number: int, decoys: int, folder: Path
+    kb: KnowledgeBase,
+    shapes: Sequence[tuple[str, TexturedMesh]],
+    seeds: Sequence[int],
+    number: int,
+    decoys: int,
+    folder: Path,
 ) -> None:
     from plogic.run.bop.model_files import Kind
     from plogic.run.bop.write import write_dataset

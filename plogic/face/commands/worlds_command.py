@@ -23,7 +23,9 @@ MOST_CHOICES = 6
 """Choices of a world that its line in the table shows; ``--json`` has them all."""
 
 
-def worlds_command(source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
+def worlds_command(
+    source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool
+) -> tuple[str, int]:
     """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached.
 
     ``options``: reading, deadline, trust.
@@ -41,7 +43,9 @@ def worlds_command(source: str, number: int, given: Sequence[str], options: dict
         return _of_scene_text(document, situation, number, given, options["deadline"], as_json=as_json)
 
 
-def _of_program(source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool) -> tuple[str, int]:
+def _of_program(
+    source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool
+) -> tuple[str, int]:
     from plogic.logic.served.engine import Limits, Text
     from plogic.logic.served.program_worlds import program_worlds
 
@@ -60,7 +64,12 @@ def _told(ranking: ProgramRanking, answer: dict[str, Any], stopped: Stopped = ""
     if as_json:
         return json.dumps(answer if ranking.complete else {**answer, "deadline": "reached"}), status
     text_out = with_notice(_table_of_program(ranking, [world.get("interval") for world in answer["worlds"]]), stopped)
-    return text_out if ranking.complete else f"{text_out.rstrip()}\nThe deadline was reached: more worlds could be listed with more time.", status
+    return (
+        text_out
+        if ranking.complete
+        else f"{text_out.rstrip()}\nThe deadline was reached: more worlds could be listed with more time.",
+        status,
+    )
 
 
 def _table_of_program(ranking: ProgramRanking, within: Sequence[tuple[float, float] | None]) -> str:
@@ -82,14 +91,26 @@ def _table_of_program(ranking: ProgramRanking, within: Sequence[tuple[float, flo
     for i, (world, bounds) in enumerate(zip(ranking.worlds, within, strict=True), 1):
         between = [tables.interval(*bounds)] if bounds else []
         shown = ", ".join(world.choices[:MOST_CHOICES]) + (", ..." if len(world.choices) > MOST_CHOICES else "")
-        table.add_row(str(i), tables.chance(world.probability), *between, Cell(", ".join(world.holds) or "nothing that is asked"), Cell(shown))
+        table.add_row(
+            str(i),
+            tables.chance(world.probability),
+            *between,
+            Cell(", ".join(world.holds) or "nothing that is asked"),
+            Cell(shown),
+        )
     if ranking.unlisted[1] > 0:
         table.add_row("", *[""] * bounded, tables.interval(*ranking.unlisted), Cell("not listed", style="dim"), "")
     return text_of_table(table)
 
 
 def _of_scene_text(
-    document: dict[str, Any], situation: Situation, number: int, given: Sequence[str], seconds: float | None, *, as_json: bool
+    document: dict[str, Any],
+    situation: Situation,
+    number: int,
+    given: Sequence[str],
+    seconds: float | None,
+    *,
+    as_json: bool,
 ) -> tuple[str, int]:
     """By the program text, where the evidence speaks of choices that the graph has summed out: then those are told, and no causes."""
     from plogic.logic.safety.tokens import quoted
@@ -101,7 +122,9 @@ def _of_scene_text(
     ranking = program_worlds(text, number, given=given, goals=("present(H)",), seconds=seconds, names=names)
     ids = {f"present({quoted(h.id)})": h.id for h in situation.hypotheses}
     stopped = situation.stopped
-    within = [{"interval": list(proved(stopped, (w.probability, w.probability)))} if stopped else {} for w in ranking.worlds]
+    within = [
+        {"interval": list(proved(stopped, (w.probability, w.probability)))} if stopped else {} for w in ranking.worlds
+    ]
     rows = [
         {"probability": w.probability, "present": [ids[goal] for goal in w.holds], "choices": list(w.choices), **bounds}
         for w, bounds in zip(ranking.worlds, within, strict=True)
@@ -111,7 +134,13 @@ def _of_scene_text(
 
 
 def _of_scene(
-    document: dict[str, Any], situation: Situation, number: int, given: Sequence[str], seconds: float | None, *, as_json: bool
+    document: dict[str, Any],
+    situation: Situation,
+    number: int,
+    given: Sequence[str],
+    seconds: float | None,
+    *,
+    as_json: bool,
 ) -> tuple[str, int]:
     from plogic.face.shown import tables
     from plogic.face.shown.printing import text_of_table
@@ -133,7 +162,9 @@ def _of_scene(
     text = "\n".join([text.rstrip(), "", *found, ""]) if found else text
     text = with_notice(text, stopped)
     middles = ranking.log_evidence_interval[0] != ranking.log_evidence_interval[1]
-    more = "probabilities are the middles of their intervals" if middles else "more worlds could be listed with more time"
+    more = (
+        "probabilities are the middles of their intervals" if middles else "more worlds could be listed with more time"
+    )
     late = f"The deadline was reached: {more}."
     return (text, 0) if exact else (f"{text.rstrip()}\n{late}", LATE)
 

@@ -20,7 +20,8 @@ from plogic.face.pages.page_errors import PageError
 KIT = "kit"
 """The folder of what every page shares."""
 SHARED = ("elements.js", "vectors.js", "stage.js", "webgl.js", "canvas.js")
-"""The parts of the script that every page has, in the order in which they build on each other; a page's own come after them."""
+"""The parts of the script that every page has, in the order in which they build on each other; a page's own come after
+them."""
 
 
 @dataclass(frozen=True)

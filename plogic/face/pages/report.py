@@ -8,7 +8,18 @@ from plogic.face.pages.one_file import PageParts, one_file
 
 PARTS = PageParts(
     folder="report",
-    scripts=("model.js", "sides.js", "signs.js", "dots.js", "picture.js", "panels.js", "scene.js", "webgl.js", "canvas.js", "stage.js"),
+    scripts=(
+        "model.js",
+        "sides.js",
+        "signs.js",
+        "dots.js",
+        "picture.js",
+        "panels.js",
+        "scene.js",
+        "webgl.js",
+        "canvas.js",
+        "stage.js",
+    ),
     first="worlds",
     unscripted="The numbers are also in the interpretation's JSON, at the end of this file.",
 )
@@ -22,5 +33,7 @@ def page(document: dict[str, Any]) -> str:
     Raises:
         PageError: the document holds NaN, an infinity or a value that is no JSON.
     """
-    accepted = [str(h.get("label") or h.get("type")) for h in document.get("hypotheses", []) if h.get("status") == "accepted"]
+    accepted = [
+        str(h.get("label") or h.get("type")) for h in document.get("hypotheses", []) if h.get("status") == "accepted"
+    ]
     return one_file(PARTS, ", ".join(accepted) or "nothing known", document)

@@ -1,6 +1,7 @@
 """What the page knows of an object type, as plain data: ``{"format": "type_page/1", ...}``; m and rad, object frame.
 
-Feature types, appearance types and parts are lists; features and lobes name them by their index. Lobes stand in the order of features.
+Feature types, appearance types and parts are lists; features and lobes name them by their index. Lobes stand in the
+order of features.
 """
 
 from __future__ import annotations
@@ -43,7 +44,11 @@ def type_document(kb: KnowledgeBase, kind: ObjectType) -> dict[str, Any]:
     return {
         "format": "type_page/1",
         "kb": {"name": kb.name, "digest": kb.digest, "f_ref": kb.f_ref},
-        "type": {"name": kind.name, "opaque": kind.opaque, "detector": kind.learnt.detector if kind.learnt is not None else None},
+        "type": {
+            "name": kind.name,
+            "opaque": kind.opaque,
+            "detector": kind.learnt.detector if kind.learnt is not None else None,
+        },
         "lines": list(learnt_summary(kind).lines) if kind.learnt is not None else [],
         "types": [*_types(kb, kind, names)],
         "parts": [row | {"counts": [[types[name], n] for name, n in row["counts"].items()]} for row in part_rows(kind)],
@@ -73,7 +78,14 @@ def _types(kb: KnowledgeBase, kind: ObjectType, names: Iterable[str]) -> Iterabl
     here, everywhere = instance_counts([kind]), instance_counts(kb.types)
     dv = distinctiveness(everywhere)
     for name in names:
-        yield [name, here[name], everywhere[name], round(dv[name], 6), round(kb.rates.hit.get(name, 0.0), 4), round(kb.rates.sigma_of(name), 4)]
+        yield [
+            name,
+            here[name],
+            everywhere[name],
+            round(dv[name], 6),
+            round(kb.rates.hit.get(name, 0.0), 4),
+            round(kb.rates.sigma_of(name), 4),
+        ]
 
 
 def _features(kind: ObjectType, kept: NDArray[np.int64], types: dict[str, int]) -> dict[str, Any]:

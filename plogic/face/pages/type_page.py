@@ -12,7 +12,17 @@ if TYPE_CHECKING:
 
 PARTS = PageParts(
     folder="type",
-    scripts=("model.js", "eye.js", "lobes.js", "webgl.js", "canvas.js", "panels.js", "feature.js", "map.js", "stage.js"),
+    scripts=(
+        "model.js",
+        "eye.js",
+        "lobes.js",
+        "webgl.js",
+        "canvas.js",
+        "panels.js",
+        "feature.js",
+        "map.js",
+        "stage.js",
+    ),
     first="feature",
     unscripted="<code>plogic kb show</code> without <code>--html</code> prints the same type as text.",
 )

@@ -1,6 +1,7 @@
 """What is drawn of a type's surface: with its texture where there is one, coarser and with a smaller picture where it is large.
 
-A drawn mesh has *places* and *corners*: where a texture has a seam, two corners of different texture coordinates stand at one place.
+A drawn mesh has *places* and *corners*: where a texture has a seam, two corners of different texture coordinates stand
+at one place.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
 MOST_TRIANGLES = 20_000
 """Of the drawn mesh, and most of its corners; a larger one is drawn coarser."""
 GRIDS = (96, 72, 56, 40, 28, 20, 14, 10, 7)
-"""Cells to the longest side in which a large mesh's places are made one, finest first, until what is left is small enough."""
+"""Cells to the longest side in which a large mesh's places are made one, finest first, until what is left is small
+enough."""
 SEAMS = 64
 """Cells to the texture's side: corners at one place and in one of these cells are one."""
 LARGEST_PICTURE = 600_000

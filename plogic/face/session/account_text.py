@@ -18,7 +18,11 @@ def account_text(account: Account, *, brief: bool = False) -> str:
     lines += _section("why", account.why, account.covered)
     lines += _section("why not", tuple(e for e in account.why_not if e.choices), account.covered_not)
     if account.misses:
-        lines += ["", "nearest misses, what lacked least first:", *(line for i, m in enumerate(account.misses, 1) for line in _miss(i, m))]
+        lines += [
+            "",
+            "nearest misses, what lacked least first:",
+            *(line for i, m in enumerate(account.misses, 1) for line in _miss(i, m)),
+        ]
     elif account.failure is not None:
         lines += ["", "it cannot hold: no fact and no rule gives it", *_failure(account.failure)]
     return "\n".join([*lines, *([""] if account.notes else []), *(f"note: {note}" for note in account.notes)])
@@ -42,12 +46,19 @@ def _section(title: str, explanations: tuple[Explanation, ...], covered: Covered
 
 def _choices(e: Explanation) -> str:
     several = len(e.choices) > 1
-    written = (f"({choice})" if several and " :- " in choice and not choice.startswith("\\+ (") else choice for choice in e.choices)
+    written = (
+        f"({choice})" if several and " :- " in choice and not choice.startswith("\\+ (") else choice
+        for choice in e.choices
+    )
     return " and ".join(written) if e.choices else "it follows without any choice"
 
 
 def _chance(e: Explanation) -> str:
-    before = "" if abs(e.probability - e.given_evidence) <= 1e-9 * e.probability else f" given the evidence, {e.probability:.4g} before it"
+    before = (
+        ""
+        if abs(e.probability - e.given_evidence) <= 1e-9 * e.probability
+        else f" given the evidence, {e.probability:.4g} before it"
+    )
     return f"[P = {e.given_evidence:.4g}{before}]"
 
 
@@ -56,7 +67,11 @@ def _rest(count: int, covered: Covered) -> str:
     listed = f"{low:.4g}" if high - low < 1e-9 else f"between {low:.4g} and {high:.4g}"
     told = f"  listed: {count}, of probability {listed} together; "
     stopped = " (the search was stopped)" if covered.stopped else ""
-    return told + (f"all others add at most {covered.unlisted:.4g}" if covered.unlisted > 0 else "there is nothing beyond them") + stopped
+    return (
+        told
+        + (f"all others add at most {covered.unlisted:.4g}" if covered.unlisted > 0 else "there is nothing beyond them")
+        + stopped
+    )
 
 
 def _tree(reason: Reason, depth: int) -> Iterator[str]:
@@ -76,7 +91,11 @@ def _miss(number: int, miss: Miss) -> Iterator[str]:
     if not count:
         yield f"  {number}. {miss.goal}: only by the choice {miss.rule}, which fell otherwise"
         return
-    failed = f"{miss.failed} of {count} conditions {'fail' if miss.failed > 1 else 'fails'}" if count > 1 else "its condition fails"
+    failed = (
+        f"{miss.failed} of {count} conditions {'fail' if miss.failed > 1 else 'fails'}"
+        if count > 1
+        else "its condition fails"
+    )
     yield f"  {number}. {miss.goal}: {failed if miss.failed else f'P(all conditions) = {miss.probability:.4g}'}"
     if miss.rule:
         yield f"     {miss.rule}"

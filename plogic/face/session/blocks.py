@@ -6,7 +6,8 @@ Vocabulary, each with an example value:
 * ``Table``, ``Table("answers", (Column("probability", right=True), Column("goal")), (("0.970", "present(h1)"),))``
 * ``Lines``, preformatted lines under a heading, ``Lines("why 1: ...", ("present(h1)  [rule]", ...))``
 
-Names come from strangers: whatever no terminal prints (escape sequences, line breaks, changes of direction) is shown as its escape, ``\\x1b``.
+Names come from strangers: whatever no terminal prints (escape sequences, line breaks, changes of direction) is shown as
+its escape, ``\\x1b``.
 """
 
 from __future__ import annotations
@@ -77,7 +78,9 @@ def _text(block: Block, width: int, *, styled: bool) -> str:
     if isinstance(block, Note):
         return visible(block.text)
     if isinstance(block, Lines):
-        return "\n".join([*([visible(block.heading)] if block.heading else []), *(visible(line) for line in block.lines)])
+        return "\n".join(
+            [*([visible(block.heading)] if block.heading else []), *(visible(line) for line in block.lines)]
+        )
     return _table_text(block, width, styled=styled)
 
 
@@ -104,14 +107,20 @@ def _html(block: Block) -> str:
         return f"<p>{_safe(block.text)}</p>"
     if isinstance(block, Lines):
         lines = "\n".join(_safe(line) for line in block.lines)
-        return f"<details open><summary>{_safe(block.heading)}</summary><pre>{lines}</pre></details>" if block.heading else f"<pre>{lines}</pre>"
+        return (
+            f"<details open><summary>{_safe(block.heading)}</summary><pre>{lines}</pre></details>"
+            if block.heading
+            else f"<pre>{lines}</pre>"
+        )
     return _table_html(block)
 
 
 def _table_html(block: Table) -> str:
     sides = [' style="text-align: right"' if column.right else ' style="text-align: left"' for column in block.columns]
     head = "".join(f"<th{side}>{_safe(column.name)}</th>" for column, side in zip(block.columns, sides, strict=True))
-    rows = ["".join(f"<td{side}>{_safe(cell)}</td>" for cell, side in zip(row, sides, strict=True)) for row in block.rows]
+    rows = [
+        "".join(f"<td{side}>{_safe(cell)}</td>" for cell, side in zip(row, sides, strict=True)) for row in block.rows
+    ]
     body = "".join(f"<tr>{row}</tr>" for row in rows)
     return f"<table><caption>{_safe(block.title)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 

@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from plogic.face.session.session import Session
 
 
-def run_lines(session: Session, lines: Iterable[bytes], write: Callable[[str], None], say: Callable[[str], None]) -> int:
+def run_lines(
+    session: Session, lines: Iterable[bytes], write: Callable[[str], None], say: Callable[[str], None]
+) -> int:
     """Do every line up to ``quit``; a line that fails is told and does not end the session. The exit code: 1 if any failed, else 0."""
     status = 0
     for number, data in enumerate(lines, 1):

@@ -56,7 +56,7 @@ class Mind(Protocol):
 
 
 class Asked:
-    """What scenes and programs have in common: a process that stays, and the ways of ``plogic.scene.asking.query`` and ``plogic.scene.asking.explanations``."""
+    """What scenes and programs have in common: a process that stays, and how to query and explain."""
 
     def __init__(self, subject: Subject, limits: Limits | None) -> None:
         self.subject, self.limits = subject, limits or Limits()

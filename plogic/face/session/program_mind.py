@@ -70,4 +70,6 @@ def clauses_of(outline: Outline, name: str) -> tuple[str, tuple[str, ...]]:
     found = [p for p in outline.predicates if name in (p.name, p.signature)]
     if not found:
         raise InputError(f"listing {name}: the program has no such predicate; `listing` says what there is")
-    return ", ".join(p.signature for p in found), tuple(line for p in found for clause in p.clauses for line in clause.splitlines())
+    return ", ".join(p.signature for p in found), tuple(
+        line for p in found for clause in p.clauses for line in clause.splitlines()
+    )

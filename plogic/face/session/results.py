@@ -1,8 +1,10 @@
 """What each verb answers: plain data, which prints as the shell shows it and shows itself as a tidy table in a notebook.
 
-``str(result)`` is the text, the same bytes each time; ``result.text(width=80, styled=True)`` is the text for a terminal. Vocabulary:
+``str(result)`` is the text, the same bytes each time; ``result.text(width=80, styled=True)`` is the text for a
+terminal. Vocabulary:
 
-* ``Answers`` of ``ask``, ``Predictions`` of ``predict`` with rows such as ``Prediction("present(h1)", Answer(...), Answer(...))``
+* ``Answers`` of ``ask``, ``Predictions`` of ``predict`` with rows such as ``Prediction("present(h1)", Answer(...),
+  Answer(...))``
 * ``Observed`` of ``observe``, ``Released`` of ``unobserve``
 * ``Worlds`` of ``worlds``, with rows such as ``WorldRow(0.96, ("t1 h1", "t2 h2"), {"a1": "h1/roof/apex"})``
 * ``Explained`` of ``why`` and ``whynot``, ``Listing`` of ``listing``, ``Saved`` of ``save``, ``Replayed`` of ``load``
@@ -55,7 +57,10 @@ class Answers(Result):
     def blocks(self) -> tuple[Block, ...]:
         """The table of ``plogic query``."""
         rows = tuple((*_chances(a, self.stopped), a.goal) for a in self.answers)
-        return (Table("answers", (PROBABILITY, *_between(self.stopped), Column("goal")), rows), *_unfinished(self.stopped))
+        return (
+            Table("answers", (PROBABILITY, *_between(self.stopped), Column("goal")), rows),
+            *_unfinished(self.stopped),
+        )
 
 
 @dataclass(frozen=True)
@@ -79,7 +84,9 @@ class Predictions(Result):
     def blocks(self) -> tuple[Block, ...]:
         """The table of the answers, two columns of probabilities."""
         columns = (PROBABILITY, *_between(self.stopped), Column("before", right=True), Column("goal"))
-        rows = tuple((*_chances(row.now, self.stopped), _chances(row.before, self.stopped)[0], row.goal) for row in self.rows)
+        rows = tuple(
+            (*_chances(row.now, self.stopped), _chances(row.before, self.stopped)[0], row.goal) for row in self.rows
+        )
         return (Table(f"answers {_given(self.observed)}", columns, rows), *_unfinished(self.stopped))
 
 
@@ -103,8 +110,15 @@ class Observed(Result):
 
         if self.literal in self.observed:
             return (Note(f"{self.literal} is observed already"),)
-        beside = "it was certain, so that nothing changes" if self.probability == 1 else f"{self.surprise:.3g} bits of surprise"
-        return (Note(f"observed {self.literal}: its probability was {chance(self.probability)} ({beside})"), *_unfinished(self.stopped))
+        beside = (
+            "it was certain, so that nothing changes"
+            if self.probability == 1
+            else f"{self.surprise:.3g} bits of surprise"
+        )
+        return (
+            Note(f"observed {self.literal}: its probability was {chance(self.probability)} ({beside})"),
+            *_unfinished(self.stopped),
+        )
 
 
 @dataclass(frozen=True)
@@ -126,7 +140,8 @@ class Released(Result):
 class WorldRow:
     """One possible world: what ``holds`` in it; of a scene, the cause of each appearance.
 
-    Of a program, the worlds in which the queries come to the same are one row, with the most probable total choice among them.
+    Of a program, the worlds in which the queries come to the same are one row, with the most probable total choice
+    among them.
     """
 
     probability: tuple[float, float]
@@ -149,9 +164,19 @@ class Worlds(Result):
         """The table of ``plogic worlds``."""
         from plogic.face.shown.tables import interval
 
-        more = (Column("explained", right=True), Column("noise", right=True)) if self.scene else (Column("most probable choices"),)
+        more = (
+            (Column("explained", right=True), Column("noise", right=True))
+            if self.scene
+            else (Column("most probable choices"),)
+        )
         between = _between(self.stopped)
-        columns = (Column("rank", right=True), PROBABILITY, *between, Column("present" if self.scene else "holds"), *more)
+        columns = (
+            Column("rank", right=True),
+            PROBABILITY,
+            *between,
+            Column("present" if self.scene else "holds"),
+            *more,
+        )
         rows = [_world(i, row, self.stopped, scene=self.scene) for i, row in enumerate(self.worlds, 1)]
         if self.unlisted[1] > 0:
             rows.append(("", *("" for _ in between), interval(*self.unlisted), "not listed", *("" for _ in more)))
@@ -184,10 +209,18 @@ class Explained(Result):
         given = f" {_given(self.observed)}" if self.observed else ""
         first: list[Block] = [Note(head + given), *([Lines("", tuple(beside))] if beside else [])]
         if hidden:
-            sections.append([f"(its explanations, choice by choice: `{'whynot' if self.against else 'why'} 5 {self.account.goal}`)"])
+            sections.append(
+                [f"(its explanations, choice by choice: `{'whynot' if self.against else 'why'} 5 {self.account.goal}`)"]
+            )
         if not sections:
-            sections = [["there is no explanation: it holds in every world" if self.against else "there is no explanation"]]
-        return (*first, *(block for section in sections if section for block in _section(section)), *_unfinished(self.stopped))
+            sections = [
+                ["there is no explanation: it holds in every world" if self.against else "there is no explanation"]
+            ]
+        return (
+            *first,
+            *(block for section in sections if section for block in _section(section)),
+            *_unfinished(self.stopped),
+        )
 
 
 @dataclass(frozen=True)
@@ -205,7 +238,11 @@ class Listing(Result):
             return (Lines(f"% {self.title}", self.clauses),)
         rows = tuple((literal,) for literal in self.observed)
         observed = Table("observed", (Column("literal"),), rows) if rows else Note("nothing is observed")
-        return (observed, Table(self.title, (Column("name"), Column("meaning")), self.contents)) if self.contents else (observed,)
+        return (
+            (observed, Table(self.title, (Column("name"), Column("meaning")), self.contents))
+            if self.contents
+            else (observed,)
+        )
 
 
 @dataclass(frozen=True)
@@ -245,7 +282,9 @@ class Replayed(Result):
 
 def _for(account: Account) -> Account:
     """What speaks for the goal; of one that has no explanation, what lacked."""
-    return replace(account, why_not=(), covered_not=type(account.covered_not)(), misses=() if account.why else account.misses)
+    return replace(
+        account, why_not=(), covered_not=type(account.covered_not)(), misses=() if account.why else account.misses
+    )
 
 
 def _against(account: Account) -> Account:
@@ -276,7 +315,12 @@ def _world(rank: int, row: WorldRow, stopped: Stopped, *, scene: bool) -> tuple[
     from plogic.face.shown.tables import NONE, interval
 
     within = (interval(*proved(stopped, row.probability)),) if stopped else ()
-    shown = (str(rank), interval(*row.probability), *within, ", ".join(row.holds) or ("nothing known" if scene else NONE))
+    shown = (
+        str(rank),
+        interval(*row.probability),
+        *within,
+        ", ".join(row.holds) or ("nothing known" if scene else NONE),
+    )
     if not scene:
         return (*shown, ", ".join(row.choices) or NONE)
     if row.causes is None:

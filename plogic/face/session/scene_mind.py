@@ -49,7 +49,9 @@ class SceneMind(Asked):
             ranking = self._through(lambda: self._given(given).worlds(n))
         except OutsideError:
             return self._worlds_of_text(n, given, {f"present({quoted(h)})": f"{kind} {h}" for h, kind in types.items()})
-        rows = tuple(WorldRow(w.interval, tuple(f"{types[h]} {h}" for h in w.present), w.causes) for w in ranking.worlds)
+        rows = tuple(
+            WorldRow(w.interval, tuple(f"{types[h]} {h}" for h in w.present), w.causes) for w in ranking.worlds
+        )
         return rows, ranking.unlisted
 
     def _worlds_of_text(self, n: int, given: Sequence[str], names: dict[str, str]) -> Ranked:
@@ -58,8 +60,13 @@ class SceneMind(Asked):
         from plogic.scene.asking.query import subject_text
 
         text, table = subject_text(self.situation)
-        ranking = self._through(lambda: program_worlds(text, n + 1, given=given, goals=("present(H)",), names=table, limits=self.limits))
-        rows = tuple(WorldRow((w.probability, w.probability), tuple(names[goal] for goal in w.holds), None) for w in ranking.worlds[:n])
+        ranking = self._through(
+            lambda: program_worlds(text, n + 1, given=given, goals=("present(H)",), names=table, limits=self.limits)
+        )
+        rows = tuple(
+            WorldRow((w.probability, w.probability), tuple(names[goal] for goal in w.holds), None)
+            for w in ranking.worlds[:n]
+        )
         return rows, rest(rows, complete=len(ranking.worlds) <= n)
 
     def close(self) -> None:

@@ -110,12 +110,20 @@ class Session:
     def predict(self, goal: str | None = None) -> results.Predictions:
         """P(goal | everything observed) beside the P(goal) of ``ask``, most probable now first."""
         now, before = self._answers(goal, self._evidence), self._answers(goal, ())
-        return self._done("predict", goal, results.Predictions(goal, _beside(now, before, self._stopped), self._evidence, self._stopped))
+        return self._done(
+            "predict",
+            goal,
+            results.Predictions(goal, _beside(now, before, self._stopped), self._evidence, self._stopped),
+        )
 
     def worlds(self, n: int = 10) -> results.Worlds:
         """The ``n`` most probable worlds given what was observed, and the mass that is not listed."""
         rows, unlisted = self._mind.worlds(n, self._evidence)
-        return self._done("worlds", str(n), results.Worlds(rows, proved(self._stopped, unlisted), self._evidence, self._mind.scene, self._stopped))
+        return self._done(
+            "worlds",
+            str(n),
+            results.Worlds(rows, proved(self._stopped, unlisted), self._evidence, self._mind.scene, self._stopped),
+        )
 
     def why(self, goal: str, most: int | None = None) -> results.Explained:
         """The ``most`` probable explanations of the goal given what was observed, as trees down to the data.
@@ -166,7 +174,9 @@ class Session:
         path = Path(path).expanduser()
         broken = next((line for line in self._lines if not line.isprintable()), None)
         if broken is not None:
-            raise InputError(f"{path}: {broken!r} holds a line break or the like and cannot be a line of a saved session")
+            raise InputError(
+                f"{path}: {broken!r} holds a line break or the like and cannot be a line of a saved session"
+            )
         if path.is_file() and not path.read_bytes().startswith(SCRIPT.encode()):
             raise InputError(f"{path}: is there already and is no saved session; choose another name")
         write_whole(path, "\n".join([SCRIPT, *self._lines, ""]).encode())
@@ -242,6 +252,8 @@ def _beside(now: tuple[Answer, ...], before: tuple[Answer, ...], stopped: Stoppe
     earlier = {answer.goal: answer for answer in before}
     goals = [*current, *(goal for goal in earlier if goal not in current)]
     return tuple(
-        results.Prediction(goal, earlier.get(goal) or Answer(goal, 0.0, none), current.get(goal) or Answer(goal, 0.0, none))
+        results.Prediction(
+            goal, earlier.get(goal) or Answer(goal, 0.0, none), current.get(goal) or Answer(goal, 0.0, none)
+        )
         for goal in goals
     )

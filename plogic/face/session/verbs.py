@@ -49,14 +49,52 @@ def _numbered(text: str) -> tuple[str, int | None]:
 
 
 VERBS = (
-    Verb("ask", "ask [GOAL]", "P(goal), every answer, without what was observed", "goal", lambda s, t: s.ask(t or None)),
+    Verb(
+        "ask", "ask [GOAL]", "P(goal), every answer, without what was observed", "goal", lambda s, t: s.ask(t or None)
+    ),
     Verb("observe", "observe LITERAL", "add evidence; prints how probable it was", "goal", lambda s, t: s.observe(t)),
-    Verb("unobserve", "unobserve [LITERAL]", "take back one observation, or all", "observed", lambda s, t: s.unobserve(t or None)),
-    Verb("predict", "predict [GOAL]", "P(goal | everything observed), beside P(goal)", "goal", lambda s, t: s.predict(t or None)),
-    Verb("worlds", "worlds [N]", "the N most probable worlds given what was observed", "number", lambda s, t: s.worlds(_number("worlds", t, 10))),
-    Verb("why", "why [N] GOAL", "why it holds, given what was observed; N explanations", "goal", lambda s, t: s.why(*_numbered(t))),
-    Verb("whynot", "whynot [N] GOAL", "why it does not hold; N explanations", "goal", lambda s, t: s.whynot(*_numbered(t))),
-    Verb("listing", "listing [NAME]", "what was observed; or the clauses of a predicate or a layer", "predicate", lambda s, t: s.listing(t or None)),
+    Verb(
+        "unobserve",
+        "unobserve [LITERAL]",
+        "take back one observation, or all",
+        "observed",
+        lambda s, t: s.unobserve(t or None),
+    ),
+    Verb(
+        "predict",
+        "predict [GOAL]",
+        "P(goal | everything observed), beside P(goal)",
+        "goal",
+        lambda s, t: s.predict(t or None),
+    ),
+    Verb(
+        "worlds",
+        "worlds [N]",
+        "the N most probable worlds given what was observed",
+        "number",
+        lambda s, t: s.worlds(_number("worlds", t, 10)),
+    ),
+    Verb(
+        "why",
+        "why [N] GOAL",
+        "why it holds, given what was observed; N explanations",
+        "goal",
+        lambda s, t: s.why(*_numbered(t)),
+    ),
+    Verb(
+        "whynot",
+        "whynot [N] GOAL",
+        "why it does not hold; N explanations",
+        "goal",
+        lambda s, t: s.whynot(*_numbered(t)),
+    ),
+    Verb(
+        "listing",
+        "listing [NAME]",
+        "what was observed; or the clauses of a predicate or a layer",
+        "predicate",
+        lambda s, t: s.listing(t or None),
+    ),
     Verb("save", "save FILE", "write the session's lines to a file", "file", lambda s, t: s.save(t)),
     Verb("load", "load FILE", "do the lines of a saved session", "file", lambda s, t: s.load(t)),
     Verb("help", "help [VERB]", "this table, or what a verb or a predicate means", "verb"),

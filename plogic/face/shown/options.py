@@ -13,9 +13,13 @@ MODES = click.Choice(["to_B", "drop", "reassign"])
 INTERPRETATION = click.argument("interpretation", metavar="INTERPRETATION")
 SOURCE = click.argument("source", metavar="INTERPRETATION|PROGRAM.pl")
 GIVEN = click.option("--given", multiple=True, metavar="EVIDENCE", help="A literal that is observed; may be repeated.")
-READING = click.option("--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own).")
+READING = click.option(
+    "--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own)."
+)
 TRUST = click.option(
-    "--trust", is_flag=True, help="Lift the allow-list from a program of your own: it may then run Python and read files."
+    "--trust",
+    is_flag=True,
+    help="Lift the allow-list from a program of your own: it may then run Python and read files.",
 )
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="One versioned JSON document on stdout.")
 

@@ -7,8 +7,8 @@ eyes); a strip below explains the marks.
 
 Where an accepted type is learnt, or Γ has more than ``MANY`` appearances, the same four cases are drawn as dots: a
 filled dot found, a hollow one missed, a small square unexpected, nothing where neither; and appearances that nothing
-claims, thousands in a photo, are left out. Of the sides of edges a found one is a stroke along its edge with a tick towards
-its side, and a missed one, of which no angle is known, a small cross.
+claims, thousands in a photo, are left out. Of the sides of edges a found one is a stroke along its edge with a tick
+towards its side, and a missed one, of which no angle is known, a small cross.
 """
 
 from __future__ import annotations
@@ -81,7 +81,9 @@ def overlay(document: dict[str, Any], image: NDArray[np.uint8] | None) -> NDArra
 def crowded(document: dict[str, Any]) -> bool:
     """Whether full marks would cover the picture: an accepted type is learnt, or Γ is a photo's."""
     accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
-    return len(document.get("appearances", [])) > MANY or any(f.get("stands_for", 1) > 1 for h in accepted for f in h.get("features", []))
+    return len(document.get("appearances", [])) > MANY or any(
+        f.get("stands_for", 1) > 1 for h in accepted for f in h.get("features", [])
+    )
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,9 @@ class Sides:
 
 def sides_of(document: dict[str, Any]) -> Sides:
     """Of SIFT's appearances those that have an angle and no scale."""
-    rows = [a for a in document.get("appearances", []) if a.get("detector") == "sift" and "angle" in a and "scale" not in a]
+    rows = [
+        a for a in document.get("appearances", []) if a.get("detector") == "sift" and "angle" in a and "scale" not in a
+    ]
     return Sides({a["id"]: a["angle"] for a in rows}, frozenset(a["type"] for a in rows))
 
 
@@ -202,10 +206,14 @@ def _chance(h: dict[str, Any]) -> str:
     return "" if p is None else f" {'>0.999' if 0.9995 < p < 1 else f'{p:.3f}'}"
 
 
-def _legend(width: int, accepted: list[dict[str, Any]], kinds: list[str], sides: Sides | None = None) -> NDArray[np.uint8]:
+def _legend(
+    width: int, accepted: list[dict[str, Any]], kinds: list[str], sides: Sides | None = None
+) -> NDArray[np.uint8]:
     """Return the strip (lines, width, 3) that explains colours, cases and signs; it wraps. ``sides``: of the small marks of many features."""
     entries = _case_entries(accepted, sides)
-    entries += [(f"{_name(h)}{'' if sides is None else _chance(h)}", _swatch(colour_of(i))) for i, h in enumerate(accepted)]
+    entries += [
+        (f"{_name(h)}{'' if sides is None else _chance(h)}", _swatch(colour_of(i))) for i, h in enumerate(accepted)
+    ]
     entries += [(k.replace("_", " "), partial(Pencil.sign, kind=k, kinds=kinds)) for k in kinds]
     strip = np.full((LINE * (3 + len(entries)), width, 3), 34, np.uint8)
     pencil, x, y = Pencil(strip, 1), 14.0, 12 + LINE / 2

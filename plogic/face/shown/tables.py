@@ -24,7 +24,9 @@ def chance(p: float | None) -> str:
         return NONE
     if 0 < p < 0.0005:
         return "<0.001"
-    return ">0.999" if 0.9995 < p < 1 else f"{float(f'{p:.12g}'):.3f}"  # so that noise in the last digits decides no tie
+    return (
+        ">0.999" if 0.9995 < p < 1 else f"{float(f'{p:.12g}'):.3f}"
+    )  # so that noise in the last digits decides no tie
 
 
 def signed(value: float | None) -> str:
@@ -38,7 +40,14 @@ def worlds(document: dict[str, Any], limit: int = 10) -> Table:
     listed = document.get("worlds", [])
     bounded = any("interval" in world for world in listed[:limit])
     between = [("interval", "right")] * bounded
-    columns = [("rank", "right"), ("probability", "right"), *between, ("present", "left"), ("explained", "right"), ("noise", "right")]
+    columns = [
+        ("rank", "right"),
+        ("probability", "right"),
+        *between,
+        ("present", "left"),
+        ("explained", "right"),
+        ("noise", "right"),
+    ]
     table = _table("possible worlds", *columns)
     data = [a["id"] for a in document.get("appearances", [])] if document.get("causes_else") == "noise" else []
     for i, world in enumerate(listed[:limit], 1):

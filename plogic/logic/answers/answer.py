@@ -69,9 +69,17 @@ def grouped(request: Request, found: Ground, values: Iterable[Any]) -> list[list
 def _answers(results: dict[Term, tuple[Any, Any]], head: Term, goal: Any, names: Names | None) -> list[tuple[str, Any]]:  # noqa: ANN401
     """Each substitution of the goal with its value; a ground goal has exactly one."""
     named = variables(goal)
-    found = [(term, value) for term, (value, literal) in results.items() if term.functor == head.functor and (not named or literal is not None)]
+    found = [
+        (term, value)
+        for term, (value, literal) in results.items()
+        if term.functor == head.functor and (not named or literal is not None)
+    ]
     if named:
-        found = [(term, value) for term, value in found if value != 0 and not any(a is None or isinstance(a, int) for a in term.args)]
+        found = [
+            (term, value)
+            for term, value in found
+            if value != 0 and not any(a is None or isinstance(a, int) for a in term.args)
+        ]
     return [(shown(_bound(goal, dict(zip(named, term.args, strict=True))), names), value) for term, value in found]
 
 

@@ -1,6 +1,7 @@
 """Answers by a deadline: exact if the compiler is ready in time, else the intervals that are known by then.
 
-The compiler works in a thread (its own process does the work); meanwhile the bounds are refined, and told more and more rarely.
+The compiler works in a thread (its own process does the work); meanwhile the bounds are refined, and told more and more
+rarely.
 """
 
 from __future__ import annotations
@@ -54,7 +55,12 @@ def answers_by(document: dict[str, Any], tell: Callable[[dict[str, Any]], None])
     found = ground(request)
 
     def partly(intervals: list[tuple[float, float]]) -> None:
-        tell({"answers": [[[goal, *pair] for goal, pair in goals] for goals in grouped(request, found, intervals)], "partial": True})
+        tell(
+            {
+                "answers": [[[goal, *pair] for goal, pair in goals] for goals in grouped(request, found, intervals)],
+                "partial": True,
+            }
+        )
 
     partly([(0.0, 1.0)] * len(found.asked))
     program = _meanwhile(found, partly)

@@ -1,8 +1,9 @@
 """A compiled program as independent factors, and each factor's states, best first.
 
-A *state* says which of a factor's query atoms hold. The search decides one atom after the other; what it goes by is the circuit itself, with
-the greatest instead of the sum wherever the branches of an OR differ in a query atom. That is never less than the weight of any completion, and
-equal to it once all atoms are decided; so the first complete state that comes up is the best (A*).
+A *state* says which of a factor's query atoms hold. The search decides one atom after the other; what it goes by is the
+circuit itself, with the greatest instead of the sum wherever the branches of an OR differ in a query atom. That is
+never less than the weight of any completion, and equal to it once all atoms are decided; so the first complete state
+that comes up is the best (A*).
 """
 
 from __future__ import annotations
@@ -42,8 +43,8 @@ def bucket(log_weight: float) -> float:
 class Factor:
     """A part of the circuit that shares no variable with any other.
 
-    ``variables``: the query atoms in it, in the order in which they were asked; ``alone``: log weights of its leaves, ``(leaves,)``;
-    ``total``: log weight of all its states together.
+    ``variables``: the query atoms in it, in the order in which they were asked; ``alone``: log weights of its leaves,
+    ``(leaves,)``; ``total``: log weight of all its states together.
     """
 
     variables: tuple[int, ...]
@@ -76,7 +77,9 @@ class Factor:
         leaves = np.repeat(self.alone[:, np.newaxis], len(decided), axis=1)
         for column, marks in enumerate(decided):
             excluded = [-v if mark == 0 else v for v, mark in zip(self.variables, marks, strict=False)]
-            leaves[[self.circuit.place[literal] for literal in excluded if literal in self.circuit.place], column] = -np.inf
+            leaves[
+                [self.circuit.place[literal] for literal in excluded if literal in self.circuit.place], column
+            ] = -np.inf
         return self.circuit.up(leaves, most=most)
 
 

@@ -1,7 +1,8 @@
 """Anytime bounds: intervals that contain P(query | evidence) whenever one asks, and shrink while alternatives are decided best first.
 
-A partial decision with what is certain under it says of its mass: the query and the evidence hold, the query fails under the evidence, the
-evidence fails, or all is open. From the masses that are certain, and those that are possible, follows the interval; rounding widens it.
+A partial decision with what is certain under it says of its mass: the query and the evidence hold, the query fails
+under the evidence, the evidence fails, or all is open. From the masses that are certain, and those that are possible,
+follows the interval; rounding widens it.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ class _Open:
 class Bounds:
     """``intervals`` at any time; ``refine`` takes the most probable open decisions further, until ``done``.
 
-    ``certain``, ``possible``: masses of (query holds and evidence, query fails and evidence), ``(2, queries)``; ``sums``: additions so far.
+    ``certain``, ``possible``: masses of (query holds and evidence, query fails and evidence), ``(2, queries)``;
+    ``sums``: additions so far.
     """
 
     def __init__(self, ground: Ground) -> None:
@@ -105,6 +107,9 @@ class Bounds:
     def _queries(self, certain: Bools) -> tuple[Bools, Bools]:
         """Whether each certainly holds, or fails, ``(queries, columns)``."""
         never = np.zeros(certain.shape[1], dtype=bool)
-        sides = [(never, ~never) if q is None else (~never, never) if q == TRUE else (certain[q], certain[-q]) for q in self.queries]
+        sides = [
+            (never, ~never) if q is None else (~never, never) if q == TRUE else (certain[q], certain[-q])
+            for q in self.queries
+        ]
         both = np.array(sides, dtype=bool).reshape(len(sides), 2, certain.shape[1])
         return both[:, 0], both[:, 1]

@@ -1,7 +1,8 @@
 """The possible worlds of a program, most probable first, grouped by what its queries come to (in the child process).
 
-A possible world is a total choice. Worlds in which the same query atoms hold are told as one, with their probability together and the most
-probable total choice among them: of the choices that the queries and the evidence depend on, every other being free.
+A possible world is a total choice. Worlds in which the same query atoms hold are told as one, with their probability
+together and the most probable total choice among them: of the choices that the queries and the evidence depend on,
+every other being free.
 """
 
 from __future__ import annotations
@@ -42,7 +43,11 @@ def ranked(document: dict[str, Any], tell: Callable[[Reply], None] | None = None
     """
     request, program = prepared(document, ask_something=True)
     found = program.ground
-    texts = [(text, found.asked[i][1]) for goals in grouped(request, found, range(1, len(found.asked) + 1)) for text, i in _numbered(goals)]
+    texts = [
+        (text, found.asked[i][1])
+        for goals in grouped(request, found, range(1, len(found.asked) + 1))
+        for text, i in _numbered(goals)
+    ]
     worlds = _Worlds(program, texts, _choice_names(request, program))
     rows: list[Reply] = []
     log_evidence = float(program.log_mass([()])[0])
@@ -72,7 +77,9 @@ class _Worlds:
         self.places = [_places(factor, [lit for _, lit in texts]) for factor in self.deciding]
         fixed = [v if value else -v for v, value in program.residue.fixed.items()]
         self.settled = {*fixed, *(literal for factor in factors if not factor.variables for literal in factor.best(()))}
-        self.alternatives = [(a.variables, names_of) for a, names_of in zip(program.ground.alternatives, names, strict=True)]
+        self.alternatives = [
+            (a.variables, names_of) for a, names_of in zip(program.ground.alternatives, names, strict=True)
+        ]
         self.completions: dict[tuple[int, State], list[int]] = {}
 
     def ranked(self, number: int) -> Iterator[Reply]:
@@ -113,15 +120,21 @@ class _Worlds:
 def _choice_names(request: Request, program: Compiled) -> list[list[str]]:
     """The choices of each alternative as users write them; where the head alone does not tell which choice it is, with its line.
 
-    It does not where two choices have the same head, or where another clause can give it too: then it may hold though the choice fell
-    otherwise.
+    It does not where two choices have the same head, or where another clause can give it too: then it may hold though
+    the choice fell otherwise.
     """
     terms = [[name() for name in alternative.names] for alternative in program.ground.alternatives]
     texts = [[shown(term, request.names) for term in of_one] for of_one in terms]
     count = Counter(text for of_one in texts for text in of_one)
     clauses = [(s, {head.signature for head in heads(s)}) for s in request.statements]
     ways = Counter(signature for _, signatures in clauses for signature in signatures)
-    by_rules = {n for s, signatures in clauses if isinstance(s, (Clause, AnnotatedDisjunction)) for n in signatures if ways[n] > 1}
+    by_rules = {
+        n
+        for s, signatures in clauses
+        if isinstance(s, (Clause, AnnotatedDisjunction))
+        for n in signatures
+        if ways[n] > 1
+    }
 
     def told(text: str, term: Any) -> str:  # noqa: ANN401 - a term of ProbLog's
         line = line_of(request, term) if count[text] > 1 or term.signature in by_rules else None
@@ -136,7 +149,9 @@ def _places(factor: Factor, literals: list[Literal]) -> list[tuple[int, int, boo
     return [(place, order[abs(lit)], lit > 0) for place, lit in enumerate(literals) if lit and abs(lit) in order]
 
 
-def _ties(worlds: Iterator[tuple[float, tuple[State, ...]]], number: int) -> Iterator[list[tuple[float, tuple[State, ...]]]]:
+def _ties(
+    worlds: Iterator[tuple[float, tuple[State, ...]]], number: int
+) -> Iterator[list[tuple[float, tuple[State, ...]]]]:
     """The worlds in runs of equal probability, cut where they are too long to be put into order."""
     run: list[tuple[float, tuple[State, ...]]] = []
     for world in worlds:

@@ -42,7 +42,8 @@ class Truth:
     def certain(self, decided: Ints) -> Bools:
         """``certain[literal, column]``: the literal holds whatever the open alternatives come to; ``(2 size + 1, columns)``.
 
-        ``decided``: outcome of each alternative, or OPEN, ``(alternatives, columns)``. Negative literals count from the end.
+        ``decided``: outcome of each alternative, or OPEN, ``(alternatives, columns)``. Negative literals count from the
+        end.
         """
         certain = np.zeros((2 * self.size + 1, decided.shape[1]), dtype=bool)
         certain[0] = True

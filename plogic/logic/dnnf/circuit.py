@@ -1,9 +1,10 @@
 """An arithmetic circuit: a smooth d-DNNF as levels of numpy arrays, evaluated in log space.
 
-One upward pass weighs any number of assignments at once (columns); one downward pass then gives the probability of every node, so of every
-query, given the evidence. Upwards are logarithms, so nothing underflows: every label counts that ProbLog's parser keeps (it rounds numbers to
-15 decimals), and evidence may be as improbable as it likes. Stock ProbLog turns labels below 1e-9 into 0 and refuses evidence below 1e-12:
-there our numbers are those that the text means. Downwards are probabilities given the evidence, plain floats: below 1e-308 they are 0.
+One upward pass weighs any number of assignments at once (columns); one downward pass then gives the probability of
+every node, so of every query, given the evidence. Upwards are logarithms, so nothing underflows: every label counts
+that ProbLog's parser keeps (it rounds numbers to 15 decimals), and evidence may be as improbable as it likes. Stock
+ProbLog turns labels below 1e-9 into 0 and refuses evidence below 1e-12: there our numbers are those that the text
+means. Downwards are probabilities given the evidence, plain floats: below 1e-308 they are 0.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ Ints = NDArray[np.int64]
 class Level:
     """The gates of one kind in one level: nodes ``start`` to ``stop``, the children of the i-th from ``first[i]`` on in ``children``.
 
-    ``owner[j]``: the gate, from 0, whose child ``children[j]`` is; ``targets[target[j]]`` is ``children[j]``, each node once in ``targets``.
+    ``owner[j]``: the gate, from 0, whose child ``children[j]`` is; ``targets[target[j]]`` is ``children[j]``, each node
+    once in ``targets``.
     """
 
     kind: int
@@ -48,7 +50,8 @@ class Level:
 class Circuit:
     """``literals``: the leaves' literals in the order of their nodes, which come first; then each level's gates.
 
-    ``place``: literal → its leaf. ``levels`` from the leaves up; the root is the last node. ``number``: node of the d-DNNF → node here.
+    ``place``: literal → its leaf. ``levels`` from the leaves up; the root is the last node. ``number``: node of the
+    d-DNNF → node here.
     """
 
     size: int
@@ -83,7 +86,9 @@ class Circuit:
             if level.kind != AND:
                 above = values[level.start : level.stop][level.owner]
                 below = values[level.children]
-                given = given * np.exp(np.where(np.isneginf(below), -np.inf, below - np.where(np.isneginf(above), 0.0, above)))
+                given = given * np.exp(
+                    np.where(np.isneginf(below), -np.inf, below - np.where(np.isneginf(above), 0.0, above))
+                )
             flow[level.targets] += np.bincount(level.target, given)
         return flow
 
@@ -145,4 +150,6 @@ def _level(nnf: Nnf, kind: int, gates: list[int], number: dict[int, int]) -> Lev
     start = number[gates[0]]
     first = np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.int64)
     targets, target = np.unique(children, return_inverse=True)
-    return Level(kind, start, start + len(gates), children, first, np.repeat(np.arange(len(gates)), counts), targets, target)
+    return Level(
+        kind, start, start + len(gates), children, first, np.repeat(np.arange(len(gates)), counts), targets, target
+    )

@@ -28,8 +28,9 @@ Clause = tuple[int, ...]
 class Residue:
     """``fixed``: variable → value; ``modules``: what needs no compiler; ``components``: other clauses, that share no variable with another's.
 
-    ``log_weight``: variable → (log weight where true, where false), 0 for what is derived; finite for every variable that is not fixed.
-    ``rest``: index of an alternative → the variable that stands for none of its choices. ``size``: number of variables, those included.
+    ``log_weight``: variable → (log weight where true, where false), 0 for what is derived; finite for every variable
+    that is not fixed. ``rest``: index of an alternative → the variable that stands for none of its choices. ``size``:
+    number of variables, those included.
     """
 
     size: int
@@ -66,7 +67,12 @@ def _open_gates(ground: Ground, fixed: dict[int, bool]) -> Iterator[tuple[int, t
         gate = ground.gates[variable]
         sign = 1 if gate.kind == "or" else -1
         children = gate.folded()
-        yield sign * variable, tuple(dict.fromkeys(sign * c for c in children if abs(c) not in fixed)) if isinstance(children, tuple) else ()
+        yield (
+            sign * variable,
+            tuple(dict.fromkeys(sign * c for c in children if abs(c) not in fixed))
+            if isinstance(children, tuple)
+            else (),
+        )
 
 
 def _completion(variable: int, gate: Gate) -> Iterator[Clause]:
@@ -80,7 +86,9 @@ def _completion(variable: int, gate: Gate) -> Iterator[Clause]:
     yield from ((-sign * variable, sign * child) for child in children)
 
 
-def _choices(ground: Ground, clauses: list[Clause], weight: dict[int, tuple[float, float]], rest: dict[int, int]) -> int:
+def _choices(
+    ground: Ground, clauses: list[Clause], weight: dict[int, tuple[float, float]], rest: dict[int, int]
+) -> int:
     """Adds the alternatives' clauses and weights; the number of variables. What has probability 0 is fixed by a clause of its own."""
     size = ground.size
     for index, alternative in enumerate(ground.alternatives):
@@ -131,7 +139,9 @@ def _propagate(size: int, clauses: list[Clause]) -> tuple[dict[int, bool], dict[
         return None
     value = watch.value
     fixed = {v: bool(value[v]) for v in range(1, size + 1) if value[v] or value[-v]}
-    left = {i: tuple(lit for lit in clause if not value[-lit]) for i, clause in enumerate(clauses) if not watch.satisfied[i]}
+    left = {
+        i: tuple(lit for lit in clause if not value[-lit]) for i, clause in enumerate(clauses) if not watch.satisfied[i]
+    }
     return fixed, left
 
 

@@ -62,7 +62,9 @@ class Compiled:
         return leaves
 
     def _contradicted(self, condition: Sequence[Literal]) -> bool:
-        return any(self.known(literal) is False for literal in condition) or any(-lit in condition for lit in condition if lit)
+        return any(self.known(literal) is False for literal in condition) or any(
+            -lit in condition for lit in condition if lit
+        )
 
     def known(self, literal: Literal) -> bool | None:
         """Whether a literal is true in every world, in none (False), or open (None)."""
@@ -102,10 +104,14 @@ def compiled(ground: Ground) -> Compiled:
     base = sum(left.log_weight[v][0 if value else 1] for v, value in left.fixed.items() if v in left.log_weight)
     program = Compiled(ground, left, circuit, nnf, _weights(left, circuit), base)
     if float(program.log_mass([()])[0]) > 1e-9 * (1 + len(left.log_weight)):
-        raise LimitError("the compiler returned a formula that does not represent the program: its evidence would be more than certain")
+        raise LimitError(
+            "the compiler returned a formula that does not represent the program: its evidence would be more than certain"
+        )
     return program
 
 
 def _weights(left: Residue, circuit: Circuit | None) -> Floats:
     literals = [] if circuit is None else circuit.literals.tolist()
-    return np.array([left.log_weight.get(abs(lit), (0.0, 0.0))[0 if lit > 0 else 1] for lit in literals], dtype=np.float64)
+    return np.array(
+        [left.log_weight.get(abs(lit), (0.0, 0.0))[0 if lit > 0 else 1] for lit in literals], dtype=np.float64
+    )

@@ -67,7 +67,9 @@ def _numbers(bundle: list[tuple[Clause, ...]]) -> list[int]:
 def _dimacs(bundle: list[tuple[Clause, ...]]) -> str:
     place = {v: i for i, v in enumerate(_numbers(bundle))}
     place |= {-v: -i for v, i in place.items()}
-    lines = [" ".join([*(str(place[literal]) for literal in clause), "0"]) for component in bundle for clause in component]
+    lines = [
+        " ".join([*(str(place[literal]) for literal in clause), "0"]) for component in bundle for clause in component
+    ]
     return "\n".join([f"p cnf {len(place) // 2} {len(lines)}", *lines, ""])
 
 
@@ -136,7 +138,9 @@ def _by_sdd(nnf: Nnf, component: tuple[Clause, ...]) -> int:
         if sdd.is_literal():
             return nnf.literal(numbers[sdd.literal] if sdd.literal > 0 else -numbers[-sdd.literal])
         if sdd.id not in made:
-            made[sdd.id] = nnf.disjunction([nnf.conjunction((node_of(prime), node_of(sub))) for prime, sub in sdd.elements()])
+            made[sdd.id] = nnf.disjunction(
+                [nnf.conjunction((node_of(prime), node_of(sub))) for prime, sub in sdd.elements()]
+            )
         return made[sdd.id]
 
     found = node_of(root)

@@ -1,8 +1,8 @@
 """Parts of a ground program that need no compiler: gates whose inputs nothing else uses, down to the choices.
 
-Such a *module* is a tree, so its d-DNNF follows from it, in as many nodes as it has inputs; a compiler's, being made smooth, would grow with
-their square. What is left for the compiler sees a module as one free variable. A gate (or a clause that the evidence leaves) only some of whose
-inputs are its own gets them as one new input.
+Such a *module* is a tree, so its d-DNNF follows from it, in as many nodes as it has inputs; a compiler's, being made
+smooth, would grow with their square. What is left for the compiler sees a module as one free variable. A gate (or a
+clause that the evidence leaves) only some of whose inputs are its own gets them as one new input.
 """
 
 from __future__ import annotations

@@ -53,7 +53,8 @@ class Formula:
 def fails(literals: tuple[int, ...]) -> bool:
     """Whether a conjunction is false where ProbLog sees that: its last literal, and the last that differs from it, are opposites.
 
-    Any other contradiction is a gate that never holds, so that an answer is listed with probability 0 where ProbLog lists it.
+    Any other contradiction is a gate that never holds, so that an answer is listed with probability 0 where ProbLog
+    lists it.
     """
     differing = next((literal for literal in reversed(literals) if literal != literals[-1]), None)
     return differing is not None and differing == -literals[-1]

@@ -4,7 +4,8 @@ ProbLog grounds; from here on nothing of ProbLog is needed. Vocabulary:
 
 * a *variable* is a number from 1; a *literal* is a variable or its negative; ``TRUE`` and ``FALSE`` stand for constants
 * ``Gate("and", (3, -5))``, one per derived variable
-* ``Alternative((1, 2), (0.3, 0.5), rest=0.2)``: at most one of its variables is true, none of them with probability ``rest``
+* ``Alternative((1, 2), (0.3, 0.5), rest=0.2)``: at most one of its variables is true, none of them with probability
+  ``rest``
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ FALSE = None
 Literal = int | None
 """A variable (positive), its negation (negative), TRUE or FALSE: the keys of ProbLog's formulas."""
 SLACK = 1e-10
-"""An annotated disjunction whose written probabilities come this near to 1 leaves nothing out (ProbLog's own tolerance of rounding)."""
+"""An annotated disjunction whose written probabilities come this near to 1 leaves nothing out (ProbLog's own tolerance
+of rounding)."""
 
 
 class Gate(NamedTuple):
@@ -71,8 +73,8 @@ class Ground:
     """A ground program.
 
     ``size``: number of variables; ``gates``: derived variable → its gate; ``asked``: name and literal of each query, in
-    the order of the program; ``observed``: literals that the evidence makes true. Variables in neither ``gates`` nor ``alternatives``
-    are free: they weigh 1 either way.
+    the order of the program; ``observed``: literals that the evidence makes true. Variables in neither ``gates`` nor
+    ``alternatives`` are free: they weigh 1 either way.
     """
 
     size: int
@@ -99,8 +101,8 @@ class NamedFormula(LogicFormula):  # type: ignore[misc]
 def ground_of(formula: LogicFormula) -> Ground:
     """What the queries and the evidence of ProbLog's formula depend on.
 
-    Raises ProbLog's InconsistentEvidenceError where evidence is a constant that contradicts it, InvalidValue for labels that are no
-    probabilities.
+    Raises ProbLog's InconsistentEvidenceError where evidence is a constant that contradicts it, InvalidValue for labels
+    that are no probabilities.
     """
     observed = [(name, key if sign > 0 else formula.negate(key)) for name, key, sign in formula.evidence_all() if sign]
     asked = [(name, key) for name, key, _ in formula.labeled()]
@@ -112,7 +114,9 @@ def ground_of(formula: LogicFormula) -> Ground:
     return found
 
 
-def ground_from(node: Callable[[int], Node], asked: Iterable[tuple[Term, Literal]], observed: Iterable[tuple[Any, Literal]]) -> Ground | None:
+def ground_from(
+    node: Callable[[int], Node], asked: Iterable[tuple[Term, Literal]], observed: Iterable[tuple[Any, Literal]]
+) -> Ground | None:
     """The nodes under what is asked and observed, numbered anew, children before parents; None if they are cyclic."""
     asked, observed = list(asked), list(observed)
     impossible = next((name for name, literal in observed if literal is FALSE), None)
@@ -126,11 +130,17 @@ def ground_from(node: Callable[[int], Node], asked: Iterable[tuple[Term, Literal
     def literal_of(key: Literal) -> Literal:
         return key if not key else number[key] if key > 0 else -number[-key]
 
-    gates = {number[i]: Gate(n.kind, tuple(literal_of(c) for c in n.children)) for i, n in nodes.items() if isinstance(n, Gate)}
+    gates = {
+        number[i]: Gate(n.kind, tuple(literal_of(c) for c in n.children))
+        for i, n in nodes.items()
+        if isinstance(n, Gate)
+    }
     choices = [(number[i], n) for i, n in nodes.items() if isinstance(n, Choice)]
     evidence = tuple(dict.fromkeys(lit for lit in (literal_of(key) for _, key in observed) if lit))
     gates = {variable: gate for variable, gate in gates.items() if gate.kind != "free"}
-    return Ground(len(nodes), gates, _alternatives(choices), tuple((name, literal_of(key)) for name, key in asked), evidence)
+    return Ground(
+        len(nodes), gates, _alternatives(choices), tuple((name, literal_of(key)) for name, key in asked), evidence
+    )
 
 
 def _children_first(node: Callable[[int], Node], roots: Iterable[int]) -> dict[int, Node] | None:
@@ -169,7 +179,11 @@ def _converted(formula: LogicFormula, i: int) -> Node:
     if gate is not None:
         return gate
     name = content.name
-    head = name.args[2] if name is not None and name.functor == "choice" and len(name.args) > 2 else _placed(name, content, formula.database)
+    head = (
+        name.args[2]
+        if name is not None and name.functor == "choice" and len(name.args) > 2
+        else _placed(name, content, formula.database)
+    )
     group = i if content.group is None else ("group", content.group)
     return Choice(share_of(content.probability, head), group, lambda: head)
 
@@ -177,7 +191,13 @@ def _converted(formula: LogicFormula, i: int) -> Node:
 def _placed(name: Any, content: Any, database: Any) -> Any:  # noqa: ANN401 - ProbLog's
     """The name of a fact with the place where it stands."""
     number = content.identifier
-    if name is None or database is None or name.location is not None or not isinstance(number, int) or not 0 <= number < len(database):
+    if (
+        name is None
+        or database is None
+        or name.location is not None
+        or not isinstance(number, int)
+        or not 0 <= number < len(database)
+    ):
         return name
     return Term(name.functor, *name.args, location=getattr(database.get_node(number), "location", None))
 
@@ -193,12 +213,19 @@ def _alternative(members: list[tuple[int, Choice]]) -> Alternative:
     shares = tuple(choice.share for _, choice in members)
     rest = 1.0 - math.fsum(shares)
     if rest < -1e-12:
-        place = next((name.location for name in (choice.name() for _, choice in members) if getattr(name, "location", None)), None)
+        place = next(
+            (name.location for name in (choice.name() for _, choice in members) if getattr(name, "location", None)),
+            None,
+        )
         total = f"{math.fsum(shares):.12g}"
-        raise InvalidValue(f"the probabilities of an annotated disjunction add up to {total}: they must not exceed 1", location=place)
+        raise InvalidValue(
+            f"the probabilities of an annotated disjunction add up to {total}: they must not exceed 1", location=place
+        )
     if len(members) > 1 and rest < SLACK:
         rest = 0.0
-    return Alternative(tuple(variable for variable, _ in members), shares, max(rest, 0.0), tuple(choice.name for _, choice in members))
+    return Alternative(
+        tuple(variable for variable, _ in members), shares, max(rest, 0.0), tuple(choice.name for _, choice in members)
+    )
 
 
 def share_of(label: Any, head: Any = None) -> float:  # noqa: ANN401 - terms of ProbLog's

@@ -1,9 +1,10 @@
 """Grounding of plain programs: calls are answered from a table, top down, and every answer has its literal in the ground formula.
 
-It knows rules, negation, disjunction, comparison, arithmetic, probabilistic clauses and annotated disjunctions, as long as no call depends
-on itself and answers are ground. Anything else raises UnsupportedError before anything is told: then ProbLog's own engine grounds the program
-(``load``), which is the definition of what is right; what both ground, they ground to the same probabilities. Being without messages between
-nodes of an evaluation stack, this is ten times faster and more on the programs of scenes.
+It knows rules, negation, disjunction, comparison, arithmetic, probabilistic clauses and annotated disjunctions, as long
+as no call depends on itself and answers are ground. Anything else raises UnsupportedError before anything is told: then
+ProbLog's own engine grounds the program (``load``), which is the definition of what is right; what both ground, they
+ground to the same probabilities. Being without messages between nodes of an evaluation stack, this is ten times faster
+and more on the programs of scenes.
 """
 
 from __future__ import annotations
@@ -45,7 +46,8 @@ class Grounder:
     def instances(self, goal: Any, *, or_none: bool) -> list[tuple[Any, Literal]]:  # noqa: ANN401 - a term of ProbLog's
         """Each instance of a goal, a term of ProbLog's, with its literal.
 
-        A ground goal without one is its own instance and false; with variables there is then none, which is unsupported unless ``or_none``.
+        A ground goal without one is its own instance and false; with variables there is then none, which is unsupported
+        unless ``or_none``.
         """
         if isinstance(goal, (Var, Constant, And, Or, Not)) or not isinstance(goal, Term):
             raise UnsupportedError
@@ -58,7 +60,9 @@ class Grounder:
         fitting = [answer for answer in answers if _fits(arguments, answer[0], [None] * variables.count)]
         if not fitting and not or_none:
             raise UnsupportedError
-        return [(goal.with_args(*(self.reader.problog_term(a) for a in answer)), literal) for answer, literal in fitting]
+        return [
+            (goal.with_args(*(self.reader.problog_term(a) for a in answer)), literal) for answer, literal in fitting
+        ]
 
     def solve(self, signature: Signature, arguments: tuple[Small, ...]) -> Answers:
         """Ground instances of a call, each with its literal, in the order of their first proofs, and maybe more: the caller compares."""
@@ -85,7 +89,9 @@ class Grounder:
         proofs: dict[tuple[Small, ...], list[Literal]] = {}
         for rule in rules:
             environment: Environment = [None] * rule.size
-            if all(_meets(head, argument, environment) for head, argument in zip(rule.arguments, arguments, strict=True)):
+            if all(
+                _meets(head, argument, environment) for head, argument in zip(rule.arguments, arguments, strict=True)
+            ):
                 for bound, literals in self.prove(rule.goals, environment, ()):
                     literal = self._chosen(rule, bound, literals)
                     proofs.setdefault(tuple(_ground(a, bound) for a in rule.arguments), []).append(literal)
@@ -105,9 +111,15 @@ class Grounder:
 
     def _namer(self, rule: Rule, environment: Environment) -> Callable[[], Any]:
         """Makes the choice's name, its head, when it is wanted."""
-        return lambda: Term(rule.functor, *(self.reader.problog_term(_ground(a, environment)) for a in rule.arguments), location=rule.place)
+        return lambda: Term(
+            rule.functor,
+            *(self.reader.problog_term(_ground(a, environment)) for a in rule.arguments),
+            location=rule.place,
+        )
 
-    def prove(self, goals: tuple[Goal, ...], environment: Environment, literals: tuple[int, ...]) -> Iterator[tuple[Environment, tuple[int, ...]]]:
+    def prove(
+        self, goals: tuple[Goal, ...], environment: Environment, literals: tuple[int, ...]
+    ) -> Iterator[tuple[Environment, tuple[int, ...]]]:
         """Each way in which the goals hold: what their variables are bound to, and the literals that it takes."""
         if not goals:
             yield environment, literals
@@ -221,7 +233,9 @@ def _meets(head: Small, argument: Small, environment: Environment) -> bool:
     if isinstance(argument, int):
         return True
     if isinstance(head, tuple) and head[0] and isinstance(argument, tuple) and len(head) == len(argument):
-        return bool(head[0] == argument[0]) and all(_meets(h, a, environment) for h, a in zip(head[1:], argument[1:], strict=True))
+        return bool(head[0] == argument[0]) and all(
+            _meets(h, a, environment) for h, a in zip(head[1:], argument[1:], strict=True)
+        )
     return bool(head == argument)
 
 
@@ -234,7 +248,13 @@ def _fits(pattern: Small, answer: Small, environment: Environment) -> bool:
             elif environment[wanted] != given:
                 return False
         elif wanted != given and (
-            not (isinstance(wanted, tuple) and isinstance(given, tuple) and wanted[0] and len(wanted) == len(given) and wanted[0] == given[0])
+            not (
+                isinstance(wanted, tuple)
+                and isinstance(given, tuple)
+                and wanted[0]
+                and len(wanted) == len(given)
+                and wanted[0] == given[0]
+            )
             or not _fits(wanted[1:], given[1:], environment)
         ):
             return False

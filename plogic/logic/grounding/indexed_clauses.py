@@ -1,6 +1,7 @@
 """Clauses made ready for grounding: small terms, numbered variables, facts in an index.
 
-A small term is an atom (text), a variable (an int, its number in the clause), a constant ``("", text, value)``, or ``(functor, *arguments)``.
+A small term is an atom (text), a variable (an int, its number in the clause), a constant ``("", text, value)``, or
+``(functor, *arguments)``.
 """
 
 from __future__ import annotations
@@ -17,9 +18,24 @@ Small = Any
 """str | int | tuple[str | Small, ...]"""
 Signature = tuple[str, int]
 Goal = tuple[Any, ...]
-"""("call", signature, arguments, arguments are simple) | ("not", goals) | ("or", (goals, ...)) | ("test", functor, arguments)"""
+"""("call", signature, arguments, arguments are simple) | ("not", goals) | ("or", (goals, ...)) | ("test", functor,
+arguments)"""
 
-TESTS = frozenset({("=", 2), ("\\=", 2), ("==", 2), ("\\==", 2), ("<", 2), (">", 2), ("=<", 2), (">=", 2), ("=:=", 2), ("=\\=", 2), ("is", 2)})
+TESTS = frozenset(
+    {
+        ("=", 2),
+        ("\\=", 2),
+        ("==", 2),
+        ("\\==", 2),
+        ("<", 2),
+        (">", 2),
+        ("=<", 2),
+        (">=", 2),
+        ("=:=", 2),
+        ("=\\=", 2),
+        ("is", 2),
+    }
+)
 
 
 class UnsupportedError(Exception):
@@ -30,8 +46,8 @@ class UnsupportedError(Exception):
 class Rule:
     """One head of a clause. ``label``: its probability, a number or arithmetic; None for a definite clause.
 
-    ``source`` marks the clause that several heads share, ``number`` the head's place in it; ``size``: number of variables;
-    ``place``: where the head stands; ``loose``: those that occur in negations only, and may stay unbound.
+    ``source`` marks the clause that several heads share, ``number`` the head's place in it; ``size``: number of
+    variables; ``place``: where the head stands; ``loose``: those that occur in negations only, and may stay unbound.
     """
 
     functor: str
@@ -124,7 +140,17 @@ class Reader:
         loose = frozenset(range(variables.count)) - variables.firm
         for number, head in enumerate(heads):
             functor = self.spelled(head.functor)
-            rule = Rule(functor, arguments[number], goals, variables.count, labels[number], self.sources, number, loose, head.location)
+            rule = Rule(
+                functor,
+                arguments[number],
+                goals,
+                variables.count,
+                labels[number],
+                self.sources,
+                number,
+                loose,
+                head.location,
+            )
             self.predicates.setdefault((functor, len(head.args)), Predicate()).add(rule)
 
     def goals(self, body: Any, variables: Variables) -> tuple[Goal, ...]:  # noqa: ANN401
@@ -156,7 +182,12 @@ class Reader:
         elif (functor, len(arguments)) in (("fail", 0), ("false", 0)):
             yield ("or", ())
         elif (functor, len(arguments)) != ("true", 0):
-            yield ("call", (functor, len(arguments)), arguments, not any(isinstance(a, tuple) and not is_ground(a) for a in arguments))
+            yield (
+                "call",
+                (functor, len(arguments)),
+                arguments,
+                not any(isinstance(a, tuple) and not is_ground(a) for a in arguments),
+            )
 
     def small(self, term: Any, variables: Variables) -> Small:  # noqa: ANN401
         """A term of ProbLog's as a small one."""

@@ -1,7 +1,7 @@
 """From texts, goals and evidence to the ground program: parsed, held to the allow-list, grounded.
 
-Plain programs are grounded by ``grounder``; what it does not know, and every program that is trusted, by ProbLog's engine behind the
-allow-list. Both give the same probabilities; ProbLog's engine also tells what is wrong.
+Plain programs are grounded by ``grounder``; what it does not know, and every program that is trusted, by ProbLog's
+engine behind the allow-list. Both give the same probabilities; ProbLog's engine also tells what is wrong.
 """
 
 from __future__ import annotations
@@ -82,7 +82,9 @@ def with_something_asked(request: Request) -> Request:
     return replace(request, statements=(*request.statements, *(Term("query", head) for head in labelled)))
 
 
-def _read(texts: Sequence[dict[str, str]], names: Names | None, *, trust: bool) -> tuple[tuple[Source, ...], list[Any], frozenset[str]]:
+def _read(
+    texts: Sequence[dict[str, str]], names: Names | None, *, trust: bool
+) -> tuple[tuple[Source, ...], list[Any], frozenset[str]]:
     """The sources, their statements and the signatures that they define. Texts after the first may not add to the first one's predicates."""
     known: frozenset[str] = frozenset()
     sources, statements = [], []
@@ -191,8 +193,8 @@ def _seen(grounder: Grounder, goal: Any, *, holds: bool) -> list[tuple[Any, Lite
 def by_problog(request: Request) -> Ground:
     """By ProbLog's engine; its errors become ours, with the place that it tells.
 
-    Where it fails, once more with the evidence propagated while it grounds, as ProbLog's command line does: what the evidence rules out is
-    then not grounded, and cannot fail. The probabilities are the same.
+    Where it fails, once more with the evidence propagated while it grounds, as ProbLog's command line does: what the
+    evidence rules out is then not grounded, and cannot fail. The probabilities are the same.
     """
     try:
         return _by_problog(request, propagate=False)
@@ -215,7 +217,9 @@ def _by_problog(request: Request, *, propagate: bool) -> Ground:
             db.line_info.append(lines)
     try:
         db.add_all(request.statements)
-        formula = engine.ground_all(db, NamedFormula(db), queries=[head for head, _ in request.goals] or None, propagate_evidence=propagate)
+        formula = engine.ground_all(
+            db, NamedFormula(db), queries=[head for head, _ in request.goals] or None, propagate_evidence=propagate
+        )
         return ground_of(formula)
     except Exception as error:  # noqa: BLE001 - ProbLog raises what Python raises, too
         told(error, [{"text": source.text, "file": source.file} for source in request.sources], db)

@@ -1,10 +1,10 @@
 """The most probable explanations of a goal, best first (§8): minimal sets of choices that entail it, ranked by P(choices | evidence).
 
-A set of choices entails a goal if it contradicts every implicant of the goal's negation. So explanations are grown choice by choice: take the
-most probable set so far; find a world in which it holds and the goal does not; from why the goal fails there follow the choices of which an
-explanation must contain one. P(set | evidence) never rises when a choice is added, so what comes first is the best, and nothing else needs
-to be enumerated; sets that contradict the evidence have probability 0 and go at once. (An implicit hitting set search; the duality is
-Reiter's, 1987.)
+A set of choices entails a goal if it contradicts every implicant of the goal's negation. So explanations are grown
+choice by choice: take the most probable set so far; find a world in which it holds and the goal does not; from why the
+goal fails there follow the choices of which an explanation must contain one. P(set | evidence) never rises when a
+choice is added, so what comes first is the best, and nothing else needs to be enumerated; sets that contradict the
+evidence have probability 0 and go at once. (An implicit hitting set search; the duality is Reiter's, 1987.)
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ Entry = tuple[float, int, tuple[tuple[tuple[int, str], int], ...], float, Select
 class Search:
     """``log_given`` weighs selections; ``wanted`` is the value of the cone's root that is to be explained.
 
-    ``stopped`` says that the budget of steps was used up: ``bound`` is then the greatest P(choices | evidence) that a further explanation can
-    have. ``pruned`` counts sets that contradict the evidence.
+    ``stopped`` says that the budget of steps was used up: ``bound`` is then the greatest P(choices | evidence) that a
+    further explanation can have. ``pruned`` counts sets that contradict the evidence.
     """
 
     cone: Cone

@@ -1,7 +1,7 @@
 """What a goal depends on, in three values: true, false, or open as long as not every choice is made; and why.
 
-The formula is ``plogic.logic.grounding``' ground program, children before parents. Vocabulary: an ``Allowed`` says what each choice may still take;
-an *implicant* of a literal is an ``Allowed`` in all of whose worlds the literal is true.
+The formula is ``plogic.logic.grounding``' ground program, children before parents. Vocabulary: an ``Allowed`` says what
+each choice may still take; an *implicant* of a literal is an ``Allowed`` in all of whose worlds the literal is true.
 """
 
 from __future__ import annotations

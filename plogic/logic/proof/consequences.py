@@ -1,8 +1,8 @@
 """What follows from a set of choices, in the engine's own formula, cycles and all: true, false, or open; and what it rests on.
 
-The formula is a ground logic program: its meaning is its least model, stratum by stratum. What is certain and what is possible are two least
-fixpoints that bound each other (the alternating fixpoint of the well-founded semantics, Van Gelder 1989), with the open choices taken as
-false in one and as true in the other.
+The formula is a ground logic program: its meaning is its least model, stratum by stratum. What is certain and what is
+possible are two least fixpoints that bound each other (the alternating fixpoint of the well-founded semantics, Van
+Gelder 1989), with the open choices taken as false in one and as true in the other.
 """
 
 from __future__ import annotations
@@ -66,7 +66,9 @@ class Truth:
         """Of a gate; an atom has none."""
         return tuple(getattr(self.ground.formula.get_node(node), "children", ()))
 
-    def _least(self, nodes: list[int], known: dict[int, bool], opposite: dict[int, bool], *, open_is: bool) -> dict[int, bool]:
+    def _least(
+        self, nodes: list[int], known: dict[int, bool], opposite: dict[int, bool], *, open_is: bool
+    ) -> dict[int, bool]:
         """The least fixpoint over the new nodes, negations taken from ``opposite``."""
         values = {**known, **dict.fromkeys(nodes, False)}
         changed = True
@@ -85,7 +87,8 @@ class Truth:
         if kind == "atom":
             return self._atom(node, open_is=open_is)
         flags = (
-            child is not None if not child else values[child] if child > 0 else not opposite.get(-child, False) for child in content.children
+            child is not None if not child else values[child] if child > 0 else not opposite.get(-child, False)
+            for child in content.children
         )
         return all(flags) if kind == "conj" else any(flags)
 
@@ -120,7 +123,9 @@ class Truth:
         deciding = [child for child in children if self.value(child) is decisive]
         if not deciding:
             return [abs(child) for child in children]
-        if self.value(node) is not decisive or any(abs(child) in seen and self.order(child) < self.order(node) for child in deciding):
+        if self.value(node) is not decisive or any(
+            abs(child) in seen and self.order(child) < self.order(node) for child in deciding
+        ):
             return []
         first = min(deciding, key=lambda child: (self.order(child), abs(child)))
         return [abs(first)]
@@ -140,6 +145,3 @@ class Truth:
                     return found[0]
             stack.extend(abs(child) for child in reversed(self.children(node)) if child and self.value(child) is None)
         return None
-
-
-

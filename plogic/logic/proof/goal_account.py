@@ -104,7 +104,9 @@ class Accountant:
             "goal": text(goal, names),
             "probability": prior(found.selection),
             "given_evidence": math.exp(found.log_given),
-            "choices": [text(choice_literal(self.ground, choice, taken), names) for choice, taken in ordered(found.selection)],
+            "choices": [
+                text(choice_literal(self.ground, choice, taken), names) for choice, taken in ordered(found.selection)
+            ],
             "tree": tree_data(tree, names),
         }
 

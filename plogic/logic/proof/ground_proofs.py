@@ -110,7 +110,9 @@ class Grounding:
     def choice_of(self, identifier: Any) -> tuple[Choice, int]:  # noqa: ANN401 - ProbLog's
         """From ProbLog's identity of a choice: (place of its clause in the database, values of the clause's variables, which head)."""
         if not isinstance(identifier, tuple):
-            raise ProgramError("choices in a file that the program loads cannot be explained: put its clauses into the program itself")
+            raise ProgramError(
+                "choices in a file that the program loads cannot be explained: put its clauses into the program itself"
+            )
         place, values, head = identifier
         rule = self.rules.by_number[self.numbers[bisect_right(self.starts, int(place)) - 1]]
         known = tuple(small(value, {}) for value in values)

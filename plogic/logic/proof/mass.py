@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 COLUMNS = 256
 """Evaluations that the circuit does at once."""
 MOST_PARTS = 4096
-"""Disjoint parts into which a union of explanations is cut; where that does not suffice, its probability is an interval."""
+"""Disjoint parts into which a union of explanations is cut; where that does not suffice, its probability is an
+interval."""
 
 
 @dataclass
@@ -69,7 +70,13 @@ class Mass:
         each = [math.exp(p) for p in self.log_given(selections)]
         return max(each, default=0.0), min(1.0, math.fsum(each))
 
-    def _parts(self, left: list[Selection], taken: list[tuple[Choice, int]], out: list[int], conditions: list[tuple[list[Literal], float]]) -> bool:
+    def _parts(
+        self,
+        left: list[Selection],
+        taken: list[tuple[Choice, int]],
+        out: list[int],
+        conditions: list[tuple[list[Literal], float]],
+    ) -> bool:
         """Cut the union into disjoint conjunctions: along one choice, each head that some selection takes, and what is left."""
         if not left or len(conditions) > MOST_PARTS:
             return len(conditions) <= MOST_PARTS
@@ -101,6 +108,3 @@ def _counts(selections: list[Selection]) -> dict[Choice, int]:
 def prior(selection: Selection) -> float:
     """The product of its choices' probabilities (ICL)."""
     return math.prod(choice.probability(taken) for choice, taken in selection.items())
-
-
-

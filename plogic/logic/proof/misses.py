@@ -1,7 +1,8 @@
 """Why not: each rule that could have given a goal, with every condition looked at; what lacks least comes first.
 
-Two passes: ``candidates`` walks the rules and lets the engine ground each condition as far as the ones before it bind its variables; when the
-program is compiled and P(condition | evidence) is known, ``told`` ranks what was found and says it.
+Two passes: ``candidates`` walks the rules and lets the engine ground each condition as far as the ones before it bind
+its variables; when the program is compiled and P(condition | evidence) is known, ``told`` ranks what was found and says
+it.
 """
 
 from __future__ import annotations
@@ -72,11 +73,17 @@ class Looking:
             found += [Candidate(resolved(wanted, bound), rule, index, conditions) for bound, conditions in ways]
         return found
 
-    def _ways(self, rule: Rule, bindings: Bindings, depth: int, above: tuple[Small, ...]) -> Iterator[tuple[Bindings, list[Condition]]]:
+    def _ways(
+        self, rule: Rule, bindings: Bindings, depth: int, above: tuple[Small, ...]
+    ) -> Iterator[tuple[Bindings, list[Condition]]]:
         """Ways through a body from left to right, a condition that fails leaving its variables unbound."""
         partial: list[tuple[Bindings, list[Condition]]] = [(bindings, [])]
         for literal in rule.literals:
-            partial = [(b, [*done, condition]) for bound, done in partial for b, condition in self._next(literal, bound, done, depth, above)]
+            partial = [
+                (b, [*done, condition])
+                for bound, done in partial
+                for b, condition in self._next(literal, bound, done, depth, above)
+            ]
             self.skipped += max(0, len(partial) - INSTANCES) if depth == 0 else 0
             partial = sorted(partial, key=lambda way: sum(_fails(c) for c in way[1]))[:INSTANCES]
         yield from partial
@@ -90,7 +97,9 @@ class Looking:
             return [(bound, Condition(("\\+", goal) if literal.kind == "not" else goal, None, is_open=True))]
         return self._one(literal, bound, depth, above)
 
-    def _one(self, literal: Literal, bound: Bindings, depth: int, above: tuple[Small, ...]) -> list[tuple[Bindings, Condition]]:
+    def _one(
+        self, literal: Literal, bound: Bindings, depth: int, above: tuple[Small, ...]
+    ) -> list[tuple[Bindings, Condition]]:
         self.left -= 1
         goal, ask = resolved(literal.goal, bound), resolved(literal.ask, bound)
         if literal.kind == "not":

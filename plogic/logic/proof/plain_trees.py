@@ -48,7 +48,9 @@ def missed(ground: Grounding, goal: Small, ask: Small, steps: Steps) -> tuple[li
     """Every way that was looked at, what lacks least first; and what was not looked at, in words."""
     looking = Looking(ground)
     followed = signature(goal) in ground.rules.by_signature
-    found = looking.candidates(goal) if followed else [replace(c, goal=goal, rule=None) for c in looking.candidates(ask)]
+    found = (
+        looking.candidates(goal) if followed else [replace(c, goal=goal, rule=None) for c in looking.candidates(ask)]
+    )
     candidates = [c for c in found if c.conditions or c.rule is None or not c.rule.is_certain]
     listed = list(conditions(candidates))
     numbers = numbers_of(ground, [c.key for c in listed], steps)

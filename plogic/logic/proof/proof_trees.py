@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 MOST_CASES = 12
 """Ways that a tree by cases tells."""
 DEEPEST_CASES = 2
-"""Open choices that are told apart, one within the other; beyond that a tree only says that the goal holds whichever way they fall."""
+"""Open choices that are told apart, one within the other; beyond that a tree only says that the goal holds whichever
+way they fall."""
 
 
 @dataclass
@@ -126,7 +127,9 @@ class Trees:
         for taken in sorted(choice.domain, key=lambda i: (i == NONE, i)):
             deeper = Trees(self.ground, Truth(self.ground, {**self.truth.selection, choice: taken}), self.depth + 1)
             below = deeper.against(goal[1], key)
-            cases.append(Tree(self.choice_literal(choice, taken), "case", below.children if below.kind == "absent" else (below,)))
+            cases.append(
+                Tree(self.choice_literal(choice, taken), "case", below.children if below.kind == "absent" else (below,))
+            )
         return Tree(goal, "cases", tuple(cases))
 
     def _atom(self, goal: Small, above: frozenset[Small]) -> Tree | None:
@@ -184,7 +187,11 @@ class Trees:
     def _instance(self, goal: Small, above: frozenset[Small]) -> Tree | None:
         if is_ground(goal):
             return self._atom(goal, above)
-        certain = [(self.truth.order(key), i, instance) for i, (instance, key) in enumerate(self.ground.ask(goal)) if self.truth.value(key)]
+        certain = [
+            (self.truth.order(key), i, instance)
+            for i, (instance, key) in enumerate(self.ground.ask(goal))
+            if self.truth.value(key)
+        ]
         found = (self._atom(instance, above) for _, _, instance in sorted(certain, key=lambda c: c[:2]))
         return next((tree for tree in found if tree is not None), None)
 

@@ -17,13 +17,13 @@ INTERNAL = "'plogic "
 """How the names of the rewritten program's own atoms begin."""
 
 
-
 @dataclass(frozen=True)
 class Tree:
     """One node of a proof.
 
-    ``kind``: rule, fact, choice, check (a built-in test), absent (a negation that holds), computed (by the engine: findall/3 and the like),
-    cases (no single proof is certain, but in every world one of these ways is open to it), case (one of them, and what it needs).
+    ``kind``: rule, fact, choice, check (a built-in test), absent (a negation that holds), computed (by the engine:
+    findall/3 and the like), cases (no single proof is certain, but in every world one of these ways is open to it),
+    case (one of them, and what it needs).
     """
 
     goal: Small

@@ -57,7 +57,8 @@ class Numbers:
 def numbers_of(grounding: Grounding, keys: Sequence[Key], steps: Steps) -> Numbers:
     """Compile what the keys depend on with the evidence that shares a choice with them, directly or through other evidence.
 
-    The rest of the evidence is independent of them and only has to be possible. Raises InconsistentError where it is not, LimitError.
+    The rest of the evidence is independent of them and only has to be possible. Raises InconsistentError where it is
+    not, LimitError.
     """
     evidence = grounding.evidence()
     near, far = _split(grounding, keys, evidence)
@@ -113,7 +114,11 @@ def _node(formula: Any, i: int) -> Gate | Share:  # noqa: ANN401 - ProbLog's for
 
 
 def _atoms(grounding: Grounding, ground: Ground) -> dict[int, tuple[Choice, int]]:
-    pairs = [(v, n) for alternative in ground.alternatives for v, n in zip(alternative.variables, alternative.names, strict=True)]
+    pairs = [
+        (v, n)
+        for alternative in ground.alternatives
+        for v, n in zip(alternative.variables, alternative.names, strict=True)
+    ]
     found = ((variable, grounding.choice_of(name())) for variable, name in pairs)
     return {variable: choice for variable, choice in found if choice is not None}
 

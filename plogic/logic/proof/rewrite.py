@@ -57,8 +57,17 @@ class Rewriter:
         head, clauses = self.goal(goal, f"'plogic given {i}'", ())
         return self.count, [*clauses, Term("evidence", Term(head[0]))]
 
-    def _rule(self, number: int, written: tuple[Small, ...], labels: tuple[Small | None, ...], body: Small, statement: Any) -> list[Any]:  # noqa: ANN401
-        named = list(dict.fromkeys(v for pair in zip(written, labels, strict=True) for term in pair for v in refs(term)))
+    def _rule(
+        self,
+        number: int,
+        written: tuple[Small, ...],
+        labels: tuple[Small | None, ...],
+        body: Small,
+        statement: Any,  # noqa: ANN401 - ProbLog's statements are untyped
+    ) -> list[Any]:
+        named = list(
+            dict.fromkeys(v for pair in zip(written, labels, strict=True) for term in pair for v in refs(term))
+        )
         literals, more = self._literals(body, set(named))
         used = [v for literal in literals for v in _own(literal)]
         variables = tuple(dict.fromkeys([*named, *(v for v in used)]))

@@ -1,8 +1,9 @@
 r"""The clauses of a program, ready for proofs, and the same program rewritten so that every proof can be read off its grounding.
 
-A clause ``h :- b1, (b2 ; b3), \+ (b4, b5).`` becomes ``h :- 'plogic rule 7'(X, Y).`` with ``'plogic rule 7'(X, Y) :- b1, 'plogic part 8'(X),
-\+ 'plogic part 9'(Y).``: an instance of a rule is then an atom of its own, whose arguments are what the rule's variables stand for. Choices
-keep their identity (one for each instance of a clause's variables), so the meaning is the same. Vocabulary:
+A clause ``h :- b1, (b2 ; b3), \+ (b4, b5).`` becomes ``h :- 'plogic rule 7'(X, Y).`` with ``'plogic rule 7'(X, Y) :-
+b1, 'plogic part 8'(X), \+ 'plogic part 9'(Y).``: an instance of a rule is then an atom of its own, whose arguments are
+what the rule's variables stand for. Choices keep their identity (one for each instance of a clause's variables), so the
+meaning is the same. Vocabulary:
 
 * ``Literal``, one condition of a body: ``Literal("not", goal=hidden(H, F), ask=hidden(H, F))``
 * ``Rule``, ``heads[i]`` with ``labels[i]`` :- literals; a label of None is certain
@@ -29,8 +30,9 @@ Kind = OneOf["atom", "not", "check", "part", "computed"]
 class Literal:
     """One condition: ``goal`` is what was written, ``ask`` what the rewritten program calls for it.
 
-    ``atom``: defined by clauses; ``not``: its negation (``goal`` is what is negated); ``check``: a built-in test; ``part``: a disjunction,
-    whose sides are rules of ``ask``; ``computed``: findall/3 and the like, which only ProbLog's engine can follow.
+    ``atom``: defined by clauses; ``not``: its negation (``goal`` is what is negated); ``check``: a built-in test;
+    ``part``: a disjunction, whose sides are rules of ``ask``; ``computed``: findall/3 and the like, which only
+    ProbLog's engine can follow.
     """
 
     kind: Kind

@@ -1,6 +1,7 @@
 """Small terms for proofs: made from ProbLog's, unified, and given back.
 
-A term is a number, a ``Ref`` (a variable), or a tuple ``(functor, *arguments)``: ``("present", ("h1",))`` is present(h1).
+A term is a number, a ``Ref`` (a variable), or a tuple ``(functor, *arguments)``: ``("present", ("h1",))`` is
+present(h1).
 """
 
 from __future__ import annotations
@@ -79,7 +80,9 @@ def unify(x: Small, y: Small, bindings: Bindings) -> bool:
 
 def is_ground(term: Small) -> bool:
     """Whether no variable is left."""
-    return not isinstance(term, Ref) and (not isinstance(term, tuple) or all(is_ground(argument) for argument in term[1:]))
+    return not isinstance(term, Ref) and (
+        not isinstance(term, tuple) or all(is_ground(argument) for argument in term[1:])
+    )
 
 
 def is_atom(term: Small) -> bool:

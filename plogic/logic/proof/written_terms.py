@@ -10,7 +10,30 @@ from plogic.logic.safety.mapping import shown
 if TYPE_CHECKING:
     from plogic.logic.safety.atoms import Names
 
-INFIX = frozenset({"=", "\\=", "==", "\\==", "is", "<", ">", "=<", ">=", "=:=", "=\\=", "=..", "+", "-", "*", "/", "//", "**", "^", "mod"})
+INFIX = frozenset(
+    {
+        "=",
+        "\\=",
+        "==",
+        "\\==",
+        "is",
+        "<",
+        ">",
+        "=<",
+        ">=",
+        "=:=",
+        "=\\=",
+        "=..",
+        "+",
+        "-",
+        "*",
+        "/",
+        "//",
+        "**",
+        "^",
+        "mod",
+    }
+)
 TIGHT = frozenset({"+", "-", "*", "/", "//", "**", "^"})
 
 
@@ -61,7 +84,9 @@ def _arguments(goal: Small, names: Names | None) -> str:
 
 def _binds_looser(term: Small, operator: str) -> bool:
     name, arity = signature(term)
-    return arity == 2 and name in INFIX and operator in TIGHT and (name not in TIGHT or (name in "+-" and operator != "+"))
+    return (
+        arity == 2 and name in INFIX and operator in TIGHT and (name not in TIGHT or (name in "+-" and operator != "+"))
+    )
 
 
 def _list(goal: Small, names: Names | None) -> str:

@@ -1,7 +1,8 @@
 """What a program may call. Everything that is not here is refused, so a new built-in of ProbLog's is refused until it is read.
 
-Every built-in of ProbLog 2.3 falls under one heading: pure (runs as it is), loud (runs, and its output goes nowhere), a loader (runs, and the
-database decides which file it opens: ``engine.SafeDB``), or none, and then it is refused. ``META`` says which arguments are goals.
+Every built-in of ProbLog 2.3 falls under one heading: pure (runs as it is), loud (runs, and its output goes nowhere), a
+loader (runs, and the database decides which file it opens: ``engine.SafeDB``), or none, and then it is refused.
+``META`` says which arguments are goals.
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ TRUSTED = (
 )
 """What the command line says on stderr when the safety rule is lifted."""
 
-CONTROL = frozenset({"true/0", "fail/0", "false/0", "module/2", "unknown/1", "nocache/2", "seq/1", "trace/0", "notrace/0"})
+CONTROL = frozenset(
+    {"true/0", "fail/0", "false/0", "module/2", "unknown/1", "nocache/2", "seq/1", "trace/0", "notrace/0"}
+)
 """``module/2`` only names a program's own predicates; ``trace/0`` does nothing without a debugger."""
 
 COMPARISON = frozenset({
@@ -53,10 +56,12 @@ LIBRARY_META: dict[str, tuple[tuple[int, int], ...]] = {
     **{f"{name}/{n + 3}": ((0, n + 2),) for name in ("foldl", "scanl") for n in range(1, 5)},
     "assertz/1": ((0, 0),), ":-/2": ((1, 0),),
 }  # fmt: skip
-"""The same for the libraries. A program may define these names itself; what it then passes to them is looked at all the same."""
+"""The same for the libraries. A program may define these names itself; what it then passes to them is looked at all the
+same."""
 
 EVALUATORS = frozenset({'"ddnnf"', '"nnf"', '"sdd"', '"sddx"', '"bdd"', '"fsdd"', '"fbdd"'})
-"""Ways of counting that subquery/5 may name: those that compute in this process, or by the compiler that every run uses."""
+"""Ways of counting that subquery/5 may name: those that compute in this process, or by the compiler that every run
+uses."""
 
 LOUD = frozenset({"nl/0", "dbg_printdb/0", "print_state/0"}) | {
     f"{name}/{n}" for name in ("write", "writeln", "writenl", "debugprint") for n in range(1, 10)
@@ -64,7 +69,8 @@ LOUD = frozenset({"nl/0", "dbg_printdb/0", "print_state/0"}) | {
 """Output is no part of an answer: they succeed and say nothing."""
 
 LOADERS = frozenset({"use_module/1", "use_module/2", "_use_module/2", "_use_module/3", "_consult/2"})
-"""Built-ins that open a file; ProbLog turns ``:- use_module(F)`` and ``:- consult(F)`` into those with an underscore."""
+"""Built-ins that open a file; ProbLog turns ``:- use_module(F)`` and ``:- consult(F)`` into those with an
+underscore."""
 
 GOALS = CONTROL | COMPARISON | TESTS | TERMS | PROGRAM | STOPS | LOUD | frozenset(META)
 """Signatures of built-ins that may be called, the loaders apart."""
@@ -78,7 +84,22 @@ LISTS = frozenset({
 })  # fmt: skip
 """What library(lists) offers."""
 
-LIBRARIES = frozenset({"lists", "apply", "aggregate", "control", "cut", "scope", "collect", "string", "assert", "record", "nlp4plp", "builtin"})
+LIBRARIES = frozenset(
+    {
+        "lists",
+        "apply",
+        "aggregate",
+        "control",
+        "cut",
+        "scope",
+        "collect",
+        "string",
+        "assert",
+        "record",
+        "nlp4plp",
+        "builtin",
+    }
+)
 """Libraries of ProbLog's own that a program may load, by name only: pure, or changing nothing but the program itself.
 
 Not here: ``db`` (files, SQL), ``aproblog`` (its answers are no probabilities).

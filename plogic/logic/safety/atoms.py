@@ -1,7 +1,7 @@
 """Names of users and atoms of programs, and the table between them (contract, "Names").
 
-A name that matches ``[a-z][a-z0-9_]*`` and is no operator is its own atom; any other gets a generated one. Atoms stand only in argument
-places, so no name can be read as program text.
+A name that matches ``[a-z][a-z0-9_]*`` and is no operator is its own atom; any other gets a generated one. Atoms stand
+only in argument places, so no name can be read as program text.
 
 Vocabulary: a *label* is what the user wrote, ``"roof/apex"``; an *atom* is what programs say, ``"f1"``.
 """
@@ -12,7 +12,9 @@ import re
 from dataclasses import dataclass
 
 SIMPLE = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
-OPERATORS = frozenset({"is", "mod", "rem", "div", "rdiv", "not", "xor", "as", "rule", "dynamic", "discontiguous", "initialization"})
+OPERATORS = frozenset(
+    {"is", "mod", "rem", "div", "rdiv", "not", "xor", "as", "rule", "dynamic", "discontiguous", "initialization"}
+)
 """Words that ProbLog's parser reads, or could read, as something else than a constant."""
 
 SPELLINGS = {("atom", 1): "atom_node"}

@@ -19,8 +19,8 @@ def author_rules(text: str, names: Names, program: frozenset[str], file: str = F
 
     ``program``: the signatures that the generated program defines, such as ``present/1``.
 
-    They may call the vocabulary and define predicates of their own. They may not add to what the program defines, nor ask or observe: so no
-    rule changes the probability of a world.
+    They may call the vocabulary and define predicates of their own. They may not add to what the program defines, nor
+    ask or observe: so no rule changes the probability of a world.
     """
     if not text.strip():
         return []
@@ -53,5 +53,6 @@ def _refuse_evidence(source: Source) -> None:
         special: list[Any] = [head for head in heads(statement) if head.signature in SPECIAL_HEADS]
         if special:
             raise ProgramError(
-                f"{special[0].signature}: rules neither ask nor observe (use a goal, or --given)", **source.place(special[0])
+                f"{special[0].signature}: rules neither ask nor observe (use a goal, or --given)",
+                **source.place(special[0]),
             )

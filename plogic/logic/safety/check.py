@@ -1,7 +1,8 @@
 """The first layer: the syntax tree is held to the allow-list (``allowlist``), by ProbLog's own parser and its own signatures.
 
-It sees what is written out, wherever a goal may stand: bodies, directives, queries, evidence, arguments of call/N, findall/3 and the like. It
-says all that is wrong at once. What a program builds at run time (``X =.. [consult, f], call(X)``) is for the second layer (``engine``).
+It sees what is written out, wherever a goal may stand: bodies, directives, queries, evidence, arguments of call/N,
+findall/3 and the like. It says all that is wrong at once. What a program builds at run time (``X =.. [consult, f],
+call(X)``) is for the second layer (``engine``).
 """
 
 from __future__ import annotations
@@ -70,12 +71,15 @@ def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
         raise ProgramError(f"cannot be read as ProbLog ({error})", file=file) from None
 
 
-def check_source(source: Source, known: frozenset[str] = frozenset(), protected: frozenset[str] = frozenset()) -> frozenset[str]:
+def check_source(
+    source: Source, known: frozenset[str] = frozenset(), protected: frozenset[str] = frozenset()
+) -> frozenset[str]:
     """Hold every statement to the allow-list; the signatures that the text defines. All that is wrong is told in one error.
 
-    ``known`` may be called beside what the text defines; ``protected`` may not be defined by it. A text with something protected is a
-    piece added to a program: it may call only what is known. A whole program may also name what has no clauses, as long as it is not
-    called: that is told when it is. ``ANYTHING`` is among the signatures where the text alone does not tell what it defines.
+    ``known`` may be called beside what the text defines; ``protected`` may not be defined by it. A text with something
+    protected is a piece added to a program: it may call only what is known. A whole program may also name what has no
+    clauses, as long as it is not called: that is told when it is. ``ANYTHING`` is among the signatures where the text
+    alone does not tell what it defines.
     """
     try:
         defined = frozenset(head.signature for statement in source.statements for head in heads(statement))
@@ -118,7 +122,11 @@ def check_goal(source: Source, known: frozenset[str]) -> Any:  # noqa: ANN401 - 
 
 def is_directive(statement: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
     """Whether the statement is ``:- goal``."""
-    return isinstance(statement, Clause) and statement.head.signature == "_directive/0" and statement.head.location[1] is None
+    return (
+        isinstance(statement, Clause)
+        and statement.head.signature == "_directive/0"
+        and statement.head.location[1] is None
+    )
 
 
 def _closed(known: frozenset[str]) -> frozenset[str] | None:
@@ -195,7 +203,8 @@ class _Checker:
     def goal(self, goal: Any, added: int) -> None:  # noqa: ANN401 - a term of ProbLog's
         """A goal with ``added`` more arguments than are written.
 
-        A goal that is built at run time is not seen here, but by the engine. Arguments that are no goals are data and may hold anything.
+        A goal that is built at run time is not seen here, but by the engine. Arguments that are no goals are data and
+        may hold anything.
         """
         if isinstance(goal, (Var, Constant)) or not isinstance(goal, Term):
             return
@@ -209,7 +218,9 @@ class _Checker:
         if signature in LOADERS and self.loads_a_library(goal):
             return
         if signature in self.builtins and signature not in GOALS:
-            self.note(UnsafeProgramError, goal, f"{signature} is not allowed: {LOADING if signature in FILES else REASON}")
+            self.note(
+                UnsafeProgramError, goal, f"{signature} is not allowed: {LOADING if signature in FILES else REASON}"
+            )
         elif self.callable is not None and signature not in GOALS | LISTS | self.callable | frozenset(LIBRARY_META):
             self.note(UnknownPredicateError, goal, f"no clauses for {signature}")
 

@@ -1,7 +1,8 @@
 """The second layer: ProbLog's engine with every built-in overridden that is not on the allow-list, and a database that opens no file.
 
-It holds even where the first layer is left out: whatever way a call is made (call/N, =.., a directive, a query, evidence, a clause that
-assertz/1 adds), it ends here. A refusal cannot be caught: what a program swallows (try_call/N does) is raised when its call returns.
+It holds even where the first layer is left out: whatever way a call is made (call/N, =.., a directive, a query,
+evidence, a clause that assertz/1 adds), it ends here. A refusal cannot be caught: what a program swallows (try_call/N
+does) is raised when its call returns.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """From what users write to what programs say, and back, on the syntax tree (contract, "Names").
 
-``'roof/apex'`` → ``f1``; ``'h1/roof/apex'`` and ``h1/'roof/apex'`` → ``h1/f1``; ``atom(X)`` → ``atom_node(X)``; ``case(H, F, 'A')`` →
-``case(H, F, a)``.
+``'roof/apex'`` → ``f1``; ``'h1/roof/apex'`` and ``h1/'roof/apex'`` → ``h1/f1``; ``atom(X)`` → ``atom_node(X)``;
+``case(H, F, 'A')`` → ``case(H, F, a)``.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ CASES = {"A": "a", "B": "b", "C": "c", "D": "d"}
 def mapped(term: Any, names: Names) -> Any:  # noqa: ANN401 - terms of ProbLog's
     """The term, clause or goal with every label replaced by its atom; places are kept."""
     if isinstance(term, AnnotatedDisjunction):
-        return AnnotatedDisjunction([mapped(h, names) for h in term.heads], mapped(term.body, names), location=term.location)
+        return AnnotatedDisjunction(
+            [mapped(h, names) for h in term.heads], mapped(term.body, names), location=term.location
+        )
     if isinstance(term, (Clause, And, Or)):
         return type(term)(*(mapped(a, names) for a in term.args), location=term.location)
     if isinstance(term, Not):
@@ -70,7 +72,9 @@ def _node(term: Any, names: Names) -> Any | None:  # noqa: ANN401
 def _path(label: str, names: Names) -> Any | None:  # noqa: ANN401
     for i, letter in enumerate(label):
         if letter == "/" and label[:i] in names.atoms and label[i + 1 :] in names.atoms:
-            return Term("'/'", Term(names.atoms[label[:i]]), Term(names.atoms[label[i + 1 :]]), priority=400, opspec="yfx")
+            return Term(
+                "'/'", Term(names.atoms[label[:i]]), Term(names.atoms[label[i + 1 :]]), priority=400, opspec="yfx"
+            )
     return None
 
 
@@ -92,7 +96,9 @@ def _label(term: Any) -> str | None:  # noqa: ANN401
     if not isinstance(term, Term) or isinstance(term, (Var, And, Or, Not)) or term.arity:
         return None
     text = str(term.functor)
-    return text[1:-1].replace("\\'", "'").replace("\\\\", "\\") if len(text) > 1 and text[0] == text[-1] == "'" else text
+    return (
+        text[1:-1].replace("\\'", "'").replace("\\\\", "\\") if len(text) > 1 and text[0] == text[-1] == "'" else text
+    )
 
 
 def shown(term: Any, names: Names | None) -> str:  # noqa: ANN401

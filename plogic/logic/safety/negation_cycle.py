@@ -1,7 +1,7 @@
 r"""Spells out the cycle that makes a program's negation depend on itself: ``a :- \+ b (u.pl:3), b :- a (u.pl:4)``.
 
-Found among the clauses as they are written: an edge leads from a clause's head to each goal of its body, and the shortest way back from a
-negated goal to its head is the cycle.
+Found among the clauses as they are written: an edge leads from a clause's head to each goal of its body, and the
+shortest way back from a negated goal to its head is the cycle.
 """
 
 from __future__ import annotations
@@ -69,7 +69,13 @@ def _edges(sources: Iterable[Source]) -> Iterator[Edge]:
                     line = (source.file, place.get("line"))
                     at = source.file if line[1] is None else f"{source.file}:{line[1]}"
                     for head in heads(statement):
-                        yield Edge(head.signature, goal.signature, under, f"{head.with_probability()} :- {_written(written)} ({at})", line)
+                        yield Edge(
+                            head.signature,
+                            goal.signature,
+                            under,
+                            f"{head.with_probability()} :- {_written(written)} ({at})",
+                            line,
+                        )
 
 
 def _goals(goal: Any, under: frozenset[str], outer: Any) -> Iterator[tuple[Any, frozenset[str], Any]]:  # noqa: ANN401 - terms of ProbLog's

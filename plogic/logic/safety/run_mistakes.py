@@ -53,7 +53,9 @@ def told(error: Exception, texts: list[dict[str, str]], db: Any = None) -> NoRet
     if isinstance(error, InconsistentEvidenceError):
         raise InconsistentError("no world satisfies the evidence: its probability is 0") from None
     if not isinstance(error, ProbLogError):
-        raise ProgramError(f"ProbLog cannot run this program ({_one_line(f'{type(error).__name__}: {error}')})", file=texts[0]["file"]) from None
+        raise ProgramError(
+            f"ProbLog cannot run this program ({_one_line(f'{type(error).__name__}: {error}')})", file=texts[0]["file"]
+        ) from None
     place: dict[str, Any] = {"file": texts[0]["file"]}
     location = error.location
     if db is not None and isinstance(location, tuple) and len(location) == 2 and location[1] is not None:
@@ -101,7 +103,10 @@ def _unknown_calls(db: Any, texts: list[dict[str, str]]) -> list[str]:  # noqa: 
         spot = db.lineno(node.location, force_filename=True)
         if spot is not None and spot[0] in files:
             found.append((files.index(spot[0]), spot[1], spot[2], unknown(f"{node.functor}/{len(node.args)}")))
-    return [with_place(reason, {"file": files[i], "line": line, "column": column}) for i, line, column, reason in sorted(found)]
+    return [
+        with_place(reason, {"file": files[i], "line": line, "column": column})
+        for i, line, column, reason in sorted(found)
+    ]
 
 
 def _sources(texts: list[dict[str, str]]) -> list[Source]:
@@ -115,7 +120,12 @@ def _kept_open(sources: Iterable[Source], place: dict[str, Any]) -> str:
             here = [head for head in heads(statement) if source.place(head) == place]
             if here:
                 body = _names(getattr(statement, "body", None))
-                kept = [name for head in here for name in dict.fromkeys(_names(head) + _names(head.probability)) if name not in body]
+                kept = [
+                    name
+                    for head in here
+                    for name in dict.fromkeys(_names(head) + _names(head.probability))
+                    if name not in body
+                ]
                 return f"{here[0]} is a choice that keeps {' and '.join(kept) or 'a variable'} open: its body must bind it, or the call must"
     return "a probabilistic clause keeps a variable that its body does not bind"
 

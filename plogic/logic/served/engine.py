@@ -66,9 +66,10 @@ def run(
 ) -> list[list[Answer]]:
     """P(goal | evidence) for each goal: a list of answers per goal, most probable first, ties by text.
 
-    The first text is the program, further ones are rules that may not add to its predicates. Without goals the program's own query/1 are
-    asked, in one list. With ``names``, goals, evidence and rules are mapped from labels to atoms, and answers back.
-    Raises ProgramError (with file, line, column as far as ProbLog knows them), InconsistentError, LimitError.
+    The first text is the program, further ones are rules that may not add to its predicates. Without goals the
+    program's own query/1 are asked, in one list. With ``names``, goals, evidence and rules are mapped from labels to
+    atoms, and answers back. Raises ProgramError (with file, line, column as far as ProbLog knows them),
+    InconsistentError, LimitError.
     """
     reply = ask(request_of(texts, goals, given, names), limits or Limits())
     return [sorted((_answer(goal, p) for goal, p in answers), key=_order) for answers in reply["answers"]]
@@ -85,8 +86,8 @@ def run_until(
 ) -> tuple[list[list[Answer]], bool]:
     """As ``run``, by a deadline: the answers that are known after ``seconds``, and whether they are exact.
 
-    If not, an answer's interval contains its exact probability, which is given as the interval's middle; a goal with variables may
-    have answers that are not known yet. A ground goal of which nothing is known is answered [0, 1].
+    If not, an answer's interval contains its exact probability, which is given as the interval's middle; a goal with
+    variables may have answers that are not known yet. A ground goal of which nothing is known is answered [0, 1].
     """
     limits = limits or Limits()
     reply = ask_until({**request_of(texts, goals, given, names), "anytime": True}, limits, seconds)
@@ -133,7 +134,9 @@ def unknown(goal: str, names: Names | None) -> list[Answer]:
     return [] if text is None else [Answer(text, 0.5, (0.0, 1.0))]
 
 
-def request_of(texts: Sequence[Text], goals: Sequence[str], given: Sequence[str], names: Names | None) -> dict[str, Any]:
+def request_of(
+    texts: Sequence[Text], goals: Sequence[str], given: Sequence[str], names: Names | None
+) -> dict[str, Any]:
     """The request that the child process reads."""
     return {
         "texts": [{"text": item.text, "file": item.file} for item in texts],
@@ -153,7 +156,9 @@ def _order(answer: Answer) -> tuple[float, str]:
     return -float(f"{answer.probability:.11e}"), answer.goal
 
 
-_ASKED: contextvars.ContextVar[Callable[[dict[str, Any]], dict[str, Any]] | None] = contextvars.ContextVar("asked", default=None)
+_ASKED: contextvars.ContextVar[Callable[[dict[str, Any]], dict[str, Any]] | None] = contextvars.ContextVar(
+    "asked", default=None
+)
 
 
 @contextlib.contextmanager
@@ -186,13 +191,23 @@ def _trusted(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
 def _ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
     reply = _last(_told(request, limits, late=False))
     if reply is None:
-        raise errors.LimitError(f"the process of the inference ended without an answer (its limit of memory is {limits.megabytes} MB)")
+        raise errors.LimitError(
+            f"the process of the inference ended without an answer (its limit of memory is {limits.megabytes} MB)"
+        )
     return reply
 
 
 def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
     """What the child wrote until it ended or its time was over; unless ``late``, the latter raises LimitError."""
-    command = [sys.executable, "-P", "-W", "ignore", "-m", "plogic.logic.served.program_child", str(limits.megabytes * 2**20)]
+    command = [
+        sys.executable,
+        "-P",
+        "-W",
+        "ignore",
+        "-m",
+        "plogic.logic.served.program_child",
+        str(limits.megabytes * 2**20),
+    ]
     with ending_well(), tempfile.TemporaryDirectory(prefix="plogic-") as scratch:
         told, over = _communicate(command, json.dumps(request), scratch, limits.seconds)
     if over and not late:
@@ -203,7 +218,13 @@ def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
 def _communicate(command: list[str], request: str, scratch: str, seconds: float) -> tuple[str, bool]:
     """What the child wrote, and whether its time was over; then the child goes, and the compiler that it may have started with it."""
     pipe = subprocess.PIPE
-    options: dict[str, Any] = {"env": environment(scratch), "cwd": scratch, "start_new_session": True, "text": True, "encoding": "utf-8"}
+    options: dict[str, Any] = {
+        "env": environment(scratch),
+        "cwd": scratch,
+        "start_new_session": True,
+        "text": True,
+        "encoding": "utf-8",
+    }
     with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, **options) as child:  # noqa: S603 - our own module, no shell
         try:
             told, said = child.communicate(request, timeout=seconds)

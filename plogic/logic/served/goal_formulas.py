@@ -1,7 +1,8 @@
 """Goals as formulas over a program's choices, served in the child process: ground, not counted.
 
-Vocabulary: a *key* is a number from 1, a node; its negative, the negation; 0 is true and null false, as in ProbLog's formulas. A node is
-``["and", [keys]]``, ``["or", [keys]]`` or a choice, ``["present", [["h1"]]]``, its functor and its arguments' labels.
+Vocabulary: a *key* is a number from 1, a node; its negative, the negation; 0 is true and null false, as in ProbLog's
+formulas. A node is ``["and", [keys]]``, ``["or", [keys]]`` or a choice, ``["present", [["h1"]]]``, its functor and its
+arguments' labels.
 """
 
 from __future__ import annotations
@@ -30,8 +31,8 @@ ALLOWED = ("present", "chosen")
 def formulas(document: dict[str, Any]) -> dict[str, Any]:
     """``{"nodes": [...], "answers": [[[shown goal, key], ...] per goal], "single": [...], "given": [keys]}``, or ``{"outside": reason}``.
 
-    A goal is single where it has no variables, so that it has one answer, possible or not.
-    A goal is outside where it, or a rule, speaks of other choices: those in ``document["outside"]``, or some of a rule's own.
+    A goal is single where it has no variables, so that it has one answer, possible or not. A goal is outside where it,
+    or a rule, speaks of other choices: those in ``document["outside"]``, or some of a rule's own.
     """
     request = request_from(document)
     reason = _spoken(request.statements, frozenset(document["outside"]))
@@ -44,7 +45,10 @@ def formulas(document: dict[str, Any]) -> dict[str, Any]:
     if ground is None:
         return {"outside": "a rule that only ProbLog's own engine can ground is used"}
     single = [not variables(goal) for _, goal in request.goals]
-    return {**_reply(ground, grouped(request, ground, [[literal] for _, literal in ground.asked]), request.names), "single": single}
+    return {
+        **_reply(ground, grouped(request, ground, [[literal] for _, literal in ground.asked]), request.names),
+        "single": single,
+    }
 
 
 def _ground(request: Request) -> Ground | None:

@@ -1,6 +1,7 @@
 """What a program consists of: its predicates with their clauses, and its constants, as the session's process reads them.
 
-Vocabulary: ``Predicate("wet", 0, "wet", "", ("wet :- rain.",))``; ``Outline((Predicate(...), ...), ("front", "back"))``.
+Vocabulary: ``Predicate("wet", 0, "wet", "", ("wet :- rain.",))``; ``Outline((Predicate(...), ...), ("front",
+"back"))``.
 """
 
 from __future__ import annotations
@@ -43,7 +44,9 @@ class Outline:
 def outline_of(reply: Mapping[str, Any]) -> Outline:
     """The outline in a reply of the process."""
     predicates = tuple(
-        Predicate(name, arity, name if not arity else f"{name}({', '.join('_' * arity)})", _meaning(clauses), tuple(clauses))
+        Predicate(
+            name, arity, name if not arity else f"{name}({', '.join('_' * arity)})", _meaning(clauses), tuple(clauses)
+        )
         for name, arity, clauses in reply["predicates"]
     )
     return Outline(predicates, tuple(reply["constants"]))

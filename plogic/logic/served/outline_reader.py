@@ -26,12 +26,19 @@ def outline(request: dict[str, Any]) -> dict[str, Any]:
     for item in request["texts"]:
         source = parse(item["text"], item["file"])
         known |= frozenset() if request.get("trust") else check_source(source, known=known)
-        written = _written(source) if request["labels"] is None else [_labelled(s, request["labels"]) for s in source.statements]
+        written = (
+            _written(source)
+            if request["labels"] is None
+            else [_labelled(s, request["labels"]) for s in source.statements]
+        )
         for statement, text in zip(source.statements, written, strict=True):
             for name, arity in dict.fromkeys((str(head.functor), head.arity) for head in heads(statement)):
                 predicates.setdefault((name, arity), []).append(text)
             constants |= dict.fromkeys(_constants(statement))
-    return {"predicates": [[name, arity, found] for (name, arity), found in predicates.items()], "constants": list(constants)}
+    return {
+        "predicates": [[name, arity, found] for (name, arity), found in predicates.items()],
+        "constants": list(constants),
+    }
 
 
 def _written(source: Source) -> list[str]:

@@ -68,7 +68,13 @@ def reply_to(request: dict[str, Any], tell: Callable[[dict[str, Any]], None] | N
         raise
     except Exception as error:  # noqa: BLE001 - whatever a program makes of ProbLog must not look like a limit
         what = " ".join(f"{type(error).__name__}: {error}".split())[:300]
-        return {"error": {"kind": "ProgramError", "reason": f"the program cannot be run ({what})", "file": request["texts"][0]["file"]}}
+        return {
+            "error": {
+                "kind": "ProgramError",
+                "reason": f"the program cannot be run ({what})",
+                "file": request["texts"][0]["file"],
+            }
+        }
 
 
 if __name__ == "__main__":

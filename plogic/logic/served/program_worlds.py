@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 class ProgramWorld:
     r"""The worlds in which ``holds`` are the query atoms that are true, taken together.
 
-    ``choices``: the most probable total choice among them, of the choices that matter: ``("a", "\\+b", "colour(red)")``.
+    ``choices``: the most probable total choice among them, of the choices that matter: ``("a", "\\+b",
+    "colour(red)")``.
     """
 
     probability: float
@@ -31,8 +32,8 @@ class ProgramWorld:
 class ProgramRanking:
     """``unlisted``: an interval that contains the probability of all worlds that are not listed.
 
-    ``log_evidence``: ln P(evidence), None if it is not known yet; ``complete``: as many worlds as were asked for are listed, or all that
-    there are.
+    ``log_evidence``: ln P(evidence), None if it is not known yet; ``complete``: as many worlds as were asked for are
+    listed, or all that there are.
     """
 
     worlds: tuple[ProgramWorld, ...]
@@ -53,10 +54,10 @@ def program_worlds(
 ) -> ProgramRanking:
     """The ``n`` most probable worlds given the program's evidence and ``given``, non-increasing.
 
-    Worlds are distinguished by the truth of the ``goals``' instances; without goals, of the program's own query/1; of a program that
-    asks nothing, of all atoms that it gives a probability. Ties (to a relative 1e-11) are in the order in which atoms are asked: a world in
-    which an earlier one holds comes first (among the first thousand of one tie). With ``seconds``, the worlds that are known by then.
-    Raises ProgramError, InconsistentError, LimitError.
+    Worlds are distinguished by the truth of the ``goals``' instances; without goals, of the program's own query/1; of a
+    program that asks nothing, of all atoms that it gives a probability. Ties (to a relative 1e-11) are in the order in
+    which atoms are asked: a world in which an earlier one holds comes first (among the first thousand of one tie). With
+    ``seconds``, the worlds that are known by then. Raises ProgramError, InconsistentError, LimitError.
     """
     request = {**request_of([text], goals, given, names), "task": "worlds", "number": n}
     if seconds is None:

@@ -58,7 +58,9 @@ def _signatures(source: Any) -> list[str]:  # noqa: ANN401 - a Source
     return [head.signature for statement in source.statements for head in heads(statement)]
 
 
-def _goal(text: str, file: str, known: frozenset[str], statements: list[Any], names: Names | None, *, trust: bool) -> Any:  # noqa: ANN401
+def _goal(
+    text: str, file: str, known: frozenset[str], statements: list[Any], names: Names | None, *, trust: bool
+) -> Any:  # noqa: ANN401
     """The goal as ProbLog's term, labels mapped; a predicate that nobody defines is answered with what would be right."""
     if not text.strip():
         raise ProgramError("is empty; a goal is one term, like present(h1)", file=file)
@@ -67,11 +69,20 @@ def _goal(text: str, file: str, known: frozenset[str], statements: list[Any], na
         goal = source.statements[0] if trust and len(source.statements) == 1 else check_goal(source, known)
     except UnknownPredicateError as error:
         hint = unknown_predicate(source.statements[0], defined_by(statements))
-        raise UnknownPredicateError(f"{error.reason}{hint}", file=error.file, line=error.line, column=error.column) from None
+        raise UnknownPredicateError(
+            f"{error.reason}{hint}", file=error.file, line=error.line, column=error.column
+        ) from None
     return goal if names is None else mapped(goal, names)
 
 
-def _ground(statements: list[Any], goal: Any, given: list[Any], *, trust: bool, folder: str = ".") -> tuple[Grounding, Small, Small]:  # noqa: ANN401
+def _ground(
+    statements: list[Any],
+    goal: Any,  # noqa: ANN401 - ProbLog's terms are untyped
+    given: list[Any],
+    *,
+    trust: bool,
+    folder: str = ".",
+) -> tuple[Grounding, Small, Small]:
     """The rewritten program in an engine, with its evidence; the atom to ask for, and the goal."""
     engine, database = engine_for(trust=trust, folder=folder)
     rewriter = Rewriter(defined_by(statements))
@@ -107,4 +118,6 @@ def ground_goal(program: str, goal: str, given: list[str]) -> tuple[Grounding, S
     """A program's text, a goal and evidence, grounded: what ``account`` takes. Held to the allow-list."""
     statements, known = _read([{"text": program, "file": "program"}], None, trust=False)
     wanted = _goal(goal, "goal", known, statements, None, trust=False)
-    return _ground(statements, wanted, [_goal(text, "given", known, statements, None, trust=False) for text in given], trust=False)
+    return _ground(
+        statements, wanted, [_goal(text, "given", known, statements, None, trust=False) for text in given], trust=False
+    )

@@ -13,8 +13,9 @@ if TYPE_CHECKING:
 def serve(request: dict[str, Any], tell: Callable[[dict[str, Any]], None] | None = None) -> dict[str, Any]:
     """The reply to a request: ``{"texts": [{"text", "file"}], "goals": [...], "given": [...], "names": {label: atom} | null}`` and a ``task``.
 
-    Without a task: ``{"answers": [[[goal, p], ...], ...]}``, one list of answers per goal; without goals, one list for the program's own
-    query/1. With ``anytime``, ``tell`` gets replies with intervals, ``[goal, low, high]``, before the exact one.
+    Without a task: ``{"answers": [[[goal, p], ...], ...]}``, one list of answers per goal; without goals, one list for
+    the program's own query/1. With ``anytime``, ``tell`` gets replies with intervals, ``[goal, low, high]``, before the
+    exact one.
     """
     task = request.get("task")
     if task == "outline":
@@ -49,5 +50,3 @@ def _answered(request: dict[str, Any], tell: Callable[[dict[str, Any]], None] | 
 
 def _names(atoms: dict[str, str] | None) -> Names | None:
     return None if atoms is None else Names(atoms, {atom: label for label, atom in atoms.items()})
-
-

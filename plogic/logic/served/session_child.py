@@ -1,6 +1,7 @@
 """The process of a session: answers one request a line until its input ends, so that ProbLog is imported once.
 
-As ``plogic.logic.served.program_child``, whose limits and replies it has; started by ``plogic.logic.served.staying_process``.
+As ``plogic.logic.served.program_child``, whose limits and replies it has; started by
+``plogic.logic.served.staying_process``.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """A process that stays: questions go to it one after another, each with its own limit of time.
 
-What runs out of time or is interrupted ends with its process; the next question starts another, and ``restarts`` counts them.
+What runs out of time or is interrupted ends with its process; the next question starts another, and ``restarts`` counts
+them.
 """
 
 from __future__ import annotations
@@ -65,7 +66,9 @@ class Process:
         except BaseException as error:  # an interruption, too, must leave no process behind that is at work
             self.close()
             if isinstance(error, (BrokenPipeError, json.JSONDecodeError)):
-                raise LimitError(f"the inference stopped without an answer (memory limit {self.limits.megabytes} MB)") from None
+                raise LimitError(
+                    f"the inference stopped without an answer (memory limit {self.limits.megabytes} MB)"
+                ) from None
             raise
         if reply.get("error", {}).get("kind") == "LimitError":
             self.close()
@@ -105,7 +108,15 @@ class Process:
 
 def _start(limits: Limits) -> _Running:
     scratch = tempfile.TemporaryDirectory(prefix="plogic-")
-    command = [sys.executable, "-P", "-W", "ignore", "-m", "plogic.logic.served.session_child", str(limits.megabytes * 2**20)]
+    command = [
+        sys.executable,
+        "-P",
+        "-W",
+        "ignore",
+        "-m",
+        "plogic.logic.served.session_child",
+        str(limits.megabytes * 2**20),
+    ]
     options: dict[str, Any] = {"env": environment(scratch.name), "cwd": scratch.name, "start_new_session": True}
     pipe = subprocess.PIPE
     return _Running(subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, **options), scratch)  # noqa: S603 - ours

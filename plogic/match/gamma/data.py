@@ -1,6 +1,7 @@
 """Γ as arrays: what the search works on, in an ideal image without distortion.
 
-Vocabulary: ``Data``, A appearances; *ideal pixels*, the pinhole image of focal length f with the principal point at the image's centre.
+Vocabulary: ``Data``, A appearances; *ideal pixels*, the pinhole image of focal length f with the principal point at the
+image's centre.
 """
 
 from __future__ import annotations
@@ -29,10 +30,11 @@ if TYPE_CHECKING:
 class Data:
     """``ideal`` (A, 2) ideal pixels; ``types`` (A,) names; ``arms`` (A, K) screen angles, NaN where a junction has fewer.
 
-    ``angle`` (A,) rad, ``scale`` (A,) pixels, NaN where the detector gives none; ``descriptors`` (A, D) uint8; ``described`` (A,) whether a
-    datum has place, angle, scale and descriptor: a keypoint; ``sided`` (A,) whether it is the side of an edge, which has no scale, and ``looks``
-    (A, 5) uint8 how it looks. ``depth``, ``depth_sigma`` (A,) m, NaN where nothing tells a depth; None where nothing tells any. ``rows`` (A,) are
-    their indices in ``whole``, of which these are some.
+    ``angle`` (A,) rad, ``scale`` (A,) pixels, NaN where the detector gives none; ``descriptors`` (A, D) uint8;
+    ``described`` (A,) whether a datum has place, angle, scale and descriptor: a keypoint; ``sided`` (A,) whether it is
+    the side of an edge, which has no scale, and ``looks`` (A, 5) uint8 how it looks. ``depth``, ``depth_sigma`` (A,) m,
+    NaN where nothing tells a depth; None where nothing tells any. ``rows`` (A,) are their indices in ``whole``, of
+    which these are some.
     """
 
     ids: tuple[str, ...]
@@ -151,13 +153,19 @@ def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138)
     angle = np.array([np.nan if a.angle is None else a.angle for a in appearances], dtype=float)
     scale = np.array([np.nan if a.scale is None else a.scale for a in appearances], dtype=float)
     sizes = np.array([len(a.descriptor or b"") for a in appearances], dtype=int)
-    described = np.isin(sizes, [size for size in WIDTHS if WIDTHS[size] == WIDTHS[width]]) & np.isfinite(angle) & (scale > 0.0)
+    described = (
+        np.isin(sizes, [size for size in WIDTHS if WIDTHS[size] == WIDTHS[width]]) & np.isfinite(angle) & (scale > 0.0)
+    )
     width = min([width, *sizes[described].tolist()])
-    whole = b"".join((a.descriptor or b"")[:width] if has else bytes(width) for a, has in zip(appearances, described, strict=True))
+    whole = b"".join(
+        (a.descriptor or b"")[:width] if has else bytes(width) for a, has in zip(appearances, described, strict=True)
+    )
     descriptors = np.frombuffer(whole, np.uint8).reshape(len(appearances), width)
     sided = (sizes == SIDE) & np.isfinite(angle) & np.isnan(scale)
     looks = np.zeros((len(appearances), SIDE), np.uint8)
-    looks[sided] = np.frombuffer(b"".join(a.descriptor or b"" for a, has in zip(appearances, sided, strict=True) if has), np.uint8).reshape(-1, SIDE)
+    looks[sided] = np.frombuffer(
+        b"".join(a.descriptor or b"" for a, has in zip(appearances, sided, strict=True) if has), np.uint8
+    ).reshape(-1, SIDE)
     types = tuple(a.type for a in appearances)
     depth = _depths_of(appearances)
     return Data(ids, types, uv, ideal, arms, camera, angle, scale, descriptors, described, sided, looks, None, *depth)
@@ -167,5 +175,7 @@ def _depths_of(appearances: Sequence[Appearance]) -> tuple[NDArray[np.float64] |
     """Depths and their standard deviations (A,), or None where there are none."""
     if all(a.depth is None for a in appearances):
         return None, None
-    rows = [(np.nan, np.nan) if a.depth is None or a.depth_sigma is None else (a.depth, a.depth_sigma) for a in appearances]
+    rows = [
+        (np.nan, np.nan) if a.depth is None or a.depth_sigma is None else (a.depth, a.depth_sigma) for a in appearances
+    ]
     return np.array([d for d, _ in rows]), np.array([s for _, s in rows])

@@ -33,13 +33,20 @@ class Grid:
     def near(self, uv: Floats, reach: Floats | float, angle: Floats | None = None) -> tuple[Indices, Indices]:
         """Places and data of all pairs at most ``reach`` pixels apart, and of some farther, place by place: uv (Q, 2) pixels, in or about the image.
 
-        ``reach``: one, or (Q,) each place's own. ``angle`` (Q,) radians: only what faces within a part of the circle, and some farther.
+        ``reach``: one, or (Q,) each place's own. ``angle`` (Q,) radians: only what faces within a part of the circle,
+        and some farther.
         """
         turns, down, across = self.shape
         reach = np.broadcast_to(np.asarray(reach, float), len(uv))
         low, high = (np.floor((uv + HALF + side * reach[:, None]) / CELL).astype(np.intp) for side in (-1.0, 1.0))
         rows = low[:, 1, None] + np.arange(int((high[:, 1] - low[:, 1]).max(initial=-1)) + 1)
-        inside = (rows >= 0) & (rows < down) & (rows <= high[:, 1, None]) & (high[:, 0, None] >= 0) & (low[:, 0, None] < across)
+        inside = (
+            (rows >= 0)
+            & (rows < down)
+            & (rows <= high[:, 1, None])
+            & (high[:, 0, None] >= 0)
+            & (low[:, 0, None] < across)
+        )
         place, row = np.nonzero(inside)
         row = rows[place, row]
         left, right = np.clip(low[place, 0], 0, across - 1), np.clip(high[place, 0], 0, across - 1)

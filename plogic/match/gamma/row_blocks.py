@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 ENTRIES = 2**20
-"""Entries of a block, one row at least: 8 MB of each array of floats; of the dozen that a search has at a time about 100 MB."""
+"""Entries of a block, one row at least: 8 MB of each array of floats; of the dozen that a search has at a time about
+100 MB."""
 
 
 def blocks(rows: int, columns: int) -> Iterator[slice]:

@@ -21,15 +21,19 @@ if TYPE_CHECKING:
 OFF = 40.0
 """Bytes by which the four colours may be off, together."""
 NEAREST, LESS = 1.6, 1.25
-"""How much likelier colours that are not off at all are of what is right, and how much less those that are all the way off (development scenes)."""
+"""How much likelier colours that are not off at all are of what is right, and how much less those that are all the way
+off (development scenes)."""
 NEUTRAL = (NEAREST - 1.0) / LESS
 """Off by so much, colours are as likely of what is right as of what merely may be."""
 BRIGHT, EDGES = 6.0, 25.0
-"""Standard deviations of contrast, bytes: of what is right besides how it varied when it was learnt, and of the edges of objects."""
+"""Standard deviations of contrast, bytes: of what is right besides how it varied when it was learnt, and of the edges
+of objects."""
 USUAL, FEW = 45.0, 30.0
-"""Standard deviation of contrast, bytes, of edges in images of which nothing is known; and how many such edges are counted with an image's own."""
+"""Standard deviation of contrast, bytes, of edges in images of which nothing is known; and how many such edges are
+counted with an image's own."""
 SMOOTH, LEAST = 5.0, 1e-3
-"""Bytes by which the contrasts of an image's edges are smoothed, and the least density of them that is believed, 1/byte."""
+"""Bytes by which the contrasts of an image's edges are smoothed, and the least density of them that is believed,
+1/byte."""
 WILD = 0.1
 """Share of what is right whose contrast is as that of any edge."""
 

@@ -1,6 +1,7 @@
 """Pairs: the smallest sets of appearances that, inside one view cell, fix a whole pose (§6.3).
 
-Two features on two appearances give the roll and the scale; the cell gives the direction. Everything is done on arrays of thousands at once.
+Two features on two appearances give the roll and the scale; the cell gives the direction. Everything is done on arrays
+of thousands at once.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ARM_TOLERANCE = np.radians(16.0)
-"""How far an arm may lie from the edge that the nearest cell predicts: half a cell's width plus the detector's error."""
+"""How far an arm may lie from the edge that the nearest cell predicts: half a cell's width plus the detector's
+error."""
 MOST_PAIRS = 60_000
 """Pairs that are kept of one type."""
 

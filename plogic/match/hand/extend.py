@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from plogic.match.hand.votes import DistanceMaps
 
 ROUNDS = ((0.06, 48), (0.035, 32), (0.02, 24), (0.0, 24))
-"""Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of the best go on."""
+"""Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of
+the best go on."""
 
 
 TRUSTED = 64
@@ -75,8 +76,12 @@ def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> NDArray[np.float
 
 
 def poses_about(
-    centre: NDArray[np.float64], roll: NDArray[np.float64], scale: NDArray[np.float64], cell_from_object: NDArray[np.float64],
-    middle: NDArray[np.float64], data: Data,
+    centre: NDArray[np.float64],
+    roll: NDArray[np.float64],
+    scale: NDArray[np.float64],
+    cell_from_object: NDArray[np.float64],
+    middle: NDArray[np.float64],
+    data: Data,
 ) -> NDArray[np.float64]:
     """(N, 4, 4) camera_from_object of cells (N, 3, 3) turned by ``roll`` (N,) rad about the rays through ``centre`` (N, 2) ideal pixels.
 
@@ -105,8 +110,9 @@ def extend(
 ) -> Posed:
     """Match, solve and refine all candidates together, the best first.
 
-    Each candidate goes two ways: by sets of four and POSIT, with tolerances that shrink from the cell's width to the detector's
-    ``tolerance`` (pixels); and as it is, trusted to be close, for wide tolerances make wrong matches where features lie dense.
+    Each candidate goes two ways: by sets of four and POSIT, with tolerances that shrink from the cell's width to the
+    detector's ``tolerance`` (pixels); and as it is, trusted to be close, for wide tolerances make wrong matches where
+    features lie dense.
     """
     size = sizes(poses, cells, data.camera.f)
     matches = rematch(poses, cells, points, maps, data, LOOSE * size)
@@ -161,7 +167,9 @@ def rigid(poses: NDArray[np.float64]) -> NDArray[np.float64]:
     return turned
 
 
-def _worth(shown: _Shown, matches: NDArray[np.intp], weights: NDArray[np.float64], maps: DistanceMaps) -> NDArray[np.float64]:
+def _worth(
+    shown: _Shown, matches: NDArray[np.intp], weights: NDArray[np.float64], maps: DistanceMaps
+) -> NDArray[np.float64]:
     """(N,) what was matched, less ``MISSED`` times what should be seen and was not; 0.2 + dv a feature."""
     value = shown.visible * ~maps.is_covered(shown.places) * (0.2 + weights)
     worth = np.where(matches >= 0, 0.2 + weights, -MISSED * value).sum(axis=1)
@@ -252,14 +260,18 @@ def _error(
     return np.asarray(np.nanmedian(np.where(matches >= 0, off, np.nan), axis=1))
 
 
-def _refined(poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data) -> NDArray[np.float64]:
+def _refined(
+    poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data
+) -> NDArray[np.float64]:
     """Least squares on all inliers; poses with fewer than four stay as they are."""
     enough = np.flatnonzero(_enough(matches))
     if not len(enough):
         return poses
     first = firsts(matches[enough] >= 0)
     its = np.take_along_axis(matches[enough], first, axis=1)
-    better = refined_poses(poses[enough], points[first], data.uv[its], (its >= 0).astype(float), data.camera, STEPS, huber=ROBUST)
+    better = refined_poses(
+        poses[enough], points[first], data.uv[its], (its >= 0).astype(float), data.camera, STEPS, huber=ROBUST
+    )
     poses = poses.copy()
     poses[enough] = better
     return poses

@@ -38,7 +38,8 @@ VOTED = 2000
 REFINED = 110
 """Coarse poses that are refined, the best by votes and no two alike."""
 ROBUST = 0.25
-"""Pixels beyond which a match weighs less in the last refinement: a wrong match within the tolerance must not pull the pose."""
+"""Pixels beyond which a match weighs less in the last refinement: a wrong match within the tolerance must not pull the
+pose."""
 VERIFIED = 12
 """Refined poses that rays are cast for."""
 
@@ -55,15 +56,18 @@ def generate(
 ) -> list[tuple[float, Posed]]:
     """The best distinct poses of one type as (log-likelihood ratio against clutter, hypothesis), best first.
 
-    ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``refined``, ``verified``: how many poses go that far.
-    ``check`` is called between stages, and between blocks of what grows with Γ, and may raise to end the search.
+    ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``refined``, ``verified``: how many
+    poses go that far. ``check`` is called between stages, and between blocks of what grows with Γ, and may raise to end
+    the search.
     """
     check()
     allowed = index.allowed(data)
     if len(data.ids) < 4 or len(index.points) < 4 or not allowed.any():
         return []
     maps = distance_maps(allowed, data, covered, check)
-    poses = np.concatenate([_from_pairs(index, allowed, maps, data, check), _from_triples(index, allowed, maps, data, check)])
+    poses = np.concatenate(
+        [_from_pairs(index, allowed, maps, data, check), _from_triples(index, allowed, maps, data, check)]
+    )
     check()
     if not len(poses):
         return []
@@ -93,10 +97,14 @@ def _from_triples(
     members = np.flatnonzero(allowed[index.triples.features.ravel()].any(axis=0))
     if len(members) < 3:
         return np.zeros((0, 4, 4))
-    poses = triple_poses(index.triples, image_triples(data, members, check), index.points, _scales(index, data), data.camera.f)
+    poses = triple_poses(
+        index.triples, image_triples(data, members, check), index.points, _scales(index, data), data.camera.f
+    )
     check()
     others = np.setdiff1d(np.arange(len(index.points)), index.anchors)[::4]
-    worth = pose_votes(poses, index.cells, index.points, index.weights, maps, data, np.concatenate([index.anchors, others]))
+    worth = pose_votes(
+        poses, index.cells, index.points, index.weights, maps, data, np.concatenate([index.anchors, others])
+    )
     return poses[np.sort(np.argsort(-worth, kind="stable")[:VOTED])]
 
 
@@ -147,7 +155,12 @@ def _verified(
 
 
 def _matched_at(
-    index: TypeIndex, pose: NDArray[np.float64], allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, kb: KnowledgeBase
+    index: TypeIndex,
+    pose: NDArray[np.float64],
+    allowed: NDArray[np.bool_],
+    maps: DistanceMaps,
+    data: Data,
+    kb: KnowledgeBase,
 ) -> tuple[Posed, NDArray[np.bool_]]:
     """The hypothesis at a pose, matched, and its features (F,) that accepted objects cover."""
     posed = pose_of(index.object_type, pose, data, kb)
@@ -200,7 +213,9 @@ def settle(
     allowed = index.allowed(data)
 
     def match(pose: NDArray[np.float64]) -> Posed:
-        return matched(pose_of(index.object_type, pose, data, kb), data, allowed, kb.rates.match_tolerance, free, hidden)
+        return matched(
+            pose_of(index.object_type, pose, data, kb), data, allowed, kb.rates.match_tolerance, free, hidden
+        )
 
     def better(posed: Posed) -> NDArray[np.float64] | None:
         return polished(posed, index.points, _precision(index, kb), data, hidden, ROBUST, kb.rates.sigma)

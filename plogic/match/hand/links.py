@@ -1,8 +1,9 @@
 """Links: pairs of junctions that an edge joins, in the cloud and in the image (§6.3).
 
-A *link* of the cloud is a pair of features of which one's edge ends at the other; a link of Γ is a pair of junctions of which one's arm points
-at the other. Laid onto each other in a view cell, the two fix roll and scale; the junctions' other arms must then lie on the features' other
-edges. All arms are kept as bits of a 64-bit word, relative to the link, so that millions of combinations are tested in milliseconds.
+A *link* of the cloud is a pair of features of which one's edge ends at the other; a link of Γ is a pair of junctions of
+which one's arm points at the other. Laid onto each other in a view cell, the two fix roll and scale; the junctions'
+other arms must then lie on the features' other edges. All arms are kept as bits of a 64-bit word, relative to the link,
+so that millions of combinations are tested in milliseconds.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ BINS = 64
 POINTING = np.radians(6.0)
 """How far a junction's arm may point past the other junction."""
 ALONG_ONE_ARM = 3
-"""Junctions that one arm is linked to, the nearest: an edge ends soon, but another object's outline may cross it first."""
+"""Junctions that one arm is linked to, the nearest: an edge ends soon, but another object's outline may cross it
+first."""
 STRAIGHT = np.cos(np.radians(1.0))
 """An edge of the cloud ends at a feature that lies within 1° of its direction."""
 
@@ -66,7 +68,9 @@ def data_links(data: Data, check: Callable[[], None] = unhurried) -> DataLinks:
     found = [_links_from(armed[some], data, check) for some in blocks(len(armed), len(data.ids))]
     if not found:
         found = [_links_from(armed, data, check)]
-    return DataLinks(*(np.concatenate([getattr(links, name) for links in found]) for name in DataLinks.__dataclass_fields__))
+    return DataLinks(
+        *(np.concatenate([getattr(links, name) for links in found]) for name in DataLinks.__dataclass_fields__)
+    )
 
 
 def _links_from(junctions: NDArray[np.intp], data: Data, check: Callable[[], None]) -> DataLinks:
@@ -98,8 +102,8 @@ def linked_pairs(
 ) -> Pairs:
     """Every link of the cloud on every link of Γ, in every cell that shows both features; those whose arms fit best, at most ``MOST_PAIRS``.
 
-    ``links`` (N, 2) as from ``feature_links``; ``allowed`` (F, A) the compatible types; ``scales`` the range of pixels a metre; ``check`` is called
-    between blocks, and may raise to end it.
+    ``links`` (N, 2) as from ``feature_links``; ``allowed`` (F, A) the compatible types; ``scales`` the range of pixels
+    a metre; ``check`` is called between blocks, and may raise to end it.
     """
     found = data_links(data, check)
     cell, link = np.nonzero(cells.visible[:, links[:, 0]] & cells.visible[:, links[:, 1]])
@@ -107,7 +111,12 @@ def linked_pairs(
     step = cells.xy[cell, g] - cells.xy[cell, f]
     length, angle = np.hypot(step[:, 0], step[:, 1]), np.arctan2(step[:, 1], step[:, 0])
     ends = [
-        (feature, datum, _words(cells.arms[cell, feature] - angle[:, None]), _bins(data.arms[datum] - found.angle[:, None]))
+        (
+            feature,
+            datum,
+            _words(cells.arms[cell, feature] - angle[:, None]),
+            _bins(data.arms[datum] - found.angle[:, None]),
+        )
         for feature, datum in ((f, found.first), (g, found.second))
     ]
     row, column, score = np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0, np.int8)
@@ -141,8 +150,8 @@ def _agreement(
 ) -> tuple[NDArray[np.int8], NDArray[np.bool_]]:
     """How many arms of datum ``column`` (N,) lie on edges of feature ``row`` (N,), (N,), and whether they are enough.
 
-    All arms of an L must fit, all but one of three or four, three of five: detectors lose arms, and texture adds some. ``bins`` (D, K) are
-    arms' bins, ``masks`` (M,) words of edges.
+    All arms of an L must fit, all but one of three or four, three of five: detectors lose arms, and texture adds some.
+    ``bins`` (D, K) are arms' bins, ``masks`` (M,) words of edges.
     """
     words, hits = masks[row], np.zeros(len(row), dtype=np.int8)
     for k in range(bins.shape[1]):

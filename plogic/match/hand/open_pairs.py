@@ -1,7 +1,7 @@
 """Pairs without arms: two features and two appearances in one view cell fix roll and scale by themselves.
 
-The way of a Γ whose detector reports places only. It costs cells × features² × appearances², so that it is taken cell by cell; and as no arm
-refuses a pair, the other anchors' votes choose those that are kept.
+The way of a Γ whose detector reports places only. It costs cells × features² × appearances², so that it is taken cell
+by cell; and as no arm refuses a pair, the other anchors' votes choose those that are kept.
 """
 
 from __future__ import annotations
@@ -55,7 +55,9 @@ def open_pairs(
     return every.take(np.sort(np.argsort(-worth, kind="stable")[:MOST_PAIRS]))
 
 
-def _votes(pairs: Pairs, cells: ViewCells, anchors: NDArray[np.intp], maps: DistanceMaps, data: Data) -> NDArray[np.float64]:
+def _votes(
+    pairs: Pairs, cells: ViewCells, anchors: NDArray[np.intp], maps: DistanceMaps, data: Data
+) -> NDArray[np.float64]:
     """(N,) the share of the visible anchors that find a datum, each by how near it is."""
     return votes(pairs, cells, maps, np.ones(cells.visible.shape[1]), data, anchors)
 
@@ -71,7 +73,8 @@ def _of_cell(
 ) -> Pairs:
     """The pairs of one cell, thinned evenly to ``MOST_OF_CELL``.
 
-    Where more than one pair of features is left, ``LARGEST_JOIN`` bounds the join; of one alone it is made in blocks, whose order is its own.
+    Where more than one pair of features is left, ``LARGEST_JOIN`` bounds the join; of one alone it is made in blocks,
+    whose order is its own.
     """
     seen = anchors[cells.visible[c, anchors]]
     first, second = (seen[i] for i in np.triu_indices(len(seen), 1)[:2])
@@ -89,7 +92,9 @@ def _of_cell(
     p, a, b = np.unravel_index(_thinned(packed), (len(first), number, number))
     step = data.ideal[b] - data.ideal[a]
     angle = np.arctan2(step[:, 1], step[:, 0]) - np.arctan2(model[p, 1], model[p, 0])
-    return Pairs(np.full(len(p), c), first[p], a, second[p], b, wrapped(angle), np.hypot(step[:, 0], step[:, 1]) / length[p])
+    return Pairs(
+        np.full(len(p), c), first[p], a, second[p], b, wrapped(angle), np.hypot(step[:, 0], step[:, 1]) / length[p]
+    )
 
 
 def _thinned(packed: list[tuple[int, int, NDArray[np.uint8]]]) -> NDArray[np.intp]:

@@ -1,8 +1,9 @@
 """Triples: three neighbours on one plane fix a pose up to a reflection, from any single wall that shows a few windows (§6.3).
 
-Features without edges (patches) give no links. Of three that lie side by side on a plane, and of three appearances side by side in the image,
-weak perspective about the ray of the first gives two poses in closed form: with A the affine map from the plane to the image, the greater
-eigenvalue of AᵀA is the squared scale, and the lesser one's direction and size tell the slant (Huttenlocher and Ullman 1990).
+Features without edges (patches) give no links. Of three that lie side by side on a plane, and of three appearances side
+by side in the image, weak perspective about the ray of the first gives two poses in closed form: with A the affine map
+from the plane to the image, the greater eigenvalue of AᵀA is the squared scale, and the lesser one's direction and size
+tell the slant (Huttenlocher and Ullman 1990).
 """
 
 from __future__ import annotations
@@ -34,7 +35,8 @@ LEVEL = np.cos(np.radians(8.0))
 FLATTEST = np.cos(np.radians(78.0)) ** 2
 """Least foreshortening, squared: a wall seen at more than 78° shows nothing."""
 MOST_IMAGE_TRIPLES = 120
-"""Image triples that are tried; those that a fourth datum completes to a parallelogram come first, then the most compact."""
+"""Image triples that are tried; those that a fourth datum completes to a parallelogram come first, then the most
+compact."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,11 @@ def plane_triples(features: Sequence[Feature]) -> PlaneTriples:
     normals = {f: features[f].rotation @ features[f].appearances[0].lobe.axis for f in plain}
     rows = []
     for f in plain:
-        level = [g for g in plain if g != f and normals[g] @ normals[f] > LEVEL and abs((at[g] - at[f]) @ normals[f]) < 0.01 * _gap(at, f, g)]
+        level = [
+            g
+            for g in plain
+            if g != f and normals[g] @ normals[f] > LEVEL and abs((at[g] - at[f]) @ normals[f]) < 0.01 * _gap(at, f, g)
+        ]
         near = np.array(level, dtype=np.intp)[np.argsort([_gap(at, f, g) for g in level], kind="stable")[:NEIGHBOURS]]
         for g, h in combinations(near.tolist(), 2):
             rows += _right_angled(at, normals[f], f, g, h)
@@ -111,7 +117,9 @@ def image_triples(data: Data, members: NDArray[np.intp], check: Callable[[], Non
     return ImageTriples(chosen, *_tangents(data, chosen))
 
 
-def _neighbouring(places: NDArray[np.float64], check: Callable[[], None]) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+def _neighbouring(
+    places: NDArray[np.float64], check: Callable[[], None]
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Triples (N, 3) of places (M, 2) and their scores (N, 2): 0 where a fourth completes a parallelogram, else 1; then the area's scale."""
     near = _nearest(places, check)
     one, other = np.array(list(combinations(range(near.shape[1]), 2)), dtype=np.intp).reshape(-1, 2).T
@@ -120,7 +128,16 @@ def _neighbouring(places: NDArray[np.float64], check: Callable[[], None]) -> tup
     to_j, to_k = np.hypot(u[:, 0], u[:, 1]), np.hypot(v[:, 0], v[:, 1])
     cross, size = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], to_j * to_k
     kept = (np.abs(cross) >= 0.12 * size) & (np.minimum(to_j, to_k) > 1.0)
-    first, j, k, u, v, cross, size, reach = first[kept], j[kept], k[kept], u[kept], v[kept], cross[kept], size[kept], (to_j + to_k)[kept]
+    first, j, k, u, v, cross, size, reach = (
+        first[kept],
+        j[kept],
+        k[kept],
+        u[kept],
+        v[kept],
+        cross[kept],
+        size[kept],
+        (to_j + to_k)[kept],
+    )
     away = _fourth(places, first, u + v, check) > 0.08 * reach
     turned = cross > 0  # y down: counter-clockwise for the eye is the other way round
     rows = np.stack([first, np.where(turned, k, j), np.where(turned, j, k)], axis=1)
@@ -137,7 +154,9 @@ def _nearest(places: NDArray[np.float64], check: Callable[[], None]) -> NDArray[
     return near
 
 
-def _fourth(places: NDArray[np.float64], first: NDArray[np.intp], corner: NDArray[np.float64], check: Callable[[], None]) -> NDArray[np.float64]:
+def _fourth(
+    places: NDArray[np.float64], first: NDArray[np.intp], corner: NDArray[np.float64], check: Callable[[], None]
+) -> NDArray[np.float64]:
     """(N,) how near a place comes to that which is ``corner`` (N, 2) away from the ``first`` (N,)."""
     gap = np.full(len(first), np.inf)
     for some in blocks(len(first), len(places)):
@@ -149,7 +168,9 @@ def _fourth(places: NDArray[np.float64], first: NDArray[np.intp], corner: NDArra
 
 def _tangents(data: Data, rows: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Frames and sides of image triples (N, 3), see ``ImageTriples``."""
-    rays = np.concatenate([(data.ideal[rows] - centre_of(data.camera)) / data.camera.f, np.ones((*rows.shape, 1))], axis=2)
+    rays = np.concatenate(
+        [(data.ideal[rows] - centre_of(data.camera)) / data.camera.f, np.ones((*rows.shape, 1))], axis=2
+    )
     rays /= np.linalg.norm(rays, axis=2, keepdims=True)
     frame = turn_z_to(rays[:, 0])
     local = np.einsum("nji,nkj->nki", frame, rays[:, 1:])
@@ -171,7 +192,11 @@ def triple_poses(
 
     ``points`` (F, 3) m; ``scales`` the range of pixels a metre; ``focal`` pixels.
     """
-    affine = np.einsum("nij,mjk->mnik", image.sides, np.linalg.inv(plane.sides)) if len(plane.features) else np.zeros((0, 0, 2, 2))
+    affine = (
+        np.einsum("nij,mjk->mnik", image.sides, np.linalg.inv(plane.sides))
+        if len(plane.features)
+        else np.zeros((0, 0, 2, 2))
+    )
     m, n = np.divmod(np.arange(affine.shape[0] * affine.shape[1]), max(1, affine.shape[1]))
     affine = affine.reshape(-1, 2, 2)
     gram = np.swapaxes(affine, 1, 2) @ affine

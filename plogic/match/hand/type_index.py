@@ -35,7 +35,8 @@ ANCHORS = 16
 class TypeIndex:
     """One type made ready for search.
 
-    ``points`` (F, 3) metres; ``weights`` (F,) dv; ``anchors`` feature indices, the most distinctive; ``links`` (N, 2) joined by edges.
+    ``points`` (F, 3) metres; ``weights`` (F,) dv; ``anchors`` feature indices, the most distinctive; ``links`` (N, 2)
+    joined by edges.
     """
 
     object_type: ObjectType
@@ -66,7 +67,8 @@ class TypeIndex:
     def in_line(self) -> tuple[NDArray[np.intp], NDArray[np.float64], tuple[str, ...]] | None:
         """Where each feature has one appearance type: (1 + C, F) the how many-th of its type it is in each neighbourhood, the heaviest the first.
 
-        Then (1 + C,) what each neighbourhood weighs, and (F,) the types' names; None where a feature looks like several types, or none.
+        Then (1 + C,) what each neighbourhood weighs, and (F,) the types' names; None where a feature looks like several
+        types, or none.
         """
         looks = [sorted({a.type for a in feature.appearances}) for feature in self.object_type.features]
         if any(len(names) != 1 for names in looks):
@@ -75,7 +77,11 @@ class TypeIndex:
         codes = np.unique(np.array(flat), return_inverse=True)[1]
         place = np.argsort(np.argsort(-self.weights, kind="stable"), kind="stable")
         heavier = ((codes[:, None] == codes) & (place <= place[:, None])).astype(np.float32)
-        return (self.neighbourhoods.astype(np.float32) @ heavier.T).astype(np.intp), self.neighbourhoods @ self.weights, flat
+        return (
+            (self.neighbourhoods.astype(np.float32) @ heavier.T).astype(np.intp),
+            self.neighbourhoods @ self.weights,
+            flat,
+        )
 
     def allowed(self, data: Data) -> NDArray[np.bool_]:
         """(F, A) the data of a type that the feature has in any of its lobes."""
@@ -85,7 +91,11 @@ class TypeIndex:
     def _looking(self, names: tuple[str, ...]) -> NDArray[np.bool_]:
         """(F, N) which features look like what is so named."""
         nobody = np.zeros(len(self.points), bool)
-        return np.array([self._features_by_look.get(name, nobody) for name in names], bool).reshape(len(names), len(nobody)).T
+        return (
+            np.array([self._features_by_look.get(name, nobody) for name in names], bool)
+            .reshape(len(names), len(nobody))
+            .T
+        )
 
     @cached_property
     def _features_by_look(self) -> dict[str, NDArray[np.bool_]]:

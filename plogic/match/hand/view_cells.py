@@ -1,7 +1,7 @@
 """View cells: what one type looks like from each of a set of directions, computed once a type.
 
-A cell is a viewpoint direction in the object's frame. Features that are visible in one cell have lobes that contain one common viewpoint,
-so that sets taken inside a cell are co-visible by construction (*convergence*, §6.3).
+A cell is a viewpoint direction in the object's frame. Features that are visible in one cell have lobes that contain one
+common viewpoint, so that sets taken inside a cell are co-visible by construction (*convergence*, §6.3).
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import ObjectType
 
 CELLS = 162
-"""Directions on the sphere: neighbours are about 15° apart, so that a true viewpoint is mostly within 9° of a cell (12.1° at worst)."""
+"""Directions on the sphere: neighbours are about 15° apart, so that a true viewpoint is mostly within 9° of a cell
+(12.1° at worst)."""
 DISTANCE = 3.0
 """Nominal distance of a cell's viewpoint, in diameters of the type."""
 
@@ -28,10 +29,10 @@ DISTANCE = 3.0
 class ViewCells:
     """One type seen from C directions; F features, at most K arms each.
 
-    ``directions`` (C, 3) unit, object frame, from the centre to the viewpoint; ``cell_from_object`` (C, 3, 3) rotations to a camera there
-    that looks at the centre; ``xy`` (C, F, 2) metres in the plane through the centre, x right and y down, after perspective division;
-    ``visible`` (C, F): in a lobe and not Behind the type's own surface; ``arms`` (C, F, K) screen angles of the visible edges at a
-    feature, radians, NaN where there is none.
+    ``directions`` (C, 3) unit, object frame, from the centre to the viewpoint; ``cell_from_object`` (C, 3, 3) rotations
+    to a camera there that looks at the centre; ``xy`` (C, F, 2) metres in the plane through the centre, x right and y
+    down, after perspective division; ``visible`` (C, F): in a lobe and not Behind the type's own surface; ``arms`` (C,
+    F, K) screen angles of the visible edges at a feature, radians, NaN where there is none.
     """
 
     directions: NDArray[np.float64]
@@ -97,7 +98,9 @@ def _along_arms(
     return points, np.array([row[1] for row in rows], dtype=np.intp), np.array([row[2] for row in rows], dtype=np.intp)
 
 
-def remade(object_type: ObjectType, xy: NDArray[np.float64], visible: NDArray[np.bool_], arms: NDArray[np.float64]) -> ViewCells:
+def remade(
+    object_type: ObjectType, xy: NDArray[np.float64], visible: NDArray[np.bool_], arms: NDArray[np.float64]
+) -> ViewCells:
     """The cells of a type of which what takes time is known."""
     directions = fibonacci_sphere(len(xy))
     return ViewCells(directions, looking_back(directions), xy, visible, arms, *_bounds(object_type))

@@ -50,7 +50,9 @@ class DistanceMaps:
         """The distances alone, of some features."""
         return self.seen_at(places, features)[0]
 
-    def seen_at(self, places: NDArray[Any], features: NDArray[np.intp] | slice = ALL) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    def seen_at(
+        self, places: NDArray[Any], features: NDArray[np.intp] | slice = ALL
+    ) -> tuple[NDArray[Any], NDArray[np.bool_]]:
         """The distances alone, of some features, and whether an accepted object stands at their places."""
         pixel, inside = _pixel(places, self.covered.shape)
         distance = np.where(inside, self.distance.ravel()[pixel + self._starts(features)], np.float32(np.inf))
@@ -85,7 +87,10 @@ def _pixel(places: NDArray[Any], shape: tuple[int, ...]) -> tuple[NDArray[np.int
 
 
 def distance_maps(
-    allowed: NDArray[np.bool_], data: Data, covered: NDArray[np.bool_] | None = None, check: Callable[[], None] = unhurried
+    allowed: NDArray[np.bool_],
+    data: Data,
+    covered: NDArray[np.bool_] | None = None,
+    check: Callable[[], None] = unhurried,
 ) -> DistanceMaps:
     """One map for each distinct row of ``allowed`` (F, A). A row without a datum gives a map of infinities.
 
@@ -105,7 +110,9 @@ def _one_map(
     members: NDArray[np.intp], places: NDArray[np.float64], shape: tuple[int, int]
 ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
     pixels = np.rint(places[members])
-    inside = (pixels >= 0).all(axis=1) & (pixels[:, 0] < shape[1]) & (pixels[:, 1] < shape[0])  # of what the lens images nowhere, False
+    inside = (
+        (pixels >= 0).all(axis=1) & (pixels[:, 0] < shape[1]) & (pixels[:, 1] < shape[0])
+    )  # of what the lens images nowhere, False
     members, pixels = members[inside], pixels[inside].astype(int)
     if not len(members):
         return np.full(shape, np.inf, dtype=np.float32), np.full(shape, -1, dtype=np.int32)

@@ -14,18 +14,20 @@ if TYPE_CHECKING:
 CROWDED = 3.0
 """Pixels (standard deviation) within which expected features of a learnt type are found or missed together."""
 ALONG, BENT = 10.0, 0.2
-"""The same along a line across which both turn, pixels, and how much they may differ in that, radians: one line of clutter is right for all."""
+"""The same along a line across which both turn, pixels, and how much they may differ in that, radians: one line of
+clutter is right for all."""
 
 
 LINKED = 0.4
-"""How much of that holds where one of the two is the side of an edge: of those that lie along one line of clutter so large a share is found
-together, as the correlation over development scenes says."""
+"""How much of that holds where one of the two is the side of an edge: of those that lie along one line of clutter so
+large a share is found together, as the correlation over development scenes says."""
 
 
 def shares(uv: Floats, turn: Floats, sided: NDArray[np.bool_]) -> Floats:
     """(N,) for how much of an independent observation each of N features counts: one over those that go with it, itself included.
 
-    ``uv`` (N, 2) pixels; ``turn`` (N,) radians, the screen angle of what is seen of each, across its edge; ``sided`` (N,) which are sides.
+    ``uv`` (N, 2) pixels; ``turn`` (N,) radians, the screen angle of what is seen of each, across its edge; ``sided``
+    (N,) which are sides.
     """
     from scipy.spatial import cKDTree
 

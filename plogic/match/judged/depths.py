@@ -1,6 +1,7 @@
 """Where appearances carry depth (a stereo pair is one notional viewpoint, §3.3), depths fix poses.
 
-They do not decide what is matched: some are wrong, where a feature was missed in one image and another that looks like it in the other.
+They do not decide what is matched: some are wrong, where a feature was missed in one image and another that looks like
+it in the other.
 """
 
 from __future__ import annotations
@@ -26,11 +27,13 @@ BASELINE = 1000.0
 """Depths between the camera and one far to the side, whose pixels then tell the depth and nothing else."""
 
 
-def with_depths(pose: Floats, seen: Sight, points: Floats, datum: NDArray[np.intp], data: Data, *, sigma: float, huber: float) -> Floats:
+def with_depths(
+    pose: Floats, seen: Sight, points: Floats, datum: NDArray[np.intp], data: Data, *, sigma: float, huber: float
+) -> Floats:
     """The pose (4, 4), camera_from_object, that fits what is ``seen`` of it and the depths of ``datum`` (N,), matched with ``points`` (N, 3) m.
 
-    As it was where none has a depth. ``sigma``: the noise of places, pixels, for which the weights of what is seen stand, in whatever unit.
-    ``huber``: pixels beyond which a residual counts linearly.
+    As it was where none has a depth. ``sigma``: the noise of places, pixels, for which the weights of what is seen
+    stand, in whatever unit. ``huber``: pixels beyond which a residual counts linearly.
     """
     told = side_sight(pose, points, datum, data, sigma)
     if told is None:

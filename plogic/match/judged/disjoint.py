@@ -1,6 +1,7 @@
 """A4 to a millimetre: objects that reach into each other by no more than poses are wrong are moved apart, all together.
 
-Of all poses that keep them apart those are taken that Γ says the most for: each pose's information, from its matches, tells what a move costs.
+Of all poses that keep them apart those are taken that Γ says the most for: each pose's information, from its matches,
+tells what a move costs.
 
 * ``moved_apart(posed, information)``: the poses, and which pairs still reach into each other
 * ``reaches_into(one, other)``: whether two do, by more than a millimetre
@@ -40,7 +41,8 @@ SPARE = 0.1
 ROUNDS = 12
 """Times that all are moved: the way out is known for flat contacts, and found again for others."""
 FAR = 10.0
-"""Standard deviations of its pose by which an object may be moved: what has to go further was not seen where it must be."""
+"""Standard deviations of its pose by which an object may be moved: what has to go further was not seen where it must
+be."""
 SWEEPS = 100
 """Passes over all contacts in which their forces are found."""
 
@@ -58,8 +60,9 @@ def moved_apart(
 ) -> tuple[list[Floats], list[tuple[int, int]]]:
     """Poses (4, 4), camera_from_object, of N objects, and the pairs that still reach more than ``DEEP`` into each other.
 
-    So do pairs that would have to move too ``FAR``. One that touches nobody keeps its pose, the same array; so do the first, which stand ``still``,
-    and nothing is told of pairs of these. ``information``, (6, 6), of the pose of one by number (``pose_information``): what a move costs.
+    So do pairs that would have to move too ``FAR``. One that touches nobody keeps its pose, the same array; so do the
+    first, which stand ``still``, and nothing is told of pairs of these. ``information``, (6, 6), of the pose of one by
+    number (``pose_information``): what a move costs.
     """
     poses = [some.camera_from_object for some in posed]
     first = _deep(posed, poses, still)
@@ -111,7 +114,9 @@ def pose_information(posed: Posed, camera: Camera, kb: KnowledgeBase) -> Floats:
     return information(posed.at[used], posed.middle, precision, camera, across) + np.diag(loose**-2.0)
 
 
-def _eased(posed: Sequence[Posed], poses: list[Floats], yields: Sequence[Floats], deep: Sequence[Contact]) -> list[Floats]:
+def _eased(
+    posed: Sequence[Posed], poses: list[Floats], yields: Sequence[Floats], deep: Sequence[Contact]
+) -> list[Floats]:
     """The poses after the least costly moves that end the contacts, as far as these are flat: a quadratic program, by its dual.
 
     ``yields`` (6, 6) each: the inverse of what moves cost; 0 of what stands still.

@@ -45,10 +45,12 @@ def hit_rates(posed: Posed, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None 
 
 
 CLEAR = 8.0
-"""The prior of clarity is ∝ clarity⁸: an instance of which little shows where much should is rarely one. It counts in what is accepted; the
-program has the scaled hit rates, and no prior of them."""
+"""The prior of clarity is ∝ clarity⁸: an instance of which little shows where much should is rarely one. It counts in
+what is accepted; the program has the scaled hit rates, and no prior of them."""
 LEAST_CLEAR, LEAST_HIT, MOST_HIT = 0.04, 0.005, 0.98
 """Least share of the measured hit rates that an image can keep; bounds of what remains."""
+
+
 def _expected(posed: Posed, hidden: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
     return posed.candidate if hidden is None else posed.candidate & ~hidden
 
@@ -82,7 +84,8 @@ def as_counted(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Hit rates (F,) and densities (F,) of features that each say as much as they are ``counted``: what the program is told.
 
-    With a share w of an observation, 1 − h becomes (1 − h)^w, and what a match says, (h·N + f − h·f) / f, that to the power of w.
+    With a share w of an observation, 1 − h becomes (1 − h)^w, and what a match says, (h·N + f − h·f) / f, that to the
+    power of w.
     """
     hit, near = hit_rates(posed, kb, hidden), match_density(posed, kb)
     if posed.hit is None:
@@ -103,8 +106,8 @@ FIXED_BY = 3
 class Evidence:
     """``ratio``: the log-likelihood ratio of presence against clutter at this pose; ``surplus``: what is left of it besides what any pose has.
 
-    Of a type written by hand that is what is left without the ``FIXED_BY`` best matches; of a learnt one, and where angles count, for matches
-    say more than their places then, the ratio at all poses together (``freedom``).
+    Of a type written by hand that is what is left without the ``FIXED_BY`` best matches; of a learnt one, and where
+    angles count, for matches say more than their places then, the ratio at all poses together (``freedom``).
     """
 
     ratio: float
@@ -120,7 +123,9 @@ def evidence(posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.boo
     hit = hit_rates(posed, kb, hidden)
     found = expected & posed.detected
     clutter = clutter_density(kb, data, posed.matches[found])
-    gain = shares[found] * np.log((hit[found] * match_density(posed, kb)[found] + (1.0 - hit[found]) * clutter) / clutter)
+    gain = shares[found] * np.log(
+        (hit[found] * match_density(posed, kb)[found] + (1.0 - hit[found]) * clutter) / clutter
+    )
     ratio = float(gain.sum() + (shares * np.log(1.0 - hit))[expected & ~posed.detected].sum())
     if posed.hit is None and posed.axes is None:
         return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))

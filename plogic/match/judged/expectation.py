@@ -30,13 +30,15 @@ if TYPE_CHECKING:
 class Posed:
     """One type at one pose. F features of the maximal object, the type's ``seen_features`` in their order; A data of Γ.
 
-    ``at`` (F, 3) metres, camera frame; ``uv`` (F, 2) pixels; ``in_image``, ``in_lobe``, ``self_hidden`` (F,); ``right`` (F, A) the data of
-    a type whose lobe holds the viewpoint; ``matches`` (F,) datum index or −1; ``residual`` (F,) pixels, NaN where unmatched. Of a
-    learnt type ``hit`` (F,) is the measured rate of the lobes that hold the viewpoint, ``turn`` (F,) the screen angle that they make expect,
-    ``sigma`` (F,) the noise of places, pixels, ``likeness`` (F,) how much rarer what looks like the match is than clutter of its type, ``sided``
-    (F,) which features are sides of edges, and ``across`` (F, 2) unit vectors on the screen across those edges, NaN of other features: what is
-    off along them is not ``residual``. Of any other type these are None, but where angles of data count ``likeness`` tells how much likelier the
-    match's angle is than any, and ``axes`` (F, 3) are the x axes of the features' frames, camera frame, unit: what an angle is of.
+    ``at`` (F, 3) metres, camera frame; ``uv`` (F, 2) pixels; ``in_image``, ``in_lobe``, ``self_hidden`` (F,); ``right``
+    (F, A) the data of a type whose lobe holds the viewpoint; ``matches`` (F,) datum index or −1; ``residual`` (F,)
+    pixels, NaN where unmatched. Of a learnt type ``hit`` (F,) is the measured rate of the lobes that hold the
+    viewpoint, ``turn`` (F,) the screen angle that they make expect, ``sigma`` (F,) the noise of places, pixels,
+    ``likeness`` (F,) how much rarer what looks like the match is than clutter of its type, ``sided`` (F,) which
+    features are sides of edges, and ``across`` (F, 2) unit vectors on the screen across those edges, NaN of other
+    features: what is off along them is not ``residual``. Of any other type these are None, but where angles of data
+    count ``likeness`` tells how much likelier the match's angle is than any, and ``axes`` (F, 3) are the x axes of the
+    features' frames, camera frame, unit: what an angle is of.
     """
 
     object_type: ObjectType
@@ -89,8 +91,9 @@ class Posed:
     def stands(self) -> NDArray[np.bool_]:
         """(F,) which features stand for a maximal one (A1): all but those parts of a learnt compound that another part stands for.
 
-        A compound looks like any of its parts and takes one appearance, so it is where its surest part is: one in the image, that is expected
-        and detected, else expected, else detected; of several the one with the greatest hit rate, the first of equals.
+        A compound looks like any of its parts and takes one appearance, so it is where its surest part is: one in the
+        image, that is expected and detected, else expected, else detected; of several the one with the greatest hit
+        rate, the first of equals.
         """
         whole = self.object_type.whole
         result = np.ones(len(self.uv), bool)
@@ -140,7 +143,9 @@ def _right_types(table: LobeTable, held: NDArray[np.bool_], data: Data) -> NDArr
     lobes = np.flatnonzero(held)
     reports[table.feature[lobes], [column[table.types[lobe]] for lobe in lobes]] = True
     of_datum = np.array([column.get(name, -1) for name in data.types], dtype=np.intp)
-    reports = np.hstack([reports, np.zeros((table.features, 1), dtype=bool)])  # the last column is for types that no lobe reports
+    reports = np.hstack(
+        [reports, np.zeros((table.features, 1), dtype=bool)]
+    )  # the last column is for types that no lobe reports
     return np.asarray(reports[:, of_datum])
 
 
@@ -154,8 +159,9 @@ def matched(
 ) -> Posed:
     """The hypothesis' one assignment (D8): expected features first, with the types whose lobe holds v; then unexpected ones.
 
-    ``allowed`` (F, A) are the types of each feature in any lobe; ``tolerance`` in pixels; ``free`` (A,) the data that nobody else has
-    claimed; ``hidden`` (F,) the features that accepted opaque objects hide. An appearance serves one feature; a feature takes one.
+    ``allowed`` (F, A) are the types of each feature in any lobe; ``tolerance`` in pixels; ``free`` (A,) the data that
+    nobody else has claimed; ``hidden`` (F,) the features that accepted opaque objects hide. An appearance serves one
+    feature; a feature takes one.
     """
     free = np.ones(len(data.ids), dtype=bool) if free is None else free
     expected = posed.candidate if hidden is None else posed.candidate & ~hidden
@@ -175,7 +181,11 @@ def matched(
 
 
 def assigned(
-    matches: NDArray[np.intp], feature: NDArray[np.intp], datum: NDArray[np.intp], off: NDArray[np.float64], tolerance: float
+    matches: NDArray[np.intp],
+    feature: NDArray[np.intp],
+    datum: NDArray[np.intp],
+    off: NDArray[np.float64],
+    tolerance: float,
 ) -> None:
     """The same assignment for few pairs (feature, datum), ``off`` pixels apart: fill ``matches`` (F,)."""
     rows, row = np.unique(feature, return_inverse=True)
@@ -204,7 +214,8 @@ def _assign(matches: NDArray[np.intp], off: NDArray[np.float64], possible: NDArr
 def hidden_by(posed: Posed, other: Posed) -> NDArray[np.bool_]:
     """(F,) Behind(f, other, v): the line of sight to each feature of ``posed`` meets the other's surface first (§3.4).
 
-    Of a learnt type's thousands of features it is asked of those alone that are expected or detected: of others nothing is said.
+    Of a learnt type's thousands of features it is asked of those alone that are expected or detected: of others nothing
+    is said.
     """
     surface, mask = other.object_type.surface, np.zeros(len(posed.at), dtype=bool)
     if surface is None:

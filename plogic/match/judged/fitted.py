@@ -1,8 +1,9 @@
 """What the program is told of a pose that was fitted to its matches (§8, posterior): they say less than of a pose that was known before.
 
-The posterior of an object's presence sums over all poses that it may have; a hypothesis stands for those about its own. So its prior is the
-type's times the share of all poses that fit about as well (``plogic.match.judged.freedom``), often below what ProbLog can read as a label. It is told with the
-matches instead, of which each gives up in proportion. The log odds of a lone hypothesis are then its type's prior, plus its evidence, plus the share.
+The posterior of an object's presence sums over all poses that it may have; a hypothesis stands for those about its own.
+So its prior is the type's times the share of all poses that fit about as well (``plogic.match.judged.freedom``), often
+below what ProbLog can read as a label. It is told with the matches instead, of which each gives up in proportion. The
+log odds of a lone hypothesis are then its type's prior, plus its evidence, plus the share.
 """
 
 from __future__ import annotations
@@ -26,11 +27,14 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-def as_fitted(posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> tuple[Floats, Floats]:
+def as_fitted(
+    posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
+) -> tuple[Floats, Floats]:
     """Hit rates (F,) and densities (F,) per pixel²: of expected matches such that Π (h·N + f − h·f) / f is that at the best pose times the share.
 
-    Each match gives up in proportion to how much better it is than a miss, ln(1 + h·N / (f − h·f)); where that is less in all than the pose owes,
-    the matches count as misses. ``hidden`` (F,) are the features that accepted opaque objects hide: not expected.
+    Each match gives up in proportion to how much better it is than a miss, ln(1 + h·N / (f − h·f)); where that is less
+    in all than the pose owes, the matches count as misses. ``hidden`` (F,) are the features that accepted opaque
+    objects hide: not expected.
     """
     hit, near = as_counted(posed, data, kb, hidden)
     found = posed.candidate & posed.detected

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 class Known(NamedTuple):
     """``at`` (N, 3) m, camera frame; ``precision`` (N,) 1/pixel²; ``middle`` (3,) m of the object, camera frame.
 
-    ``across`` (N, 2) unit vectors across the lines that a place may lie anywhere along, NaN of others; None where there are no lines.
+    ``across`` (N, 2) unit vectors across the lines that a place may lie anywhere along, NaN of others; None where there
+    are no lines.
     """
 
     at: Floats

@@ -1,7 +1,8 @@
 """Which hypotheses exclude each other: A4, and claims on the same appearances (§3.1, §4.1).
 
-Rivalry by claims is decided in the world that holds just the two: what one hides of the other is not expected there and claims nothing.
-Otherwise a window of the tower in front, taken for a hidden window of the tower behind, would make rivals of two towers that both stand.
+Rivalry by claims is decided in the world that holds just the two: what one hides of the other is not expected there and
+claims nothing. Otherwise a window of the tower in front, taken for a hidden window of the tower behind, would make
+rivals of two towers that both stand.
 """
 
 from __future__ import annotations
@@ -23,9 +24,11 @@ if TYPE_CHECKING:
     from plogic.match.judged.expectation import Posed
 
 SHARED_VOLUME = 0.02
-"""Share of the smaller volume that two estimated poses may have in common before A4 counts as violated: what 2 % of pose error makes."""
+"""Share of the smaller volume that two estimated poses may have in common before A4 counts as violated: what 2 % of
+pose error makes."""
 SHARED_CLAIMS = 0.5
-"""Share of the smaller claim, in appearances, above which two hypotheses explain the same data, so that only one can be present."""
+"""Share of the smaller claim, in appearances, above which two hypotheses explain the same data, so that only one can be
+present."""
 
 
 @lru_cache(maxsize=256)
@@ -78,7 +81,9 @@ def apart_on_screen(one: Posed, other: Posed, f: float, margin: float) -> bool:
         middle, radius = _middle(posed, surface), 0.5 * surface.diameter
         if middle[2] <= 2.0 * radius:
             return False
-        spans.append((middle[:2] / middle[2] * f, f * radius * np.linalg.norm(middle) / (middle[2] * (middle[2] - radius))))
+        spans.append(
+            (middle[:2] / middle[2] * f, f * radius * np.linalg.norm(middle) / (middle[2] * (middle[2] - radius)))
+        )
     (first, a), (second, b) = spans
     return bool(np.linalg.norm(first - second) > a + b + margin)
 

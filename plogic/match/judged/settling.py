@@ -34,8 +34,8 @@ def settled(
 ) -> Posed:
     """Match, refine, and match again, until nothing changes or ``rounds``; ``better`` gives a better pose, or None. What is posed is matched already.
 
-    With ``worth``, the one of greatest worth on the way: a pose that fits its matches better may still explain less. Of those that are less by no
-    more than ``as_good`` it is the last, which depends least on where it began.
+    With ``worth``, the one of greatest worth on the way: a pose that fits its matches better may still explain less. Of
+    those that are less by no more than ``as_good`` it is the last, which depends least on where it began.
     """
     posed = best = pose if isinstance(pose, Posed) else match(pose)
     most = -np.inf if worth is None or not rounds else worth(posed)
@@ -54,12 +54,18 @@ def settled(
 
 
 def polished(
-    posed: Posed, points: Floats, precision: Floats, data: Data, hidden: NDArray[np.bool_] | None, robust: float, sigma: float = 1.0
+    posed: Posed,
+    points: Floats,
+    precision: Floats,
+    data: Data,
+    hidden: NDArray[np.bool_] | None,
+    robust: float,
+    sigma: float = 1.0,
 ) -> Floats | None:
     """Least squares (4, 4) on the expected features that were detected, or None where they are fewer than ``FEWEST``.
 
-    ``points`` (F, 3) m, object frame; ``precision`` (F,) 1/pixel², or in any unit, that of ``sigma`` pixels; a residual beyond ``robust`` pixels
-    weighs less. Depths count where data have them.
+    ``points`` (F, 3) m, object frame; ``precision`` (F,) 1/pixel², or in any unit, that of ``sigma`` pixels; a residual
+    beyond ``robust`` pixels weighs less. Depths count where data have them.
     """
     used = posed.candidate & posed.detected
     used = used if hidden is None else used & ~hidden

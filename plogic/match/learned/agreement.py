@@ -46,7 +46,8 @@ class Agreement:
 def agreement(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share: float, pixels: float) -> Agreement:
     """Of poses (H, 4, 4); a pair agrees in place within ``share`` of the object's diameter on the screen plus ``pixels``.
 
-    What is less exact in space, as the middle of a region is, may be farther off by twice its σ, and its residual is told as that much smaller.
+    What is less exact in space, as the middle of a region is, may be farther off by twice its σ, and its residual is
+    told as that much smaller.
     """
     f, lobe, datum = data.camera.f, pairs.lobe, pairs.datum
     R, t = poses[:, :3, :3], poses[:, :3, 3]
@@ -58,11 +59,21 @@ def agreement(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share
     u, v = (data.ideal[datum] - centre_of(data.camera)).T[:, :, None]
     # Depth times how far off a place is across, and down, and how far it may be: each is one product of matrices.
     of_poses = np.hstack([x, z]), np.hstack([y, z]), np.hstack([tolerance[:, None] * z, np.ones((len(z), 1))])
-    of_pairs = *(np.hstack([f * homogeneous, -side * homogeneous]) for side in (u, v)), np.hstack([homogeneous, slack[:, None]])
+    of_pairs = (
+        *(np.hstack([f * homogeneous, -side * homogeneous]) for side in (u, v)),
+        np.hstack([homogeneous, slack[:, None]]),
+    )
     h, p, square = _near(*(np.asarray(rows, np.float32) for rows in (*of_poses, *of_pairs)))  # few
     at = np.einsum("nij,nj->ni", R[h], places[p]) + t[h]
     right = at[:, 2] > 1e-6
-    right[right] = _right(index, R[h[right]], t[h[right]], at[right], (lobe[p[right]], data.scale[datum[p[right]]], data.angle[datum[p[right]]]), f)
+    right[right] = _right(
+        index,
+        R[h[right]],
+        t[h[right]],
+        at[right],
+        (lobe[p[right]], data.scale[datum[p[right]]], data.angle[datum[p[right]]]),
+        f,
+    )
     h, p, square, depth = h[right], p[right], square[right], at[right, 2]
     return Agreement(h, p, np.sqrt(square) / (tolerance[h] * depth + slack[p]) * tolerance[h], tolerance)
 
@@ -71,7 +82,9 @@ def _near(*factors: NDArray[np.float32]) -> tuple[NDArray[np.intp], NDArray[np.i
     """Poses and pairs that are near, and the square of how far off; ``factors``: across, down and reach, of poses (H, K), then of pairs (P, K)."""
     found = []
     for start in range(0, len(factors[0]), _BLOCK):
-        across, down, reach = (mine[start : start + _BLOCK] @ its.T for mine, its in zip(factors[:3], factors[3:], strict=True))
+        across, down, reach = (
+            mine[start : start + _BLOCK] @ its.T for mine, its in zip(factors[:3], factors[3:], strict=True)
+        )
         across *= across
         down *= down
         across += down
@@ -123,7 +136,9 @@ class Held:
         """(H,) of the weights; or (H, K) of them times what pairs (P, K) are. ``count``: H."""
         if of_pairs is None:
             return np.asarray(np.bincount(self.pose, self.weight, minlength=count), float)
-        return np.column_stack([np.bincount(self.pose, self.weight * column[self.pair], minlength=count) for column in of_pairs.T])
+        return np.column_stack(
+            [np.bincount(self.pose, self.weight * column[self.pair], minlength=count) for column in of_pairs.T]
+        )
 
 
 def held_by(found: Agreement, pairs: Pairs, feature: NDArray[np.int64]) -> Held:

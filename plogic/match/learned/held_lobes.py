@@ -31,8 +31,9 @@ _BLOCK = 1024
 class Lobes:
     """``which`` (M,) lobes of the cloud; ``axes`` and ``places`` (3, M), from ``centre`` (3,), object frame, metres.
 
-    ``along`` (M,) each place along its axis, ``square`` (M,) its squared distance; ``narrow`` (M,) the cosine of each half angle, ``wide`` of
-    one that is greater by ``ASIDE``; ``near``, ``far`` (M,) ranges at the reference focal length.
+    ``along`` (M,) each place along its axis, ``square`` (M,) its squared distance; ``narrow`` (M,) the cosine of each
+    half angle, ``wide`` of one that is greater by ``ASIDE``; ``near``, ``far`` (M,) ranges at the reference focal
+    length.
     """
 
     which: Indices
@@ -54,7 +55,9 @@ class Lobes:
 
     def part(self, first: int, last: int) -> Lobes:
         """Those from one place among them to before another."""
-        some: dict[str, Any] = {f.name: getattr(self, f.name)[..., first:last] for f in fields(self) if f.name != "centre"}
+        some: dict[str, Any] = {
+            f.name: getattr(self, f.name)[..., first:last] for f in fields(self) if f.name != "centre"
+        }
         return Lobes(centre=self.centre, **some)
 
 
@@ -72,7 +75,9 @@ def held_from(lobes: Lobes, viewpoints: Floats, granularity: float) -> NDArray[n
     """(H, M) whether each lobe holds each viewpoint (H, 3), object frame; ``granularity``: f over that at which ranges are told."""
     along, distance = lobes.seen_from(viewpoints)
     scale = np.float32(granularity)
-    return np.asarray((along >= lobes.narrow * distance) & (distance >= lobes.near * scale) & (distance <= lobes.far * scale))
+    return np.asarray(
+        (along >= lobes.narrow * distance) & (distance >= lobes.near * scale) & (distance <= lobes.far * scale)
+    )
 
 
 def first_held(lobes: Lobes, viewpoints: Floats, granularity: float, most: int) -> tuple[Indices, Indices]:
@@ -87,7 +92,9 @@ def first_held(lobes: Lobes, viewpoints: Floats, granularity: float, most: int) 
         if not len(left):
             break
     nothing = np.zeros(0, np.intp)
-    viewpoint, place = (np.concatenate([*parts, nothing]) for parts in (zip(*found, strict=True) if found else ((), ())))
+    viewpoint, place = (
+        np.concatenate([*parts, nothing]) for parts in (zip(*found, strict=True) if found else ((), ()))
+    )
     order = np.argsort(viewpoint, kind="stable")
     return viewpoint[order], place[order]
 

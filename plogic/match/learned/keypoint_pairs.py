@@ -22,19 +22,22 @@ if TYPE_CHECKING:
 EACH = 3
 """Features that a keypoint is paired with, the most alike."""
 CLOSE, OFF = 120.0, 100.0
-"""Descriptors no farther apart are as good as equal; of those farther apart fewer are right, by a bell of this width."""
+"""Descriptors no farther apart are as good as equal; of those farther apart fewer are right, by a bell of this
+width."""
 MOST, SEEDS = 2500, 400
 """Pairs in all; those of them that poses are made of."""
 CELL = 64.0
-"""Pixels: half of the pairs are taken in turns from cells of the image this wide, so that no textured floor drowns an object."""
+"""Pixels: half of the pairs are taken in turns from cells of the image this wide, so that no textured floor drowns an
+object."""
 
 
 @dataclass(frozen=True)
 class Pairs:
     """P keypoints and appearances that look alike: half of them the weightiest, half of them the weightiest of each part of the image.
 
-    ``weight`` (P,) in (0, 1], about as the odds that a pair is right: 1 for the keypoint of the image that looks most like the appearance, a
-    third for the second, and so on. What looks like much else in the image says little: a corner of a letter is anywhere in print.
+    ``weight`` (P,) in (0, 1], about as the odds that a pair is right: 1 for the keypoint of the image that looks most
+    like the appearance, a third for the second, and so on. What looks like much else in the image says little: a corner
+    of a letter is anywhere in print.
     """
 
     datum: NDArray[np.intp]

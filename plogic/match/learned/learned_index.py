@@ -104,7 +104,11 @@ class LearntIndex:
     @cached_property
     def inner_radius(self) -> float:
         """Metres from ``centre`` to the nearest face that it can stand on, 0 without one; the face nearest to the middle of mass is such."""
-        return float(max(0.0, (self.resting.reach - self.resting.down @ self.centre).min())) if len(self.resting.reach) else 0.0
+        return (
+            float(max(0.0, (self.resting.reach - self.resting.down @ self.centre).min()))
+            if len(self.resting.reach)
+            else 0.0
+        )
 
     @cached_property
     def diameter(self) -> float:
@@ -118,4 +122,9 @@ def learnt_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexi
     cloud = object_type.learnt
     assert cloud is not None  # noqa: S101 - the caller looks
     weights = np.array([dv[feature.type] for feature in object_type.features])
-    return LearntIndex(object_type, cloud, weights if weights.any() else np.ones(len(weights)), lexicon or lexicon_of({object_type.name: cloud}))
+    return LearntIndex(
+        object_type,
+        cloud,
+        weights if weights.any() else np.ones(len(weights)),
+        lexicon or lexicon_of({object_type.name: cloud}),
+    )

@@ -32,11 +32,13 @@ ROBUST = 1.5
 MEDIAN, MEDIAN_ACROSS = 1.177, 0.6745
 """Median of the distance of two normal errors of σ = 1, and of the size of one."""
 SIDES_NOISE = 0.6
-"""Least location noise of sides across their edge: where a body is round its outline is not quite where it was learnt."""
+"""Least location noise of sides across their edge: where a body is round its outline is not quite where it was
+learnt."""
 SIDES_REACH = (3.0, 6.0)
 """Bounds of how far off across its edge a side is looked for, pixels."""
 WIDE = 2.5
-"""Standard deviations of a feature's place within which its keypoint is looked for, where that is farther than the tolerance."""
+"""Standard deviations of a feature's place within which its keypoint is looked for, where that is farther than the
+tolerance."""
 NOISE = (0.3, 2.0)
 """Bounds of the location noise, pixels."""
 
@@ -68,9 +70,13 @@ def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> 
     uv = camera.project(at)
     held = lobes_held(index, pose, camera.f / kb.f_ref)
     count = len(at)
-    if not data.whole.sided.any():  # an image without colours, or detected by others: sides are not looked for, and not missed
+    if (
+        not data.whole.sided.any()
+    ):  # an image without colours, or detected by others: sides are not looked for, and not missed
         held = held[~cloud.sided[held]]
-    best = held[np.lexsort((cloud.hit[held], cloud.feature[held]))]  # of each feature the lobe of the greatest rate comes last
+    best = held[
+        np.lexsort((cloud.hit[held], cloud.feature[held]))
+    ]  # of each feature the lobe of the greatest rate comes last
     hit, turn = np.zeros(count), np.zeros(count)
     hit[cloud.feature[best]] = cloud.hit[best]
     turn[cloud.feature[best]] = screen_angle(cloud.up[best] @ pose[:3, :3].T, at[cloud.feature[best]])
@@ -101,7 +107,8 @@ def matched(
 ) -> Posed:
     """The hypothesis' one assignment (D8): expected features first, then unexpected ones; one keypoint a feature, one feature a keypoint.
 
-    Sides of edges are looked for where they are expected alone: edges are everywhere, and those of a hidden feature would be found by chance.
+    Sides of edges are looked for where they are expected alone: edges are everywhere, and those of a hidden feature
+    would be found by chance.
     """
     expected = posed.candidate if hidden is None else posed.candidate & ~hidden
     described = data.described if free is None else data.described & free
@@ -118,22 +125,43 @@ def matched(
     assigned(matches, feature[awaited], datum[awaited], off[awaited], tolerance)
     left = ~np.isin(datum, matches[matches >= 0]) & ~expected[feature]
     assigned(matches, feature[left], datum[left], off[left], tolerance)
-    residual = np.where(matches >= 0, np.linalg.norm(posed.uv - data.uv[np.maximum(matches, 0)], axis=1), np.nan) if len(data.ids) else posed.residual
+    residual = (
+        np.where(matches >= 0, np.linalg.norm(posed.uv - data.uv[np.maximum(matches, 0)], axis=1), np.nan)
+        if len(data.ids)
+        else posed.residual
+    )
     used = expected & (matches >= 0)
     sigma = np.hypot(blur(residual[used & (reach <= tolerance)]), spread)
     like = likeness(index, posed, about, matches, data, kb)
-    posed = replace(posed, matches=matches, residual=residual, sigma=sigma, likeness=like, across=np.full((len(posed.uv), 2), np.nan))
+    posed = replace(
+        posed,
+        matches=matches,
+        residual=residual,
+        sigma=sigma,
+        likeness=like,
+        across=np.full((len(posed.uv), 2), np.nan),
+    )
     sided = lobes[index.cloud.sided[lobes] & expected[index.cloud.feature[lobes]]]
-    return _with_sides(index, posed, data, kb, sided, data.sided if free is None else data.sided & free) if len(sided) else posed
+    return (
+        _with_sides(index, posed, data, kb, sided, data.sided if free is None else data.sided & free)
+        if len(sided)
+        else posed
+    )
 
 
-def _with_sides(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, lobes: NDArray[np.intp], free: NDArray[np.bool_]) -> Posed:
+def _with_sides(
+    index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, lobes: NDArray[np.intp], free: NDArray[np.bool_]
+) -> Posed:
     """What is matched so far, and the sides of edges that are those of ``lobes``, which are expected; of data that are ``free`` (A,)."""
     spread = index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)
     found = side_matches(index, posed, data, lobes, free, np.clip(WIDE * spread, *SIDES_REACH))
     names = "matches", "residual", "sigma", "likeness", "across"
     matches, residual, sigma, like, across = (np.array(getattr(posed, name)) for name in names)
-    matches[found.feature], residual[found.feature], across[found.feature] = found.datum, np.abs(found.off), found.across
+    matches[found.feature], residual[found.feature], across[found.feature] = (
+        found.datum,
+        np.abs(found.off),
+        found.across,
+    )
     sigma[index.sided] = np.hypot(blur(np.abs(found.off), MEDIAN_ACROSS, SIDES_NOISE), spread[index.sided])
     like[found.feature] = side_likeness(found, sigma[found.feature], data, kb)
     return replace(posed, matches=matches, residual=residual, sigma=sigma, likeness=like, across=across)

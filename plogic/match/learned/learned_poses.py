@@ -29,24 +29,34 @@ if TYPE_CHECKING:
 VOTE = (0.12, 3.0)
 """Share of the diameter, and pixels, within which places agree in the vote: a single pair's pose is coarse."""
 REFINED, VERIFIED = 80, 4
-"""Poses whose sides are looked at, the best by votes and no two alike; and those that are settled, the best that refinement comes to."""
+"""Poses whose sides are looked at, the best by votes and no two alike; and those that are settled, the best that
+refinement comes to."""
 APART, TURNED = 0.12, 0.35
-"""Two poses are alike whose middles are nearer than this share of the distance and whose rotations differ by less, radians."""
+"""Two poses are alike whose middles are nearer than this share of the distance and whose rotations differ by less,
+radians."""
 HOPELESS = -20.0
 """Poses that explain less than this beyond chance as they are, before they are settled, are given up, to save time."""
 TILTED = 4.0
 """Poses of less worth are not tried with their other tilt."""
 NOBODY = np.zeros((0, 4))
 WORTHLESS = 12.0
-"""Poses of less worth are given up before they are settled: few right ones, and most of the wrong ones (``benchmarks/learnt_spreads.py``)."""
+"""Poses of less worth are given up before they are settled: few right ones, and most of the wrong ones
+(``benchmarks/learnt_spreads.py``)."""
 
 
 def generate(
-    index: LearntIndex, data: Data, kb: KnowledgeBase, taken: Floats = NOBODY, *, refined: int = REFINED, verified: int = VERIFIED
+    index: LearntIndex,
+    data: Data,
+    kb: KnowledgeBase,
+    taken: Floats = NOBODY,
+    *,
+    refined: int = REFINED,
+    verified: int = VERIFIED,
 ) -> list[tuple[float, Posed]]:
     """The settled poses with their log-likelihood ratios, best first; ``refined``, ``verified``: how many poses go that far.
 
-    ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that are there already, m: poses that overlap them (A4) are not looked at.
+    ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that are there already, m: poses that overlap
+    them (A4) are not looked at.
     """
     thin = verified <= VERIFIED
     poses, worth = proposed(index, data, kb, refined, verified, taken, thin=thin)
@@ -61,7 +71,9 @@ def clear_of(taken: Floats, index: LearntIndex, poses: Floats) -> NDArray[np.boo
     return np.asarray((apart > taken[:, 3] + index.inner_radius).all(axis=1))
 
 
-def settled_best(index: LearntIndex, best: Floats, data: Data, kb: KnowledgeBase, verified: int) -> list[tuple[float, Posed]]:
+def settled_best(
+    index: LearntIndex, best: Floats, data: Data, kb: KnowledgeBase, verified: int
+) -> list[tuple[float, Posed]]:
     """Of refined poses (N, 4, 4), best first, the first ``verified`` that are apart, settled, with their log-likelihood ratios, best first."""
     seen = [settle(index, pose, data, kb, rounds=0) for pose in distinct_poses(index, best, verified)]
     hopeful = [posed for posed in seen if _enough(posed) and evidence(posed, data, kb).surplus > HOPELESS]
@@ -71,11 +83,19 @@ def settled_best(index: LearntIndex, best: Floats, data: Data, kb: KnowledgeBase
 
 
 def proposed(
-    index: LearntIndex, data: Data, kb: KnowledgeBase, most: int = REFINED, tried: int = VERIFIED, taken: Floats = NOBODY, *, thin: bool = True
+    index: LearntIndex,
+    data: Data,
+    kb: KnowledgeBase,
+    most: int = REFINED,
+    tried: int = VERIFIED,
+    taken: Floats = NOBODY,
+    *,
+    thin: bool = True,
 ) -> tuple[Floats, Floats]:
     """Poses (N, 4, 4), refined but not settled, with their worth (N,), best first; ``most``: so many are.
 
-    ``tried``: so many are tried with their other tilt; ``thin``: only the hopeful ones are, and ever fewer poses are refined.
+    ``tried``: so many are tried with their other tilt; ``thin``: only the hopeful ones are, and ever fewer poses are
+    refined.
     """
     nothing = np.zeros((0, 4, 4)), np.zeros(0)
     pairs = pairs_of(index, data)
@@ -107,10 +127,14 @@ def _apart(index: LearntIndex, poses: Floats, worth: Floats, most: int) -> list[
 def tilted(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Floats:
     """(H, 4, 4) the other pose of each that shows a flat side nearly alike: the side, mirrored in depth, and turned proper by its normal.
 
-    From afar a plane's tilt is known up to this (two branches of planar POSIT, §6.1); which of them holds, perspective and lobes decide.
+    From afar a plane's tilt is known up to this (two branches of planar POSIT, §6.1); which of them holds, perspective
+    and lobes decide.
     """
     held, places = held_at(index, poses, pairs, data, ROUNDS[-2]), index.places[pairs.lobe]
-    normals, little = index.cloud.normal[index.cloud.feature[pairs.lobe]], 1e-9  # a pose that nothing holds is turned about the middle of all
+    normals, little = (
+        index.cloud.normal[index.cloud.feature[pairs.lobe]],
+        1e-9,
+    )  # a pose that nothing holds is turned about the middle of all
     total = held.sums(len(poses))[:, None] + little
     normal, own = ((held.sums(len(poses), rows) + little * rows.mean(axis=0)) / total for rows in (normals, places))
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
@@ -119,7 +143,9 @@ def tilted(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Float
     still = np.eye(3)
     other = poses.copy()
     other[:, :3, :3] = (
-        (still - 2.0 * sight[:, :, None] * sight[:, None]) @ poses[:, :3, :3] @ (still - 2.0 * normal[:, :, None] * normal[:, None])
+        (still - 2.0 * sight[:, :, None] * sight[:, None])
+        @ poses[:, :3, :3]
+        @ (still - 2.0 * normal[:, :, None] * normal[:, None])
     )
     other[:, :3, 3] = middle - np.einsum("hij,hj->hi", other[:, :3, :3], own)
     return other

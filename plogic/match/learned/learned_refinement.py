@@ -42,12 +42,18 @@ class Round(NamedTuple):
     kept: int
 
 
-ROUNDS = Round(0.12, 3.0, 12.0, 20, 40), Round(0.05, 3.0, 7.0, 30, 12), Round(0.015, 2.5, 4.0, 40, 6), Round(0.0, 3.0, 3.0, 60, 5)
+ROUNDS = (
+    Round(0.12, 3.0, 12.0, 20, 40),
+    Round(0.05, 3.0, 7.0, 30, 12),
+    Round(0.015, 2.5, 4.0, 40, 6),
+    Round(0.0, 3.0, 3.0, 60, 5),
+)
 """Of poses that one pair fixed."""
 SIDES_A_PAIR, SIDE_WEIGHT = 4.0, 0.3
 """Sides that are as good as one pair to hold a pose, and how much each counts against a pair in its refinement."""
 PAIR_WORTH, SIDE_WORTH = 4.0, 0.35
-"""About how much a pair, and a unit of the worth of sides, says of a pose (logarithm of a likelihood ratio), where poses are put in order."""
+"""About how much a pair, and a unit of the worth of sides, says of a pose (logarithm of a likelihood ratio), where
+poses are put in order."""
 FEW = 4
 """Steps of least squares in a round: what agrees is asked again after them."""
 ROBUST = 2.0
@@ -67,7 +73,8 @@ def refined(
 ) -> tuple[Floats, Floats]:
     """Refined on the pairs and the sides of edges that agree, ever more tightly, best first, with their worth; those with too few are dropped.
 
-    ``granularity``: f / f_ref. ``thin``: ever fewer go on, the best. ``moves`` (6, M): the steps that poses may take, as in ``Steps``.
+    ``granularity``: f / f_ref. ``thin``: ever fewer go on, the best. ``moves`` (6, M): the steps that poses may take,
+    as in ``Steps``.
     """
     for now in rounds:
         held = held_at(index, poses, pairs, data, now)
@@ -91,7 +98,9 @@ def refined(
         poses = refined_poses(poses[some], *both, data.camera, Steps(FEW, moves), huber=ROBUST, across=across)
         poses = poses[plausible(index, poses)]
     last = rounds[-1]
-    worth = _worth(held_at(index, poses, pairs, data, last), side_fit(index, poses, data, granularity, last.reach, last.sides))
+    worth = _worth(
+        held_at(index, poses, pairs, data, last), side_fit(index, poses, data, granularity, last.reach, last.sides)
+    )
     order = np.argsort(-worth, kind="stable")
     return poses[order], worth[order]
 

@@ -42,7 +42,11 @@ class Alike(NamedTuple):
 
 def spread(descriptors: NDArray[np.uint8]) -> NDArray[np.float32]:
     """(N, D) as vectors whose distance is Euclid's (SIFT) or the root of Hamming's (ORB)."""
-    return np.unpackbits(descriptors, axis=1).astype(np.float32) if descriptors.shape[1] == 32 else descriptors.astype(np.float32)
+    return (
+        np.unpackbits(descriptors, axis=1).astype(np.float32)
+        if descriptors.shape[1] == 32
+        else descriptors.astype(np.float32)
+    )
 
 
 def farthest(vectors: NDArray[np.float32]) -> float:
@@ -81,10 +85,13 @@ class Lexicon:
         here = place[found.datum] >= 0
         return Alike(place[found.datum[here]], found.lobe[here], found.apart[here])
 
-    def as_right(self, name: str, data: Data, lobe: Indices, datum: Indices, apart: NDArray[np.float64], aside: float) -> NDArray[np.float64]:
+    def as_right(
+        self, name: str, data: Data, lobe: Indices, datum: Indices, apart: NDArray[np.float64], aside: float
+    ) -> NDArray[np.float64]:
         """(N,) of appearances of a type, how many other keypoints of all of Γ look as right, as a share of ``NTH``, the most that are known.
 
-        ``datum`` (N,) are those that are theirs; others are ``aside`` pixels away from them at least. ``apart`` (N,) is a share of ``FARTHEST``.
+        ``datum`` (N,) are those that are theirs; others are ``aside`` pixels away from them at least. ``apart`` (N,) is
+        a share of ``FARTHEST``.
         """
         found, rows = self.ask(data)[name], data.rows[datum]
         first, last = np.searchsorted(found.lobe, lobe, "left"), np.searchsorted(found.lobe, lobe, "right")
@@ -104,12 +111,17 @@ class Lexicon:
     def _all(self, data: Data) -> dict[str, Alike]:
         described = np.flatnonzero(data.described)
         vectors = spread(data.descriptors[described])
-        row, at, apart = self._within(vectors) if len(described) and len(self.lobe) else (np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0))
+        row, at, apart = (
+            self._within(vectors)
+            if len(described) and len(self.lobe)
+            else (np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0))
+        )
         order = np.lexsort((apart, self.lobe[at], self.owner[at]))
         row, at, apart = row[order], at[order], apart[order]
         ends = np.searchsorted(self.owner[at], np.arange(len(self.names) + 1))
         return {
-            name: Alike(described[row[a:b]], self.lobe[at[a:b]], apart[a:b]) for name, a, b in zip(self.names, ends[:-1], ends[1:], strict=True)
+            name: Alike(described[row[a:b]], self.lobe[at[a:b]], apart[a:b])
+            for name, a, b in zip(self.names, ends[:-1], ends[1:], strict=True)
         }
 
     def _within(self, vectors: NDArray[np.float32]) -> tuple[Indices, Indices, NDArray[np.float64]]:
@@ -131,7 +143,11 @@ class Lexicon:
                 rows.append(some[near])
                 places.append(place + first)
                 squares.append(apart[place, near])
-        return np.concatenate(rows), np.concatenate(places), np.sqrt(np.maximum(np.concatenate(squares), 0.0)) * (FARTHEST / limit)
+        return (
+            np.concatenate(rows),
+            np.concatenate(places),
+            np.sqrt(np.maximum(np.concatenate(squares), 0.0)) * (FARTHEST / limit),
+        )
 
     def _sorted_by_word(self, vectors: NDArray[np.float32]) -> tuple[Indices, Indices]:
         """Words and rows of (N, D) vectors, each row with its ``WORDS`` nearest words, and those as near as the last of them, by word."""
@@ -153,7 +169,9 @@ def lexicon_of(clouds: Mapping[str, LearntCloud], words: NDArray[np.uint8] | Non
     points = [np.flatnonzero(~cloud.sided) for cloud in clouds.values()]
     sizes = [len(some) for some in points]
     width = min(cloud.descriptor.shape[1] for cloud in clouds.values())
-    descriptors = np.concatenate([cloud.descriptor[some, :width] for cloud, some in zip(clouds.values(), points, strict=True)])
+    descriptors = np.concatenate(
+        [cloud.descriptor[some, :width] for cloud, some in zip(clouds.values(), points, strict=True)]
+    )
     named = [cloud.lobe_word[some] for cloud, some in zip(clouds.values(), points, strict=True)]
     word = np.concatenate(named) if words is not None else np.zeros(sum(sizes), np.int64)
     order = np.argsort(word, kind="stable")

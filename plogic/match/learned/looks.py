@@ -1,7 +1,7 @@
 """Which keypoints are of the right type for a feature at a pose (D8), and how rare that is where they are.
 
-A keypoint looks right where its descriptor is like that of an appearance, and its size and its angle are what the pose makes of that
-appearance.
+A keypoint looks right where its descriptor is like that of an appearance, and its size and its angle are what the pose
+makes of that appearance.
 
 * ``RightPairs``: N pairs of a feature and a keypoint that looks right, by whichever of its appearances
 """
@@ -36,24 +36,27 @@ AROUND = 50.0
 SAME = 10.0
 """Pixels around a match within which what looks right is the same thing, seen again at another point of its edge."""
 TURNS, GROWTH = 0.14, 0.13
-"""Standard deviations of a right keypoint's angle (radians) and of the logarithm of its size about what the pose makes of its appearance; chosen
-on development scenes, as the next are."""
+"""Standard deviations of a right keypoint's angle (radians) and of the logarithm of its size about what the pose makes
+of its appearance; chosen on development scenes, as the next are."""
 EVEN = 0.1
 """Share of what is right that is off by any angle, or any size, that may be right."""
 POWER, RAREST = 6.0, 0.03
-"""How the descriptors' distances of clutter that looks right are spread; the least ratio of it to what is right that is believed."""
+"""How the descriptors' distances of clutter that looks right are spread; the least ratio of it to what is right that is
+believed."""
 AS_RIGHT = 0.06
 """What looks no less right than a match by this share of the greatest distance counts as clutter beside it."""
 BY_CHANCE = 0.06
-"""Chance that a keypoint of clutter has the angle (0.6 rad either way of 2π) and the size (a factor of 1.6 either way) that a pose demands."""
+"""Chance that a keypoint of clutter has the angle (0.6 rad either way of 2π) and the size (a factor of 1.6 either way)
+that a pose demands."""
 
 
 @dataclass(frozen=True)
 class RightPairs:
     """``feature`` (N,), ``datum`` (N,); of all M ways to look right, ``pair`` (M,) says which pair and ``lobe`` (M,) by which appearance.
 
-    ``best`` (N,) is the appearance by which a pair looks most right; ``apart`` (N,) how far apart the descriptors are then, as a share of the
-    farthest that look right; ``fit`` (N,) how much likelier such an angle and size are of what is right than of what merely may be.
+    ``best`` (N,) is the appearance by which a pair looks most right; ``apart`` (N,) how far apart the descriptors are
+    then, as a share of the farthest that look right; ``fit`` (N,) how much likelier such an angle and size are of what
+    is right than of what merely may be.
     """
 
     feature: Indices
@@ -72,11 +75,18 @@ class RightPairs:
 
 
 def right_pairs(
-    index: LearntIndex, posed: Posed, data: Data, lobes: Indices, features: Indices, free: NDArray[np.bool_], reach: Floats | float
+    index: LearntIndex,
+    posed: Posed,
+    data: Data,
+    lobes: Indices,
+    features: Indices,
+    free: NDArray[np.bool_],
+    reach: Floats | float,
 ) -> RightPairs:
     """Of some features (increasing) and keypoints that are ``free`` (A,), those that look right within ``reach`` pixels (one, or each its own).
 
-    ``lobes`` (increasing) are those by which they may: a feature looks as it does from about this viewpoint (``lobes.lobes_about``).
+    ``lobes`` (increasing) are those by which they may: a feature looks as it does from about this viewpoint
+    (``lobes.lobes_about``).
     """
     first = np.searchsorted(index.cloud.feature[lobes], np.arange(len(index.points) + 1))
     some = np.diff(first)[features] > 0
@@ -84,7 +94,9 @@ def right_pairs(
     at = posed.at[index.cloud.feature[lobes]]
     size = np.log(index.cloud.size[lobes] * data.camera.f / np.maximum(at[:, 2], 1e-6))
     feature, datum = _within(posed.uv[features], reach, data, free)
-    if len(feature):  # of the right size for the smallest and the greatest of a feature's appearances, or for one between them
+    if len(
+        feature
+    ):  # of the right size for the smallest and the greatest of a feature's appearances, or for one between them
         least, most = (of_all.reduceat(size, first[features]) for of_all in (np.minimum, np.maximum))
         may = (data.sizes[datum] > least[feature] - SIZES) & (data.sizes[datum] < most[feature] + SIZES)
         feature, datum = feature[may], datum[may]
@@ -96,7 +108,9 @@ def right_pairs(
     order = np.lexsort((off, pair[right]))
     some, first, pair = np.unique(pair[right][order], return_index=True, return_inverse=True)
     ways = lobes[place[right]][order]
-    return RightPairs(feature[some], datum[some], np.asarray(pair, np.intp), ways, ways[first], off[order][first], fit[order][first])
+    return RightPairs(
+        feature[some], datum[some], np.asarray(pair, np.intp), ways, ways[first], off[order][first], fit[order][first]
+    )
 
 
 def _within(places: Floats, reach: Floats, data: Data, free: NDArray[np.bool_]) -> tuple[Indices, Indices]:
@@ -114,7 +128,9 @@ def _right(
 
     ``size`` (L,): logarithms of how large the appearances are in this pose, pixels.
     """
-    turn = screen_angle(index.cloud.up[lobes] @ posed.camera_from_object[:3, :3].T, posed.at[index.cloud.feature[lobes]])
+    turn = screen_angle(
+        index.cloud.up[lobes] @ posed.camera_from_object[:3, :3].T, posed.at[index.cloud.feature[lobes]]
+    )
     grown = size[place] - data.sizes[datum]
     right = np.flatnonzero(np.abs(grown) < SIZES)
     turned = wrapped(turn[place[right]] - data.angle[datum[right]])
@@ -122,23 +138,33 @@ def _right(
     right, turned = right[near], turned[near]
     fit = _against_even(turned, TURNS, ANGLES) * _against_even(grown[right], GROWTH, SIZES)
     width = min(index.cloud.descriptor.shape[1], data.descriptors.shape[1])
-    mine, its = (spread(some[:, :width]) for some in (index.cloud.descriptor[lobes[place[right]]], data.descriptors[datum[right]]))
+    mine, its = (
+        spread(some[:, :width])
+        for some in (index.cloud.descriptor[lobes[place[right]]], data.descriptors[datum[right]])
+    )
     mine -= its
-    off = np.sqrt(np.einsum("ij,ij->i", mine, mine).astype(float)) / (LOOSER * farthest(mine))  # sums of bytes squared, exact in single precision
+    off = np.sqrt(np.einsum("ij,ij->i", mine, mine).astype(float)) / (
+        LOOSER * farthest(mine)
+    )  # sums of bytes squared, exact in single precision
     return right[off < 1.0], off[off < 1.0], fit[off < 1.0]
 
 
 def _against_even(off: Floats, sigma: float, most: float) -> Floats:
     """How much likelier it is to be ``off`` (N,) by chance of measurement than evenly anywhere up to ``most``; ``EVEN`` of what is right is even."""
-    return np.asarray((1.0 - EVEN) * np.exp(-0.5 * (off / sigma) ** 2) / (np.sqrt(2.0 * np.pi) * sigma) * 2.0 * most + EVEN)
+    return np.asarray(
+        (1.0 - EVEN) * np.exp(-0.5 * (off / sigma) ** 2) / (np.sqrt(2.0 * np.pi) * sigma) * 2.0 * most + EVEN
+    )
 
 
-def likeness(index: LearntIndex, posed: Posed, lobes: Indices, matches: Indices, data: Data, kb: KnowledgeBase) -> Floats:
+def likeness(
+    index: LearntIndex, posed: Posed, lobes: Indices, matches: Indices, data: Data, kb: KnowledgeBase
+) -> Floats:
     """(F,) of each match, how much rarer a keypoint that looks as right is there than clutter of its word is in an image; 1 where unmatched.
 
-    Clutter that happens to look right seldom looks quite right: the share of it within a distance a of the descriptors (of the greatest, 1) grows
-    as a^``POWER``, that of what is right about evenly; unless the image holds more that looks as right, by its ``lexicon``. And print is full
-    of keypoints of one angle and size that look alike: so what would look as right were it in place is counted, within ``AROUND`` pixels.
+    Clutter that happens to look right seldom looks quite right: the share of it within a distance a of the descriptors
+    (of the greatest, 1) grows as a^``POWER``, that of what is right about evenly; unless the image holds more that
+    looks as right, by its ``lexicon``. And print is full of keypoints of one angle and size that look alike: so what
+    would look as right were it in place is counted, within ``AROUND`` pixels.
     """
     result = np.ones(len(matches))
     found = np.flatnonzero(matches >= 0)

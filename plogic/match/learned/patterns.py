@@ -1,7 +1,8 @@
 """Whether the image goes on like this: a checkered floor shows the sides of a square's edges at every second tile.
 
-What stands out is evidence; what would be found as well were the whole hypothesis moved to other places nearby is the pattern of the
-image, not an object in it. Sides are counted one by one, as if clutter were without order, so a pattern must be looked for.
+What stands out is evidence; what would be found as well were the whole hypothesis moved to other places nearby is the
+pattern of the image, not an object in it. Sides are counted one by one, as if clutter were without order, so a pattern
+must be looked for.
 """
 
 from __future__ import annotations

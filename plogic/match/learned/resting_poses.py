@@ -1,7 +1,8 @@
 """Δh of a learnt type on a known plane: a pair is a pose already (``single``), and what rests on the plane has three ways to move, not six.
 
-So a pose that one pair fixes coarsely is set down: turned the least way that puts one of the body's resting faces on the plane, and moved
-along the line of sight until the face touches it. What is left is its place and its turn on the plane, which few data refine.
+So a pose that one pair fixes coarsely is set down: turned the least way that puts one of the body's resting faces on
+the plane, and moved along the line of sight until the face touches it. What is left is its place and its turn on the
+plane, which few data refine.
 """
 
 from __future__ import annotations
@@ -30,18 +31,27 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 TIPPED, FARTHER = 0.7, 0.5
-"""Greatest angle (radians) by which a coarse pose is turned to rest, and greatest logarithm of the ratio by which its pair is moved in depth."""
+"""Greatest angle (radians) by which a coarse pose is turned to rest, and greatest logarithm of the ratio by which its
+pair is moved in depth."""
 GRAZING = 0.01
-"""Cosine of the angle to the plane's normal of a line of sight that runs along the plane: where it meets it is not known."""
+"""Cosine of the angle to the plane's normal of a line of sight that runs along the plane: where it meets it is not
+known."""
 VOTE = (0.06, 3.0)
 """Share of the diameter, and pixels, within which places agree in the vote: half of what a pose in the air is given."""
 MOST, VERIFIED = 24, 3
 """Poses whose sides are looked at; and those that are settled."""
-ROUNDS = Round(0.06, 3.0, 12.0, 20, 16), Round(0.04, 3.0, 7.0, 30, 8), Round(0.015, 2.5, 4.0, 40, 5), Round(0.0, 3.0, 3.0, 60, 4)
+ROUNDS = (
+    Round(0.06, 3.0, 12.0, 20, 16),
+    Round(0.04, 3.0, 7.0, 30, 8),
+    Round(0.015, 2.5, 4.0, 40, 5),
+    Round(0.0, 3.0, 3.0, 60, 4),
+)
 """As those of poses in the air, from nearer by, and of fewer."""
 
 
-def resting(index: LearntIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats) -> list[tuple[float, Posed]]:
+def resting(
+    index: LearntIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats
+) -> list[tuple[float, Posed]]:
     """The poses that Γ suggests on the plane, settled, which are free to leave it then, with their log-likelihood ratios, best first.
 
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that stand there already, m.

@@ -56,8 +56,13 @@ def side_fit(index: LearntIndex, poses: Floats, data: Data, granularity: float, 
     pairs, further = side_pairs(index, data, lobe, uv, angle), ALONG + reach / 3.0
     near = pairs.only((np.abs(pairs.off) <= reach) & (np.abs(pairs.along) <= further))
     sigma = max(reach / 2.5, 1.0)
-    fit = np.exp(-0.5 * (near.off / sigma) ** 2 - 0.5 * (near.turned / LOOSE) ** 2) / (np.sqrt(2.0 * np.pi) * sigma * 2.0 * further)
-    fit *= looks_fit(index.looks[lobe[near.place]], data.looks[near.datum], near.colours, data.contrasts) / pairs.usual(reach, len(lobe))[near.place]
+    fit = np.exp(-0.5 * (near.off / sigma) ** 2 - 0.5 * (near.turned / LOOSE) ** 2) / (
+        np.sqrt(2.0 * np.pi) * sigma * 2.0 * further
+    )
+    fit *= (
+        looks_fit(index.looks[lobe[near.place]], data.looks[near.datum], near.colours, data.contrasts)
+        / pairs.usual(reach, len(lobe))[near.place]
+    )
     best = _best(near, fit)
     place, datum, fit = near.place[best], near.datum[best], fit[best]
     hit = np.minimum(index.cloud.hit[lobe], MOST_HIT)
@@ -69,7 +74,10 @@ def side_fit(index: LearntIndex, poses: Floats, data: Data, granularity: float, 
     result = SideFit(np.zeros((*table, 3)), np.zeros((*table, 2)), np.zeros((*table, 2)), np.zeros(table), worth)
     result.points[pose, slot] = index.places[lobe]
     result.across[pose, slot] = np.column_stack([np.cos(angle), np.sin(angle)])
-    result.uv[pose[place], slot[place]], result.weight[pose[place], slot[place]] = data.uv[datum], hit[place] * fit / (fit + 1.0)
+    result.uv[pose[place], slot[place]], result.weight[pose[place], slot[place]] = (
+        data.uv[datum],
+        hit[place] * fit / (fit + 1.0),
+    )
     return result
 
 

@@ -35,8 +35,8 @@ FEW = 0.5
 class SidePairs:
     """``place``, ``datum`` (N,) and how far off each datum is.
 
-    ``turned`` (N,) radians by which it faces another way; ``off``, ``along`` (N,) pixels across the line and along it; ``colours`` (N,) a share,
-    below 1 (``side_looks``).
+    ``turned`` (N,) radians by which it faces another way; ``off``, ``along`` (N,) pixels across the line and along it;
+    ``colours`` (N,) a share, below 1 (``side_looks``).
     """
 
     place: Indices

@@ -1,8 +1,9 @@
 """Which sides of edges a pose's own are (D8), and how rare that is where they are.
 
-Where along an edge a side is reported is arbitrary. So a side is that of an expected feature if it lies on its line, near its place, faces
-as it does and has its colours; what is off along the line says nothing. Edges are everywhere: what would look as right in the
-neighbourhood, were it in place, is counted, and a side is evidence for as much as it is rarer than that.
+Where along an edge a side is reported is arbitrary. So a side is that of an expected feature if it lies on its line,
+near its place, faces as it does and has its colours; what is off along the line says nothing. Edges are everywhere:
+what would look as right in the neighbourhood, were it in place, is counted, and a side is evidence for as much as it is
+rarer than that.
 
 * ``SideMatches``: N features and the sides that are theirs
 """
@@ -38,18 +39,20 @@ ORDERED = 0.7
 FEW_SIDES, MANY = 6, 0.2
 """Of fewer sides found, or a smaller share of those expected, no pattern is sought."""
 TURNS, WILD = 0.12, 0.1
-"""Standard deviation of how a right side faces, radians, and the share of what is right that faces any way that may be right."""
+"""Standard deviation of how a right side faces, radians, and the share of what is right that faces any way that may be
+right."""
 NEARER = 1.5
-"""Pixels (standard deviation): of several sides that might be a feature's, that is taken which is rarer and nearer to its line."""
+"""Pixels (standard deviation): of several sides that might be a feature's, that is taken which is rarer and nearer to
+its line."""
 
 
 @dataclass(frozen=True)
 class SideMatches:
     """``feature`` (N,), ``datum`` (N,); ``off`` (N,) pixels across the line; ``across`` (N, 2) unit vector there; ``rare`` (N,).
 
-    ``pattern``: the share of them that is found at several other places nearby as well (``patterns``), 0 where that is less than ``ORDERED``.
-    ``rare``: per pixel along its line and across it, how much likelier a side that faces so is as this feature's than as clutter's, for a
-    certain hit, density across its line aside.
+    ``pattern``: the share of them that is found at several other places nearby as well (``patterns``), 0 where that is
+    less than ``ORDERED``. ``rare``: per pixel along its line and across it, how much likelier a side that faces so is
+    as this feature's than as clutter's, for a certain hit, density across its line aside.
     """
 
     feature: Indices
@@ -60,7 +63,9 @@ class SideMatches:
     pattern: float
 
 
-def side_matches(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, free: NDArray[np.bool_], reach: Floats) -> SideMatches:
+def side_matches(
+    index: LearntIndex, posed: Posed, data: Data, lobes: Indices, free: NDArray[np.bool_], reach: Floats
+) -> SideMatches:
     """Of the appearances ``lobes``, which hold the viewpoint, those of sides in the image; of data that are ``free`` (A,).
 
     ``reach`` (F,) pixels across. One side a feature, one feature a side.
@@ -73,13 +78,20 @@ def side_matches(index: LearntIndex, posed: Posed, data: Data, lobes: Indices, f
     usual = pairs.usual(within, len(lobes))
     mine = pairs.only((np.abs(pairs.off) <= within[pairs.place]) & (np.abs(pairs.along) <= ALONG))
     place, datum = mine.place, mine.datum
-    rare = _facing(mine.turned) * looks_fit(index.looks[lobes[place]], data.looks[datum], mine.colours, data.contrasts) / (2.0 * ALONG) / usual[place]
+    rare = (
+        _facing(mine.turned)
+        * looks_fit(index.looks[lobes[place]], data.looks[datum], mine.colours, data.contrasts)
+        / (2.0 * ALONG)
+        / usual[place]
+    )
     worth = np.log(rare) - 0.5 * (mine.off / NEARER) ** 2
     chosen = _one_to_one(feature[place], datum, worth)
     of = place[chosen]
     many = len(of) >= max(FEW_SIDES, MANY * len(np.unique(feature)))
     pattern = share_elsewhere(posed.uv[feature[of]], angle[of], index.looks[lobes[of]], data) if many else 0.0
-    return SideMatches(feature[of], datum[chosen], mine.off[chosen], inward[of], rare[chosen], pattern if pattern >= ORDERED else 0.0)
+    return SideMatches(
+        feature[of], datum[chosen], mine.off[chosen], inward[of], rare[chosen], pattern if pattern >= ORDERED else 0.0
+    )
 
 
 def _facing(turned: Floats) -> Floats:
@@ -94,7 +106,9 @@ def _one_to_one(feature: Indices, datum: Indices, worth: Floats) -> Indices:
     chosen = []
     while len(left):
         first = np.zeros(len(left), bool)
-        first[np.intersect1d(np.unique(feature[left], return_index=True)[1], np.unique(datum[left], return_index=True)[1])] = True
+        first[
+            np.intersect1d(np.unique(feature[left], return_index=True)[1], np.unique(datum[left], return_index=True)[1])
+        ] = True
         chosen.append(left[first])
         left = left[~np.isin(feature[left], feature[left[first]]) & ~np.isin(datum[left], datum[left[first]])]
     return np.concatenate([*chosen, np.zeros(0, np.intp)])

@@ -58,4 +58,6 @@ def turns(index: LearntIndex, pairs: Pairs, data: Data) -> Floats:
 def plausible(index: LearntIndex, poses: Floats) -> NDArray[np.bool_]:
     """(N,) finite, and the middle neither behind the camera, nor too near, nor absurdly far."""
     depth = poses[:, 2, :3] @ index.centre + poses[:, 2, 3]
-    return np.asarray(np.isfinite(poses).all(axis=(1, 2)) & (depth > NEAREST * index.diameter) & (depth < FARTHEST * index.diameter))
+    return np.asarray(
+        np.isfinite(poses).all(axis=(1, 2)) & (depth > NEAREST * index.diameter) & (depth < FARTHEST * index.diameter)
+    )

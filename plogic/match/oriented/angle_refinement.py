@@ -27,8 +27,9 @@ class Noise(NamedTuple):
 class Held(NamedTuple):
     """V matches that hold each of N poses.
 
-    ``points``, ``turns`` (N, V, 3) places and x axes of the features, object frame; ``uv`` (N, V, 2) pixels, ``angle`` (N, V) rad, NaN where a
-    datum has none; ``weight`` (N, V), 0 where there is no match, else 1, or more where a place is more exact.
+    ``points``, ``turns`` (N, V, 3) places and x axes of the features, object frame; ``uv`` (N, V, 2) pixels, ``angle``
+    (N, V) rad, NaN where a datum has none; ``weight`` (N, V), 0 where there is no match, else 1, or more where a place
+    is more exact.
     """
 
     points: Floats
@@ -39,7 +40,14 @@ class Held(NamedTuple):
 
 
 def refined(
-    poses: Floats, held: Held, noise: Noise, camera: Camera, *, steps: int, robust: float | None = None, sigma: Floats | None = None
+    poses: Floats,
+    held: Held,
+    noise: Noise,
+    camera: Camera,
+    *,
+    steps: int,
+    robust: float | None = None,
+    sigma: Floats | None = None,
 ) -> Floats:
     """(N, 4, 4) from poses (N, 4, 4); a residual beyond ``robust`` times the noise of places weighs less.
 
@@ -50,7 +58,9 @@ def refined(
     return refined_poses(poses, points, uv, weight, camera, Steps(steps), huber=huber, across=lines)
 
 
-def met(poses: Floats, held: Held, noise: Noise, camera: Camera, sigma: Floats | None = None) -> tuple[Floats, Floats, Floats, Floats]:
+def met(
+    poses: Floats, held: Held, noise: Noise, camera: Camera, sigma: Floats | None = None
+) -> tuple[Floats, Floats, Floats, Floats]:
     """What poses (N, 4, 4) are to meet, of places and then of angles, as ``refined_poses`` takes it; ``sigma`` as in ``refined``.
 
     Points (N, 2 V, 3) m, pixels (N, 2 V, 2), weights (N, 2 V) 1/pixel², and unit vectors across lines (N, 2 V, 2).
@@ -60,7 +70,9 @@ def met(poses: Floats, held: Held, noise: Noise, camera: Camera, sigma: Floats |
     lines = across(np.where(sided, held.angle, 0.0))
     depth = np.einsum("nj,nvj->nv", poses[:, 2, :3], held.points) + poses[:, None, 2, 3]
     return (
-        np.concatenate([held.points, ends(held.points, held.turns, depth, reach(pixels, noise.angle) / camera.f)], axis=1),
+        np.concatenate(
+            [held.points, ends(held.points, held.turns, depth, reach(pixels, noise.angle) / camera.f)], axis=1
+        ),
         np.concatenate([held.uv, held.uv], axis=1),
         np.concatenate([held.weight, held.weight * sided * WEIGHT], axis=1) / pixels**2,
         np.concatenate([np.full(lines.shape, np.nan), lines], axis=1),

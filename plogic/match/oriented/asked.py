@@ -1,6 +1,7 @@
 """What a search over all types asks of: their index, Γ, and what the KB says of the detector.
 
-* ``Asked``: these together; ``Chances``: how often what is expected is found, and how often an appearance is there of itself
+* ``Asked``: these together; ``Chances``: how often what is expected is found, and how often an appearance is there of
+  itself
 """
 
 from __future__ import annotations

@@ -22,16 +22,19 @@ BLOCK, PAIRS, LEAST = 2000, 4_000_000, 16
 AS_GOOD = 3.0
 """Evidence, logarithms, that is less by so little is as good: of these the last, where the climb ends, whatever way it came.
 
-A sight that is expected and missed costs up to so much, and at the edge of its lobe a pose that is moved by next to nothing expects it or does not.
-"""
+A sight that is expected and missed costs up to so much, and at the edge of its lobe a pose that is moved by next to
+nothing expects it or does not."""
 STILL = 1e-8
 """Metres, and entries of the rotation, by which a pose moves that has arrived."""
 
 
-def climbed(asked: Asked, kind: Indices, poses: Floats, share: float, steps: int, squares: int = 1) -> tuple[Floats, Floats, Floats]:
+def climbed(
+    asked: Asked, kind: Indices, poses: Floats, share: float, steps: int, squares: int = 1
+) -> tuple[Floats, Floats, Floats]:
     """Poses (N, 4, 4) of types ``kind`` (N,) after so many steps or fewer; their evidence (N,), and how many sights are likely matched (N,).
 
-    Their sights may be off by a ``share`` of the diameter. A step is so many ``squares``, steps of least squares, towards what draws the pose.
+    Their sights may be off by a ``share`` of the diameter. A step is so many ``squares``, steps of least squares,
+    towards what draws the pose.
     """
     each = asked.index.sights.looks.shape[2] * max(LEAST, int(asked.typed.count.max(initial=0)))
     wide = max(1, min(BLOCK, PAIRS // max(1, each)))
@@ -45,7 +48,9 @@ def climbed(asked: Asked, kind: Indices, poses: Floats, share: float, steps: int
     return moved, worth, likely
 
 
-def _block(asked: Asked, kind: Indices, poses: Floats, share: float, steps: int, squares: int) -> tuple[Floats, Floats, Floats]:
+def _block(
+    asked: Asked, kind: Indices, poses: Floats, share: float, steps: int, squares: int
+) -> tuple[Floats, Floats, Floats]:
     best, worth, likely = poses.copy(), np.full(len(poses), -np.inf), np.zeros(len(poses))
     most, going = worth.copy(), np.arange(len(poses))
     for step in range(steps + 1):

@@ -1,7 +1,8 @@
 """What Γ says of poses, softly: each sight is drawn to every datum that looks like it, as much as that is likely to be its own.
 
-The evidence of a pose is what ``plogic.match.judged.evidence`` says of it, but summed over what a datum may be of, at all poses about it together
-(``plogic.match.judged.freedom``), and, to begin with, with a noise as wide as the pose may be off: then it is smooth, and a pose can be moved towards it.
+The evidence of a pose is what ``plogic.match.judged.evidence`` says of it, but summed over what a datum may be of, at
+all poses about it together (``plogic.match.judged.freedom``), and, to begin with, with a noise as wide as the pose may
+be off: then it is smooth, and a pose can be moved towards it.
 
 * ``drawn(asked, kind, poses, share)``: of any number of poses at once
 """
@@ -29,9 +30,11 @@ if TYPE_CHECKING:
     Indices = NDArray[np.intp]
 
 WIDE, DEVIATIONS = 0.1, 2.5
-"""A share of the diameter is so many standard deviations; at ``WIDE``, the widest, angles are off by a whole cell's ``BENT``."""
+"""A share of the diameter is so many standard deviations; at ``WIDE``, the widest, angles are off by a whole cell's
+``BENT``."""
 WITHIN, MATCHED = 4.0, 3.0
-"""Standard deviations, of places and of angles, within which a datum may be a sight's; and at the detector's own noise, as the cycle matches."""
+"""Standard deviations, of places and of angles, within which a datum may be a sight's; and at the detector's own noise,
+as the cycle matches."""
 LEAST = 1e-3
 """Weight of a sight that draws a pose."""
 NEAREST = 1e-6
@@ -84,7 +87,9 @@ def drawn(asked: Asked, kind: Indices, poses: Floats, share: float) -> Drawn:
     count = len(sights.pose)
     missed = 1.0 - sights.hit
     total = missed + np.bincount(pairs.sight, pairs.likely, count)
-    explained = np.bincount(sights.pose, np.where(asked.inside(sights.uv) | (total > missed), np.log(total), 0.0), len(poses))
+    explained = np.bincount(
+        sights.pose, np.where(asked.inside(sights.uv) | (total > missed), np.log(total), 0.0), len(poses)
+    )
     part = pairs.likely / total[pairs.sight]
     weight = np.bincount(pairs.sight, part, count).astype(float)
     held = _held(sights, pairs, part, weight, len(poses))
@@ -118,7 +123,9 @@ def _pairs(asked: Asked, sights: _Sights, sigma: Floats, spread: float, within: 
     right = np.flatnonzero(np.abs(bent) <= within * spread)
     sight, datum, bent = sight[right], datum[right], bent[right]
     away, wide = places[datum] - sights.uv[sight], sigma[sights.pose[sight]]
-    bell = np.exp(-0.5 * ((away * away).sum(axis=1) / wide**2 + (bent / spread) ** 2)) / (wide**2 * spread * np.sqrt(2.0 * np.pi))
+    bell = np.exp(-0.5 * ((away * away).sum(axis=1) / wide**2 + (bent / spread) ** 2)) / (
+        wide**2 * spread * np.sqrt(2.0 * np.pi)
+    )
     likely = sights.hit[sight] * bell * asked.area / asked.chances.clutter[sights.looks[sight]]
     order = np.lexsort((-likely, datum, sights.pose[sight]))
     pose, of = sights.pose[sight[order]], datum[order]
@@ -131,7 +138,9 @@ def _held(sights: _Sights, pairs: _Pairs, part: Floats, weight: Floats, poses: i
     count = len(weight)
     some = np.flatnonzero(weight > LEAST)
     shares = 1.0 / weight[some]
-    away = np.column_stack([np.bincount(pairs.sight, part * pairs.away[:, axis], count)[some] * shares for axis in (0, 1)])
+    away = np.column_stack(
+        [np.bincount(pairs.sight, part * pairs.away[:, axis], count)[some] * shares for axis in (0, 1)]
+    )
     angle = sights.angle[some] + np.bincount(pairs.sight, part * pairs.bent, count)[some] * shares
     row = sights.pose[some]
     each = np.bincount(row, minlength=poses)
@@ -142,7 +151,12 @@ def _held(sights: _Sights, pairs: _Pairs, part: Floats, weight: Floats, poses: i
         table[row, column] = values
         return table
 
-    return Held(*(padded(values) for values in (sights.points[some], sights.turns[some], sights.uv[some] + away, angle, weight[some])))
+    return Held(
+        *(
+            padded(values)
+            for values in (sights.points[some], sights.turns[some], sights.uv[some] + away, angle, weight[some])
+        )
+    )
 
 
 def _freedom(asked: Asked, kind: Indices, poses: Floats, held: Held, noise: Noise, sigma: Floats) -> Floats:

@@ -36,7 +36,10 @@ _FOURS = np.array(list(combinations(range(OF), 4)))
 
 def by_fours(asked: Asked, kind: Indices, poses: Floats, share: float) -> tuple[Indices, Floats]:
     """Types (M,) and poses (M, 4, 4), M ≤ 35 N, of poses (N, 4, 4) of types ``kind`` (N,) whose sights may be off by a ``share`` of the diameter."""
-    blocks = [_block(asked, kind[start : start + BLOCK], poses[start : start + BLOCK], share) for start in range(0, len(kind), BLOCK)]
+    blocks = [
+        _block(asked, kind[start : start + BLOCK], poses[start : start + BLOCK], share)
+        for start in range(0, len(kind), BLOCK)
+    ]
     if not blocks:
         return kind, poses
     return np.concatenate([kind for kind, _ in blocks]), np.concatenate([poses for _, poses in blocks])

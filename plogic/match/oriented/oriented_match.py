@@ -40,7 +40,13 @@ ROBUST = 3.0
 
 
 def settle(
-    index: TypeIndex, pose: Floats | Posed, data: Data, kb: KnowledgeBase, free: Flags | None = None, hidden: Flags | None = None, rounds: int = 2
+    index: TypeIndex,
+    pose: Floats | Posed,
+    data: Data,
+    kb: KnowledgeBase,
+    free: Flags | None = None,
+    hidden: Flags | None = None,
+    rounds: int = 2,
 ) -> Posed:
     """The type at a pose, or one that is matched there already: matched, refined on places and angles, and matched again."""
     allowed = index.allowed(data)
@@ -58,7 +64,13 @@ def settle(
 
 
 def matched_at(
-    index: TypeIndex, pose: Floats, data: Data, kb: KnowledgeBase, allowed: Flags, free: Flags | None = None, hidden: Flags | None = None
+    index: TypeIndex,
+    pose: Floats,
+    data: Data,
+    kb: KnowledgeBase,
+    allowed: Flags,
+    free: Flags | None = None,
+    hidden: Flags | None = None,
 ) -> Posed:
     """Matched with what is near, of a right type and at a right angle; a datum without an angle is right at any.
 
@@ -71,10 +83,18 @@ def matched_at(
     turn = screen_angle(axes, posed.at)
     off = wrapped(data.angle[None] - turn[:, None])
     right = ~(np.abs(off) > DEVIATIONS * sigma)
-    posed = matched(replace(posed, right=posed.right & right), data, allowed & right, kb.rates.match_tolerance, free, hidden)
-    own = np.take_along_axis(off, np.maximum(posed.matches, 0)[:, None], axis=1)[:, 0] if len(data.ids) else np.full(len(turn), np.nan)
+    posed = matched(
+        replace(posed, right=posed.right & right), data, allowed & right, kb.rates.match_tolerance, free, hidden
+    )
+    own = (
+        np.take_along_axis(off, np.maximum(posed.matches, 0)[:, None], axis=1)[:, 0]
+        if len(data.ids)
+        else np.full(len(turn), np.nan)
+    )
     bell = np.exp(-0.5 * (own / sigma) ** 2) * np.sqrt(2.0 * np.pi) / sigma
-    count = np.isfinite(data.whole.angle).any()  # else nothing is searched for by angles either, and is to be as sure as without
+    count = np.isfinite(
+        data.whole.angle
+    ).any()  # else nothing is searched for by angles either, and is to be as sure as without
     return replace(posed, likeness=np.where(posed.detected & np.isfinite(own), bell, 1.0), axes=axes if count else None)
 
 
@@ -87,7 +107,9 @@ def polished(index: TypeIndex, posed: Posed, data: Data, kb: KnowledgeBase, hidd
     names = [feature.type for feature in index.object_type.features]
     weight = np.array([(kb.rates.sigma / kb.rates.sigma_of(name)) ** 2 for name in names])[used]
     datum = posed.matches[used]
-    held = Held(*(rows[None] for rows in (index.points[used], index.turns[used], data.uv[datum], data.angle[datum], weight)))
+    held = Held(
+        *(rows[None] for rows in (index.points[used], index.turns[used], data.uv[datum], data.angle[datum], weight))
+    )
     noise = Noise(kb.rates.sigma, kb.rates.sigma_angle)
     new = refined(posed.camera_from_object[None], held, noise, data.camera, steps=STEPS, robust=ROBUST)
     if data.depth is None:
@@ -107,7 +129,8 @@ def verified(
 ) -> list[tuple[float, Posed]]:
     """Rays cast, matched and settled: the distinct ones as (log-likelihood ratio against clutter, hypothesis), best first.
 
-    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``check`` is called before each, and may raise to end it.
+    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``check`` is called before each, and
+    may raise to end it.
     """
     found = []
     for pose in poses:

@@ -71,7 +71,13 @@ class Width(NamedTuple):
 
 USUAL = Width(2000, 300, (Round(0.1, 2, 100), Round(0.05, 3, 40), Round(0.02, 4, 16), *_home(12)), 3)
 """With the votes of pairs."""
-DEEP = Width(60_000, 8000, (Round(0.1, 2, 3000), Round(0.06, 3, 1500), Round(0.035, 4, 600), Round(0.02, 5, 300), *_home(300)), 20, 300)
+DEEP = Width(
+    60_000,
+    8000,
+    (Round(0.1, 2, 3000), Round(0.06, 3, 1500), Round(0.035, 4, 600), Round(0.02, 5, 300), *_home(300)),
+    20,
+    300,
+)
 """With those of single data, where pairs led to nothing."""
 FOURS, FEW = Round(0.05, 0, 600), Round(0.0, 10, 100, 3)
 """How far off what makes a four may be, and how many go on; how these climb, and how many are judged."""
@@ -142,7 +148,9 @@ class Search:
         kind = next(i for i, index in enumerate(self.index.indices) if index.object_type.name == name)
         one = np.array([kind])
         free = np.isin(np.arange(len(self.asked.data.ids)), left.rows)
-        found = _tilted(self.asked.of(self.asked.data.only(free)), one, poses_turned(pose, self.asked.turn)[None], MORE_TILTS)
+        found = _tilted(
+            self.asked.of(self.asked.data.only(free)), one, poses_turned(pose, self.asked.turn)[None], MORE_TILTS
+        )
         return list(poses_turned(found.take(_apart(self.index, found, TILTS_KEPT)).poses, -self.asked.turn))
 
 
@@ -157,7 +165,9 @@ def _proposals(asked: Asked, votes: Votes, width: Width) -> list[Proposal]:
     """The best poses of all types, best first, that ``votes`` lead to."""
     asked.check()
     votes = votes.take(np.argsort(-votes.weight, kind="stable")[: width.laid])
-    found = _climbed(asked, votes.kind, coarse_poses(asked.index, votes, asked.data), Round(width.rounds[0].share, 0, 0))
+    found = _climbed(
+        asked, votes.kind, coarse_poses(asked.index, votes, asked.data), Round(width.rounds[0].share, 0, 0)
+    )
     found = found.take(np.argsort(-found.worth, kind="stable")[: width.best])
     for each in width.rounds:
         found = _climbed(asked, found.kind, found.poses, each)

@@ -1,6 +1,7 @@
 """The index over all types: in each view cell the pairs of neighbouring sights, by both looks and both angles to the line between them.
 
-A pair in the image that has the same looks and nearly the same angles gives type, view cell, roll, scale and place at once.
+A pair in the image that has the same looks and nearly the same angles gives type, view cell, roll, scale and place at
+once.
 
 * ``PairIndex``: E pairs of all types, sorted by key
 """
@@ -36,7 +37,8 @@ NEIGHBOURS = 8
 BINS = 32
 """Parts of the circle by which pairs are sorted."""
 _BESIDE = np.arange(-2, 3)
-"""An angle is looked up in its own part and the two on either side: all that are less than 22.5 degrees off, and some that are more."""
+"""An angle is looked up in its own part and the two on either side: all that are less than 22.5 degrees off, and some
+that are more."""
 FINE = 256
 """Parts of the circle to which an entry tells its angles."""
 MOST = 2_000_000
@@ -44,7 +46,8 @@ MOST = 2_000_000
 BLOCK = 4_000_000
 """Pairs of sights at a time."""
 SHORTEST, STEP = 1e-3, 0.03
-"""Of the lengths that an entry tells, the least, in diameters, and the step between two, as a share: 256 of them reach to twice a diameter."""
+"""Of the lengths that an entry tells, the least, in diameters, and the step between two, as a share: 256 of them reach
+to twice a diameter."""
 TYPES = 1 << 17
 """Types that one index holds at most."""
 _FAR = 127.0
@@ -68,8 +71,8 @@ class Lobes(NamedTuple):
 class PairIndex:
     """``looks``: names of the appearance types, by number; E pairs: ``key`` (E,) increasing, ``entry`` (E,) what each says, as numbers in 64 bits.
 
-    ``turned`` (E, 2): in which of ``FINE`` parts of the circle the angle of each of the two is, to the line from the first to the second. The
-    first's looks have the lower number.
+    ``turned`` (E, 2): in which of ``FINE`` parts of the circle the angle of each of the two is, to the line from the
+    first to the second. The first's looks have the lower number.
     """
 
     indices: tuple[TypeIndex, ...]
@@ -146,23 +149,31 @@ class PairIndex:
     ) -> tuple[Indices, NDArray[np.uint64], NDArray[np.uint8]]:
         """All N pairs that look alike: query and entry (N,), and by how much each of the two angles (N, 2) is off, in ``FINE``ths of the circle.
 
-        Q queries of ``looks`` (numbers, the lower first), ``angles`` to the line, radians. Those are found both angles of which are within
-        ``tolerance``, radians, as far as ``FINE`` and ``BINS`` tell. Where more than ``most`` are to be looked at, the queries are left out that
-        find the most entries: what is common says little (§5.1).
+        Q queries of ``looks`` (numbers, the lower first), ``angles`` to the line, radians. Those are found both angles
+        of which are within ``tolerance``, radians, as far as ``FINE`` and ``BINS`` tell. Where more than ``most`` are
+        to be looked at, the queries are left out that find the most entries: what is common says little (§5.1).
         """
         part, other = (part_of_circle(angle, BINS) for angle in angles)
         base = (looks[0].astype(np.int64) * len(self.looks) + looks[1]) * BINS
         order = np.argsort(base, kind="stable")  # neighbours in the index are looked up one after the other
         rows = (base[order, None] + (part[order, None] + _BESIDE) % BINS) * BINS
         start = (other[order, None] + _BESIDE[0]) % BINS
-        over = np.maximum(start + len(_BESIDE) - BINS, 0)  # of the parts beside it, those that come after the last part of the circle
+        over = np.maximum(
+            start + len(_BESIDE) - BINS, 0
+        )  # of the parts beside it, those that come after the last part of the circle
         low = np.searchsorted(self.key, np.concatenate([rows + start, np.where(over > 0, rows, -1)], axis=1), "left")
-        high = np.searchsorted(self.key, np.concatenate([rows + start + len(_BESIDE) - over, np.where(over > 0, rows + over, -1)], axis=1), "left")
+        high = np.searchsorted(
+            self.key,
+            np.concatenate([rows + start + len(_BESIDE) - over, np.where(over > 0, rows + over, -1)], axis=1),
+            "left",
+        )
         some = _fewest((high - low).sum(axis=1), most)
         row, at = taken(low[some], high[some])
         query = order[some[row]]
         asked = np.column_stack([part_of_circle(angle, FINE) for angle in angles]).astype(np.uint8)
-        off = np.abs((np.asarray(self.turned)[at] - asked[query]).view(np.int8)).view(np.uint8)  # around the circle as bytes go around
+        off = np.abs((np.asarray(self.turned)[at] - asked[query]).view(np.int8)).view(
+            np.uint8
+        )  # around the circle as bytes go around
         near = np.flatnonzero((off <= tolerance / (2.0 * np.pi) * FINE).all(axis=1))
         return query[near], np.asarray(self.entry)[at[near]], off[near]
 
@@ -186,7 +197,10 @@ class Said(NamedTuple):
 
 def said(entry: NDArray[np.uint64]) -> Said:
     """Unpacked: as exact as its eight bits a number are, half a percent of a diameter, 0.7 degrees, 1.5 % of a length."""
-    kind, (cell, line, length, x, y) = entry >> np.uint64(40), ((entry >> np.uint64(shift)) & np.uint64(0xFF) for shift in (32, 24, 16, 8, 0))
+    kind, (cell, line, length, x, y) = (
+        entry >> np.uint64(40),
+        ((entry >> np.uint64(shift)) & np.uint64(0xFF) for shift in (32, 24, 16, 8, 0)),
+    )
     place = (np.column_stack([x, y]).astype(float) - 128.0) / _FAR
     return Said(
         kind.astype(np.intp), cell.astype(np.intp), (line.astype(float) + 0.5) * (2.0 * np.pi / FINE),
@@ -199,7 +213,9 @@ def _packed(kind: int, cell: Indices, line: Floats, length: Floats, place: Float
     steps = np.clip(np.rint(np.log(length / SHORTEST) / STEP), 0, 255)
     at = np.clip(np.rint(_FAR * place) + 128.0, 0, 255)
     parts = np.full(len(cell), kind), cell, part_of_circle(line, FINE), steps, at[:, 0], at[:, 1]
-    return np.bitwise_or.reduce([part.astype(np.uint64) << np.uint64(shift) for part, shift in zip(parts, (40, 32, 24, 16, 8, 0), strict=True)])
+    return np.bitwise_or.reduce(
+        [part.astype(np.uint64) << np.uint64(shift) for part, shift in zip(parts, (40, 32, 24, 16, 8, 0), strict=True)]
+    )
 
 
 def looks_of(types: Sequence[ObjectType]) -> tuple[str, ...]:

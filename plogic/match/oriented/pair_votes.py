@@ -31,21 +31,25 @@ REACH = 45.0
 NEAREST = 4.0
 """Pixels between neighbours at least: nearer, the line between them says little."""
 COARSE, MOST_TURNED = np.radians(14.0), np.radians(40.0)
-"""How far an angle may be off because a cell is wide; two standard deviations of its noise come to that, and no more in all."""
+"""How far an angle may be off because a cell is wide; two standard deviations of its noise come to that, and no more in
+all."""
 BENT = np.radians(8.0)
 """Standard deviation of how much a sight is turned because a cell is wide."""
 WHOLE = 16
 """Weight of a vote both angles of which fit."""
 LIGHT = 1
-"""Weight of a vote that is not counted: nearly half of all weigh no more, of the right ones one in twelve (counted once, by hand)."""
+"""Weight of a vote that is not counted: nearly half of all weigh no more, of the right ones one in twelve (counted
+once, by hand)."""
 SMALLEST, LARGEST = 20.0, 2.0
 """Pixels across, and the image's shorter sides across, of an object at least and at most."""
 _ROW = np.uint64(21)
 """Bits of the number of a vote."""
 _OCTAVES, _SIDE = 20, 512
-"""Sizes, and places along an axis, after which the numbers of boxes begin anew: of so different a size nothing is in one image."""
+"""Sizes, and places along an axis, after which the numbers of boxes begin anew: of so different a size nothing is in
+one image."""
 AS_WIDE = float(np.exp(SIZES))
-"""Ratio of two widths that are taken for the same: what cells, pairs and detectors may be off together; as of learnt types."""
+"""Ratio of two widths that are taken for the same: what cells, pairs and detectors may be off together; as of learnt
+types."""
 CELL, ROLL, SCALE = 0.3, np.pi / 6, 0.35
 """Votes are of one place that lie within one box: diameters, radians, logarithm of scale."""
 
@@ -54,7 +58,8 @@ CELL, ROLL, SCALE = 0.3, np.pi / 6, 0.35
 class Votes:
     """``kind``, ``cell`` (N,); ``centre`` (N, 2) ideal pixels; ``roll`` (N,) rad; ``scale`` (N,) pixels a metre.
 
-    ``weight`` (N,): that of the vote, ``WHOLE`` at most; once they are counted, that of all votes of its box, of each pair of the image the best.
+    ``weight`` (N,): that of the vote, ``WHOLE`` at most; once they are counted, that of all votes of its box, of each
+    pair of the image the best.
     """
 
     kind: Indices
@@ -101,7 +106,9 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
     far = length >= NEAREST
     one, other, length, line = one[far], other[far], length[far], line[far]
     tolerance = min(COARSE + 2.0 * sigma, MOST_TURNED)
-    query, entry, off = index.found((looks[one], looks[other]), (data.angle[one] - line, data.angle[other] - line), tolerance)
+    query, entry, off = index.found(
+        (looks[one], looks[other]), (data.angle[one] - line, data.angle[other] - line), tolerance
+    )
     weight = _fit(off, sigma)
     heavy = np.flatnonzero(weight > LIGHT)
     query, weight, says = query[heavy], weight[heavy], said(entry[heavy])
@@ -125,7 +132,9 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
 def _as_wide(sizes: NDArray[np.float32], scale: Floats, per_metre: Floats) -> NDArray[np.bool_]:
     """(N,) whether data of ``scale`` px, NaN where unknown, are as wide as ``sizes`` (2, N), m, the least and the most, at so many pixels a metre."""
     least, most = sizes
-    return np.asarray(np.isnan(scale) | ((scale >= least * per_metre / AS_WIDE) & (scale <= most * per_metre * AS_WIDE)))
+    return np.asarray(
+        np.isnan(scale) | ((scale >= least * per_metre / AS_WIDE) & (scale <= most * per_metre * AS_WIDE))
+    )
 
 
 def counted(raw: Raw) -> Votes:

@@ -28,7 +28,11 @@ if TYPE_CHECKING:
 
 MANY = 20
 """Fewer types are made ready within a second, about, and not kept."""
-_CELLS, _SIGHTS, _PAIRS = ("xy", "visible", "arms"), ("feature", "looks", "xy", "angle", "diameter"), ("key", "entry", "turned")
+_CELLS, _SIGHTS, _PAIRS = (
+    ("xy", "visible", "arms"),
+    ("feature", "looks", "xy", "angle", "diameter"),
+    ("key", "entry", "turned"),
+)
 _NAMES = [*(f"cells_{name}" for name in _CELLS), *(f"sights_{name}" for name in _SIGHTS), *_PAIRS]
 
 
@@ -36,22 +40,34 @@ def ready(types: Sequence[ObjectType], dv: Mapping[str, float], folder: Path | N
     """The index over some types; ``folder``: where indices are kept."""
     if folder is None or len(types) < MANY:
         return pair_index([type_index(kind, dv) for kind in types])
-    arrays = arrays_of(folder / key_of(types), _NAMES, lambda: _arrays(pair_index([type_index(kind, dv) for kind in types])))
+    arrays = arrays_of(
+        folder / key_of(types), _NAMES, lambda: _arrays(pair_index([type_index(kind, dv) for kind in types]))
+    )
     ends = np.cumsum([0, *(len(kind.features) for kind in types)])
-    indices = [type_index(kind, dv, remade(kind, *_of_type(arrays, low, high))) for kind, low, high in zip(types, ends[:-1], ends[1:], strict=True)]
+    indices = [
+        type_index(kind, dv, remade(kind, *_of_type(arrays, low, high)))
+        for kind, low, high in zip(types, ends[:-1], ends[1:], strict=True)
+    ]
     sights = Sights(*(arrays[f"sights_{name}"] for name in _SIGHTS))
     return PairIndex(tuple(indices), looks_of(types), sights, *(arrays[name] for name in _PAIRS))
 
 
 def _arrays(index: PairIndex) -> Arrays:
     arms = max((cells.arms.shape[2] for cells in index.cells), default=0)
-    wide = [np.pad(cells.arms, ((0, 0), (0, 0), (0, arms - cells.arms.shape[2])), constant_values=np.nan) for cells in index.cells]
+    wide = [
+        np.pad(cells.arms, ((0, 0), (0, 0), (0, arms - cells.arms.shape[2])), constant_values=np.nan)
+        for cells in index.cells
+    ]
     cells = {
         "cells_xy": np.concatenate([cells.xy for cells in index.cells], axis=1),
         "cells_visible": np.concatenate([cells.visible for cells in index.cells], axis=1),
         "cells_arms": np.concatenate(wide, axis=1),
     }
-    return cells | {f"sights_{name}": getattr(index.sights, name) for name in _SIGHTS} | {name: getattr(index, name) for name in _PAIRS}
+    return (
+        cells
+        | {f"sights_{name}": getattr(index.sights, name) for name in _SIGHTS}
+        | {name: getattr(index, name) for name in _PAIRS}
+    )
 
 
 def _of_type(arrays: Arrays, low: int, high: int) -> list[NDArray[Any]]:

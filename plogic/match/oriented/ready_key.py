@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import ObjectType
 
 SOURCES = "geometry", "kb", "plogic/base", "plogic/match", "plogic/measures"
-"""What makes an index, methods of the types and their surfaces too; whole folders, for no import leads to the class of what is handed in."""
+"""What makes an index, methods of the types and their surfaces too; whole folders, for no import leads to the class of
+what is handed in."""
 LIBRARIES = ("numpy", "embreex")
 """They compute, and shoot the rays."""
 

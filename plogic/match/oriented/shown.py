@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     Indices = NDArray[np.intp]
 
 NEAR = 3
-"""Cells about a viewpoint: what any of them shows is shown, if its lobe holds the viewpoint; what a cell shows, a lobe holds there."""
+"""Cells about a viewpoint: what any of them shows is shown, if its lobe holds the viewpoint; what a cell shows, a lobe
+holds there."""
 
 
 class Shown(NamedTuple):

@@ -1,6 +1,7 @@
 """What each view cell of each type shows: its sights, with their types, places and angles.
 
-A *sight* is one appearance of one feature: a lobe. From a cell it is seen if its lobe holds the viewpoint and the feature is not Behind its host.
+A *sight* is one appearance of one feature: a lobe. From a cell it is seen if its lobe holds the viewpoint and the
+feature is not Behind its host.
 
 * ``Sights``: of T types, C cells each, at most V sights a cell, as arrays over all types
 """
@@ -54,7 +55,12 @@ def sights_of(indices: Sequence[TypeIndex], number_of: Mapping[str, int]) -> Sig
 
     def stacked(column: int, empty: float) -> NDArray[np.float64]:
         arrays = [row[column] for row in rows]
-        return np.stack([np.pad(a, [(0, 0), (0, most - a.shape[1]), *[(0, 0)] * (a.ndim - 2)], constant_values=empty) for a in arrays])
+        return np.stack(
+            [
+                np.pad(a, [(0, 0), (0, most - a.shape[1]), *[(0, 0)] * (a.ndim - 2)], constant_values=empty)
+                for a in arrays
+            ]
+        )
 
     return Sights(
         stacked(0, NOTHING).astype(np.int32), stacked(1, NOTHING).astype(np.int32), stacked(2, 0.0).astype(np.float32),

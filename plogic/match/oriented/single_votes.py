@@ -1,7 +1,8 @@
 """Votes of single data, for where pairs of neighbours do not do: each datum says, for every sight that looks like it, where the object would stand.
 
-Its angle tells the roll, nothing the distance: so it votes at a number of sizes. A right pose gathers all of its data, however far apart; a pair
-must have been detected both, and be neighbours. It costs far more than pairs do, and is for what these leave open.
+Its angle tells the roll, nothing the distance: so it votes at a number of sizes. A right pose gathers all of its data,
+however far apart; a pair must have been detected both, and be neighbours. It costs far more than pairs do, and is for
+what these leave open.
 
 * ``single_votes``: the best poses by this, as ``Votes``
 """
@@ -34,26 +35,30 @@ if TYPE_CHECKING:
 CELL, SCALE, TURNS = 0.15, 0.35, 14
 """Votes are of one place that lie within one box: diameters, logarithm of scale, parts of the circle."""
 SMALLEST = 40.0
-"""Pixels across of an object at least: of smaller ones too little is apart from the rest to be told from clutter by so few data."""
+"""Pixels across of an object at least: of smaller ones too little is apart from the rest to be told from clutter by so
+few data."""
 FEWEST = 4
 """Votes of a box that counts."""
 HIT = 0.5
 """How often a sight is found where a pose is right, about."""
 MOST = 20_000_000
-"""Matches of a sight and a datum in all: types that would exceed it, in the order in which they are asked, are left out."""
+"""Matches of a sight and a datum in all: types that would exceed it, in the order in which they are asked, are left
+out."""
 BLOCK = 500_000
 """Matches at a time."""
 KEPT = 10
 """Times as many votes as are asked for, after which the worse ones are dropped."""
 _BITS, _SPREAD = 18, np.uint32(2654435761)
-"""Boxes are counted in a table of so many bits' length first, with others that fall on the same place: what is too few there is too few."""
+"""Boxes are counted in a table of so many bits' length first, with others that fall on the same place: what is too few
+there is too few."""
 
 
 class _Matches(NamedTuple):
     """N matches of a sight and a datum, each at the two nearest of ``TURNS`` rolls.
 
-    ``cell``, ``turn`` (N,); ``bent`` (N,) rad from the roll that the angle tells to the turn's; ``x``, ``y`` (N,) pixels from the image's middle;
-    ``right``, ``down`` (N,) diameters from the object's middle to the sight, turned; ``others`` (N,) data that look the same.
+    ``cell``, ``turn`` (N,); ``bent`` (N,) rad from the roll that the angle tells to the turn's; ``x``, ``y`` (N,)
+    pixels from the image's middle; ``right``, ``down`` (N,) diameters from the object's middle to the sight, turned;
+    ``others`` (N,) data that look the same.
     """
 
     cell: NDArray[np.int32]
@@ -66,11 +71,13 @@ class _Matches(NamedTuple):
     others: Singles
 
 
-def single_votes(index: PairIndex, data: Data, noise: Noise, kinds: Indices, most: int, check: Callable[[], None]) -> tuple[Votes, int]:
+def single_votes(
+    index: PairIndex, data: Data, noise: Noise, kinds: Indices, most: int, check: Callable[[], None]
+) -> tuple[Votes, int]:
     """The best votes for types ``kinds`` (K,), at most so many, the best first; and how many of the types were asked.
 
-    ``check`` is called between blocks, and may raise to end it. A vote's weight is about ln of how much likelier its data are with the object
-    than without, rounded.
+    ``check`` is called between blocks, and may raise to end it. A vote's weight is about ln of how much likelier its
+    data are with the object than without, rounded.
     """
     typed = typed_data(data, index.looks)
     best: list[tuple[Floats, ...]] = []
@@ -92,7 +99,9 @@ def single_votes(index: PairIndex, data: Data, noise: Noise, kinds: Indices, mos
 
 def _counts(index: PairIndex, kind: int, typed: TypedData) -> Indices:
     """(C, V) how many data look like each sight of a type."""
-    return np.asarray(typed.count[index.sights.looks[kind]])  # of padding, −1, there is the last, of which there are none
+    return np.asarray(
+        typed.count[index.sights.looks[kind]]
+    )  # of padding, −1, there is the last, of which there are none
 
 
 def _blocks(count: Indices) -> Iterator[slice]:
@@ -106,14 +115,18 @@ def _blocks(count: Indices) -> Iterator[slice]:
     yield slice(start, len(count))
 
 
-def _of_cells(index: PairIndex, kind: int, cells: slice, typed: TypedData, data: Data, noise: Noise) -> list[tuple[Floats, ...]]:
+def _of_cells(
+    index: PairIndex, kind: int, cells: slice, typed: TypedData, data: Data, noise: Noise
+) -> list[tuple[Floats, ...]]:
     """Boxes of some cells of one type, each as rows: kind, cell, x, y, roll, scale, score."""
     found: list[tuple[Floats, ...]] = []
     centre = centre_of(data.camera)  # boxes go from there, for it stays where it is when the camera is turned
     matches = _matches(index, kind, cells, typed, centre)
     if not len(matches.cell):
         return found
-    sizes = np.exp(np.arange(np.log(SMALLEST) + SCALE / 2.0, np.log(LARGEST * min(data.camera.width, data.camera.height)), SCALE))
+    sizes = np.exp(
+        np.arange(np.log(SMALLEST) + SCALE / 2.0, np.log(LARGEST * min(data.camera.width, data.camera.height)), SCALE)
+    )
     area = float(data.camera.width * data.camera.height)
     for offset in (0.0, 0.5):
         for size in sizes:
@@ -121,7 +134,10 @@ def _of_cells(index: PairIndex, kind: int, cells: slice, typed: TypedData, data:
             if not len(rows):
                 continue
             x, y, roll, score = _scored(matches, rows, first, float(size), area, noise)
-            where, scale = matches.cell[rows[first]].astype(float), np.full(len(first), size / index.sights.diameter[kind])
+            where, scale = (
+                matches.cell[rows[first]].astype(float),
+                np.full(len(first), size / index.sights.diameter[kind]),
+            )
             found.append((np.full(len(first), float(kind)), where, x + centre[0], y + centre[1], roll, scale, score))
     return found
 
@@ -177,10 +193,13 @@ def _keys(matches: _Matches, size: float, offset: float) -> Keys:
     return np.asarray((key * broad + axes[0]) * high + axes[1])
 
 
-def _scored(matches: _Matches, rows: Indices, first: Indices, size: float, area: float, noise: Noise) -> tuple[Floats, Floats, Floats, Floats]:
+def _scored(
+    matches: _Matches, rows: Indices, first: Indices, size: float, area: float, noise: Noise
+) -> tuple[Floats, Floats, Floats, Floats]:
     """Of each box (B,) its middle, pixels from that of the image, its roll, and its score; ``area`` of the image, square pixels.
 
-    A box is a place that a vote is as likely to be at as at any, so that smaller ones are more; they weigh as much together at each size.
+    A box is a place that a vote is as likely to be at as at any, so that smaller ones are more; they weigh as much
+    together at each size.
     """
     count = np.diff(first, append=len(rows))
     spread = float(np.hypot(noise.angle, BENT))
@@ -191,7 +210,9 @@ def _scored(matches: _Matches, rows: Indices, first: Indices, size: float, area:
         for place, away in ((matches.x, matches.right), (matches.y, matches.down))
     )
     bent = np.add.reduceat(matches.bent[rows].astype(float), first) / count
-    roll = (matches.turn[rows[first]] + 0.5) * (2.0 * np.pi / TURNS) - bent / 2.0  # the box's own turn is as good a guess as what its votes say
+    roll = (matches.turn[rows[first]] + 0.5) * (
+        2.0 * np.pi / TURNS
+    ) - bent / 2.0  # the box's own turn is as good a guess as what its votes say
     return x, y, roll, np.add.reduceat(gain, first) + 2.0 * np.log(size)
 
 

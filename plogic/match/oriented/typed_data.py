@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 class TypedData:
     """``looks`` (A,) number of each datum's type, −1 for one that no sight has.
 
-    Of the D data that some sight looks like and that have an angle: ``places`` (D, 2) ideal pixels, ``angles`` (D,) radians, type by type; those of
-    type n are ``count`` (L + 1,) from ``first`` (L + 1,) on; the last type has none: that of what is padded, −1.
+    Of the D data that some sight looks like and that have an angle: ``places`` (D, 2) ideal pixels, ``angles`` (D,)
+    radians, type by type; those of type n are ``count`` (L + 1,) from ``first`` (L + 1,) on; the last type has none:
+    that of what is padded, −1.
     """
 
     looks: Indices

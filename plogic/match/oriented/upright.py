@@ -1,7 +1,7 @@
 """Γ turned in its plane to where its own data say, so that how the camera was held decides nothing.
 
-Boxes of votes, and the directions in which poses are tilted, have axes of their own. Here these go by the data: what is found in a turned image is
-what was found, turned.
+Boxes of votes, and the directions in which poses are tilted, have axes of their own. Here these go by the data: what is
+found in a turned image is what was found, turned.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 NOWHERE = 1e-6
-"""Share of their mean distance from the image's centre by which the mean of the data is off it, where it says of no direction."""
+"""Share of their mean distance from the image's centre by which the mean of the data is off it, where it says of no
+direction."""
 
 
 def turn_of(data: Data, which: NDArray[np.bool_]) -> float:

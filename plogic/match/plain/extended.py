@@ -102,4 +102,6 @@ def _refined(scene: Scene, pose: Floats, wider: float) -> Floats:
         return pose
     points, uv = pairs.points[pairs.feature[chosen]], scene.data.uv[pairs.datum[chosen]]
     weights = np.ones((1, len(chosen)))
-    return np.asarray(refined_poses(pose[None], points[None], uv[None], weights, scene.data.camera, huber=wider * sigma)[0])
+    return np.asarray(
+        refined_poses(pose[None], points[None], uv[None], weights, scene.data.camera, huber=wider * sigma)[0]
+    )

@@ -1,6 +1,7 @@
 """The paper's search for one type: sets of four of its features, highest dv first, every assignment of data, POSIT, expected features (§6.1, §6.3).
 
-Nothing is thinned before POSIT: no view cell votes, no angle and no neighbour is asked. Where all sets are no more than ``MOST`` it is exhaustive.
+Nothing is thinned before POSIT: no view cell votes, no angle and no neighbour is asked. Where all sets are no more than
+``MOST`` it is exhaustive.
 """
 
 from __future__ import annotations
@@ -65,7 +66,9 @@ def sets(scene: Scene) -> Iterator[Sets]:
     yield from islice(iter(lambda: drawn(pairs, index.cells.visible, index.weights, rng), None), MOST // POSED)
 
 
-def posed(pairs: Typed, xy: Floats, feature: Indices, datum: Indices, noise: float, turned: float = MOST_TURNED) -> Floats:
+def posed(
+    pairs: Typed, xy: Floats, feature: Indices, datum: Indices, noise: float, turned: float = MOST_TURNED
+) -> Floats:
     """(N', 4, 4) what POSIT makes of sets of features (N, 4) at data (N, 4) of ``xy`` (A, 2) = x/z, y/z; those it refuses are left out.
 
     ``noise`` of the data, in units of x/z; ``turned``: radians by which it may turn a set's pose.

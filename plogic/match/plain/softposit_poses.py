@@ -53,7 +53,9 @@ def proposals(index: TypeIndex, data: Data, kb: KnowledgeBase, check: Callable[[
     return extended(scene, np.concatenate(poses), PROPOSED)
 
 
-def annealed(pairs: Typed, xy: Floats, rng: np.random.Generator, depth: tuple[float, float], *, noise: float, f: float) -> SoftPositResult:
+def annealed(
+    pairs: Typed, xy: Floats, rng: np.random.Generator, depth: tuple[float, float], *, noise: float, f: float
+) -> SoftPositResult:
     """What SoftPOSIT makes of the next ``STARTS`` random starts, the object between two depths, m; ``noise`` and the focal length in pixels."""
     setting = Annealing(beta=BETA, noise=noise, pixel=1.0 / f)
     start = random_starts(pairs.points, xy, STARTS, rng, depth=depth)

@@ -26,10 +26,17 @@ AHEAD = 2
 class Cluster:
     """The cluster of the scheduler at ``address``; otherwise as ``Pool``. ``say`` gets the lines that a user is to see meanwhile."""
 
-    def __init__(self, settings: Settings, folder: str, address: str, timeout: float | None, say: Callable[[str], None]) -> None:
+    def __init__(
+        self, settings: Settings, folder: str, address: str, timeout: float | None, say: Callable[[str], None]
+    ) -> None:
         """Connect. Raises InputError where the package is absent, or nobody answers."""
         self._settings, self._address = settings, address
-        self._task: dict[str, Any] = {"settings": asdict(settings), "folder": folder, "timeout": timeout, "run": uuid4().hex}
+        self._task: dict[str, Any] = {
+            "settings": asdict(settings),
+            "folder": folder,
+            "timeout": timeout,
+            "run": uuid4().hex,
+        }
         self._connection = Connection(address, say)
         self._done: SimpleQueue[str] = SimpleQueue()
         self._call = _call()
@@ -68,7 +75,9 @@ class Cluster:
 
     def _submit(self, job: Job | None) -> Any:  # noqa: ANN401 - a future of Dask
         try:
-            future = self._connection.client.submit(self._call, "perceived", self._task, None if job is None else astuple(job.frame), pure=False)
+            future = self._connection.client.submit(
+                self._call, "perceived", self._task, None if job is None else astuple(job.frame), pure=False
+            )
         except Exception as error:
             raise self._connection.failed(error) from error
         future.add_done_callback(lambda done: self._done.put(done.key))
@@ -89,9 +98,13 @@ class Cluster:
         except InputError as error:
             if not isinstance(error.__cause__, self._connection.dask.KilledWorker):
                 raise
-            return Answer(job.number, *self._lines.given_up(job.frame, "the Dask worker that perceives it dies, again and again"))
+            return Answer(
+                job.number, *self._lines.given_up(job.frame, "the Dask worker that perceives it dies, again and again")
+            )
         if told["kb"] != self._lines.kb:
-            raise InputError(f"{self._settings.kb}: is not the same on all Dask workers, or has changed since this run began")
+            raise InputError(
+                f"{self._settings.kb}: is not the same on all Dask workers, or has changed since this run began"
+            )
         return Answer(job.number, told["status"], told["line"])
 
     def _result(self, future: Any) -> Told:  # noqa: ANN401 - a future of Dask
@@ -102,12 +115,17 @@ class Cluster:
         if "error" in told:
             raise InputError(told["error"])
         if "lacking" in told:
-            raise InputError(f"{self._address}: a Dask worker lacks plogic, or has another one than is here: {told['lacking']}")
+            raise InputError(
+                f"{self._address}: a Dask worker lacks plogic, or has another one than is here: {told['lacking']}"
+            )
         return told
 
 
 def _call() -> Callable[..., Any]:
-    """Calls a function of ``plogic.run.batch.dask_worker`` by its name. As it is local it is sent whole: what a worker cannot import ends the worker."""
+    """Call a function of ``plogic.run.batch.dask_worker`` by its name; local, so that it is sent whole.
+
+    A module that a worker cannot import would end the worker.
+    """
 
     def call(name: str, *args: object) -> Any:  # noqa: ANN401 - whatever it returns
         import importlib

@@ -45,7 +45,9 @@ class Connection:
             self.client: Any = self.dask.Client(address, timeout=CONNECTING, set_as_default=False)
         except Exception as error:
             what = " ".join(str(error).split()) or f"nothing is said within {CONNECTING:g} s"
-            what = "what answers is something else" if isinstance(error, MemoryError) else what  # its first bytes are no length
+            what = (
+                "what answers is something else" if isinstance(error, MemoryError) else what
+            )  # its first bytes are no length
             raise InputError(f"{address}: no Dask scheduler answers there: {what}") from error
 
     def wait(self) -> int:

@@ -1,6 +1,7 @@
 """What runs on a worker of a Dask cluster: each of its threads keeps a process of ours, as a pool of one, and nobody's work is gone on with.
 
-A run's processes end when it ends, when it was killed (then its tasks are cancelled), and when they had nothing to do for a while.
+A run's processes end when it ends, when it was killed (then its tasks are cancelled), and when they had nothing to do
+for a while.
 """
 
 from __future__ import annotations
@@ -77,7 +78,11 @@ class _Kept:
     def _watch(self, worker: Any) -> None:  # noqa: ANN401 - a worker of Dask
         while True:
             sleep(LOOK)
-            self._close(lambda entry: monotonic() - entry.since > IDLE if entry.task is None else not _wanted(worker, entry.task))
+            self._close(
+                lambda entry: (
+                    monotonic() - entry.since > IDLE if entry.task is None else not _wanted(worker, entry.task)
+                )
+            )
 
     def _close(self, which: Any) -> None:  # noqa: ANN401 - a condition of entries
         with self._lock:

@@ -1,13 +1,15 @@
 """The text of a frame's line, ``frame/1``: self-contained, so that files of lines may be cut, sorted and put together.
 
-``{"format": "frame/1", "input": "a.json", "frame": null, "status": "done", "sha256": "...", "kb": {"name", "digest"}, "options": {...}, ...}``,
-``status`` is ``done``, ``unfinished`` (the deadline was reached) or ``error``. Then comes ``error`` with what ``plogic perceive`` would say, or
-``interpretation`` with what it would write, or the short of it: ``appearances``, how many there are; ``hypotheses``, those that are accepted or
-in a listed world; ``worlds`` and ``unlisted_mass``; of what is unfinished, ``stopped`` and the intervals.
+``{"format": "frame/1", "input": "a.json", "frame": null, "status": "done", "sha256": "...", "kb": {"name", "digest"},
+"options": {...}, ...}``, ``status`` is ``done``, ``unfinished`` (the deadline was reached) or ``error``. Then comes
+``error`` with what ``plogic perceive`` would say, or ``interpretation`` with what it would write, or the short of it:
+``appearances``, how many there are; ``hypotheses``, those that are accepted or in a listed world; ``worlds`` and
+``unlisted_mass``; of what is unfinished, ``stopped`` and the intervals.
 
-``sha256`` is that of the bytes that were read, as ``cat PICTURE CAMERA | sha256sum`` prints it: of a Γ the file, of a picture the file and then
-its camera's, of a BOP frame the picture and then its entry of ``scene_camera.json`` as JSON with sorted keys, of a lost frame its error. It is
-``null`` where some of that could not be read, or changed meanwhile; where a worker was given up on it is of the files as they were then.
+``sha256`` is that of the bytes that were read, as ``cat PICTURE CAMERA | sha256sum`` prints it: of a Γ the file, of a
+picture the file and then its camera's, of a BOP frame the picture and then its entry of ``scene_camera.json`` as JSON
+with sorted keys, of a lost frame its error. It is ``null`` where some of that could not be read, or changed meanwhile;
+where a worker was given up on it is of the files as they were then.
 """
 
 from __future__ import annotations
@@ -58,7 +60,9 @@ class Lines:
         head = {"format": FORMAT, "input": frame.input, "frame": frame.frame, "status": status}
         origin = {"sha256": sha256, "kb": dict(self.kb), "options": self.settings.document()}
         text = json.dumps({**head, **origin, **body}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-        return text.encode("utf-8", "backslashreplace") + b"\n"  # of a file's name that is no text: \udc80, as JSON writes it
+        return (
+            text.encode("utf-8", "backslashreplace") + b"\n"
+        )  # of a file's name that is no text: \udc80, as JSON writes it
 
 
 def short(document: Mapping[str, Any], number: int) -> dict[str, Any]:
@@ -67,7 +71,9 @@ def short(document: Mapping[str, Any], number: int) -> dict[str, Any]:
     present = {name for world in listed for name in world["present"]}
     return {
         "appearances": len(document["appearances"]),
-        "hypotheses": [_some(h, TOLD) for h in document["hypotheses"] if h["status"] == "accepted" or h["id"] in present],
+        "hypotheses": [
+            _some(h, TOLD) for h in document["hypotheses"] if h["status"] == "accepted" or h["id"] in present
+        ],
         "worlds": [_some(world, ("probability", "present")) for world in listed],
         "unlisted_mass": unlisted_beyond(document, number),
         **({"stopped": stopped} if stopped else {}),

@@ -1,6 +1,7 @@
 """One frame of many, and how it is to be perceived.
 
-* ``Frame("scenes/7/image.png", None, "image")``; of a BOP dataset ``Frame("lmo", "000002/000017", "bop", "/data/lmo/test/000002")``
+* ``Frame("scenes/7/image.png", None, "image")``; of a BOP dataset ``Frame("lmo", "000002/000017", "bop",
+  "/data/lmo/test/000002")``
 * ``Settings("towers", camera=None, reading="posterior")``
 """
 
@@ -65,7 +66,12 @@ class Settings:
 
     def document(self) -> dict[str, Any]:
         """The options as every line tells them."""
-        chosen = {"reading": self.reading, "reconsider": self.reconsider, "smoothing": self.smoothing, "deadline": self.deadline}
+        chosen = {
+            "reading": self.reading,
+            "reconsider": self.reconsider,
+            "smoothing": self.smoothing,
+            "deadline": self.deadline,
+        }
         return chosen | ({"full": True} if self.full else {"worlds": self.worlds})
 
 
@@ -105,7 +111,9 @@ def digest_of(frame: Frame, camera: str | None, *, nested: bool = False) -> str 
     total = hashlib.sha256()
     try:
         for part in _parts(frame, camera):
-            for piece in [part.encode()] if isinstance(part, str) else [_file_digest(part)] if nested else _pieces(part):
+            for piece in (
+                [part.encode()] if isinstance(part, str) else [_file_digest(part)] if nested else _pieces(part)
+            ):
                 total.update(piece)
     except (OSError, ValueError):
         return None

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from plogic.run.batch.frames import Frame
 
 AHEAD = 256
-"""Frames beyond the first that is still to be written that may be at work, or done and held back: what bounds memory."""
+"""Frames beyond the first that is still to be written that may be at work, or done and held back: what bounds
+memory."""
 
 
 class Engine(Protocol):
@@ -34,7 +35,12 @@ class Engine(Protocol):
 
 
 def run(
-    frames: Sequence[Frame], engine: Engine, write: Callable[[Frame, str, bytes], None], waiting: Waiting | None = None, *, in_order: bool
+    frames: Sequence[Frame],
+    engine: Engine,
+    write: Callable[[Frame, str, bytes], None],
+    waiting: Waiting | None = None,
+    *,
+    in_order: bool,
 ) -> None:
     """Have every frame perceived, and ``write`` its status and line once; in order, those that are done too early are ``waiting`` meanwhile.
 

@@ -17,7 +17,16 @@ if TYPE_CHECKING:
 
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".pgm", ".ppm")
 """Endings of what is a picture in a folder; a file that is named is one whatever its ending, unless it is JSON."""
-NO_GAMMA = ("camera.json", "truth.json", "interpretation.json", "timings.json", "poses.json", "panorama.json", "next-view.json", "worlds.json")
+NO_GAMMA = (
+    "camera.json",
+    "truth.json",
+    "interpretation.json",
+    "timings.json",
+    "poses.json",
+    "panorama.json",
+    "next-view.json",
+    "worlds.json",
+)
 """How the names of JSON files end that stand beside pictures and are no Γ."""
 DRAWN = ("picture.png", "posterior-picture.png", "views.png")
 """What ``plogic demo`` draws beside the ``interpretation.json`` that it writes."""
@@ -28,8 +37,8 @@ DATASET = ("scene_camera.json", "[0-9]*/scene_camera.json", "*/[0-9]*/scene_came
 def frames_of(inputs: Iterable[str], listed: Iterable[str]) -> list[Frame]:
     """Every frame once, in the order of the inputs, and inside a folder in that of names; ``-`` stands for the lines of ``listed``.
 
-    An input that leads to no frame, or a folder that is no BOP dataset though it looks like one, is a lost frame. Raises InputError where there
-    is no input at all.
+    An input that leads to no frame, or a folder that is no BOP dataset though it looks like one, is a lost frame.
+    Raises InputError where there is no input at all.
     """
     named = (name for given in inputs for name in (_lines(listed) if given == "-" else [given]))
     found = {(frame.input, frame.frame): frame for name in named for frame in _frames(name)}
@@ -65,7 +74,8 @@ def _of_file(path: Path) -> Frame:
 def _of_folder(folder: Path) -> list[Frame]:
     """All pictures and Γ files below it, and lost ones for folders that cannot be read; hidden files and folders aside.
 
-    Links to folders are followed once what is no link has been looked through; each folder is looked through once, whatever its names.
+    Links to folders are followed once what is no link has been looked through; each folder is looked through once,
+    whatever its names.
     """
     found: list[Frame] = []
     unread: list[OSError] = []

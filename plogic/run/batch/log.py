@@ -90,7 +90,9 @@ class Log(Protocol):
 class Stream:
     """Standard output, or a file."""
 
-    def __init__(self, name: str, file: BinaryIO | RawIOBase, written: Sequence[Written] = (), end: int | None = None) -> None:
+    def __init__(
+        self, name: str, file: BinaryIO | RawIOBase, written: Sequence[Written] = (), end: int | None = None
+    ) -> None:
         """``end``: the bytes of what is written; None where nothing can be cut."""
         self._name, self._file, self.written, self._end = name, file, written, end
 
@@ -165,7 +167,11 @@ def read_lines(path: Path, out: str) -> tuple[list[Written], int]:
                 break
             told = _told(line, f"{out}:{number}", wrong)
             if told is not None:
-                written.append(told._replace(kb=written[-1].kb, options=written[-1].options) if written and _alike(told, written[-1]) else told)
+                written.append(
+                    told._replace(kb=written[-1].kb, options=written[-1].options)
+                    if written and _alike(told, written[-1])
+                    else told
+                )
             end += len(line)
     wrong.check()
     return written, end
@@ -183,7 +189,9 @@ def _told(line: bytes, place: str, wrong: Mistakes) -> Written | None:
             keys = [key for key, right in KEYS.items() if not right(document[key])]
             if not keys:
                 return Written(place, *(document[key] for key in KEYS))
-            wrong.add(f"{place}: is no {FORMAT}: {', '.join(keys)}: {'is' if len(keys) == 1 else 'are'} of another kind")
+            wrong.add(
+                f"{place}: is no {FORMAT}: {', '.join(keys)}: {'is' if len(keys) == 1 else 'are'} of another kind"
+            )
             return None
     except (ValueError, TypeError, KeyError, RecursionError):
         pass
@@ -195,7 +203,8 @@ def left_over(frames: Sequence[Frame], written: Sequence[Written], *, in_order: 
     """The frames that have no line yet.
 
     Raises:
-        InputError: A line is of no frame that was named, or of one twice; or the lines are not in the order of the frames, and should be.
+        InputError: A line is of no frame that was named, or of one twice; or the lines are not in the order of the
+        frames, and should be.
     """
     place = {(frame.input, frame.frame): i for i, frame in enumerate(frames)}
     seen: set[int] = set()
@@ -212,7 +221,9 @@ def left_over(frames: Sequence[Frame], written: Sequence[Written], *, in_order: 
     for number, line in enumerate(written if in_order else ()):
         i = place[line.input, line.frame]
         if i != number:
-            raise InputError(f"{line.place}: is of {line.name}, which is number {i + 1} of the inputs: to go on out of order, give --order done")
+            raise InputError(
+                f"{line.place}: is of {line.name}, which is number {i + 1} of the inputs: to go on out of order, give --order done"
+            )
     return [frame for i, frame in enumerate(frames) if i not in seen]
 
 
@@ -222,10 +233,18 @@ def check_same(frames: Sequence[Frame], written: Sequence[Written], settings: Se
     options = settings.document()
     for line in written:
         if line.kb != kb:
-            wrong.add(f"{line.place}: was made with another knowledge base: {settings.kb} has changed since, or is another")
+            wrong.add(
+                f"{line.place}: was made with another knowledge base: {settings.kb} has changed since, or is another"
+            )
         elif line.options != options:
-            told = {key: line.options.get(key, "none") for key in {**line.options, **options} if line.options.get(key) != options.get(key)}
-            wrong.add(f"{line.place}: was made by other options: {', '.join(f'{key} {value}' for key, value in told.items())}")
+            told = {
+                key: line.options.get(key, "none")
+                for key in {**line.options, **options}
+                if line.options.get(key) != options.get(key)
+            }
+            wrong.add(
+                f"{line.place}: was made by other options: {', '.join(f'{key} {value}' for key, value in told.items())}"
+            )
     wrong.check()
     wrong = Mistakes(TAKE_OUT)
     known = {(frame.input, frame.frame): frame for frame in frames}

@@ -97,7 +97,11 @@ class Pool:
     def _patience(self) -> float | None:
         """Seconds until the next worker may be late, a few at most; None for ever."""
         begun = [worker.since for worker in self._workers if worker.job is not None and worker.kb is not None]
-        return None if self._timeout is None or not begun else min(max(0.0, min(begun) + self._timeout - monotonic()), PATIENCE)
+        return (
+            None
+            if self._timeout is None or not begun
+            else min(max(0.0, min(begun) + self._timeout - monotonic()), PATIENCE)
+        )
 
     def _excuse(self, seconds: float) -> None:
         """A turn that came so much later than was asked for, as where we were stopped or nobody read our lines, is no worker's fault."""
@@ -145,7 +149,9 @@ class Pool:
         if worker.kb is None:
             self._failed += 1
             if self._failed >= STARTS:
-                raise InputError(f"{self._settings.kb}: the process that reads it ends before it is ready ({how}), as for lack of memory")
+                raise InputError(
+                    f"{self._settings.kb}: the process that reads it ends before it is ready ({how}), as for lack of memory"
+                )
             self._left.extend([] if job is None else [job])
         elif job is not None and job.again:
             yield self._given_up(job, f"the process that perceives it dies ({how}), as for lack of memory")

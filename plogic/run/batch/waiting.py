@@ -1,7 +1,8 @@
 """The lines that are done and wait for that of an earlier frame, in a file beside the output, so that a kill loses none.
 
-``OUT.waiting`` is there as long as any line waits. Each is appended whole as soon as it is done; those that were written to OUT meanwhile stay in
-it for a while, and whoever reads it passes over them. Who holds OUT's lock may write it.
+``OUT.waiting`` is there as long as any line waits. Each is appended whole as soon as it is done; those that were
+written to OUT meanwhile stay in it for a while, and whoever reads it passes over them. Who holds OUT's lock may write
+it.
 """
 
 from __future__ import annotations
@@ -40,8 +41,12 @@ class Waiting:
 
     def found(self, frames: Sequence[Frame]) -> dict[int, tuple[str, bytes]]:
         """Status and line of the frames whose lines waited when this was made, by their place among the frames."""
-        known = {(told.input, told.frame): (told.status, line) for told, line in zip(self.written, self._lines, strict=True)}
-        return {i: known[frame.input, frame.frame] for i, frame in enumerate(frames) if (frame.input, frame.frame) in known}
+        known = {
+            (told.input, told.frame): (told.status, line) for told, line in zip(self.written, self._lines, strict=True)
+        }
+        return {
+            i: known[frame.input, frame.frame] for i, frame in enumerate(frames) if (frame.input, frame.frame) in known
+        }
 
     def keep(self, line: bytes, held: Collection[bytes]) -> None:
         """One line more waits; ``held`` are all that do, it among them. Raises SensingError where it cannot be written."""

@@ -47,7 +47,11 @@ class Worker:
             what = "out of memory"
         except Exception as error:  # noqa: BLE001 - no frame may stop the others
             what = f"internal error: {' '.join(f'{type(error).__name__}: {error}'.split())}"
-        return self.lines.wrong(frame, what, sha256) if self._digest(frame) == sha256 else self.lines.wrong(frame, CHANGED, None)
+        return (
+            self.lines.wrong(frame, what, sha256)
+            if self._digest(frame) == sha256
+            else self.lines.wrong(frame, CHANGED, None)
+        )
 
     def _digest(self, frame: Frame) -> str | None:
         return digest_of(frame, self.settings.camera)
@@ -73,4 +77,6 @@ class Worker:
             fault = fault_of(Path(path))  # a pipe would never end
             if fault is not None:
                 raise InputError(f"{path}: {fault}")
-        return gamma_of(frame.input, image_of(frame.input, camera) if frame.kind == "image" else None, camera, kb, clock)
+        return gamma_of(
+            frame.input, image_of(frame.input, camera) if frame.kind == "image" else None, camera, kb, clock
+        )

@@ -1,6 +1,7 @@
 """A process that perceives frames: from stdin its settings and then frames (JSON, one a line), to stdout what it says to them.
 
-The first line out is ``{"kb": {"name", "digest"}}``, or ``{"error": ...}`` and the end; then one a frame: its status, a blank, and its line.
+The first line out is ``{"kb": {"name", "digest"}}``, or ``{"error": ...}`` and the end; then one a frame: its status, a
+blank, and its line.
 """
 
 from __future__ import annotations

@@ -17,8 +17,11 @@ from plogic.logic.served.engine import environment
 if TYPE_CHECKING:
     from plogic.run.batch.frames import Frame, Settings
 
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1")
-"""What libraries read when they are loaded, so that a worker keeps one core busy and no more. Embree's threads only build, they cast no ray."""
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1"
+)
+"""What libraries read when they are loaded, so that a worker keeps one core busy and no more. Embree's threads only
+build, they cast no ray."""
 LARGEST_READ = 1 << 20
 """Bytes that are read at a time."""
 

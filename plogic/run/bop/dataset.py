@@ -2,7 +2,8 @@
 
 * ``Truth``, one annotated object: ``Truth(5, camera_from_object, 0.93)``
 * ``Frame``, one picture with its camera: ``Frame(1, 3, image, camera)``
-* ``Scene``, a folder with ``scene_camera.json``; ``Dataset``, its scenes, with the targets and the models' folder where there are any
+* ``Scene``, a folder with ``scene_camera.json``; ``Dataset``, its scenes, with the targets and the models' folder where
+  there are any
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ if TYPE_CHECKING:
 
     from geometry.camera import Camera
 
-PICTURES = tuple(f"{folder}/{{:06d}}.{ending}" for folder in ("rgb", "gray") for ending in ("png", "jpg", "jpeg", "tif"))
+PICTURES = tuple(
+    f"{folder}/{{:06d}}.{ending}" for folder in ("rgb", "gray") for ending in ("png", "jpg", "jpeg", "tif")
+)
 """Where a frame's picture may be, the first that exists."""
 
 
@@ -79,7 +82,14 @@ class Scene:
 
     def picture(self, im_id: int) -> Path:
         """The picture's file. Raises InputError where there is none."""
-        found = next((self.folder / name.format(im_id) for name in PICTURES if fault_of(self.folder / name.format(im_id)) is None), None)
+        found = next(
+            (
+                self.folder / name.format(im_id)
+                for name in PICTURES
+                if fault_of(self.folder / name.format(im_id)) is None
+            ),
+            None,
+        )
         if found is None:
             raise InputError(f"{self.folder}: has no picture {im_id:06d} (png, jpg, jpeg or tif) in rgb/ or gray/")
         return found
@@ -101,7 +111,10 @@ class Scene:
         if len(infos) != count:
             raise InputError(f"{path}: {im_id}: has {len(infos)} entries, but scene_gt.json has {count}")
         places = [f"{path}: {im_id}.{i}" for i in range(count)]
-        return [fraction(member(info, "visib_fract", at), f"{at}.visib_fract") for info, at in zip(infos, places, strict=True)]
+        return [
+            fraction(member(info, "visib_fract", at), f"{at}.visib_fract")
+            for info, at in zip(infos, places, strict=True)
+        ]
 
     def _camera(self, im_id: int, entry: object, size: tuple[int, int]) -> Camera:
         """The camera of one entry; its size is the picture's."""
@@ -164,4 +177,6 @@ def _listed(value: object, place: str) -> list[Any]:
 def _truth(entry: object, visible: float | None, place: str) -> Truth:
     R = numbers(member(entry, "cam_R_m2c", place), 9, f"{place}.cam_R_m2c")
     t_mm = numbers(member(entry, "cam_t_m2c", place), 3, f"{place}.cam_t_m2c")
-    return Truth(whole(member(entry, "obj_id", place), f"{place}.obj_id"), motion(R, t_mm, f"{place}.cam_R_m2c"), visible)
+    return Truth(
+        whole(member(entry, "obj_id", place), f"{place}.obj_id"), motion(R, t_mm, f"{place}.cam_R_m2c"), visible
+    )

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from plogic.run.bop.dataset import Dataset
 
 Look = Callable[["NDArray[np.uint8]", "Camera"], Sequence[tuple[str, "NDArray[np.float64]", float]]]
-"""A picture (H, W, 3) uint8, blue first, and its camera to (type's name, ``T_camera_object`` (4, 4) m, score) of each object found."""
+"""A picture (H, W, 3) uint8, blue first, and its camera to (type's name, ``T_camera_object`` (4, 4) m, score) of each
+object found."""
 Say = Callable[[str], None]
 
 
@@ -55,18 +56,27 @@ def run(dataset: Dataset, look: Look, ids: Mapping[str, int], say: Say, *, timed
             wrong.append(f"{here}: internal error: {type(error).__name__}: {' '.join(str(error).split())}")
         else:
             cameras[scene_id, im_id] = camera
-            own = [Estimate(scene_id, im_id, ids[n], s, T, seconds if timed else UNTIMED) for n, T, s in found if n in ids]
+            own = [
+                Estimate(scene_id, im_id, ids[n], s, T, seconds if timed else UNTIMED) for n, T, s in found if n in ids
+            ]
             estimates += own
-            say(f"{here}: {len(own)} estimates" + (f", {len(found) - len(own)} without a BOP number" if len(own) < len(found) else ""))
+            say(
+                f"{here}: {len(own)} estimates"
+                + (f", {len(found) - len(own)} without a BOP number" if len(own) < len(found) else "")
+            )
             continue
         say(wrong[-1])
     return Run(tuple(estimates), cameras, tuple(wrong), len(names))
 
 
-def _looked(dataset: Dataset, scene_id: int, im_id: int, look: Look) -> tuple[Camera, list[tuple[str, NDArray[Any], float]], float]:
+def _looked(
+    dataset: Dataset, scene_id: int, im_id: int, look: Look
+) -> tuple[Camera, list[tuple[str, NDArray[Any], float]], float]:
     frame = dataset.scene(scene_id).frame(im_id)
     start = perf_counter()
-    found = [(name, np.asarray(pose, dtype=np.float64), float(sure)) for name, pose, sure in look(frame.image, frame.camera)]
+    found = [
+        (name, np.asarray(pose, dtype=np.float64), float(sure)) for name, pose, sure in look(frame.image, frame.camera)
+    ]
     for name, pose, sure in found:
         if not (is_rigid(pose) and np.isfinite(sure)):
             raise InputError(f"{name}: the perceiver gave no rigid pose with a finite score")

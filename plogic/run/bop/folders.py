@@ -21,9 +21,10 @@ MODELS = ("models_eval", "models")
 def open_dataset(folder: str | Path) -> Dataset:
     """The dataset of a scene's folder, a split's (``test``) or a whole dataset's.
 
-    Of a whole one the split is ``test``, or the only ``test_*``. Targets are read for splits of tests alone. A scene whose folder is no
-    number is scene 0. Beside scenes a numbered folder with pictures, or one that cannot be looked into, is one too, that cannot be read; of
-    two with one number the first by name is taken, and the other is ``wrong``. No picture and no annotation is read yet.
+    Of a whole one the split is ``test``, or the only ``test_*``. Targets are read for splits of tests alone. A scene
+    whose folder is no number is scene 0. Beside scenes a numbered folder with pictures, or one that cannot be looked
+    into, is one too, that cannot be read; of two with one number the first by name is taken, and the other is
+    ``wrong``. No picture and no annotation is read yet.
 
     Raises:
         InputError: It is none of these, or its targets have a mistake.
@@ -67,7 +68,9 @@ def _scenes(path: Path) -> list[Path]:
 
 def _should_be(path: Path) -> bool:
     """Whether a numbered folder beside scenes holds what one does, or hides what it holds."""
-    return path.is_dir() and (is_there(path / "rgb") or is_there(path / "gray") or not os.access(path, os.R_OK | os.X_OK))
+    return path.is_dir() and (
+        is_there(path / "rgb") or is_there(path / "gray") or not os.access(path, os.R_OK | os.X_OK)
+    )
 
 
 def _inside(path: Path) -> list[Path]:
@@ -85,7 +88,9 @@ def _split(path: Path, named: str | Path) -> Path:
         return tests[0]
     if splits:
         raise InputError(f"{named}: give one of its splits: {', '.join(p.name for p in tests or splits)}")
-    raise InputError(f"{named}: is no BOP dataset: a folder with scene_camera.json, or with test/000001/scene_camera.json, is needed")
+    raise InputError(
+        f"{named}: is no BOP dataset: a folder with scene_camera.json, or with test/000001/scene_camera.json, is needed"
+    )
 
 
 def _models(roots: Sequence[Path]) -> Path | None:
@@ -109,6 +114,8 @@ def read_targets(path: Path) -> dict[tuple[int, int], dict[int, int]]:
     targets: dict[tuple[int, int], dict[int, int]] = {}
     for i, entry in enumerate(entries):
         keys = ("scene_id", "im_id", "obj_id", "inst_count")
-        scene_id, im_id, obj_id, count = (whole(member(entry, key, f"{path}: {i}"), f"{path}: {i}.{key}") for key in keys)
+        scene_id, im_id, obj_id, count = (
+            whole(member(entry, key, f"{path}: {i}"), f"{path}: {i}.{key}") for key in keys
+        )
         targets.setdefault((scene_id, im_id), {})[obj_id] = count
     return targets

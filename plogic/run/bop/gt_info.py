@@ -1,7 +1,8 @@
 """What BOP says of an object's picture besides its pose: silhouette, visible part, their boxes and the visible fraction.
 
-The silhouette is what rays through the pixels' centres hit of the object alone, on a canvas three times as wide and high as the image, so
-that what the image's border cuts off counts as hidden; the visible part is the rendering's own segmentation.
+The silhouette is what rays through the pixels' centres hit of the object alone, on a canvas three times as wide and
+high as the image, so that what the image's border cuts off counts as hidden; the visible part is the rendering's own
+segmentation.
 """
 
 from __future__ import annotations

@@ -36,9 +36,19 @@ def read_ids(path: str | None) -> dict[str, int]:
     return {name: whole(number, f"{path}: {name}") for name, number in content.items()}
 
 
-def unknown(types: Sequence[str], ids: Mapping[str, int], stated: Collection[str], models: Collection[int] | None) -> list[str]:
+def unknown(
+    types: Sequence[str], ids: Mapping[str, int], stated: Collection[str], models: Collection[int] | None
+) -> list[str]:
     """A line for each name or number that leads nowhere; ``models``: the objects that the dataset has, None where it does not say."""
-    lines = [f"{name}: has no BOP number: what is found of it is left out (name it obj_000001, or give --ids)" for name in types if name not in ids]
-    lines += [f"{name}: has a BOP number, but the knowledge base has no such type" for name in stated if name not in types]
-    lines += [f"{name}: the dataset has no object {n}" for name, n in ids.items() if models is not None and n not in models]
+    lines = [
+        f"{name}: has no BOP number: what is found of it is left out (name it obj_000001, or give --ids)"
+        for name in types
+        if name not in ids
+    ]
+    lines += [
+        f"{name}: has a BOP number, but the knowledge base has no such type" for name in stated if name not in types
+    ]
+    lines += [
+        f"{name}: the dataset has no object {n}" for name, n in ids.items() if models is not None and n not in models
+    ]
     return lines

@@ -1,7 +1,7 @@
 """Which estimate is which object's, in one image: BOP's targets, and its greedy matching.
 
-Hodaň et al., BOP Challenge 2020 (§2.1): of each object so many of the best-scored estimates are taken as instances are wanted; by decreasing
-score each goes to the truth of the lowest error below the threshold that is still free.
+Hodaň et al., BOP Challenge 2020 (§2.1): of each object so many of the best-scored estimates are taken as instances are
+wanted; by decreasing score each goes to the truth of the lowest error below the threshold that is still free.
 
 * ``View``, one image with what stands there and what was found: ``View(truths, estimates, camera, wanted={5: 1})``
 """

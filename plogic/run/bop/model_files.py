@@ -32,7 +32,11 @@ def ply(mesh: TexturedMesh, texture: str | None) -> bytes:
         columns, names = [*columns, mesh.uv], [*names, "texture_u", "texture_v"]
     faces = np.empty(len(mesh.triangles), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     faces["count"], faces["corners"] = 3, mesh.triangles
-    header = ["ply", "format binary_little_endian 1.0", *([f"comment TextureFile {texture}"] if texture is not None else [])]
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        *([f"comment TextureFile {texture}"] if texture is not None else []),
+    ]
     header += [f"element vertex {len(mesh.vertices)}", *(f"property float {name}" for name in names)]
     header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
     return "\n".join([*header, ""]).encode() + np.hstack(columns).astype("<f4").tobytes() + faces.tobytes()
@@ -51,7 +55,9 @@ def vertex_normals(mesh: TexturedMesh) -> NDArray[np.float64]:
 def model_info(kind: Kind) -> dict[str, Any]:
     """The entry of ``models_info.json``: diameter, box and symmetries, millimetres."""
     low, high = kind.mesh.vertices.min(axis=0) * MM, kind.mesh.vertices.max(axis=0) * MM
-    box = {f"min_{axis}": float(low[i]) for i, axis in enumerate("xyz")} | {f"size_{axis}": float(high[i] - low[i]) for i, axis in enumerate("xyz")}
+    box = {f"min_{axis}": float(low[i]) for i, axis in enumerate("xyz")} | {
+        f"size_{axis}": float(high[i] - low[i]) for i, axis in enumerate("xyz")
+    }
     return {"diameter": diameter(kind.mesh.vertices) * MM} | box | _symmetries(kind.symmetries)
 
 

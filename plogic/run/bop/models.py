@@ -47,7 +47,10 @@ def read_models(folder: Path, ids: Iterable[int]) -> dict[int, Model]:
     """The models of these objects: ``models_info.json`` and ``obj_000001.ply``, millimetres there. Raises InputError."""
     path = folder / "models_info.json"
     infos = numbered(path)
-    return {obj_id: _model(folder, obj_id, entry_of(infos, obj_id, path), f"{path}: {obj_id}") for obj_id in sorted(set(ids))}
+    return {
+        obj_id: _model(folder, obj_id, entry_of(infos, obj_id, path), f"{path}: {obj_id}")
+        for obj_id in sorted(set(ids))
+    }
 
 
 def _model(folder: Path, obj_id: int, info: object, place: str) -> Model:

@@ -5,10 +5,10 @@
 * ADD, average distance: mean over x in M of ‖P̂x − P̄x‖
 * ADD-S (ADI), the same with indistinguishable views: mean over x in M of min over y in M of ‖P̄x − P̂y‖
 
-MSSD and MSPD: Hodaň et al., BOP Challenge 2020 on 6D Object Localization (ECCVW 2020), §2.2. ADD and ADI: Hinterstoisser et al., Model
-based training, detection and pose estimation of texture-less 3D objects in heavily cluttered scenes (ACCV 2012).
-Poses and points share one unit, and the distances have it. In numpy, but for the nearest neighbours of ADD-S, which scipy's tree finds.
-All functions broadcast over the leading axes of the two poses.
+MSSD and MSPD: Hodaň et al., BOP Challenge 2020 on 6D Object Localization (ECCVW 2020), §2.2. ADD and ADI:
+Hinterstoisser et al., Model based training, detection and pose estimation of texture-less 3D objects in heavily
+cluttered scenes (ACCV 2012). Poses and points share one unit, and the distances have it. In numpy, but for the nearest
+neighbours of ADD-S, which scipy's tree finds. All functions broadcast over the leading axes of the two poses.
 """
 
 from __future__ import annotations
@@ -33,7 +33,10 @@ def mssd(estimates: ArrayLike, truths: ArrayLike, points: ArrayLike, symmetries:
     cloud, own = _points(points), _poses(symmetries)
 
     def one(estimate: NDArray[np.float64], truth: NDArray[np.float64]) -> float:
-        return min(float(np.linalg.norm(_moved(estimate - truth @ part, cloud), axis=-1).max(axis=1).min()) for part in _parts(own, len(cloud)))
+        return min(
+            float(np.linalg.norm(_moved(estimate - truth @ part, cloud), axis=-1).max(axis=1).min())
+            for part in _parts(own, len(cloud))
+        )
 
     return _each(one, estimates, truths)
 
@@ -49,7 +52,9 @@ def mspd(
         if not np.isfinite(seen).all():
             return np.inf
         parts = (_projected(_moved(truth @ part, cloud), matrix) for part in _parts(own, len(cloud)))
-        return min(float(np.nan_to_num(np.linalg.norm(seen - part, axis=-1), nan=np.inf).max(axis=1).min()) for part in parts)
+        return min(
+            float(np.nan_to_num(np.linalg.norm(seen - part, axis=-1), nan=np.inf).max(axis=1).min()) for part in parts
+        )
 
     return _each(one, estimates, truths)
 
@@ -57,7 +62,11 @@ def mspd(
 def add(estimates: ArrayLike, truths: ArrayLike, points: ArrayLike) -> NDArray[np.float64]:
     """ADD (...) of poses (..., 4, 4) for ``points`` (N, 3)."""
     cloud = _points(points)
-    return _each(lambda estimate, truth: float(np.linalg.norm(_moved((estimate - truth)[None], cloud), axis=-1).mean()), estimates, truths)
+    return _each(
+        lambda estimate, truth: float(np.linalg.norm(_moved((estimate - truth)[None], cloud), axis=-1).mean()),
+        estimates,
+        truths,
+    )
 
 
 def add_s(estimates: ArrayLike, truths: ArrayLike, points: ArrayLike) -> NDArray[np.float64]:

@@ -1,9 +1,10 @@
 """Recalls of BOP against ground truth.
 
-Hodaň et al., BOP Challenge 2020 (§2.3): a measure's average recall is the mean of the recalls at ten thresholds: AR_MSSD at 0.05, 0.10 …
-0.50 of the object's diameter, AR_MSPD at 5, 10 … 50 px · r with r = width / 640. The challenge's AR is the mean of AR_VSD, AR_MSSD and
-AR_MSPD; AR_VSD is not computed here, so that what is given beside them is called the mean of the two and never AR.
-ADD(-S): recall at 0.1 of the diameter, by ADD-S for objects with symmetries and by ADD for the others.
+Hodaň et al., BOP Challenge 2020 (§2.3): a measure's average recall is the mean of the recalls at ten thresholds:
+AR_MSSD at 0.05, 0.10 … 0.50 of the object's diameter, AR_MSPD at 5, 10 … 50 px · r with r = width / 640. The
+challenge's AR is the mean of AR_VSD, AR_MSSD and AR_MSPD; AR_VSD is not computed here, so that what is given beside
+them is called the mean of the two and never AR. ADD(-S): recall at 0.1 of the diameter, by ADD-S for objects with
+symmetries and by ADD for the others.
 """
 
 from __future__ import annotations
@@ -78,7 +79,9 @@ def score(views: Iterable[View], models: Mapping[int, Model]) -> Scores:
     return Scores(images, estimates, absent, _recalls(sorted(targets), targets, hits), rows)
 
 
-def _errors(found: Sequence[Estimate], truths: Sequence[Truth], model: Model, view: View) -> dict[str, NDArray[np.float64]]:
+def _errors(
+    found: Sequence[Estimate], truths: Sequence[Truth], model: Model, view: View
+) -> dict[str, NDArray[np.float64]]:
     """(E, G) by measure, as the thresholds mean them; nothing without an estimate."""
     if not found or view.camera is None:
         return {}

@@ -88,9 +88,14 @@ def _estimate(line: str, place: str) -> Estimate:
     fields = line.split(",")
     if len(fields) != 7:
         raise InputError(f"{place}: must have the 7 fields {HEADER}, not {len(fields)}")
-    scene_id, im_id, obj_id = (_whole(text, f"{place}: {key}") for text, key in zip(fields, ("scene_id", "im_id", "obj_id"), strict=False))
+    scene_id, im_id, obj_id = (
+        _whole(text, f"{place}: {key}") for text, key in zip(fields, ("scene_id", "im_id", "obj_id"), strict=False)
+    )
     R, t_mm = _numbers(fields[4], 9, f"{place}: R"), _numbers(fields[5], 3, f"{place}: t")
-    score, time = float(_numbers(fields[3], 1, f"{place}: score")[0]), float(_numbers(fields[6], 1, f"{place}: time")[0])
+    score, time = (
+        float(_numbers(fields[3], 1, f"{place}: score")[0]),
+        float(_numbers(fields[6], 1, f"{place}: time")[0]),
+    )
     return Estimate(scene_id, im_id, obj_id, score, motion(R, t_mm, f"{place}: R"), time)
 
 
@@ -118,5 +123,7 @@ def _unequal_times(estimates: Iterable[Estimate], path: str | Path) -> list[str]
     for e in estimates:
         key = (e.scene_id, e.im_id)
         if abs(times.setdefault(key, e.time) - e.time) > 1e-3:
-            wrong[key] = f"{path}: time: scene {e.scene_id}, image {e.im_id}: is not the same for all estimates of the image"
+            wrong[key] = (
+                f"{path}: time: scene {e.scene_id}, image {e.im_id}: is not the same for all estimates of the image"
+            )
     return list(wrong.values())

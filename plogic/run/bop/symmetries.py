@@ -1,8 +1,8 @@
 """Symmetries of ``models_info.json`` as motions: the discrete ones, and the continuous ones in steps.
 
-Hodaň et al., BOP Challenge 2020 on 6D Object Localization (ECCVW 2020), §2.2: continuous symmetries are discretised such that the vertex
-farthest from the axis travels no more than ``step`` of the diameter between two turns; half a circle of the diameter as its diameter is
-the bound, so that ⌈π / step⌉ turns serve every object.
+Hodaň et al., BOP Challenge 2020 on 6D Object Localization (ECCVW 2020), §2.2: continuous symmetries are discretised
+such that the vertex farthest from the axis travels no more than ``step`` of the diameter between two turns; half a
+circle of the diameter as its diameter is the bound, so that ⌈π / step⌉ turns serve every object.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ STEP = 0.01
 def symmetry_motions(info: object, place: str, step: float = STEP) -> NDArray[np.float64]:
     """The motions (S, 4, 4), metres, object frame, of one model's entry; the identity is among them.
 
-    Every discretised turn after every discrete motion; turns about two axes are not multiplied, as in the benchmark. Raises InputError.
+    Every discretised turn after every discrete motion; turns about two axes are not multiplied, as in the benchmark.
+    Raises InputError.
     """
     discrete = np.array([np.eye(4), *_discrete(info, place)])
     turns = _turns(info, place, step)

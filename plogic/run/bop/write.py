@@ -44,8 +44,8 @@ Entry = dict[str, Any]
 def write_dataset(scenes: Iterable[Scene], kinds: Sequence[Kind], folder: Path, supersample: int = 3) -> None:
     """Photograph the scenes into a new dataset, whole or not at all; the same scenes give the same bytes.
 
-    The object of ``kinds[i]`` has the number i + 1. Bodies without a label are in the pictures and in no annotation. Metres become
-    millimetres; a pixel without a thing, or beyond the depth's reach, has depth 0.
+    The object of ``kinds[i]`` has the number i + 1. Bodies without a label are in the pictures and in no annotation.
+    Metres become millimetres; a pixel without a thing, or beyond the depth's reach, has depth 0.
 
     Raises:
         InputError: There is no scene, or a body's label is no kind's.
@@ -121,7 +121,10 @@ def _depth(picture: Rendering, scale: float) -> NDArray[Any]:
 def _camera_entry(camera: Camera, scale: float) -> Entry:
     entry: Entry = {"cam_K": camera.K.ravel().tolist(), "depth_scale": scale}
     if camera.camera_from_world is not None:
-        entry |= {"cam_R_w2c": camera.camera_from_world[:3, :3].ravel().tolist(), "cam_t_w2c": (camera.camera_from_world[:3, 3] * MM).tolist()}
+        entry |= {
+            "cam_R_w2c": camera.camera_from_world[:3, :3].ravel().tolist(),
+            "cam_t_w2c": (camera.camera_from_world[:3, 3] * MM).tolist(),
+        }
     return entry
 
 

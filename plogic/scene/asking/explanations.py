@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 class Reason:
     """One node; the children of a rule are its conditions.
 
-    In a proof ``kind`` is rule, fact, choice, check (a built-in test), absent (a negation that holds), computed (by the engine: findall/3
-    and the like), cases (no single proof is certain, but in every world one of these ways is open) or case (one of them: what it needs).
-    In a miss it is holds, fails, possible
-    (``probability`` is P(condition | evidence)) or open (it cannot be asked, since what should bind its variables failed).
+    In a proof ``kind`` is rule, fact, choice, check (a built-in test), absent (a negation that holds), computed (by the
+    engine: findall/3 and the like), cases (no single proof is certain, but in every world one of these ways is open) or
+    case (one of them: what it needs). In a miss it is holds, fails, possible (``probability`` is P(condition |
+    evidence)) or open (it cannot be asked, since what should bind its variables failed).
     """
 
     goal: str
@@ -81,10 +81,10 @@ class Miss:
 class Account:
     """P(goal | evidence) and what there is to say of it. ``answers``: instances of the goal that are possible.
 
-    ``why``: explanations; ``why_not``: explanations of the negated goal, both ranked by P(choices | evidence), and none that contradicts the
-    evidence; ``misses``: of an improbable goal (below ½), what lacked least first; ``failure``: of a goal that no choices entail, the
-    condition that fails; ``notes``: what names would be right, and what was left out; ``summary``: of the presence of an interpretation's
-    hypothesis, what its features say.
+    ``why``: explanations; ``why_not``: explanations of the negated goal, both ranked by P(choices | evidence), and none
+    that contradicts the evidence; ``misses``: of an improbable goal (below ½), what lacked least first; ``failure``: of
+    a goal that no choices entail, the condition that fails; ``notes``: what names would be right, and what was left
+    out; ``summary``: of the presence of an interpretation's hypothesis, what its features say.
     """
 
     goal: str
@@ -100,11 +100,14 @@ class Account:
     summary: tuple[str, ...] = ()
 
 
-def explain(subject: Subject, goal: str, *, given: Sequence[str] = (), most: int = 5, limits: Limits | None = None) -> Account:
+def explain(
+    subject: Subject, goal: str, *, given: Sequence[str] = (), most: int = 5, limits: Limits | None = None
+) -> Account:
     """The ``most`` probable explanations of a goal and of its negation, given the evidence; raises as ``plogic.scene.asking.query.answers`` does.
 
-    Of a goal with variables the probability is that of its most probable answer. Choices of probability 1 are certain, and not listed. Where
-    the presence of a scene's hypothesis cannot be explained choice by choice within the limits, its summary is, and a note says so.
+    Of a goal with variables the probability is that of its most probable answer. Choices of probability 1 are certain,
+    and not listed. Where the presence of a scene's hypothesis cannot be explained choice by choice within the limits,
+    its summary is, and a note says so.
     """
     summary = present(subject, goal, given=given)
     limits = limits or Limits()
@@ -137,7 +140,8 @@ def _explained(subject: Subject, goal: str, given: Sequence[str], most: int, lim
 def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Account | None:
     """Of ``present(h)`` in a scene: P(h | evidence) and what h's features say in the most probable world that holds it; else None.
 
-    No program is run: this is fast for any number of hypotheses. Raises InconsistentError, ProgramError, and WidthError, as the worlds do.
+    No program is run: this is fast for any number of hypotheses. Raises InconsistentError, ProgramError, and
+    WidthError, as the worlds do.
     """
     wanted = goal.strip().rstrip(". ")
     if not isinstance(subject, Situation):
@@ -173,11 +177,19 @@ def _about(subject: Subject, goals: Sequence[str]) -> Subject:
 
 
 def _explanation(entry: dict[str, Any]) -> Explanation:
-    return Explanation(entry["goal"], entry["probability"], entry["given_evidence"], tuple(entry["choices"]), _reason(entry["tree"]))
+    return Explanation(
+        entry["goal"], entry["probability"], entry["given_evidence"], tuple(entry["choices"]), _reason(entry["tree"])
+    )
 
 
 def _miss(entry: dict[str, Any]) -> Miss:
-    return Miss(entry["goal"], entry["rule"], entry["failed"], entry["probability"], tuple(_reason(c) for c in entry["conditions"]))
+    return Miss(
+        entry["goal"],
+        entry["rule"],
+        entry["failed"],
+        entry["probability"],
+        tuple(_reason(c) for c in entry["conditions"]),
+    )
 
 
 def _covered(entry: dict[str, Any]) -> Covered:

@@ -7,8 +7,8 @@ r"""A scene that one can observe and retract in: what is touched is solved anew,
 >>> scene.answers("cause(a3, H, F)")
 >>> scene.unobserve()
 
-The same questions as ``plogic.scene.asking.query.answers`` puts to the program text, with the same answers (tested); what speaks of choices that the
-graph has summed out is refused (OutsideError), and is for the text.
+The same questions as ``plogic.scene.asking.query.answers`` puts to the program text, with the same answers (tested);
+what speaks of choices that the graph has summed out is refused (OutsideError), and is for the text.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ class _Posed(NamedTuple):
 class LiveScene:
     """``given``: the evidence, in the order in which it came; ``solved``: how many pieces of graphs had to be solved so far.
 
-    Every question takes ``seconds``, after which (grounding not counted) it answers in intervals that contain the exact values.
+    Every question takes ``seconds``, after which (grounding not counted) it answers in intervals that contain the exact
+    values.
     """
 
     def __init__(self, situation: Situation, *, rules: Text | None = None, limits: Limits | None = None) -> None:
@@ -110,7 +111,11 @@ class LiveScene:
         """P(present(H) | evidence)."""
         scene, asked = self._posed(seconds=seconds)
         low, high = asked.beliefs.low, asked.beliefs.high
-        return {h.id: (float(low[v][s]), float(high[v][s])) for h in self.situation.hypotheses for v, s in [scene.place[h.id]]}
+        return {
+            h.id: (float(low[v][s]), float(high[v][s]))
+            for h in self.situation.hypotheses
+            for v, s in [scene.place[h.id]]
+        }
 
     def worlds(self, n: int = 10, *, seconds: float | None = None) -> Ranking:
         """The ``n`` most probable worlds given the evidence, each with its causes."""
@@ -120,7 +125,9 @@ class LiveScene:
         ranking = ranking_of(self.situation, held, asked.beliefs, listed_worlds(self.situation, held, n, end))
         if not scene.causes:
             return ranking
-        return replace(ranking, worlds=tuple(replace(w, causes={**w.causes, **_causes(held, w.present)}) for w in ranking.worlds))
+        return replace(
+            ranking, worlds=tuple(replace(w, causes={**w.causes, **_causes(held, w.present)}) for w in ranking.worlds)
+        )
 
     def answers(self, goal: str = "present(H)", *, seconds: float | None = None) -> list[Answer]:
         """P(goal | evidence), every answer, most probable first, ties by text."""
@@ -146,7 +153,12 @@ class LiveScene:
         return self._meanings[key]
 
     def _posed(self, explicit: Iterable[str] = (), seconds: float | None = None) -> _Posed:
-        return posed(self.situation, [self._meaning("", (goal,)) for goal in self.given], explicit, _solver(self._memory, seconds))
+        return posed(
+            self.situation,
+            [self._meaning("", (goal,)) for goal in self.given],
+            explicit,
+            _solver(self._memory, seconds),
+        )
 
 
 def _solver(memory: Remembered, seconds: float | None) -> Callable[[FactorGraph], Beliefs]:
@@ -157,7 +169,9 @@ def _solver(memory: Remembered, seconds: float | None) -> Callable[[FactorGraph]
     return lambda graph: memory.beliefs(graph, seconds=max(end - time.monotonic(), 0.0))
 
 
-def posed(situation: Situation, given: Sequence[Meaning], explicit: Iterable[str], solve: Callable[[FactorGraph], Beliefs]) -> _Posed:
+def posed(
+    situation: Situation, given: Sequence[Meaning], explicit: Iterable[str], solve: Callable[[FactorGraph], Beliefs]
+) -> _Posed:
     """The graph with the causes in ``explicit``, and what the evidence says; raises InconsistentError where that is impossible."""
     scene = scene_graph(situation, explicit=frozenset(explicit).union(*(m.appearances for m in given)))
     formulas = [formula for m in given for formula in m.formulas(m.given, scene)]

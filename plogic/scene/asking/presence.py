@@ -1,7 +1,7 @@
 """Why an interpretation's hypothesis is present, as a user wants to read it: what its features say, from the situation itself (§4, §5, §8).
 
-The exact explanations pick one feature at a time; this is their sum. Everything is said of one world: the most probable one that holds the
-hypothesis. Lines of text; nothing here is a probability that the program does not give.
+The exact explanations pick one feature at a time; this is their sum. Everything is said of one world: the most probable
+one that holds the hypothesis. Lines of text; nothing here is a probability that the program does not give.
 """
 
 from __future__ import annotations
@@ -29,7 +29,12 @@ LISTED = 8
 """Features, or data, that a line names; the rest is counted."""
 TYPES = 10
 """Feature types that a line tells apart; visual words are more, and nobody knows them by name."""
-SAID = {"A": "expected and detected", "B": "neither expected nor detected", "C": "expected but not detected", "D": "detected but not expected"}
+SAID = {
+    "A": "expected and detected",
+    "B": "neither expected nor detected",
+    "C": "expected but not detected",
+    "D": "detected but not expected",
+}
 
 
 class View(NamedTuple):

@@ -33,9 +33,10 @@ def answers(
     r"""Each answer to ``goal`` given the evidence, sorted by probability, then text.
 
     ``goal`` may be a conjunction or a negation, with labels quoted: ``cause(A, h1, 'roof/apex'), \+ noise(a3)``.
-    Without a goal a program's own query/1 are answered; of a situation, present/1. A ground goal has one answer,
-    maybe with probability 0; a goal with variables has one per substitution of positive probability, and none is an answer too. An interval is
-    [0, 1] where the search was stopped (``plogic.scene.readings.unfinished``). Raises ProgramError, InconsistentError, LimitError.
+    Without a goal a program's own query/1 are answered; of a situation, present/1. A ground goal has one answer, maybe
+    with probability 0; a goal with variables has one per substitution of positive probability, and none is an answer
+    too. An interval is [0, 1] where the search was stopped (``plogic.scene.readings.unfinished``). Raises ProgramError,
+    InconsistentError, LimitError.
     """
     if goal is None and isinstance(subject, Situation):
         goal = "present(H)"
@@ -58,11 +59,15 @@ def answers_until(
     if isinstance(subject, Situation):
         goal, limits, end = goal or "present(H)", limits or Limits(), time.monotonic() + seconds
         try:
-            on_graph = _on_graph(subject, [goal], given, rules, replace(limits, seconds=min(limits.seconds, seconds)), seconds)
+            on_graph = _on_graph(
+                subject, [goal], given, rules, replace(limits, seconds=min(limits.seconds, seconds)), seconds
+            )
         except LimitError:
             return unknown(goal, names_of(subject)), False
         if on_graph is not None:
-            return opened(subject.stopped, on_graph[0]), all(answer.interval[0] == answer.interval[1] for answer in on_graph[0])
+            return opened(subject.stopped, on_graph[0]), all(
+                answer.interval[0] == answer.interval[1] for answer in on_graph[0]
+            )
         seconds = max(end - time.monotonic(), 0.0)
     text, names = subject_text(subject)
     texts = [text, *([] if rules is None else [rules])]
@@ -83,7 +88,9 @@ def answers_to_all(
     return [opened(stopped_of(subject), some) for some in found] if stopped_of(subject) else found
 
 
-def _to_all(subject: Subject, goals: Sequence[str], given: Sequence[str], rules: Text | None, limits: Limits | None) -> list[list[Answer]]:
+def _to_all(
+    subject: Subject, goals: Sequence[str], given: Sequence[str], rules: Text | None, limits: Limits | None
+) -> list[list[Answer]]:
     if isinstance(subject, Situation) and goals:
         found = _on_graph(subject, goals, given, rules, limits)
         if found is not None:
@@ -93,7 +100,12 @@ def _to_all(subject: Subject, goals: Sequence[str], given: Sequence[str], rules:
 
 
 def _on_graph(
-    situation: Situation, goals: Sequence[str], given: Sequence[str], rules: Text | None, limits: Limits | None, seconds: float | None = None
+    situation: Situation,
+    goals: Sequence[str],
+    given: Sequence[str],
+    rules: Text | None,
+    limits: Limits | None,
+    seconds: float | None = None,
 ) -> list[list[Answer]] | None:
     """None for what only the program text can say, or can say what is wrong with it; with ``seconds``, intervals by then."""
     from plogic.scene.asking.live import scene_answers

@@ -1,8 +1,8 @@
 """The part of a situation that a goal is about: the hypotheses that it names, and all that hang together with them.
 
-Hypotheses hang together if one can hide a feature of the other, if they share an appearance, are rivals, exclude each other, compete for one instance
-or carry something together. Worlds are products over such parts, so that probabilities and explanations of a goal about one part
-are those of the part alone.
+Hypotheses hang together if one can hide a feature of the other, if they share an appearance, are rivals, exclude each
+other, compete for one instance or carry something together. Worlds are products over such parts, so that probabilities
+and explanations of a goal about one part are those of the part alone.
 """
 
 from __future__ import annotations
@@ -19,7 +19,15 @@ if TYPE_CHECKING:
 
     from plogic.facts.situation import Situation
 
-WHOSE = {"cause/3": (1,), "feature/3": (0,), "expected/2": (0,), "detected/2": (0,), "case/3": (0,), "ev/2": (0,), "part/2": (1,)}
+WHOSE = {
+    "cause/3": (1,),
+    "feature/3": (0,),
+    "expected/2": (0,),
+    "detected/2": (0,),
+    "case/3": (0,),
+    "ev/2": (0,),
+    "part/2": (1,),
+}
 """Predicates that speak of the hypothesis at this place, whatever stands at their other places."""
 
 

@@ -1,6 +1,7 @@
 """P(formula) on a graph, piece by piece: what touches independent pieces as a conjunction multiplies; the rest takes gates.
 
-Vocabulary: a *piece* is a connected component of the graph; ``Asked`` has solved a graph once and answers any number of formulas.
+Vocabulary: a *piece* is a connected component of the graph; ``Asked`` has solved a graph once and answers any number of
+formulas.
 """
 
 from __future__ import annotations
@@ -77,7 +78,9 @@ class Asked:
         variables = [v for piece in touched for v in self._pieces[piece]]
         number = {v: i for i, v in enumerate(sorted(variables))}
         factors = tuple(
-            Factor(tuple(number[v] for v in factor.scope), factor.table) for piece in touched for factor in self._factors.get(piece, ())
+            Factor(tuple(number[v] for v in factor.scope), factor.table)
+            for piece in touched
+            for factor in self._factors.get(piece, ())
         )
         return FactorGraph(tuple(self.graph.cards[v] for v in sorted(variables)), factors), number
 
@@ -88,8 +91,13 @@ def together(situation: Situation, pairs: Sequence[tuple[str, str]], seconds: fl
         return []
     scene = scene_graph(situation)
     end = None if seconds is None else time.monotonic() + seconds
-    asked = Asked(scene.graph, lambda graph: beliefs(graph, seconds=None if end is None else max(end - time.monotonic(), 0.0)))
-    return [asked.probability(And(tuple(Literal(v, frozenset({s})) for v, s in (scene.place[h] for h in pair)))) for pair in pairs]
+    asked = Asked(
+        scene.graph, lambda graph: beliefs(graph, seconds=None if end is None else max(end - time.monotonic(), 0.0))
+    )
+    return [
+        asked.probability(And(tuple(Literal(v, frozenset({s})) for v, s in (scene.place[h] for h in pair))))
+        for pair in pairs
+    ]
 
 
 def _ratio(part: Interval, whole: Interval) -> Interval:

@@ -79,7 +79,9 @@ def add_datum(tables: Tables, datum: Datum, scope: Scope, cards: tuple[int, ...]
         tables.add(scope, _large(tables, datum, scope))
         return
     by_variable = _unhidden(datum, scope, cards)
-    tables.add_list(scope, _hidden(datum, _steps(scope, cards, size), size) if by_variable is None else _joined(datum, by_variable))
+    tables.add_list(
+        scope, _hidden(datum, _steps(scope, cards, size), size) if by_variable is None else _joined(datum, by_variable)
+    )
 
 
 def add_miss(tables: Tables, claim: Claim) -> None:
@@ -127,7 +129,9 @@ def _hidden(datum: Datum, steps: Shape, size: int) -> list[float]:
             one[r] = one[r] * miss + none[r] * hit
             none[r] *= miss
     noise, scale, ln = datum.noise, datum.scale, math.log
-    return [ln(weight) if (weight := (noise * x + y) * scale) > 0.0 else IMPOSSIBLE for x, y in zip(none, one, strict=True)]
+    return [
+        ln(weight) if (weight := (noise * x + y) * scale) > 0.0 else IMPOSSIBLE for x, y in zip(none, one, strict=True)
+    ]
 
 
 def _steps(scope: Scope, cards: tuple[int, ...], size: int) -> Shape:

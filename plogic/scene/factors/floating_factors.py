@@ -51,7 +51,7 @@ def _support(cast: Cast) -> float:
 
 
 class _Below:
-    """"Something present is surely lower than this", for any foot: a chain over the feet by height, of which each step adds one."""
+    """A chain over the feet by height: whether something present is surely lower than a foot. Each step adds one."""
 
     def __init__(self, tables: Tables, cast: Cast, gravity: Gravity) -> None:
         self.tables, self.cast = tables, cast

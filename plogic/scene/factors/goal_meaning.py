@@ -1,10 +1,12 @@
 """What a goal of the vocabulary means on a scene's graph: a boolean formula over who is present and what causes what.
 
-The goal is ground in the child process, over the program with its choices left open (``plogic.scene.text.open_choices``), and comes back as data.
-Vocabulary:
+The goal is ground in the child process, over the program with its choices left open
+(``plogic.scene.text.open_choices``), and comes back as data. Vocabulary:
 
-* ``Meaning``, of one or several goals and pieces of evidence: nodes, and keys into them (``plogic.logic.served.goal_formulas``)
-* ``Meaning.formula(key, scene)``: the formula, over the variables of a graph that has the appearances in ``appearances`` as variables
+* ``Meaning``, of one or several goals and pieces of evidence: nodes, and keys into them
+  (``plogic.logic.served.goal_formulas``)
+* ``Meaning.formula(key, scene)``: the formula, over the variables of a graph that has the appearances in
+  ``appearances`` as variables
 """
 
 from __future__ import annotations
@@ -85,7 +87,8 @@ def meaning(
 ) -> Meaning:
     """The meaning of goals and evidence.
 
-    Raises OutsideError where they, or the rules, speak of what the graph does not have; else what ``plogic.logic.served.engine.run`` raises.
+    Raises OutsideError where they, or the rules, speak of what the graph does not have; else what
+    ``plogic.logic.served.engine.run`` raises.
     """
     direct = _direct(situation, goals, given) if rules is None else None
     if direct is not None:
@@ -96,7 +99,12 @@ def meaning(
     if "outside" in reply:
         raise OutsideError(reply["outside"], file="goal")
     answers = tuple(tuple((shown, key) for shown, key in found) for found in reply["answers"])
-    return Meaning(tuple((kind, arguments) for kind, arguments in reply["nodes"]), answers, tuple(reply["single"]), tuple(reply["given"]))
+    return Meaning(
+        tuple((kind, arguments) for kind, arguments in reply["nodes"]),
+        answers,
+        tuple(reply["single"]),
+        tuple(reply["given"]),
+    )
 
 
 def _direct(situation: Situation, goals: Sequence[str], given: Sequence[str]) -> Meaning | None:

@@ -2,8 +2,9 @@
 
 The second form of ``plogic.scene.readings.score_reading.acceptance`` in this mode, tested equal to it. Vocabulary:
 
-* ``Linear(["h2", "h5"], 0.7, [(1, 0.1, True), (3, 0.2, False)])``: of the shares of dv, 0.7 is concordant whoever is present; 0.1 where
-  h2 (bit 0 of 1) is absent, since an appearance was found for it; and 0.2 where h2 or h5 is present, since none was
+* ``Linear(["h2", "h5"], 0.7, [(1, 0.1, True), (3, 0.2, False)])``: of the shares of dv, 0.7 is concordant whoever is
+  present; 0.1 where h2 (bit 0 of 1) is absent, since an appearance was found for it; and 0.2 where h2 or h5 is present,
+  since none was
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The pick of a hypothesis on which very many others bear, as a variable of its own (§8, score), where one factor over all is too wide.
 
-present(h) holds iff h is supported and the feature that it picks is concordant: a boolean formula over the pick and over who is present,
-which the graph takes as gates.
+present(h) holds iff h is supported and the feature that it picks is concordant: a boolean formula over the pick and
+over who is present, which the graph takes as gates.
 """
 
 from __future__ import annotations

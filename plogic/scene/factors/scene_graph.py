@@ -1,7 +1,8 @@
 """From a situation to its factor graph: the second form of what ``plogic.scene.text.program_text`` says, tested equal to it (§8).
 
-A joint state of ``variables`` is a world, an assignment of present/1; its weight is the world's weight in the program. Causes, hits and
-picks are summed out; where that would take a factor over too many hypotheses, they stay as auxiliary variables, numbered last.
+A joint state of ``variables`` is a world, an assignment of present/1; its weight is the world's weight in the program.
+Causes, hits and picks are summed out; where that would take a factor over too many hypotheses, they stay as auxiliary
+variables, numbered last.
 """
 
 from __future__ import annotations
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
 class SceneGraph:
     """``variables[v]`` is what variable v of the graph decides; ``place["h4"]`` is the (variable, state) in which h4 is present.
 
-    ``causes["a3"]``: the cause of an appearance, as a variable, if one was asked for, or that has very many claimants. ``decided``: auxiliary
-    variables of which each has one possible state in a world.
+    ``causes["a3"]``: the cause of an appearance, as a variable, if one was asked for, or that has very many claimants.
+    ``decided``: auxiliary variables of which each has one possible state in a world.
     """
 
     graph: FactorGraph

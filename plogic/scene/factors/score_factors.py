@@ -86,7 +86,9 @@ def chances(seen: Seen, h: HypothesisFact, names: tuple[str, ...]) -> Chances:
     """P(present(h) | which of ``names`` are present), a bit table (2^n,)."""
     rows = np.arange(2 ** len(names))
     nobody = np.zeros(len(rows), np.bool_)
-    present = dict.fromkeys(seen.scene.by_id, nobody) | {name: (rows >> i & 1).astype(np.bool_) for i, name in enumerate(names)}
+    present = dict.fromkeys(seen.scene.by_id, nobody) | {
+        name: (rows >> i & 1).astype(np.bool_) for i, name in enumerate(names)
+    }
     return acceptance(seen.scene, h, present, names)
 
 

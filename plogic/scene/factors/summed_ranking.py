@@ -1,9 +1,9 @@
 """Worlds in order where auxiliary variables stand beside those of the worlds: a world weighs the sum over them.
 
-Most auxiliary variables are summed out first; those that a world decides need not be, for they add no joint state to it. Where one would take
-too large a table (an appearance that very many claim), joint states with it are ranked instead: a world weighs at most its heaviest joint
-state times the number of joint auxiliary states, so a world whose sum is known may be told as soon as no world that is yet unseen can be
-heavier.
+Most auxiliary variables are summed out first; those that a world decides need not be, for they add no joint state to
+it. Where one would take too large a table (an appearance that very many claim), joint states with it are ranked
+instead: a world weighs at most its heaviest joint state times the number of joint auxiliary states, so a world whose
+sum is known may be told as soon as no world that is yet unseen can be heavier.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """A factor graph under construction: log weights accumulated by scope.
 
-Vocabulary: a *literal* ``(3, (1, 2))``, variable 3 is in one of these states; a *bit table* over n literals, an array (2^n,) whose row r
-is for the joint truth values of which the i-th is bit i of r.
+Vocabulary: a *literal* ``(3, (1, 2))``, variable 3 is in one of these states; a *bit table* over n literals, an array
+(2^n,) whose row r is for the joint truth values of which the i-th is bit i of r.
 """
 
 from __future__ import annotations
@@ -108,7 +108,9 @@ class Tables:
     def add_bits(self, literals: Sequence[Literal], logs: Sequence[float] | Table) -> None:
         """A factor given as a bit table of log weights over literals, of which several may speak of one variable."""
         if too_wide([self.cards[v] for v in {v for v, _ in literals}]):
-            literals = [(self.indicator([literal]), (1,)) if self.cards[literal[0]] > 2 else literal for literal in literals]
+            literals = [
+                (self.indicator([literal]), (1,)) if self.cards[literal[0]] > 2 else literal for literal in literals
+            ]
         self._add_rows(literals, logs)
 
     def _add_rows(self, literals: Sequence[Literal], logs: Sequence[float] | Table) -> None:
@@ -146,6 +148,8 @@ class Tables:
         factors = [Factor((v,), np.array(logs)) for v, logs in enumerate(self.unary) if any(logs)]
         for scope in sorted(self.lists.keys() | self.arrays.keys()):
             logs = self.lists.get(scope)
-            factors.append(Factor(scope, self.arrays[scope] if logs is None else np.array(logs).reshape(self.shape(scope))))
+            factors.append(
+                Factor(scope, self.arrays[scope] if logs is None else np.array(logs).reshape(self.shape(scope)))
+            )
         plain = FactorGraph(tuple(self.cards), tuple(factors))
         return observed(*with_formulas(plain, self.required)) if self.required else plain

@@ -37,7 +37,10 @@ def group_shares(scene: Scene) -> dict[str, list[tuple[str, float]]]:
     for h in scene.situation.hypotheses:
         groups.setdefault(h.group, []).append(h)
     priors = scene.situation.priors
-    return {name: [(h.id, bounded(priors.get(h.type, DEFAULT_PRIOR) / len(members))) for h in members] for name, members in groups.items()}
+    return {
+        name: [(h.id, bounded(priors.get(h.type, DEFAULT_PRIOR) / len(members))) for h in members]
+        for name, members in groups.items()
+    }
 
 
 def causes_of(scene: Scene, appearance: str) -> Causes:

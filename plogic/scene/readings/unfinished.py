@@ -1,9 +1,10 @@
 """What a deadline left undone of an interpretation, and what is proved of its probabilities then.
 
-* ``SEARCH``: the search was stopped, so that Δh may lack hypotheses. One more may claim what another explains, share its volume, hide it and so
-  explain what it lacks, or be shown to hold in its place; poses still move, and what was found may be rejected. So neither a presence nor a world has
-  a bound, in either reading: each interval is ``OPEN``.
-* ``WORLDS``: the search was over and Δh is whole, but not all of its worlds were weighed: inference's own intervals hold.
+* ``SEARCH``: the search was stopped, so that Δh may lack hypotheses. One more may claim what another explains, share
+  its volume, hide it and so explain what it lacks, or be shown to hold in its place; poses still move, and what was
+  found may be rejected. So neither a presence nor a world has a bound, in either reading: each interval is ``OPEN``.
+* ``WORLDS``: the search was over and Δh is whole, but not all of its worlds were weighed: inference's own intervals
+  hold.
 """
 
 from __future__ import annotations
@@ -26,7 +27,10 @@ if TYPE_CHECKING:
 
 OPEN = (0.0, 1.0)
 """What is known of a probability of which nothing is proved."""
-REASONS = {SEARCH: "unfinished: the deadline came before the search was over", WORLDS: "unfinished: the deadline came before every world was weighed"}
+REASONS = {
+    SEARCH: "unfinished: the deadline came before the search was over",
+    WORLDS: "unfinished: the deadline came before every world was weighed",
+}
 FOUND = "probabilities are of what was found by then, and with more time each may be anything in its interval"
 ANEW = "the search was over, and what is told here was weighed anew"
 LISTED = "the search was over, and each probability in the file is the middle of an interval that contains it"
@@ -69,7 +73,9 @@ def marked(document: dict[str, Any], ranking: Ranking, stopped: Stopped) -> dict
 
 def _all_open(document: dict[str, Any]) -> dict[str, Any]:
     """The rejected have one too: what was rejected for want of time, or beside what will not stay, may yet be accepted."""
-    rows = {key: [row | {"interval": list(OPEN)} for row in document[key]] for key in ("hypotheses", "worlds", "relations")}
+    rows = {
+        key: [row | {"interval": list(OPEN)} for row in document[key]] for key in ("hypotheses", "worlds", "relations")
+    }
     return rows | {"unlisted_mass": list(OPEN)}
 
 
@@ -78,7 +84,9 @@ def _bounded(document: dict[str, Any], ranking: Ranking) -> dict[str, Any]:
     possible = ranking.log_evidence_interval[0] > float("-inf")
     known = {h: bounds if possible else OPEN for h, bounds in ranking.intervals.items()}
     hypotheses = [h | {"interval": list(known[h["id"]])} if h["id"] in known else h for h in document["hypotheses"]]
-    worlds = [row | {"interval": list(world.interval)} for row, world in zip(document["worlds"], ranking.worlds, strict=True)]
+    worlds = [
+        row | {"interval": list(world.interval)} for row, world in zip(document["worlds"], ranking.worlds, strict=True)
+    ]
     return {"hypotheses": hypotheses, "worlds": worlds}
 
 

@@ -87,7 +87,9 @@ def _data(w: Writer) -> Iterator[str]:
     yield "% Γ: appearance, type."
     for a in w.scene.situation.appearances:
         yield w.fact("datum", a.id, a.type)
-        claimants = sorted(w.scene.claimants.get(a.id, ()), key=lambda c: math.inf if c[1].residual is None else c[1].residual)
+        claimants = sorted(
+            w.scene.claimants.get(a.id, ()), key=lambda c: math.inf if c[1].residual is None else c[1].residual
+        )
         nodes = [w.node(h, f.id) for h, f in claimants]
         for i, first in enumerate(nodes):
             yield from (f"preferred({w.names.atom(a.id)}, {first}, {second})." for second in nodes[i + 1 :])
@@ -96,7 +98,11 @@ def _data(w: Writer) -> Iterator[str]:
 def _pairs(w: Writer) -> Iterator[str]:
     situation = w.scene.situation
     yield ""
-    for name, pairs in (("overlap", situation.overlaps), ("rival_pair", situation.rivals), ("exclusive", situation.exclusive)):
+    for name, pairs in (
+        ("overlap", situation.overlaps),
+        ("rival_pair", situation.rivals),
+        ("exclusive", situation.exclusive),
+    ):
         yield from (w.fact(name, x, y) for x, y in _once(w, pairs))
     for r in situation.relations:
         yield from _relation(w, r, ("outline_relation", "outline_roc"), *(w.names.atom(name) for name in (r.x, r.y)))
@@ -110,7 +116,9 @@ def _relation(w: Writer, r: PairFact, predicates: tuple[str, str], x: str, y: st
     coarse, fine = predicates
     yield f"{coarse}({w.names.atom(r.relation)}, {x}, {y})."
     pairs = ((x, y), (y, x))
-    yield from (f"{fine}({w.names.atom(name)}, {', '.join(pair)})." for name, pair in zip(both_ways(r), pairs, strict=False))
+    yield from (
+        f"{fine}({w.names.atom(name)}, {', '.join(pair)})." for name, pair in zip(both_ways(r), pairs, strict=False)
+    )
 
 
 def _node(w: Writer, name: str, part: str) -> str:

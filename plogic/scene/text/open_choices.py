@@ -1,9 +1,9 @@
 """The program with its choices left open: what a goal means in terms of present/1 and, in the posterior reading, chosen/2.
 
-Layers 1, 2 and 4 are those of ``program_text``; layer 3 says only what can be chosen, not how probable it is. Given the evidence that every
-appearance is explained, chosen(A, H/F) holds exactly where F of H causes A: it hits, and no other claimant does. So the goals of the
-vocabulary need no hits, and given that nothing floats without an excuse they need no excuses. What speaks of other choices (``OUTSIDE``)
-has no meaning here, and is left to the program itself.
+Layers 1, 2 and 4 are those of ``program_text``; layer 3 says only what can be chosen, not how probable it is. Given the
+evidence that every appearance is explained, chosen(A, H/F) holds exactly where F of H causes A: it hits, and no other
+claimant does. So the goals of the vocabulary need no hits, and given that nothing floats without an excuse they need no
+excuses. What speaks of other choices (``OUTSIDE``) has no meaning here, and is left to the program itself.
 """
 
 from __future__ import annotations
@@ -91,5 +91,9 @@ def _posterior(w: Writer) -> Iterator[str]:
         causes = causes_of(w.scene, appearance)
         named = [(p, w.node(h, f.id)) for p, (h, f) in zip(causes.shares, causes.claimants, strict=True)]
         yield w.fact("claimed", appearance)
-        yield from (f"0.5::chosen({w.names.atom(appearance)}, {cause})." for p, cause in [*named, (causes.noise, "noise")] if p > 0)
+        yield from (
+            f"0.5::chosen({w.names.atom(appearance)}, {cause})."
+            for p, cause in [*named, (causes.noise, "noise")]
+            if p > 0
+        )
     yield CHOSEN

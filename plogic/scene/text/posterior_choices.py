@@ -32,7 +32,9 @@ def choices(w: Writer) -> Iterator[str]:
 def _causes(w: Writer, appearance: str) -> Iterator[str]:
     causes = causes_of(w.scene, appearance)
     named = [(p, w.node(h, f.id)) for p, (h, f) in zip(causes.shares, causes.claimants, strict=True)]
-    heads = [(p, f"chosen({w.names.atom(appearance)}, {cause})") for p, cause in [*named, (causes.noise, "noise")] if p > 0]
+    heads = [
+        (p, f"chosen({w.names.atom(appearance)}, {cause})") for p, cause in [*named, (causes.noise, "noise")] if p > 0
+    ]
     if heads:
         yield disjunction(heads)
     else:

@@ -1,6 +1,7 @@
 """The program text of a situation: four layers, then the evidence (§8). Making it and running it are two functions; this one makes it.
 
-The text *is* the definition of the semantics: ``plogic.scene.worlds.ranked_worlds`` is tested equal to it. It is deterministic.
+The text *is* the definition of the semantics: ``plogic.scene.worlds.ranked_worlds`` is tested equal to it. It is
+deterministic.
 """
 
 from __future__ import annotations
@@ -59,7 +60,10 @@ def _lines(w: Writer) -> Iterator[str]:
     yield from facts.label_comments(w)
     yield from ("", title(1, "Σo: the feature-cloud trees of the hypotheses and their part-whole hierarchy"))
     yield from facts.trees(w)
-    yield from ("", title(2, "What geometry computed: poses, visibility, matches, overlaps, outlines; then the measures"))
+    yield from (
+        "",
+        title(2, "What geometry computed: poses, visibility, matches, overlaps, outlines; then the measures"),
+    )
     yield from facts.geometry(w)
     yield from ev_facts(w)
     yield from ("", title(3, "The choices"))
@@ -71,7 +75,10 @@ def _lines(w: Writer) -> Iterator[str]:
         yield from (block, "")
     yield from ("% ---- The vocabulary of queries", *vocabulary_rules(situation.reading))
     yield from _author(w)
-    yield from ("", title(5, "Evidence: no violated constraint" + ("" if is_score else ", Γ, and what is missing in Γ")))
+    yield from (
+        "",
+        title(5, "Evidence: no violated constraint" + ("" if is_score else ", Γ, and what is missing in Γ")),
+    )
     yield from facts.constraints(w)
     if not is_score:
         yield from posterior.evidence(w)

@@ -146,5 +146,16 @@ def defined() -> frozenset[str]:
         "all_behind/2", "found/2", "taken_away/3", "supported/1", "concordant/2", "agrees/1", "hitting/3", "other_hit/3", "any_hit/1",
         "explained/1", "missed/2", "violated/1", "caused/1", "outbid/3", "higher_up/1",
     }  # fmt: skip
-    choices = {"alone/1", "ok/2", "pick/2", "luck/2", "member_of/2", "joint/3", "includes/2", "hit/2", "chosen/2", "excused/1"}
+    choices = {
+        "alone/1",
+        "ok/2",
+        "pick/2",
+        "luck/2",
+        "member_of/2",
+        "joint/3",
+        "includes/2",
+        "hit/2",
+        "chosen/2",
+        "excused/1",
+    }
     return frozenset(inner | choices | set(FALLBACKS) | {entry.signature for entry in VOCABULARY})

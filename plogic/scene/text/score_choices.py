@@ -48,7 +48,9 @@ def _picking(w: Writer, h: HypothesisFact) -> Iterator[str]:
     epsilon = lifted_smoothing(w.scene)
     if epsilon > 0:
         atom = w.names.atom(h.id)
-        yield disjunction([(epsilon, f"luck({atom}, yes)"), (epsilon, f"luck({atom}, no)"), (1 - 2 * epsilon, f"luck({atom}, as_is)")])
+        yield disjunction(
+            [(epsilon, f"luck({atom}, yes)"), (epsilon, f"luck({atom}, no)"), (1 - 2 * epsilon, f"luck({atom}, as_is)")]
+        )
 
 
 def _dropping(w: Writer, h: HypothesisFact) -> Iterator[str]:

@@ -30,7 +30,10 @@ def whereabouts(w: Writer) -> Iterator[str]:
     bodies = [known.get(h.id) or _point(h) for h in situation.hypotheses]
     yield from (_body(w, body) for body in bodies)
     yield from (f"body_gap({w.atoms(x, y)}, {coordinate(gap)})." for x, y, gap in space.gaps)
-    yield from (f"body_gap({w.atoms(x.id, y.id)}, {coordinate(math.dist(x.middle, y.middle))})." for x, y in _unmeasured(bodies, known))
+    yield from (
+        f"body_gap({w.atoms(x.id, y.id)}, {coordinate(math.dist(x.middle, y.middle))})."
+        for x, y in _unmeasured(bodies, known)
+    )
     if space.up is not None:
         yield f"up_direction({', '.join(coordinate(x) for x in space.up)}). % from: {space.up_from}"
     yield from (w.fact("body_over", *pair) for pair in space.above)

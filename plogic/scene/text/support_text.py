@@ -24,9 +24,15 @@ def holds(w: Writer) -> Iterator[str]:
     if gravity.silent:
         yield f"% It keeps silent: {gravity.silent}"
     for foot in gravity.feet:
-        height = f" open_foot({w.names.atom(foot.id)}, {number(foot.low)}, {number(foot.high)})." if gravity.ground is None else ""
+        height = (
+            f" open_foot({w.names.atom(foot.id)}, {number(foot.low)}, {number(foot.high)})."
+            if gravity.ground is None
+            else ""
+        )
         yield w.fact("weighs", foot.id) + height
-    yield from (f"body_rests({w.names.atom(x)}, {GROUND if y == GROUND else w.names.atom(y)})." for x, y in gravity.rests)
+    yield from (
+        f"body_rests({w.names.atom(x)}, {GROUND if y == GROUND else w.names.atom(y)})." for x, y in gravity.rests
+    )
 
 
 def excuses(w: Writer) -> Iterator[str]:
@@ -37,7 +43,9 @@ def excuses(w: Writer) -> Iterator[str]:
     yield ""
     yield "% Something that the KB does not know may hold what seems to float, each by itself."
     yield "excused(_) :- fail."
-    yield from (f"{number(bounded(gravity.unknown_support))}::excused({w.names.atom(name)})." for name in may_float(gravity))
+    yield from (
+        f"{number(bounded(gravity.unknown_support))}::excused({w.names.atom(name)})." for name in may_float(gravity)
+    )
 
 
 def evidence(w: Writer) -> Iterator[str]:
@@ -49,4 +57,8 @@ def evidence(w: Writer) -> Iterator[str]:
 
 def may_float(gravity: Gravity) -> list[str]:
     """Those that float in some assignment of present/1."""
-    return [foot.id for foot in gravity.feet if (gravity.lower(foot.id) if gravity.ground is None else GROUND not in gravity.holders(foot.id))]
+    return [
+        foot.id
+        for foot in gravity.feet
+        if (gravity.lower(foot.id) if gravity.ground is None else GROUND not in gravity.holders(foot.id))
+    ]

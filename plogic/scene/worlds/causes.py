@@ -1,7 +1,7 @@
 """What causes each appearance in one world: the fixed matchings (score) or their most probable assignment (posterior) (§8).
 
-Vocabulary: sets of hypotheses are bits of a number, that of the i-th in Δh being 1 << i. A ``Claim`` is a candidate feature that is
-matched to an appearance, with what hides it: ``Claim(0b1, "h1/roof/apex", 0.5, 0.05, 0.8, 0b110)``.
+Vocabulary: sets of hypotheses are bits of a number, that of the i-th in Δh being 1 << i. A ``Claim`` is a candidate
+feature that is matched to an appearance, with what hides it: ``Claim(0b1, "h1/roof/apex", 0.5, 0.05, 0.8, 0b110)``.
 """
 
 from __future__ import annotations
@@ -83,7 +83,13 @@ class CauseTable:
         known, key = self._known[appearance], present & self._relevant[appearance]
         if key not in known:
             live = [i for i, c in enumerate(self._claims[appearance]) if key & c.hypothesis and not key & c.hiders]
-            known[key] = NOISE if not live else self._nearest(appearance, live) if self._score else self._likeliest(appearance, live)
+            known[key] = (
+                NOISE
+                if not live
+                else self._nearest(appearance, live)
+                if self._score
+                else self._likeliest(appearance, live)
+            )
         return known[key]
 
     def _nearest(self, appearance: str, live: list[int]) -> str:

@@ -7,11 +7,13 @@
 | totally_occludes    | ev(x given y) = ev(x); y has no evidence either way: none of its features is expected or detected       |
 | mutually_occludes   | ev(y given x) >= ev(y), provided that x hides no detected feature of y, and the same of x               |
 
-ev(y given x) is taken in the world of y and x alone, in the situation's mode of reconsideration. Outlines and features are two accounts
-of one geometry, and detections a third: where they contradict each other, a pose is wrong, or a feature is not where its surface is, or a
-match is one of noise. Nothing is predicted of rivals, which never hide each other, and a transparent object hides nothing.
+ev(y given x) is taken in the world of y and x alone, in the situation's mode of reconsideration. Outlines and features
+are two accounts of one geometry, and detections a third: where they contradict each other, a pose is wrong, or a
+feature is not where its surface is, or a match is one of noise. Nothing is predicted of rivals, which never hide each
+other, and a transparent object hides nothing.
 
-``Doubt("totally_occludes", ("h1", "h2"), "h2 has no evidence either way", "1 feature expected, 2 detected", "roof/apex, ...")``
+``Doubt("totally_occludes", ("h1", "h2"), "h2 has no evidence either way", "1 feature expected, 2 detected", "roof/apex,
+...")``
 """
 
 from __future__ import annotations
@@ -52,7 +54,9 @@ class Doubt(NamedTuple):
 def doubts(situation: Situation) -> tuple[Doubt, ...]:
     """Every prediction of §3.8 that fails, in the order of the relations."""
     scene = Scene(situation)
-    return tuple(doubt for fact in situation.relations if not scene.rival(fact.x, fact.y) for doubt in _of_pair(scene, fact))
+    return tuple(
+        doubt for fact in situation.relations if not scene.rival(fact.x, fact.y) for doubt in _of_pair(scene, fact)
+    )
 
 
 def said(doubt: Doubt) -> str:
@@ -78,7 +82,13 @@ def _unchanged(scene: Scene, fact: PairFact, subject: str, other: str) -> Iterat
     if not _same(alone, beside):
         hidden = _named(_hidden(scene, subject, other))
         why = f"{other} is nowhere in front of {subject}, and yet the line of sight to {hidden} meets it first"
-        yield Doubt(fact.relation, (fact.x, fact.y), f"ev({subject} given {other}) = ev({subject}) = {_signed(alone)}", _signed(beside), why)
+        yield Doubt(
+            fact.relation,
+            (fact.x, fact.y),
+            f"ev({subject} given {other}) = ev({subject}) = {_signed(alone)}",
+            _signed(beside),
+            why,
+        )
 
 
 def _not_lower(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
@@ -87,7 +97,10 @@ def _not_lower(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
     alone, beside = _ev(scene, fact.y), _ev(scene, fact.y, fact.x)
     detected = any(f.id in hidden and f.match is not None for f in h.features)
     if not detected and alone - beside > SAME:
-        expected, why = f"ev({fact.y} given {fact.x}) >= ev({fact.y}) = {_signed(alone)}", f"{fact.x} hides no detected feature of {fact.y}"
+        expected, why = (
+            f"ev({fact.y} given {fact.x}) >= ev({fact.y}) = {_signed(alone)}",
+            f"{fact.x} hides no detected feature of {fact.y}",
+        )
         yield Doubt(fact.relation, (fact.x, fact.y), expected, _signed(beside), why)
 
 
@@ -102,7 +115,9 @@ def _without_evidence(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
         some = _named(list(dict.fromkeys([*detected, *expected])))
         what = f"{len(expected)} expected, {len(detected)} detected"
         why = f"{some} of {fact.y}, whose image {fact.x} covers, should be hidden"
-        yield Doubt(fact.relation, (fact.x, fact.y), f"no feature of {fact.y} expected or detected given {fact.x}", what, why)
+        yield Doubt(
+            fact.relation, (fact.x, fact.y), f"no feature of {fact.y} expected or detected given {fact.x}", what, why
+        )
 
 
 def _ev(scene: Scene, name: str, *others: str) -> float:

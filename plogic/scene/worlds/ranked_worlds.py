@@ -2,7 +2,8 @@
 
 Vocabulary:
 
-* ``World``, one assignment of present/1, ``World(0.961, ("h1", "h2"), {"a1": "h1/roof/apex", "a9": "noise"}, (0.961, 0.961))``
+* ``World``, one assignment of present/1, ``World(0.961, ("h1", "h2"), {"a1": "h1/roof/apex", "a9": "noise"}, (0.961,
+  0.961))``
 * ``Ranking``, the most probable worlds with everything that a caller would otherwise normalise again
 """
 
@@ -40,7 +41,8 @@ TIE = 1e-9
 FIRST = 0.25
 """Seconds that the search for the most probable world may take, however near the deadline is."""
 MOST_TIES = 1000
-"""Worlds beyond the wanted ones that are looked at for that; of more ties than these, the first in the order of states are listed."""
+"""Worlds beyond the wanted ones that are looked at for that; of more ties than these, the first in the order of states
+are listed."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +59,10 @@ class World:
 class Ranking:
     """The ``worlds``, most probable first, ties by ids; the interval of the mass ``unlisted``; ``marginals`` P(present(H)).
 
-    ``log_evidence`` is ln P(constraints) in the score reading, and ln of the density of Γ's claimed part, of what is missing in it and of
-    the constraints in the posterior reading. ``intervals`` and ``log_evidence_interval`` bound them: both ends are the same but where a
-    deadline was reached; then ``marginals`` and ``log_evidence`` are the middles. ``complete``: whether the deadline cut no world off the list.
+    ``log_evidence`` is ln P(constraints) in the score reading, and ln of the density of Γ's claimed part, of what is
+    missing in it and of the constraints in the posterior reading. ``intervals`` and ``log_evidence_interval`` bound
+    them: both ends are the same but where a deadline was reached; then ``marginals`` and ``log_evidence`` are the
+    middles. ``complete``: whether the deadline cut no world off the list.
     """
 
     worlds: tuple[World, ...]
@@ -80,7 +83,8 @@ class Ranking:
 def ranked_worlds(situation: Situation, n: int = 10, *, seconds: float | None = None) -> Ranking:
     """The ``n`` most probable worlds; with ``seconds``, what can be said by then, in intervals that contain the exact values.
 
-    Raises InconsistentError where none is possible, WidthError (without ``seconds``) where exact inference would need too large a table.
+    Raises InconsistentError where none is possible, WidthError (without ``seconds``) where exact inference would need
+    too large a table.
     """
     check(situation)
     end = None if seconds is None else time.monotonic() + seconds
@@ -98,9 +102,19 @@ def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, found: 
     low = max(low, _log_sum([weight for weight, _ in listed]))
     log_z = (min(low, high), high)
     causes = CauseTable(cast_of(situation)).causes([present for _, present in listed])
-    worlds = tuple(World(_middle(p), present, c, p) for (p, present), c in zip(_chances(listed, log_z), causes, strict=True))
+    worlds = tuple(
+        World(_middle(p), present, c, p) for (p, present), c in zip(_chances(listed, log_z), causes, strict=True)
+    )
     intervals = {h.id: _interval(belief, *scene.place[h.id]) for h in situation.hypotheses}
-    return Ranking(worlds, _unlisted(worlds), _middle(log_z), {h: _middle(i) for h, i in intervals.items()}, intervals, log_z, complete)
+    return Ranking(
+        worlds,
+        _unlisted(worlds),
+        _middle(log_z),
+        {h: _middle(i) for h, i in intervals.items()},
+        intervals,
+        log_z,
+        complete,
+    )
 
 
 def listed_worlds(situation: Situation, scene: SceneGraph, n: int, end: float | None = None) -> tuple[Listed, bool]:
@@ -128,7 +142,10 @@ def listed_worlds(situation: Situation, scene: SceneGraph, n: int, end: float | 
 
 
 def _chances(listed: Listed, log_z: Interval) -> list[tuple[Interval, tuple[str, ...]]]:
-    return [((min(math.exp(weight - log_z[1]), 1.0), min(math.exp(weight - log_z[0]), 1.0)), present) for weight, present in listed]
+    return [
+        ((min(math.exp(weight - log_z[1]), 1.0), min(math.exp(weight - log_z[0]), 1.0)), present)
+        for weight, present in listed
+    ]
 
 
 def _unlisted(worlds: tuple[World, ...]) -> Interval:

@@ -37,13 +37,18 @@ HOPELESS = -6.0
 
 
 def unknown_objects(
-    views: Sequence[View], unexplained: Mapping[str, Sequence[str]], rates: Rates, hidden: Hidden | None = None, *, looks: int = 2
+    views: Sequence[View],
+    unexplained: Mapping[str, Sequence[str]],
+    rates: Rates,
+    hidden: Hidden | None = None,
+    *,
+    looks: int = 2,
 ) -> Constancy:
     """What is physical of the ``unexplained`` data (ids by view): seen at one place from two views or more, and again where it should be.
 
-    ``hidden`` says which places the known bodies hide from a view (``plogic.sequence.constancy.hiding``). A pure function of all the views: the order
-    of data changes nothing but the numbering. Two looks: the second knows where the first found features, for features come in objects;
-    with ``looks`` 1 there is none.
+    ``hidden`` says which places the known bodies hide from a view (``plogic.sequence.constancy.hiding``). A pure
+    function of all the views: the order of data changes nothing but the numbering. Two looks: the second knows where
+    the first found features, for features come in objects; with ``looks`` 1 there is none.
     """
     sights = sights_of(views, unexplained, rates)
     tracks = tracks_of(sights) if len(views) > 1 and sights.types else None
@@ -88,5 +93,7 @@ def _object(name: str, sights: Sights, tracks: Tracks, probability: Floats) -> U
     for i, row in enumerate(tracks.data.tolist()):
         data = {sights.views[v].id: sights.ids[v][d] for v, d in enumerate(row) if d >= 0}
         kind = sights.types[tracks.kind[i]]
-        features.append(PhysicalFeature(f"{name}/f{i + 1}", kind, tracks.places.at[i], float(worst[i]), float(probability[i]), data))
+        features.append(
+            PhysicalFeature(f"{name}/f{i + 1}", kind, tracks.places.at[i], float(worst[i]), float(probability[i]), data)
+        )
     return UnknownObject(name, float(1.0 - np.prod(1.0 - probability)), tuple(features))

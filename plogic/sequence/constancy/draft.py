@@ -1,7 +1,8 @@
 """The paper's third outcome (§1): an unknown object becomes a draft of a new type in Σo.
 
-Its frame stands at the centroid of its features, turned as the world is: z up. Each feature is as it was seen: one appearance, whose lobe holds
-all viewpoints from which it was, and a margin. What has not been looked at has no features yet.
+Its frame stands at the centroid of its features, turned as the world is: z up. Each feature is as it was seen: one
+appearance, whose lobe holds all viewpoints from which it was, and a margin. What has not been looked at has no features
+yet.
 """
 
 from __future__ import annotations

@@ -30,8 +30,8 @@ SLACK = 0.004
 def draft_body(features: Sequence[SeenFeature], centroid: Floats) -> Surface | None:
     """The body in the draft's frame; None where the features span no volume, or no hull of half the size lets all be seen that was.
 
-    A hull is too small where sides were not looked at, and too large where the body is hollow; features are known to some millimetres only,
-    so that the hull itself would hide those that seem to lie a little inside.
+    A hull is too small where sides were not looked at, and too large where the body is hollow; features are known to
+    some millimetres only, so that the hull itself would hide those that seem to lie a little inside.
     """
     at = np.array([feature.at for feature in features]) - centroid
     if len(at) < 4 or _thickness(at) < FLAT:
@@ -62,6 +62,8 @@ def _hull(at: Floats) -> Surface:
 def _keeps_to_what_was_seen(body: Surface, features: Sequence[SeenFeature], centroid: Floats) -> bool:
     slack = SLACK * body.diameter
     hidden = [
-        body.rays.blocks(sighting.eye - centroid, (feature.at - centroid)[None], slack)[0] for feature in features for sighting in feature.sightings
+        body.rays.blocks(sighting.eye - centroid, (feature.at - centroid)[None], slack)[0]
+        for feature in features
+        for sighting in feature.sightings
     ]
     return sum(hidden) <= ASTRAY * len(hidden)

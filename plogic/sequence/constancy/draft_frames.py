@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 ANGLE_SIGMA, ASIDE_SIGMA = 0.1, 0.6
-"""rad: what a datum's angle is taken to be known by, and how far the x axis is taken to be from at right angles to the line of sight. Two views
-from nearly one side hardly tell how far it leans towards them; marks lie on surfaces that face whoever sees them."""
+"""rad: what a datum's angle is taken to be known by, and how far the x axis is taken to be from at right angles to the
+line of sight. Two views from nearly one side hardly tell how far it leans towards them; marks lie on surfaces that face
+whoever sees them."""
 
 
 def feature_frame(feature: SeenFeature) -> Floats:

@@ -47,7 +47,9 @@ def sampson(sights: Sights, i: int, j: int, a: Ints, b: Ints) -> Floats:
     one, two = (np.column_stack([sights.xy[v, which], np.ones(len(which))]) for v, which in ((i, a), (j, b)))
     lines_two, lines_one = one @ essential.T, two @ essential
     kind = sights.kind[i, a]
-    variance = (lines_two[:, :2] ** 2).sum(axis=1) * sights.sigma[j, kind] ** 2 + (lines_one[:, :2] ** 2).sum(axis=1) * sights.sigma[i, kind] ** 2
+    variance = (lines_two[:, :2] ** 2).sum(axis=1) * sights.sigma[j, kind] ** 2 + (lines_one[:, :2] ** 2).sum(
+        axis=1
+    ) * sights.sigma[i, kind] ** 2
     return np.asarray((two * lines_two).sum(axis=1) ** 2 / np.maximum(variance, 1e-30))
 
 

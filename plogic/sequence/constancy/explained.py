@@ -13,8 +13,11 @@ if TYPE_CHECKING:
 def unexplained_of(document: Mapping[str, Any]) -> tuple[str, ...]:
     """Ids, in the order of Γ, of the appearances of an ``interpretation/1`` that nothing accepted causes in its most probable world.
 
-    A cause is a feature, "h1/roof/apex", of a hypothesis whose status is accepted; anything else leaves its datum unexplained.
+    A cause is a feature, "h1/roof/apex", of a hypothesis whose status is accepted; anything else leaves its datum
+    unexplained.
     """
     accepted = {h["id"] for h in document["hypotheses"] if h["status"] == "accepted"}
     causes = document["worlds"][0]["causes"] if document["worlds"] else {}
-    return tuple(a["id"] for a in document["appearances"] if causes.get(a["id"], NOISE).split("/", 1)[0] not in accepted)
+    return tuple(
+        a["id"] for a in document["appearances"] if causes.get(a["id"], NOISE).split("/", 1)[0] not in accepted
+    )

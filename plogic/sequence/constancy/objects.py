@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     Ints = NDArray[np.intp]
 
 REACH = 2.0
-"""Two features are of one object where they are nearer than so many spacings (the median distance to a third neighbour), or linked by others."""
+"""Two features are of one object where they are nearer than so many spacings (the median distance to a third
+neighbour), or linked by others."""
 
 
 def clusters(at: Floats) -> list[Ints]:

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 def packing(data: Ints, weight: Floats) -> Ints:
     """Indices, ascending, of tracks ``data`` (T, V) that share no datum, of great total ``weight`` (T,).
 
-    Greedy, the heaviest first; then one is put in wherever it weighs more than all that it displaces, the most gainful first, until none does.
-    Of equally heavy ones the first. It ends, for the total rises each time.
+    Greedy, the heaviest first; then one is put in wherever it weighs more than all that it displaces, the most gainful
+    first, until none does. Of equally heavy ones the first. It ends, for the total rises each time.
     """
     owner = _owners(data)
     for t in np.argsort(-weight, kind="stable").tolist():
@@ -38,8 +38,8 @@ def packing(data: Ints, weight: Floats) -> Ints:
 def probabilities(data: Ints, weight: Floats, chosen: Ints) -> Floats:
     """(C,) that each chosen track is a physical feature, with all others as they are.
 
-    Of the worlds that differ from the packing in what takes this track's data: itself, nothing, or a rival that displaces it (and, at their
-    cost, others). Those count for it that keep two of its data together.
+    Of the worlds that differ from the packing in what takes this track's data: itself, nothing, or a rival that
+    displaces it (and, at their cost, others). Those count for it that keep two of its data together.
     """
     owner = _owners(data)
     for t in chosen.tolist():

@@ -1,6 +1,7 @@
 """What ``kb assimilate`` needs of a ``panorama/1``: the views with their cameras, and the unknown objects with their data.
 
-The document may come from anywhere: its size is bounded, every key that is used is checked, and each mistake is one line.
+The document may come from anywhere: its size is bounded, every key that is used is checked, and each mistake is one
+line.
 """
 
 from __future__ import annotations
@@ -73,7 +74,9 @@ def unknown_of(path: str, wanted: str) -> tuple[SeenFeature, ...]:
     panorama = _checked(_parsed(path), name)
     unknown = {one.id: one for one in panorama.unknown}
     if wanted not in unknown:
-        raise InputError(f"{name}: {wanted!r:.80} is no unknown object; there are: {', '.join(list(unknown)[:20]) or 'none'}")
+        raise InputError(
+            f"{name}: {wanted!r:.80} is no unknown object; there are: {', '.join(list(unknown)[:20]) or 'none'}"
+        )
     views = {view.id: view for view in panorama.views}
     cameras = {view.id: camera_from_dict(view.interpretation.camera) for view in panorama.views}
     angles = {view.id: {a.id: a.angle for a in view.interpretation.appearances} for view in panorama.views}
@@ -81,12 +84,16 @@ def unknown_of(path: str, wanted: str) -> tuple[SeenFeature, ...]:
 
 
 def _seen(
-    feature: _FeatureModel, views: dict[str, _ViewModel], cameras: dict[str, Camera], angles: dict[str, dict[str, float | None]]
+    feature: _FeatureModel,
+    views: dict[str, _ViewModel],
+    cameras: dict[str, Camera],
+    angles: dict[str, dict[str, float | None]],
 ) -> SeenFeature:
     import numpy as np
 
     sightings = tuple(
-        Sighting(np.array(views[view].T_world_camera), cameras[view].f, angles[view][datum]) for view, datum in feature.data.items()
+        Sighting(np.array(views[view].T_world_camera), cameras[view].f, angles[view][datum])
+        for view, datum in feature.data.items()
     )
     return SeenFeature(feature.type, np.array(feature.at), sightings)
 
@@ -103,10 +110,14 @@ def _checked(data: object, name: str) -> _PanoramaModel:
         panorama = _PanoramaModel.model_validate(data)
     except ValidationError as error:
         raise _mistaken(name, [_line(e["loc"], e["msg"]) for e in error.errors(include_url=False)]) from None
-    mistakes = _twice("views", [view.id for view in panorama.views]) + _twice("unknown", [one.id for one in panorama.unknown])
+    mistakes = _twice("views", [view.id for view in panorama.views]) + _twice(
+        "unknown", [one.id for one in panorama.unknown]
+    )
     for i, view in enumerate(panorama.views):
         mistakes += camera_mistakes(view.interpretation.camera, f"views.{i}.interpretation.camera")
-        mistakes += [] if is_rigid(view.T_world_camera) else [f"views.{i}.T_world_camera: must be a rigid 4x4 transform"]
+        mistakes += (
+            [] if is_rigid(view.T_world_camera) else [f"views.{i}.T_world_camera: must be a rigid 4x4 transform"]
+        )
     known = {view.id: {a.id: a.type for a in view.interpretation.appearances} for view in panorama.views}
     for i, one in enumerate(panorama.unknown):
         for j, feature in enumerate(one.features):
@@ -126,14 +137,20 @@ def _data_mistakes(feature: _FeatureModel, known: dict[str, dict[str, str]]) -> 
         elif datum not in known[view]:
             lines.append(f"{datum!r:.80} is no appearance of {view}")
         elif known[view][datum] != feature.type:
-            lines.append(f"{datum!r:.80} of {view} is a {known[view][datum]!r:.80}, and the feature a {feature.type!r:.80}")
+            lines.append(
+                f"{datum!r:.80} of {view} is a {known[view][datum]!r:.80}, and the feature a {feature.type!r:.80}"
+            )
     return lines
 
 
 def _at_a_camera(where: str, feature: _FeatureModel, panorama: _PanoramaModel) -> list[str]:
     """A feature in a camera's own place has no direction from it."""
     eyes = {view.id: [row[3] for row in view.T_world_camera[:3]] for view in panorama.views}
-    near = [view for view in feature.data if view in eyes and max(abs(a - b) for a, b in zip(feature.at, eyes[view], strict=True)) < 1e-6]
+    near = [
+        view
+        for view in feature.data
+        if view in eyes and max(abs(a - b) for a, b in zip(feature.at, eyes[view], strict=True)) < 1e-6
+    ]
     return [f"{where}: lies in the camera of {view}" for view in near]
 
 

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 AXES = 96
 """Directions, spread evenly, that the unknown lobe's axis may have."""
 HALF_ANGLES = tuple(np.radians([60.0, 75.0, 90.0, 110.0]).tolist())
-"""Half-angles, each as probable, that it may have: a mark on a wall is seen from within about 75 degrees, a corner from farther round."""
+"""Half-angles, each as probable, that it may have: a mark on a wall is seen from within about 75 degrees, a corner from
+farther round."""
 CHUNK = 1000
 """Tracks at a time: memory stays small."""
 
@@ -23,9 +24,10 @@ CHUNK = 1000
 def log_pattern(towards: Floats, in_view: Flags, detected: Flags, hit: Floats) -> Floats:
     """(T,) ln of P(detected so, in the views where the place is in view) / P(detected in a given one).
 
-    ``towards`` (T, V, 3): unit directions from the place to the cameras; ``in_view`` (T, V): in the image and hidden by nothing that is known;
-    ``detected`` (T, V); ``hit`` (T,). The lobe is unknown: the mean over its axis and half-angle. Its own body hides a feature from
-    outside of its lobe, so that a miss far round the object costs little, and one between two detections much.
+    ``towards`` (T, V, 3): unit directions from the place to the cameras; ``in_view`` (T, V): in the image and hidden by
+    nothing that is known; ``detected`` (T, V); ``hit`` (T,). The lobe is unknown: the mean over its axis and
+    half-angle. Its own body hides a feature from outside of its lobe, so that a miss far round the object costs little,
+    and one between two detections much.
     """
     parts = [slice(start, start + CHUNK) for start in range(0, len(towards), CHUNK)]
     return np.concatenate([np.zeros(0), *(_some(towards[p], in_view[p], detected[p], hit[p]) for p in parts)])

@@ -1,6 +1,7 @@
 """Where tracks triangulate to: the most likely place of each, its covariance, and how well it fits.
 
-Vocabulary: ``Places``, of T tracks. Inside, an *observation* is one datum of one track; there are O of them, those of a track together.
+Vocabulary: ``Places``, of T tracks. Inside, an *observation* is one datum of one track; there are O of them, those of a
+track together.
 """
 
 from __future__ import annotations
@@ -22,13 +23,15 @@ STEPS = 3
 NEAREST = 0.01
 """m; depth below which a place is not in front of a camera."""
 WORST = 1e-15
-"""Determinant of the normal equations, as a share of the cube of their mean eigenvalue, below which a place is not determined."""
+"""Determinant of the normal equations, as a share of the cube of their mean eigenvalue, below which a place is not
+determined."""
 
 
 class Places(NamedTuple):
     """``at`` (T, 3) m, world; ``covariance`` (T, 3, 3) m²; ``chi2`` (T,) of the residuals; ``depth`` (T, V) m, NaN in other views.
 
-    ``parallax`` (T,) rad, the greatest between two of the track's lines of sight; ``good`` (T,): solved, and in front of all its views.
+    ``parallax`` (T,) rad, the greatest between two of the track's lines of sight; ``good`` (T,): solved, and in front
+    of all its views.
     """
 
     at: Floats
@@ -64,7 +67,9 @@ def places_of(sights: Sights, tracks: Ints, kind: Ints) -> Places:
     """The places of ``tracks`` (T, V) of appearance types ``kind`` (T,), two data each at least, by least squares on the images."""
     if not len(tracks):
         none = np.zeros(0)
-        return Places(np.zeros((0, 3)), np.zeros((0, 3, 3)), none, np.zeros((0, tracks.shape[1])), none, none.astype(bool))
+        return Places(
+            np.zeros((0, 3)), np.zeros((0, 3, 3)), none, np.zeros((0, tracks.shape[1])), none, none.astype(bool)
+        )
     observed = _observed(sights, tracks, kind)
     at = _linear(sights, observed)
     for _ in range(STEPS):
@@ -78,7 +83,9 @@ def places_of(sights: Sights, tracks: Ints, kind: Ints) -> Places:
     determined = np.linalg.det(normal) > WORST * (np.trace(normal, axis1=1, axis2=2) / 3.0) ** 3
     good = np.isfinite(at).all(axis=1) & ~behind & determined
     covariance = np.linalg.inv(np.where(good[:, None, None], normal, np.eye(3)))
-    return Places(at, covariance, observed.total((residual**2).sum(axis=1)), depth, _parallax(sights, at, tracks >= 0), good)
+    return Places(
+        at, covariance, observed.total((residual**2).sum(axis=1)), depth, _parallax(sights, at, tracks >= 0), good
+    )
 
 
 def _observed(sights: Sights, tracks: Ints, kind: Ints) -> _Observed:

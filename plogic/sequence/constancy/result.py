@@ -61,7 +61,8 @@ def constancy_document(constancy: Constancy) -> dict[str, Any]:
     """The keys ``unknown``, ``noise`` and ``undecided`` of a ``panorama/1``."""
     return {
         "unknown": [
-            {"id": one.id, "probability": one.probability, "features": [_feature(feature) for feature in one.features]} for one in constancy.unknown
+            {"id": one.id, "probability": one.probability, "features": [_feature(feature) for feature in one.features]}
+            for one in constancy.unknown
         ],
         "noise": {view: list(ids) for view, ids in constancy.noise.items()},
         "undecided": {view: list(ids) for view, ids in constancy.undecided.items()},

@@ -1,6 +1,7 @@
 """The unexplained data of a sequence as arrays: lines of sight from known places.
 
-Vocabulary: a ``Sights`` holds V views of at most N data each; a *track* is a row (V,) of indices, one datum a view at most, -1 for none.
+Vocabulary: a ``Sights`` holds V views of at most N data each; a *track* is a row (V,) of indices, one datum a view at
+most, -1 for none.
 """
 
 from __future__ import annotations
@@ -34,10 +35,11 @@ CLUTTER = 1.0
 class Sights:
     """What the views saw and nobody explained.
 
-    ``ids`` (V) of their data. ``xy`` (V, N, 2) ideal places x/z, y/z, NaN beyond a view's data; ``kind`` (V, N) the number of each datum's
-    appearance type among ``types`` (K), -1 beyond. ``camera_from_world`` (V, 4, 4), ``eye`` (V, 3) m. ``sigma`` (V, K): location noise in
-    ideal units. ``clutter`` (V, K): the density of clutter per ideal area. ``hit`` (K): chance to be detected. ``expected`` (K): data of
-    clutter an image. ``angle`` (V, N) rad on the screen, NaN where there is none; ``sigma_angle`` their noise, None where they say nothing.
+    ``ids`` (V) of their data. ``xy`` (V, N, 2) ideal places x/z, y/z, NaN beyond a view's data; ``kind`` (V, N) the
+    number of each datum's appearance type among ``types`` (K), -1 beyond. ``camera_from_world`` (V, 4, 4), ``eye`` (V,
+    3) m. ``sigma`` (V, K): location noise in ideal units. ``clutter`` (V, K): the density of clutter per ideal area.
+    ``hit`` (K): chance to be detected. ``expected`` (K): data of clutter an image. ``angle`` (V, N) rad on the screen,
+    NaN where there is none; ``sigma_angle`` their noise, None where they say nothing.
     """
 
     views: tuple[View, ...]
@@ -74,7 +76,11 @@ def sights_of(views: Sequence[View], unexplained: Mapping[str, Sequence[str]], r
     types = tuple(sorted({a.type for row in rows for a in row}))
     number = {name: i for i, name in enumerate(types)}
     most = max((len(row) for row in rows), default=0)
-    xy, kind, angle = np.full((len(views), most, 2), np.nan), np.full((len(views), most), -1, np.intp), np.full((len(views), most), np.nan)
+    xy, kind, angle = (
+        np.full((len(views), most, 2), np.nan),
+        np.full((len(views), most), -1, np.intp),
+        np.full((len(views), most), np.nan),
+    )
     for v, (view, row) in enumerate(zip(views, rows, strict=True)):
         if row:
             xy[v, : len(row)] = view.gamma.camera.normalised(np.array([a.uv for a in row]))

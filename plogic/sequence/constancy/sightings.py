@@ -55,7 +55,8 @@ def seen_features(unknown: UnknownObject, views: Sequence[View]) -> tuple[SeenFe
             feature.type,
             feature.at,
             tuple(
-                Sighting(by_id[view].world_from_camera, by_id[view].gamma.camera.f, angles[view][datum]) for view, datum in feature.data.items()
+                Sighting(by_id[view].world_from_camera, by_id[view].gamma.camera.f, angles[view][datum])
+                for view, datum in feature.data.items()
             ),
         )
         for feature in unknown.features

@@ -19,14 +19,15 @@ if TYPE_CHECKING:
 STEPS = 24
 """Depths, evenly spaced in their logarithm, at which a datum's unknown place is tried."""
 SHARE = 0.25
-"""Share of these at which another view must have been able to tell. Noise is the more probable from the first of them on; this leaves a margin."""
+"""Share of these at which another view must have been able to tell. Noise is the more probable from the first of them
+on; this leaves a margin."""
 
 
 def tellable(sights: Sights, v: int, hidden: Hidden | None) -> Flags:
     """(N,) of the data of view ``v``: whether another view could have told.
 
-    At a quarter of the depths or more where its place may be, some other view has it in its image, hidden by nothing known, along a line of
-    sight that makes ``MIN_PARALLAX`` or more with its own.
+    At a quarter of the depths or more where its place may be, some other view has it in its image, hidden by nothing
+    known, along a line of sight that makes ``MIN_PARALLAX`` or more with its own.
     """
     count = len(sights.ids[v])
     depths = np.geomspace(*DEPTHS, STEPS)

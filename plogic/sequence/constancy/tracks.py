@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     Flags = NDArray[np.bool_]
 
 MIN_PARALLAX = float(np.radians(2.0))
-"""Between two lines of sight to a place: with less, views cannot tell how far away it is, and so not that it is one place."""
+"""Between two lines of sight to a place: with less, views cannot tell how far away it is, and so not that it is one
+place."""
 DEPTHS = 0.2, 10.0
 """m from a camera, least and most, between which unknown places are sought."""
 GATE = 13.82
@@ -48,7 +49,8 @@ class Tracks(NamedTuple):
 def tracks_of(sights: Sights) -> Tracks:
     """Pairs that meet, and what each becomes by taking up, view after view, the datum nearest to where its place is seen; each once.
 
-    Pairs of views that follow each other go first. Others that lie within what those became, of ``STRONG`` data or more, would become the same.
+    Pairs of views that follow each other go first. Others that lie within what those became, of ``STRONG`` data or
+    more, would become the same.
     """
     pairs = pairs_of(sights)
     next_to = ((pairs >= 0)[:, 1:] & (pairs >= 0)[:, :-1]).any(axis=1)
@@ -144,5 +146,7 @@ def _squared(sights: Sights, tracks: Tracks, v: int) -> Floats:
     spread = spread + np.eye(2) * sights.sigma[v, tracks.kind][:, None, None] ** 2
     (a, b), d = (spread[:, 0, 0], spread[:, 0, 1]), spread[:, 1, 1]
     off = sights.xy[v][None] - ideal[:, None]
-    squared = (d[:, None] * off[..., 0] ** 2 - 2 * b[:, None] * off[..., 0] * off[..., 1] + a[:, None] * off[..., 1] ** 2) / (a * d - b * b)[:, None]
+    squared = (
+        d[:, None] * off[..., 0] ** 2 - 2 * b[:, None] * off[..., 0] * off[..., 1] + a[:, None] * off[..., 1] ** 2
+    ) / (a * d - b * b)[:, None]
     return np.where(np.isnan(squared), np.inf, squared)

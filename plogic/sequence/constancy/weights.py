@@ -1,11 +1,13 @@
 """What a track says for one physical feature against clutter: ln of a Bayes factor times the prior odds.
 
-With S the views of a track, u_i its data, X its unknown place, f_i the density of clutter of its type, P(S) how probable it is to be detected
-there and missed elsewhere (``persistence``), and n the data of unknown features that an image is expected to have (as many as of clutter):
+With S the views of a track, u_i its data, X its unknown place, f_i the density of clutter of its type, P(S) how
+probable it is to be detected there and missed elsewhere (``persistence``), and n the data of unknown features that an
+image is expected to have (as many as of clutter):
 
     w = ln [ n · P(S) · ∫ p(X) Π_{i∈S} N(u_i; û_i(X), σ²I) dX ] − Σ_{i∈S} ln f_i
 
-The integral is Laplace's: p(X̂) (2π)^{3/2} |C|^{1/2} Π N(u_i; û_i(X̂), σ²I), with X̂ the most likely place and C its covariance.
+The integral is Laplace's: p(X̂) (2π)^{3/2} |C|^{1/2} Π N(u_i; û_i(X̂), σ²I), with X̂ the most likely place and C its
+covariance.
 """
 
 from __future__ import annotations
@@ -52,7 +54,9 @@ def log_weights(sights: Sights, tracks: Tracks, hidden: Hidden | None, company: 
 def log_place(sights: Sights, tracks: Tracks) -> Floats:
     """The logarithms of p(X̂) (T,) per m³: anywhere in the image alike, and log-uniform over ``DEPTHS``; the mean over the track's views."""
     mask = tracks.data >= 0
-    area = np.array([view.gamma.camera.width * view.gamma.camera.height / view.gamma.camera.f**2 for view in sights.views])
+    area = np.array(
+        [view.gamma.camera.width * view.gamma.camera.height / view.gamma.camera.f**2 for view in sights.views]
+    )
     span = np.log(DEPTHS[1] / DEPTHS[0])
     density = 1.0 / (area * np.where(mask, tracks.places.depth, 1.0) ** 3 * span)
     return np.asarray(np.log(np.where(mask, density, 0.0).sum(axis=1) / mask.sum(axis=1)))

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 class Sightings:
     """N features: ``body`` (N,) and ``feature`` (N,) which; ``uv`` (N, 2) pixels; ``looks`` (N, T) the types that lobes report from here.
 
-    ``hit`` (N,): the greatest rate of a lobe that holds the camera. ``hidden`` (N, B): Behind which other bodies it is, transparent ones and
-    rivals left out. ``names`` (T,): the types.
+    ``hit`` (N,): the greatest rate of a lobe that holds the camera. ``hidden`` (N, B): Behind which other bodies it is,
+    transparent ones and rivals left out. ``names`` (T,): the types.
     """
 
     body: Indices
@@ -61,7 +61,10 @@ def sightings(prospect: Prospect, camera: Camera, reference_from_camera: Floats)
     camera_from_reference = inverse(reference_from_camera)
     names = tuple(sorted({name for body in prospect.bodies for name in body.cloud.lobes.types}))
     poses = [camera_from_reference @ body.reference_from_object for body in prospect.bodies]
-    parts = [_alone(body, pose, camera, camera.f / prospect.f_ref, names) for body, pose in zip(prospect.bodies, poses, strict=True)]
+    parts = [
+        _alone(body, pose, camera, camera.f / prospect.f_ref, names)
+        for body, pose in zip(prospect.bodies, poses, strict=True)
+    ]
     hidden = [_hidden(i, part.at, poses, prospect) for i, part in enumerate(parts)]
     at = np.concatenate([part.at for part in parts]) if parts else np.zeros((0, 3))
     return Sightings(
@@ -99,7 +102,14 @@ def _hidden(which: int, at: Floats, poses: list[Floats], prospect: Prospect) -> 
     hidden = np.zeros((len(at), len(bodies)), bool)
     for other, body in enumerate(bodies):
         rays, pair = body.cloud.rays, frozenset((bodies[which].id, body.id))
-        if other == which or not body.opaque or rays is None or not len(at) or pair in prospect.rivals or _beside(body.cloud, poses[other], at):
+        if (
+            other == which
+            or not body.opaque
+            or rays is None
+            or not len(at)
+            or pair in prospect.rivals
+            or _beside(body.cloud, poses[other], at)
+        ):
             continue
         hidden[:, other] = behind(at, rays, poses[other], body.cloud.slack)
     return hidden

@@ -42,7 +42,9 @@ def prospect_of_views(found: Joint, ranking: Ranking, kb: KnowledgeBase) -> Pros
     kinds = {some.object_type.name: some.object_type for some in found.standing}
     clouds = {name: cloud_of(kind, kb) for name, kind in kinds.items()}
     rows = list(enumerate(found.standing, 1))
-    bodies = tuple(Body(f"h{i}", clouds[s.object_type.name], s.world_from_object, s.object_type.opaque) for i, s in rows)
+    bodies = tuple(
+        Body(f"h{i}", clouds[s.object_type.name], s.world_from_object, s.object_type.opaque) for i, s in rows
+    )
     place = {body.id: i for i, body in enumerate(bodies)}
     present = np.zeros((len(ranking.worlds), len(bodies)), bool)
     for w, world in enumerate(ranking.worlds):

@@ -1,7 +1,8 @@
 """How much a look would tell: the information, in bits, between the worlds and which sites report, I(W; Z) = H(W) − E[H(W | Z)].
 
-Sites with the same probabilities in every world are counted, not told apart (the count is all that they say): where the outcomes are few
-the sum is exact, else it is taken over samples, the same for all candidates as far as they go, until its standard error is below ``ERROR``.
+Sites with the same probabilities in every world are counted, not told apart (the count is all that they say): where the
+outcomes are few the sum is exact, else it is taken over samples, the same for all candidates as far as they go, until
+its standard error is below ``ERROR``.
 """
 
 from __future__ import annotations

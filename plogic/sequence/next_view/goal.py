@@ -26,8 +26,8 @@ DIGITS = 9
 def answers_in(situation: Situation, worlds: Sequence[Sequence[str]], goal: str) -> NDArray[np.float64]:
     """(W, A) P(answer | w), each row summing to 1, of worlds that are told by who is present.
 
-    Of a ground goal the answers are true and false. Of one with variables, which substitutions hold: worlds of which all have the same
-    probabilities give the same answer. Raises ProgramError for what is no goal.
+    Of a ground goal the answers are true and false. Of one with variables, which substitutions hold: worlds of which
+    all have the same probabilities give the same answer. Raises ProgramError for what is no goal.
     """
     try:
         rows = _by_graph(situation, worlds, goal)
@@ -52,7 +52,9 @@ def _by_graph(situation: Situation, worlds: Sequence[Sequence[str]], goal: str) 
 def _told(situation: Situation, present: Sequence[str]) -> list[str]:
     """A world as evidence."""
     there = set(present)
-    return [f"present({quoted(h.id)})" if h.id in there else f"\\+ present({quoted(h.id)})" for h in situation.hypotheses]
+    return [
+        f"present({quoted(h.id)})" if h.id in there else f"\\+ present({quoted(h.id)})" for h in situation.hypotheses
+    ]
 
 
 def _rounded(found: Sequence[Answer]) -> dict[str, float]:

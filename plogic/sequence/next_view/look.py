@@ -1,9 +1,10 @@
 """The next view: of candidate camera moves the one with the greatest expected reduction of entropy, in bits.
 
-Worlds w_k with probabilities p_k; at a candidate, each world leads to expect features (D7), which fall into sites; Z, which sites report, is
-independent given w. The gain is I(W; Z), or I(T; Z) for the truth T of a goal.
+Worlds w_k with probabilities p_k; at a candidate, each world leads to expect features (D7), which fall into sites; Z,
+which sites report, is independent given w. The gain is I(W; Z), or I(T; Z) for the truth T of a goal.
 
-* ``Outlook``: one candidate with its gain and why, ``Outlook(Candidate("ring 90°", pose), Gain(0.83, 0.0, 12), reasons)``
+* ``Outlook``: one candidate with its gain and why, ``Outlook(Candidate("ring 90°", pose), Gain(0.83, 0.0, 12),
+  reasons)``
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     from plogic.sequence.next_view.prospect import Prospect
 
 DIGITS = 9
-"""Of the bits by which candidates are ordered: what agrees to so many is a tie, and goes by the order in which they were made."""
+"""Of the bits by which candidates are ordered: what agrees to so many is a tie, and goes by the order in which they
+were made."""
 
 
 class Outlook(NamedTuple):
@@ -38,15 +40,23 @@ class Outlook(NamedTuple):
 
 
 def looked_ahead(
-    prospect: Prospect, camera: Camera, candidates: Sequence[Candidate], answers: NDArray[np.float64] | None = None, seed: int = 0
+    prospect: Prospect,
+    camera: Camera,
+    candidates: Sequence[Candidate],
+    answers: NDArray[np.float64] | None = None,
+    seed: int = 0,
 ) -> list[Outlook]:
     """All candidates, that of the greatest gain first; ``answers`` (W, A): P(answer | w) of the goal that it is about, None for the worlds."""
     found = [outlook(prospect, camera, one, answers, seed) for one in candidates]
     return sorted(found, key=lambda look: -round(look.gain.bits, DIGITS))
 
 
-def outlook(prospect: Prospect, camera: Camera, candidate: Candidate, answers: NDArray[np.float64] | None = None, seed: int = 0) -> Outlook:
+def outlook(
+    prospect: Prospect, camera: Camera, candidate: Candidate, answers: NDArray[np.float64] | None = None, seed: int = 0
+) -> Outlook:
     """One candidate; every one has the same random numbers."""
     seen = sightings(prospect, camera, candidate.reference_from_camera)
     found = sites(seen, prospect, camera)
-    return Outlook(candidate, gain(prospect.probability, found.report, answers, seed), reasons(prospect, seen, found, answers))
+    return Outlook(
+        candidate, gain(prospect.probability, found.report, answers, seed), reasons(prospect, seen, found, answers)
+    )

@@ -62,10 +62,13 @@ def turned_to(eye: Floats, middle: Floats, up: Floats) -> Floats:
     return inverse(look_at(eye, middle, up))
 
 
-def ring(prospect: Prospect, stand: Stand, radius: float | None = None, places: int = RING) -> tuple[list[Candidate], dict[str, Any]]:
+def ring(
+    prospect: Prospect, stand: Stand, radius: float | None = None, places: int = RING
+) -> tuple[list[Candidate], dict[str, Any]]:
     """Places around the scene's middle at the present height, the present one aside, evenly apart and turned to the middle.
 
-    ``radius``: m from the axis through the middle, by default the present one. None where nothing may be there, or the camera is on the axis.
+    ``radius``: m from the axis through the middle, by default the present one. None where nothing may be there, or the
+    camera is on the axis.
     """
     middle = prospect.middle
     if middle is None:
@@ -81,15 +84,24 @@ def ring(prospect: Prospect, stand: Stand, radius: float | None = None, places: 
     size = present if radius is None else radius
     angles = [2.0 * np.pi * k / places for k in range(1, places)]
     eyes = [middle + height * stand.up + size * (np.cos(a) * out + np.sin(a) * across) for a in angles]
-    made = [Candidate(f"ring {np.degrees(a):.0f}°", turned_to(e, middle, stand.up)) for a, e in zip(angles, eyes, strict=True)]
-    return made, {"moves": "ring", "places": places, "radius": size, "height_over_middle": height, "middle": middle.tolist()}
+    made = [
+        Candidate(f"ring {np.degrees(a):.0f}°", turned_to(e, middle, stand.up))
+        for a, e in zip(angles, eyes, strict=True)
+    ]
+    return made, {
+        "moves": "ring",
+        "places": places,
+        "radius": size,
+        "height_over_middle": height,
+        "middle": middle.tolist(),
+    }
 
 
 def within(prospect: Prospect, stand: Stand, distance: float) -> tuple[list[Candidate], dict[str, Any]]:
     """Every place of a grid within ``distance`` m of the camera, turned to the scene's middle, the nearest first; ``STEPS`` steps to the farthest.
 
-    Left out are the present place, what is nearer the middle than ``CLEAR`` radii of the scene (and the camera is not), and, where up is known,
-    what is lower than all that may be there.
+    Left out are the present place, what is nearer the middle than ``CLEAR`` radii of the scene (and the camera is not),
+    and, where up is known, what is lower than all that may be there.
     """
     middle, step = prospect.middle, distance / STEPS
     stated: dict[str, Any] = {"moves": "within", "distance": distance, "step": step}
@@ -105,20 +117,28 @@ def within(prospect: Prospect, stand: Stand, distance: float) -> tuple[list[Cand
     kept = np.linalg.norm(eyes - middle, axis=1) >= near - 1e-9
     if stand.upright:
         kept &= (eyes - middle) @ stand.up >= lowest(prospect, stand.up) - float(middle @ stand.up)
-    made = [Candidate(_named(g, step), turned_to(e, middle, stand.up)) for g, e in zip(grid[kept], eyes[kept], strict=True)]
+    made = [
+        Candidate(_named(g, step), turned_to(e, middle, stand.up)) for g, e in zip(grid[kept], eyes[kept], strict=True)
+    ]
     return made, {**stated, "places": len(made), "left_out": int((~kept).sum()), "middle": middle.tolist()}
 
 
 def _named(grid: NDArray[np.int64], step: float) -> str:
     """Right, up and ahead of the present camera, in metres: its frame's x, −y and z."""
     words = (("right", "left"), ("down", "up"), ("ahead", "back"))
-    moved = [f"{abs(k) * step:.2f} {word[0] if k > 0 else word[1]}" for k, word in zip(grid.tolist(), words, strict=True) if k]
+    moved = [
+        f"{abs(k) * step:.2f} {word[0] if k > 0 else word[1]}"
+        for k, word in zip(grid.tolist(), words, strict=True)
+        if k
+    ]
     return ", ".join(moved)
 
 
 def lowest(prospect: Prospect, up: Floats) -> float:
     """How far along ``up`` the lowest point of all that may be there lies, m."""
-    return min(float((_points(b) @ up).min()) for b, p in zip(prospect.bodies, prospect.marginals, strict=True) if p > 0.0)
+    return min(
+        float((_points(b) @ up).min()) for b, p in zip(prospect.bodies, prospect.marginals, strict=True) if p > 0.0
+    )
 
 
 def _points(body: Body) -> Floats:
@@ -132,5 +152,7 @@ def checked(candidates: Sequence[Candidate]) -> list[Candidate]:
     named = []
     for one in candidates:
         seen[one.name] = seen.get(one.name, 0) + 1
-        named.append(one if seen[one.name] == 1 else Candidate(f"{one.name} ({seen[one.name]})", one.reference_from_camera))
+        named.append(
+            one if seen[one.name] == 1 else Candidate(f"{one.name} ({seen[one.name]})", one.reference_from_camera)
+        )
     return named

@@ -36,22 +36,28 @@ def read_looked(path: Path | str) -> Document:
     try:
         return of_last_view(document)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
-        what = f"the key {error} is missing; if it is an older one, perceive the sequence again" if isinstance(error, KeyError) else str(error)
+        what = (
+            f"the key {error} is missing; if it is an older one, perceive the sequence again"
+            if isinstance(error, KeyError)
+            else str(error)
+        )
         raise InterpretationError(f"{name}: not a complete {FORMAT}: {what}") from error
 
 
 def of_last_view(panorama: Mapping[str, Any]) -> Document:
     """``hypotheses`` with ``T_camera_object``, ``worlds``, ``unlisted_mass`` and rivals among ``facts``; ``USED`` of the views' interpretations.
 
-    It has no ``format``, for it is nothing that ``plogic query`` could be asked of: nothing is said of features. Raises ValueError where there is
-    no view, or a pose is not rigid; KeyError, TypeError and the like where it is broken.
+    It has no ``format``, for it is nothing that ``plogic query`` could be asked of: nothing is said of features. Raises
+    ValueError where there is no view, or a pose is not rigid; KeyError, TypeError and the like where it is broken.
     """
     if not panorama["views"]:
         raise ValueError("views: there is none")
     views = [view["interpretation"] for view in panorama["views"]]
     camera_from_world = inverse(_pose(panorama["views"][-1]["T_world_camera"], "views: T_world_camera"))
     meshes = {name: mesh for view in views for name, mesh in view["assets"].get("meshes", {}).items()}
-    named = {name for world in panorama["worlds"] for name in world["present"]} | {name for pair in panorama["rivals"] for name in pair}
+    named = {name for world in panorama["worlds"] for name in world["present"]} | {
+        name for pair in panorama["rivals"] for name in pair
+    }
     strange = sorted(named - {row["id"] for row in panorama["hypotheses"]})
     if strange:
         raise ValueError(f"worlds, rivals: {', '.join(strange[:5])} should be among the hypotheses")
@@ -59,7 +65,10 @@ def of_last_view(panorama: Mapping[str, Any]) -> Document:
         **{key: views[-1][key] for key in USED},
         "types": {name: table for view in views for name, table in view["types"].items()},
         "assets": {**views[-1]["assets"], "meshes": meshes},
-        "hypotheses": [row | {"T_camera_object": camera_from_world @ _pose(row["T_world_object"], row["id"])} for row in panorama["hypotheses"]],
+        "hypotheses": [
+            row | {"T_camera_object": camera_from_world @ _pose(row["T_world_object"], row["id"])}
+            for row in panorama["hypotheses"]
+        ],
         "worlds": panorama["worlds"],
         "unlisted_mass": panorama["unlisted_mass"],
         "facts": [{"fact": "rival", "args": pair} for pair in panorama["rivals"]],

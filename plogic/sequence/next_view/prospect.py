@@ -1,10 +1,13 @@
 """What may stand where, as plain data: all that looking ahead needs, whatever it was perceived by.
 
-* ``Cloud``: how a type is seen, ``Cloud("t2", features=("roof/apex", ...), kinds=("apex", ...), lobes=table, hit=[0.95, ...], rays=..., ...)``
+* ``Cloud``: how a type is seen, ``Cloud("t2", features=("roof/apex", ...), kinds=("apex", ...), lobes=table, hit=[0.95,
+  ...], rays=..., ...)``
 * ``Body``: one hypothesis, ``Body("h2", cloud, reference_from_object, opaque=True)``
-* ``Prospect``: bodies, worlds over them with their probabilities, and the detector, ``Prospect(bodies, present, probability, ...)``
+* ``Prospect``: bodies, worlds over them with their probabilities, and the detector, ``Prospect(bodies, present,
+  probability, ...)``
 
-The *reference* frame is any one in which bodies and candidate cameras are both told: the present camera's, or the world's.
+The *reference* frame is any one in which bodies and candidate cameras are both told: the present camera's, or the
+world's.
 """
 
 from __future__ import annotations
@@ -31,8 +34,9 @@ if TYPE_CHECKING:
 class Cloud:
     """How a type is seen: F ``features`` by id, their ``kinds`` (types), L lobes (§2.7), and how often each is reported, ``hit`` (L,).
 
-    ``rays``: its surface, None where it has none. ``middle`` (3,) and ``radius``, m, object frame. ``slack``, m: how far before a feature the
-    surface must be met to hide it (§3.4); ``measured``: lobes were measured on the body itself, which then hides nothing more of its own.
+    ``rays``: its surface, None where it has none. ``middle`` (3,) and ``radius``, m, object frame. ``slack``, m: how
+    far before a feature the surface must be met to hide it (§3.4); ``measured``: lobes were measured on the body
+    itself, which then hides nothing more of its own.
     """
 
     name: str
@@ -66,8 +70,8 @@ class Body:
 class Prospect:
     """B bodies and W worlds: ``present`` (W, B), ``probability`` (W,) that sums to 1 over those that are listed.
 
-    ``rivals``: unordered pairs of ids that never hide each other (§4.1). ``clutter``: expected data of noise an image, by appearance type, of any
-    other type one. ``tolerance``: pixels (D8). ``f_ref``: pixels (§2.7).
+    ``rivals``: unordered pairs of ids that never hide each other (§4.1). ``clutter``: expected data of noise an image,
+    by appearance type, of any other type one. ``tolerance``: pixels (D8). ``f_ref``: pixels (§2.7).
     """
 
     bodies: tuple[Body, ...]

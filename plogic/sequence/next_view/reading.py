@@ -25,7 +25,8 @@ AGAIN = "says nothing of how its types are seen, as older ones do: perceive agai
 def prospect_of(document: Mapping[str, Any], worlds: Sequence[tuple[float, Sequence[str]]] | None = None) -> Prospect:
     """The prospect of an ``interpretation/1``, in the present camera's frame; ``worlds``, (probability, present), in place of those that it lists.
 
-    The probabilities of what is listed are scaled to sum to 1. Raises InterpretationError where it is an old one, or broken.
+    The probabilities of what is listed are scaled to sum to 1. Raises InterpretationError where it is an old one, or
+    broken.
     """
     if "types" not in document or "sensing" not in document:
         raise InterpretationError(AGAIN)
@@ -41,7 +42,9 @@ def _prospect(document: Mapping[str, Any], worlds: Sequence[tuple[float, Sequenc
     used = {name for _, members in worlds for name in members}
     rows = [h for h in document["hypotheses"] if h["id"] in used]
     clouds = {name: _cloud(name, document) for name in sorted({h["type"] for h in rows})}
-    bodies = tuple(Body(h["id"], clouds[h["type"]], np.array(h["T_camera_object"], dtype=float), bool(h["opaque"])) for h in rows)
+    bodies = tuple(
+        Body(h["id"], clouds[h["type"]], np.array(h["T_camera_object"], dtype=float), bool(h["opaque"])) for h in rows
+    )
     place = {body.id: i for i, body in enumerate(bodies)}
     present = np.zeros((len(worlds), len(bodies)), bool)
     for w, (_, members) in enumerate(worlds):
@@ -78,4 +81,6 @@ def _lobes(table: Mapping[str, Any], at: NDArray[np.float64]) -> tuple[LobeTable
     axis = rows[:, 2:5] / np.linalg.norm(rows[:, 2:5], axis=1, keepdims=True)
     types = tuple(str(table["looks"][i]) for i in look.tolist())
     sizes = np.full(len(rows), np.nan)
-    return LobeTable(feature, types, at[feature], axis, np.cos(rows[:, 5]), rows[:, 6], rows[:, 7], len(at), sizes), rows[:, 8]
+    return LobeTable(
+        feature, types, at[feature], axis, np.cos(rows[:, 5]), rows[:, 6], rows[:, 7], len(at), sizes
+    ), rows[:, 8]

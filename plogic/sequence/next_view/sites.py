@@ -1,7 +1,8 @@
 """Sites: the places in a candidate's image where something may be reported, and with which probability in each world.
 
-Features of several bodies that project within the match tolerance of one another, and of which a lobe reports one type, are one site: a datum
-there would not tell them apart. What is reported at a site is independent of what is at others, given the world.
+Features of several bodies that project within the match tolerance of one another, and of which a lobe reports one type,
+are one site: a datum there would not tell them apart. What is reported at a site is independent of what is at others,
+given the world.
 """
 
 from __future__ import annotations
@@ -52,7 +53,9 @@ def _merged(seen: Sightings, tolerance: float) -> tuple[NDArray[np.intp], int]:
     if not number:
         return np.zeros(0, np.intp), 0
     pairs = cKDTree(seen.uv).query_pairs(tolerance, output_type="ndarray")
-    alike = pairs[(seen.looks[pairs[:, 0]] & seen.looks[pairs[:, 1]]).any(axis=1)] if len(pairs) else pairs.reshape(0, 2)
+    alike = (
+        pairs[(seen.looks[pairs[:, 0]] & seen.looks[pairs[:, 1]]).any(axis=1)] if len(pairs) else pairs.reshape(0, 2)
+    )
     graph = coo_matrix((np.ones(len(alike)), (alike[:, 0], alike[:, 1])), shape=(number, number))
     count, of = connected_components(graph, directed=False)
     return np.asarray(of, np.intp), int(count)

@@ -1,7 +1,8 @@
 """What several views say together: one Situation over all their data, whose worlds are those of the place, not of an image (§8).
 
-The hypotheses stand in the world, the same in every view. A view adds the features that it expects of them and the data that it has; given the
-world, views are independent. Priors count once, and so does what a pose owes to its freedom (``plogic.match.judged.freedom``), of all views' matches together.
+The hypotheses stand in the world, the same in every view. A view adds the features that it expects of them and the data
+that it has; given the world, views are independent. Priors count once, and so does what a pose owes to its freedom
+(``plogic.match.judged.freedom``), of all views' matches together.
 
 * ``Joint``: what comes of it
 """
@@ -70,11 +71,13 @@ class _Known(NamedTuple):
     depth: float
 
 
-def joint(seen: Sequence[Seen], standing: Sequence[Standing], perceiver: Perceiver, options: Options) -> tuple[Joint, Ranking]:
+def joint(
+    seen: Sequence[Seen], standing: Sequence[Standing], perceiver: Perceiver, options: Options
+) -> tuple[Joint, Ranking]:
     """Judge hypotheses in all views, each refined on what all views show of it: Δi is what is present in the most probable world.
 
-    What is matched depends on what Δi is: so they are judged again where the worlds say that it is another, ``AGAIN`` times at most. Raises
-    ValueError without a view.
+    What is matched depends on what Δi is: so they are judged again where the worlds say that it is another, ``AGAIN``
+    times at most. Raises ValueError without a view.
     """
     if not seen:
         raise ValueError("there is no view to judge hypotheses in")
@@ -91,7 +94,9 @@ def joint(seen: Sequence[Seen], standing: Sequence[Standing], perceiver: Perceiv
     return found, ranking
 
 
-def _judged(ordered: Sequence[Standing], first: int, seen: Sequence[Seen], perceiver: Perceiver, options: Options) -> Joint:
+def _judged(
+    ordered: Sequence[Standing], first: int, seen: Sequence[Seen], perceiver: Perceiver, options: Options
+) -> Joint:
     """Hypotheses of which the ``first`` are in Δi, in all views."""
     kb = perceiver.kb
     posed = _posed(ordered, first, seen, kb)
@@ -124,12 +129,16 @@ def _apart(
     stay = [pose is some.camera_from_object for pose, some in zip(poses, last, strict=True)]
     if all(stay):
         return ordered, posed
-    moved = [Standing(some.index, np.asarray(world_from_camera @ pose)) for some, pose in zip(ordered, poses, strict=True)]
+    moved = [
+        Standing(some.index, np.asarray(world_from_camera @ pose)) for some, pose in zip(ordered, poses, strict=True)
+    ]
     ordered = [some if stays else other for some, other, stays in zip(ordered, moved, stay, strict=True)]
     return ordered, _posed(ordered, first, seen, kb)
 
 
-def _gravity(situation: Situation, posed: Sequence[Sequence[Posed]], seen: Sequence[Seen], kb: KnowledgeBase) -> Gravity | None:
+def _gravity(
+    situation: Situation, posed: Sequence[Sequence[Posed]], seen: Sequence[Seen], kb: KnowledgeBase
+) -> Gravity | None:
     """Who holds whom in the world, with what all views tell of the poses, in the axes of the last."""
     ids = [h.id for h in situation.hypotheses]
     there = replace(seen[-1].data.camera, world_from_camera=seen[-1].view.world_from_camera)
@@ -141,7 +150,10 @@ def _together(posed: Sequence[Posed], seen: Sequence[Seen], kb: KnowledgeBase) -
     """What all views together tell of one pose (6, 6), in the axes of the last view's camera."""
     last = seen[-1].view.world_from_camera[:3, :3]
     turns = [turned_step(last.T @ one.view.world_from_camera[:3, :3]) for one in seen]
-    told = [turn @ pose_information(mine, one.data.camera, kb) @ turn.T for turn, mine, one in zip(turns, posed, seen, strict=True)]
+    told = [
+        turn @ pose_information(mine, one.data.camera, kb) @ turn.T
+        for turn, mine, one in zip(turns, posed, seen, strict=True)
+    ]
     return np.asarray(np.sum(told, axis=0))
 
 
@@ -181,7 +193,9 @@ def _told(posed: Sequence[Posed], first: int, seen: Seen, perceiver: Perceiver, 
         known.append(_known(one, hidden, seen, kb))
         return as_counted(one, data, kb, hidden)
 
-    accepted, rivals = ([_belief(one, status, seen, perceiver) for one in some] for some, status in _parted(posed, first))
+    accepted, rivals = (
+        [_belief(one, status, seen, perceiver) for one in some] for some, status in _parted(posed, first)
+    )
     cycle = Cycle(tuple(accepted), tuple(rivals), (), (), Trace())
     alone = replace(kb, gravity=False)  # who holds whom is decided by all views together
     situation = delta_of(cycle, seen.data, alone, perceiver.dv, options, counted, related=False).situation
@@ -214,7 +228,11 @@ def _merged(told: Sequence[_Told], seen: Sequence[Seen], standing: Sequence[Stan
     last = told[-1].situation
     exclusive = frozenset(chain.from_iterable(t.situation.exclusive for t in told))
     groups = instances({h.id: h.type for h in last.hypotheses}, exclusive)
-    appearances = [replace(a, id=f"{one.view.id}:{a.id}") for t, one in zip(told, seen, strict=True) for a in t.situation.appearances]
+    appearances = [
+        replace(a, id=f"{one.view.id}:{a.id}")
+        for t, one in zip(told, seen, strict=True)
+        for a in t.situation.appearances
+    ]
     clutter = {a.id: a.clutter for a in appearances}
     hypotheses = [_hypothesis(i, told, seen, groups, clutter) for i in range(len(standing))]
     return replace(
@@ -232,7 +250,9 @@ def _hypothesis(
 ) -> HypothesisFact:
     """Hypothesis ``i`` with its features in every view: those of view v1 as 'v1:roof/apex'."""
     last = told[-1].situation.hypotheses[i]
-    features = [_of_view(f, one.view.id) for t, one in zip(told, seen, strict=True) for f in t.situation.hypotheses[i].features]
+    features = [
+        _of_view(f, one.view.id) for t, one in zip(told, seen, strict=True) for f in t.situation.hypotheses[i].features
+    ]
     known = [t.known[i] for t in told]
     cameras = [(one.view.camera_from_world, one.data.camera) for one in seen]
     pairs = [(k, camera) for k, camera in zip(known, cameras, strict=True) if k is not None]
@@ -250,14 +270,18 @@ def _of_view(feature: FeatureFact, view: str) -> FeatureFact:
     return replace(feature, id=f"{view}:{feature.id}", match=match)
 
 
-def owing(h: HypothesisFact, features: Sequence[FeatureFact], clutter: Mapping[str, float], owed: float) -> list[FeatureFact]:
-    """The features, of which expected ones that are matched give up in proportion what the pose owes, ``plogic.match.judged.fitted`` (a logarithm, at most 0).
+def owing(
+    h: HypothesisFact, features: Sequence[FeatureFact], clutter: Mapping[str, float], owed: float
+) -> list[FeatureFact]:
+    """Return the features; expected ones that are matched give up what the pose owes, in proportion.
 
-    ``clutter``: density of each datum, per pixel².
+    ``owed``: a logarithm, at most 0 (``plogic.match.judged.fitted``); ``clutter``: density of each datum, per pixel².
     """
     paying = [f for f in features if f.match is not None and f.density > 0.0 and h.candidate(f)]
     rates = {f.id: (min(max(f.hit_rate, LEAST), 1.0 - LEAST), clutter[str(f.match)]) for f in paying}
-    better = {f.id: float(np.log1p(rates[f.id][0] * f.density / ((1.0 - rates[f.id][0]) * rates[f.id][1]))) for f in paying}
+    better = {
+        f.id: float(np.log1p(rates[f.id][0] * f.density / ((1.0 - rates[f.id][0]) * rates[f.id][1]))) for f in paying
+    }
     kept = max(LEAST, 1.0 + owed / max(sum(better.values()), LEAST))
     return [_weaker(f, kept * better[f.id], *rates[f.id]) if f.id in better else f for f in features]
 

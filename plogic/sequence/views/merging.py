@@ -1,7 +1,7 @@
 """Hypotheses of several views that are one: at which pose it stands, so that all views are explained best (§8, near-duplicates).
 
-One view leaves the distance open by more than another view's tolerance. So what each view matched by itself is laid together before anything is
-matched anew: a pose through all of these matches is tried beside each view's own.
+One view leaves the distance open by more than another view's tolerance. So what each view matched by itself is laid
+together before anything is matched anew: a pose through all of these matches is tried beside each view's own.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ class _Member(NamedTuple):
 def merged(found: Sequence[Found], kb: KnowledgeBase) -> list[Standing]:
     """The distinct hypotheses of all views, each where it explains all views' data best, of the places at which any view has something like it.
 
-    Tried are the poses of its own views, one through all their matches, and those of what else may stand there: what looks alike fits alike.
+    Tried are the poses of its own views, one through all their matches, and those of what else may stand there: what
+    looks alike fits alike.
     """
     heaps = _heaps(found)
     everybody = [member for heap in heaps for member in heap]

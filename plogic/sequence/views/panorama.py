@@ -1,7 +1,8 @@
 """Δp, the panorama (§1): what was interpreted over a sequence of views, kept in the world's frame.
 
-What leaves the view stays, with its probability and its age; what comes back into view is looked at where it is remembered, before any search.
-The world is taken to stand still: what is expected in a view and plainly not there is gone, and is forgotten.
+What leaves the view stays, with its probability and its age; what comes back into view is looked at where it is
+remembered, before any search. The world is taken to stand still: what is expected in a view and plainly not there is
+gone, and is forgotten.
 
 * ``Known``: one object of Δp, ``Known("p1", standing, 0.99, last_seen="v3", age=2)``
 * ``Panorama``: Δp over the views so far
@@ -46,7 +47,8 @@ BELIEVED = 0.5
 POSSIBLE = 0.01
 """Least probability of a rival that is carried on to the next view."""
 GONE = -5.0
-"""Log-likelihood ratio in one view, of an object that is expected there, below which it is gone: 150 to 1 against it."""
+"""Log-likelihood ratio in one view, of an object that is expected there, below which it is gone: 150 to 1 against
+it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +123,11 @@ class Panorama:
         """What of Δp should be seen from here, the surest first: of which ``FEWEST`` features or more are expected (D7). Γ is not looked at."""
         blank = Seen(view, data_of((), view.gamma.camera, self.perceiver.width))
         posed = [(known, seen_alone(known.standing, blank, self.perceiver.kb)) for known in self.known]
-        return [(known, one) for known, one in sorted(posed, key=lambda pair: -pair[0].probability) if _awaited(one, posed).sum() >= FEWEST]
+        return [
+            (known, one)
+            for known, one in sorted(posed, key=lambda pair: -pair[0].probability)
+            if _awaited(one, posed).sum() >= FEWEST
+        ]
 
     def _forget(self, expected: Sequence[tuple[Known, Posed]], cycle: Cycle, seen: Seen) -> tuple[str, ...]:
         """Drop from Δp what is expected here, was not found, and is plainly not there. Its ids."""
@@ -159,7 +165,9 @@ class Panorama:
         """Whether some view of the window shows anything of it."""
         return any(seen_alone(some, seen, self.perceiver.kb).candidate.any() for seen in self.seen)
 
-    def _update(self, believed: Sequence[tuple[Standing, float]], cycle: Cycle, view: View, in_view: Sequence[str]) -> None:
+    def _update(
+        self, believed: Sequence[tuple[Standing, float]], cycle: Cycle, view: View, in_view: Sequence[str]
+    ) -> None:
         """Δp after a view: what is believed, under its old name where it has one, and what no view of the window shows, as it was."""
         kept = [known for known in self.known if not self._shown(known.standing)]
         others = [known for known in self.known if self._shown(known.standing)]
@@ -173,7 +181,9 @@ class Panorama:
                 others = [known for known in others if known is not old]
                 kept.append(_aged(old, some, chance, cycle, view, here=old.id in in_view))
         outside = [replace(k, age=k.age + 1) for k in kept if k.last_seen != view.id]
-        self.known = sorted([*(k for k in kept if k.last_seen == view.id), *outside], key=lambda known: int(known.id[1:]))
+        self.known = sorted(
+            [*(k for k in kept if k.last_seen == view.id), *outside], key=lambda known: int(known.id[1:])
+        )
 
 
 def _aged(old: Known, standing: Standing, chance: float, cycle: Cycle, view: View, *, here: bool) -> Known:

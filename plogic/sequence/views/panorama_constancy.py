@@ -23,4 +23,6 @@ def constancy_of(panorama: Panorama, looks: Sequence[Look]) -> Constancy:
         if kind.opaque and kind.surface is not None:
             bodies.append(Body(kind.surface.rays, known.standing.world_from_object))
     unexplained = {look.view.id: look.unexplained for look in looks}
-    return unknown_objects(views, unexplained, panorama.perceiver.kb.rates, hiding(views, {view.id: bodies for view in views}))
+    return unknown_objects(
+        views, unexplained, panorama.perceiver.kb.rates, hiding(views, {view.id: bodies for view in views})
+    )

@@ -75,7 +75,9 @@ def seen_alone(standing: Standing, seen: Seen, kb: KnowledgeBase) -> Posed:
     return settle(standing.index, standing.before(seen.view), seen.data, kb, rounds=0)
 
 
-def seen_beside(standing: Sequence[Standing], alone: Sequence[Posed], first: int, seen: Seen, kb: KnowledgeBase) -> list[Posed]:
+def seen_beside(
+    standing: Sequence[Standing], alone: Sequence[Posed], first: int, seen: Seen, kb: KnowledgeBase
+) -> list[Posed]:
     """All hypotheses in one view, where the ``first`` of them are in Δi: none of these takes a datum of another, and what one hides is not expected.
 
     A rival is matched as if those that it excludes were not there. ``alone``: the same, as ``seen_alone`` gives them.
@@ -92,7 +94,9 @@ def seen_beside(standing: Sequence[Standing], alone: Sequence[Posed], first: int
     return posed
 
 
-def _settled(standing: Standing, seen: Seen, kb: KnowledgeBase, free: NDArray[np.bool_], hidden: NDArray[np.bool_]) -> Posed:
+def _settled(
+    standing: Standing, seen: Seen, kb: KnowledgeBase, free: NDArray[np.bool_], hidden: NDArray[np.bool_]
+) -> Posed:
     return settle(standing.index, standing.before(seen.view), seen.data, kb, free=free, hidden=hidden, rounds=0)
 
 
@@ -110,4 +114,6 @@ def _sight(posed: Posed, seen: Seen, kb: KnowledgeBase) -> Sight:
     points = transform_points(inverse(posed.camera_from_object), posed.at[used])
     weights = posed.counted[used] / sigmas(posed, kb)[used] ** 2
     across = None if posed.across is None else posed.across[used]
-    return Sight(seen.data.camera, seen.view.camera_from_world, points, seen.data.uv[posed.matches[used]], weights, across)
+    return Sight(
+        seen.data.camera, seen.view.camera_from_world, points, seen.data.uv[posed.matches[used]], weights, across
+    )

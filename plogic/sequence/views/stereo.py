@@ -36,13 +36,21 @@ def sharpened(cycle: Cycle, left: Gamma, data: Data, right: Gamma, pair: Pair, p
     """
     kb = perceiver.kb
     near = Seen(View("left", left, np.eye(4)), data)
-    aside = Seen(View("right", right, inverse(pair.right_from_left)), data_of(right.appearances, right.camera, perceiver.width))
+    aside = Seen(
+        View("right", right, inverse(pair.right_from_left)), data_of(right.appearances, right.camera, perceiver.width)
+    )
     standing = [Standing(b.index, b.posed.camera_from_object) for b in cycle.accepted]
     for _ in range(ROUNDS):
         posed = [_posed(standing, seen, perceiver) for seen in (near, aside)]
-        standing = [refined(some, mine, (near, aside), kb) for some, mine in zip(standing, zip(*posed, strict=True), strict=True)]
+        standing = [
+            refined(some, mine, (near, aside), kb)
+            for some, mine in zip(standing, zip(*posed, strict=True), strict=True)
+        ]
     final = _posed(standing, near, perceiver)
-    return replace(cycle, accepted=tuple(_judged(b, one, final, data, perceiver) for b, one in zip(cycle.accepted, final, strict=True)))
+    return replace(
+        cycle,
+        accepted=tuple(_judged(b, one, final, data, perceiver) for b, one in zip(cycle.accepted, final, strict=True)),
+    )
 
 
 def _posed(standing: Sequence[Standing], seen: Seen, perceiver: Perceiver) -> list[Posed]:
