@@ -1,28 +1,41 @@
-# Everything sets itself up: a fresh machine needs CPython 3.11, pip and make, nothing else.
-PYTHON ?= $(shell command -v python3.11 || command -v python3)
+# Everything sets itself up: a fresh machine needs CPython 3.11 to 3.14 with venv, and make, nothing else.
+# PYTHON=... takes a certain one, VENV=... puts the environment elsewhere.
 VENV ?= .venv
-READY = $(VENV)/.ready
+PYTHONS = python3.13 python3.12 python3.11 python3 python3.14
+# A name may be there and not run (pyenv's are), or be of another version, or lack what makes environments (Debian's python3-venv).
+FITS = import ensurepip, sys, venv; sys.exit(sys.implementation.name != "cpython" or not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test lint bench clean ready
 
-demo: $(READY)  ## the two towers: from a simulated camera's pixels to ranked worlds
-	$(VENV)/bin/plogic demo -o out/demo
+demo: ready  ## the two towers: from a simulated camera's pixels to ranked worlds
+	"$(VENV)/bin/plogic" demo -o out/demo
 
-test: $(READY)  ## all tests
-	$(VENV)/bin/python -m pytest -n 2
+test: ready  ## all tests
+	"$(VENV)/bin/python" -m pytest -n 2
 
-lint: $(READY)  ## linter and type checker
-	$(VENV)/bin/ruff format --check .
-	$(VENV)/bin/ruff check .
-	$(VENV)/bin/mypy
+lint: ready  ## linter and type checker
+	"$(VENV)/bin/ruff" format --check .
+	"$(VENV)/bin/ruff" check .
+	"$(VENV)/bin/mypy"
 
-bench: $(READY)  ## the towers' benchmark: a table and its claims
-	$(VENV)/bin/plogic bench towers
+bench: ready  ## the towers' benchmark: a table and its claims
+	"$(VENV)/bin/plogic" bench towers
 
-$(READY): pyproject.toml
-	$(PYTHON) -m venv $(VENV)
-	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
-	touch $@
+ready:
+	@if [ ! "$(VENV)/.ready" -nt pyproject.toml ]; then \
+	    python="$(PYTHON)"; \
+	    for name in $(PYTHONS); do \
+	        if [ -z "$$python" ] && "$$name" -c '$(FITS)' >/dev/null 2>&1; then python="$$name"; fi; \
+	    done; \
+	    if [ -z "$$python" ]; then \
+	        echo "make: no CPython 3.11 to 3.14 with its venv was found: install one (Debian: python3-venv), or say PYTHON=..." >&2; \
+	        exit 1; \
+	    fi; \
+	    set -ex; \
+	    "$$python" -m venv "$(VENV)"; \
+	    "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --editable '.[dev]'; \
+	    touch "$(VENV)/.ready"; \
+	fi
 
 clean:
-	rm -rf $(VENV) out
+	rm -rf "$(VENV)" out

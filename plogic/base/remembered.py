@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 """The folder that our packages lie in."""
+OURS = "geometry", "kb", "sensing", "plogic", "cli"
+"""The packages in it that are ours; an installed plogic lies among everybody's, an environment may lie in a checkout."""
 MANIFEST = "manifest.json"
 """The file beside kept arrays that says what they are."""
 
@@ -123,16 +125,17 @@ def source_digest(root: Path, files: Iterable[str]) -> bytes:
     return total.digest()
 
 
-def sources(root: Path, first: str) -> set[str]:
-    """A source file below ``root`` and all others there that it imports, at its top or in a function, directly or by way of others.
+def sources(root: Path, first: str, packages: Iterable[str] = OURS) -> set[str]:
+    """Return a source file and all others of ``packages`` that it imports, at its top or in a function, directly or not.
 
-    What is imported for the type checker alone is left out. So is the code of objects that are made elsewhere and
+    Names are relative to ``root``. What is imported for the type checker alone is left out. So is the code of objects that are made elsewhere and
     handed in: for those all sources count (``sources_in``), or what they hold is hashed.
     """
-    found, left = {first}, [first]
+    found, left, ours = {first}, [first], set(packages)
     while left:
         tree = ast.parse((root / left.pop()).read_bytes())
-        names = (name.replace(".", "/") for node in _run(tree) for name in _imported(node))
+        imported = (name for node in _run(tree) for name in _imported(node))
+        names = (name.replace(".", "/") for name in imported if name.split(".")[0] in ours)
         new = {
             file for name in names for file in (f"{name}.py", f"{name}/__init__.py") if (root / file).is_file()
         } - found

@@ -16,7 +16,7 @@ from random_cloud import random_cloud
 
 from kb.clouds.learnt import cloud_bytes, read_cloud
 from kb.errors import CloudError
-from plogic.base.remembered import ROOT, cache_folder, source_digest, sources
+from plogic.base.remembered import OURS, ROOT, cache_folder, source_digest, sources
 from plogic.face.authoring import kb_learn_cache
 from plogic.face.authoring.kb_learn_cache import DECIDES, key_of
 from sensing.simulated.body import TexturedMesh
@@ -71,15 +71,26 @@ def test_a_changed_byte_changes_the_digest_where_the_file_is_imported_and_nowher
     changed = data.draw(st.integers(0, len(imports) - 1))
     with tempfile.TemporaryDirectory() as name:
         folder, first = written(Path(name), imports, forms), "pack/m0.py"
-        found = sources(folder, first)
+        found = sources(folder, first, ["pack"])
         assert found == {f"pack/m{i}.py" for i in reached(imports)}
         before = source_digest(folder, found)
         assert source_digest(folder, sorted(found, reverse=True)) == before
         file = folder / "pack" / f"m{changed}.py"
         file.write_bytes(file.read_bytes() + b"#")
-        assert (source_digest(folder, sources(folder, first)) == before) == (changed not in reached(imports))
+        assert (source_digest(folder, sources(folder, first, ["pack"])) == before) == (changed not in reached(imports))
         file.write_bytes(file.read_bytes()[:-1])
-        assert source_digest(folder, sources(folder, first)) == before, "same content, same digest"
+        assert source_digest(folder, sources(folder, first, ["pack"])) == before, "same content, same digest"
+
+
+def test_what_lies_beside_an_installed_plogic_is_not_followed(tmp_path):
+    (tmp_path / "pack").mkdir()
+    (tmp_path / "pack" / "m0.py").write_text("import numpy\nfrom pack import m1\nfrom numpy import linalg\n")
+    (tmp_path / "pack" / "m1.py").write_text("")
+    for name in ("numpy/__init__.py", "numpy/linalg.py"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("this is not even Python")
+    assert sources(tmp_path, "pack/m0.py", ["pack"]) == {"pack/m0.py", "pack/m1.py"}
+    assert {name.split("/")[0] for name in sources(ROOT, DECIDES)} <= {*OURS}
 
 
 def test_all_that_renders_looks_and_learns_decides_and_what_only_shows_does_not():
