@@ -11,6 +11,7 @@ import pytest
 
 import plogic.run.perceive
 from plogic.face.commands import perceive_command as perceive
+from plogic.run import gamma_source
 from plogic.run.batch import work
 from plogic.run.batch.frames import Frame, Settings
 from sensing.appearance import Gamma
@@ -39,7 +40,7 @@ def left(monkeypatch):
 
     for module in (plogic.run.perceive, work):
         monkeypatch.setattr(module, "Perceiver", Slow)
-    monkeypatch.setattr(perceive, "detected", detected)
+    monkeypatch.setattr(gamma_source, "detected", detected)
     return seconds
 
 

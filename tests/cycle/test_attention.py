@@ -8,8 +8,8 @@ import pytest
 from synthetic import camera_pose, perceiver, scene, towers
 
 from benchmarks.clutter.types import random_types, type_names
+from plogic.cycle import attention
 from plogic.cycle.attention import attend, chance_types
-from plogic.cycle.perception import attention
 from plogic.match.hand.type_index import type_index
 from plogic.measures.valuation import compatible, rank
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from synthetic import cycle_of, one_before_the_other, scene, side_by_side
 
-from plogic.cycle.perception import anytime
-from plogic.cycle.perception import perception as cycle_module
+from plogic.cycle import anytime
+from plogic.cycle import perception as cycle_module
 
 
 def told(cycle):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from synthetic import cycle_of, scene, side_by_side
 
+from plogic.cycle import anytime
+from plogic.cycle import perception as cycle
 from plogic.cycle.belief import same_hypothesis
-from plogic.cycle.perception import anytime
-from plogic.cycle.perception import perception as cycle
 from plogic.match.judged.rivals import claims
 
 
