@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parent.parent / "kb"))
-
 from learnt_scenes import gamma_at, one_sided, pose_before, ready
 from painted_cube import CAMERA, CORNER, cloud, picture, pose_towards, seen, write_knowledge
 

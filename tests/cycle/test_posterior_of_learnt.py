@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from math import log
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parent.parent / "kb"))
-
 from learnt_scenes import gamma_at, one_sided, pose_before, ready
 from made_meshes import CORNERS, box_triangles
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hypothesis import HealthCheck, assume, given, settings
 from situations import random_situations
-from test_worlds_against_problog import assert_same_worlds
+from stock_worlds import assert_same_worlds
 
 from plogic.base.errors import InconsistentError
 from plogic.facts.dependence import Scene, dependence

@@ -19,7 +19,7 @@ from plogic.run.perceive import SMOOTHED, ranked
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 TESTS = Path(__file__).parent.parent
-PROGRAM, CYCLE, HERE = "plogic_program/test_traps_of_section_8.py", "cycle/test_cycle.py", "measures/test_traps.py"
+PROGRAM, CYCLE, HERE = "scene/test_traps_of_section_8.py", "cycle/test_cycle.py", "measures/test_traps.py"
 
 INDEX = {
     "a": [

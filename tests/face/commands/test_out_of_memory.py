@@ -1,0 +1,61 @@
+"""What takes more memory than there is ends in one line, wherever it runs out."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import subprocess
+from pathlib import Path
+
+import pytest
+from console import BIN, SECONDS, good
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+SAID = "plogic: out of memory: the input, or the knowledge base, takes more than there is\n"
+
+
+def within(megabytes, *args):
+    """The finished process that had so much address space."""
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
+
+    command = [str(BIN / "plogic"), *map(str, args)]
+    environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=SECONDS, check=False, preexec_fn=limit, env=environment
+    )
+
+
+@pytest.fixture(scope="module")
+def large(tmp_path_factory):
+    """An interpretation with a long trace, and a Γ of as many appearances as one may have."""
+    folder = tmp_path_factory.mktemp("large")
+    small = json.loads(good("perceive", EXAMPLES / "first_gamma.json", "--kb", EXAMPLES / "first_kb"))
+    (folder / "interpretation.json").write_text(json.dumps(small | {"trace": small["trace"] * 4000}))
+    camera = {"width": 640, "height": 480, "K": [[600, 0, 320], [0, 600, 240], [0, 0, 1]], "dist": []}
+    rows = [
+        {"id": f"a{i}", "type": "l_junction", "uv": [i % 640, i // 640], "detector": "junction", "angle": 0.1}
+        for i in range(20_000)
+    ]
+    (folder / "gamma.json").write_text(json.dumps({"format": "gamma/1", "camera": camera, "appearances": rows}))
+    return folder
+
+
+@pytest.mark.parametrize("megabytes", [150, 200])
+@pytest.mark.parametrize("args", [["worlds"], ["query", "present(h1)"]], ids=lambda args: args[0])
+def test_of_an_interpretation(large, args, megabytes):
+    command, *goal = args
+    run = within(megabytes, command, large / "interpretation.json", *goal)
+    assert (run.returncode, run.stdout, run.stderr) == (1, "", SAID)
+
+
+@pytest.mark.parametrize("megabytes", [150, 300, 500, 600, 650])
+def test_of_a_gamma(large, megabytes):
+    run = within(megabytes, "perceive", large / "gamma.json", "--kb", "towers", "--deadline", 1)
+    assert (run.returncode, run.stdout) == (1, "")
+    assert run.stderr == SAID or run.stderr.startswith(
+        "OpenBLAS error: Memory allocation still failed"
+    )  # which ends the process itself
+    assert len(run.stderr.splitlines()) == 1
