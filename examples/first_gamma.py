@@ -1,4 +1,4 @@
-"""Prints examples/first_gamma.json: what two imagined detectors report of the painted box of ``first_kb``, from 1.2 m away.
+"""Prints examples/first_gamma.json: what two imagined detectors report of the painted box of the KB ``first``, from 1.2 m away.
 
 It stands in for detectors of your own. It knows the box's pose; the Γ that it prints does not: it holds only types and
 places, some noise, three appearances that are clutter, and one visible corner that was missed. Run it as ``python
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import sys
-from pathlib import Path
 
 import numpy as np
 
@@ -19,8 +18,8 @@ from geometry.frames import look_at, transform_points
 from geometry.visibility.behind import behind
 from kb.clouds.lobes import feature_in_lobe
 from kb.files.read import read_kb
+from kb.files.shipped import shipped
 
-HERE = Path(__file__).parent
 VIEWPOINT, TARGET = (0.62, -0.87, 0.62), (0.0, 0.0, 0.08)
 CAMERA = Camera(640, 480, np.array([[600.0, 0.0, 320.0], [0.0, 600.0, 240.0], [0.0, 0.0, 1.0]]))
 CAMERA_FROM_BOX = look_at(VIEWPOINT, TARGET)
@@ -32,7 +31,7 @@ CLUTTER = [("corner", (101.0, 388.0)), ("corner", (522.0, 66.0)), ("sticker", (7
 
 def gamma() -> dict[str, object]:
     """The ``gamma/1`` document: features that are in a lobe and not behind the box itself, moved by noise, ordered by place."""
-    box = read_kb(HERE / "first_kb").types[0]
+    box = read_kb(shipped("first")).types[0]
     at = transform_points(CAMERA_FROM_BOX, np.array([feature.at for feature in box.features]))
     seen = feature_in_lobe(box.lobes, np.array([VIEWPOINT]))[0] & ~behind(at, box.surface.rays, CAMERA_FROM_BOX, 0.001)
     uv = CAMERA.project(at) + np.random.default_rng(0).normal(0.0, NOISE, (len(at), 2))

@@ -97,7 +97,7 @@ def test_the_readme_prints_what_its_commands_print(generate):
 
 def test_the_readme_shows_the_example_as_it_is():
     shown = re.findall(r"^```yaml\n(.*?)^```$", read(README), re.DOTALL | re.MULTILINE)
-    folder = ROOT / "examples" / "first_kb"
+    folder = ROOT / "kb" / "first"
     assert len(shown) == 2
     assert shown[0] == read(folder / "kb.yaml")
     assert read(folder / "objects" / "box" / "object.yaml").startswith(shown[1])

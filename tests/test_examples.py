@@ -1,4 +1,4 @@
-"""examples/first_kb and its Γ: what the README tells a newcomer to do works, and comes to the truth that the Γ was made from."""
+"""The shipped KB `first` and its Γ: what the README tells a newcomer to do works, and comes to the truth that the Γ was made from."""
 
 import json
 import runpy
@@ -9,6 +9,7 @@ import pytest
 
 from geometry.frames import pose_error
 from kb.files.read import read_kb
+from kb.files.shipped import shipped
 from kb.shown.show import check_report
 from plogic.cycle.delta import Options
 from plogic.face.authoring.kb import measures_command
@@ -16,7 +17,7 @@ from plogic.run.perceive import Perceiver
 from sensing.files.gamma_files import read_gamma
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
-KB = EXAMPLES / "first_kb"
+KB = shipped("first")
 GAMMA = EXAMPLES / "first_gamma.json"
 
 

@@ -8,7 +8,7 @@ from kb.errors import KBError
 
 
 def shipped_names() -> list[str]:
-    """Their names, sorted: ``["towers"]``."""
+    """Their names, sorted: ``["first", "lookalikes", "towers"]``."""
     return sorted(path.parent.name for path in Path(__file__).parents[1].glob("*/kb.yaml"))
 
 

@@ -33,7 +33,9 @@ class Number(click.FloatRange):
         return self.fail(f"{value} is no number", param, ctx) if math.isnan(number) else number
 
 
-KB = click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base; `towers` is shipped.")
+KB = click.option(
+    "--kb", "kb_folder", required=True, help="Folder of the knowledge base; `first` and `towers` are shipped."
+)
 CAMERA = click.option("--camera", type=click.Path(), help="Camera file of an image: ours, ROS, OpenCV, BOP or COLMAP.")
 FIRST_READING = click.option("--reading", type=READINGS, default="score", show_default=True)
 RECONSIDER = click.option(

@@ -8,7 +8,7 @@ import pytest
 from console import good, plogic
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-ASKED = "perceive", EXAMPLES / "first_gamma.json", "--kb", EXAMPLES / "first_kb"
+ASKED = "perceive", EXAMPLES / "first_gamma.json", "--kb", "first"
 
 
 def accepted(*more):

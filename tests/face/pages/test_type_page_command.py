@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 from console import document, good, plogic
 
-EXAMPLE = Path(__file__).parents[3] / "examples" / "first_kb"
+EXAMPLE = "first"
 
 
 def test_the_page_is_written_whole_or_to_stdout(tmp_path):

@@ -98,7 +98,7 @@ def test_without_the_extra_one_line_says_what_to_install(frames, tmp_path):
 
 def test_the_deadline_leaves_a_frame_unfinished_and_that_is_the_status():
     examples = Path(__file__).parents[3] / "examples"
-    run = plogic("batch", "first_gamma.json", "--kb", "first_kb", "--jobs", 1, "--deadline", 1e-6, cwd=examples)
+    run = plogic("batch", "first_gamma.json", "--kb", "first", "--jobs", 1, "--deadline", 1e-6, cwd=examples)
     assert (run.returncode, json.loads(run.stdout)["status"]) == (3, "unfinished")
     assert run.stderr == "1 frame, 1 unfinished\n"
     row = json.loads(run.stdout)
