@@ -18,6 +18,7 @@ import numpy as np
 
 from benchmarks.learnt_seen import Seen, look, worths
 from benchmarks.recognition import scenes
+from benchmarks.tabletop.scene import recognition_scene
 from geometry.frames import transform_points
 from kb.files.read import read_kb
 from plogic.match.gamma import side_looks
@@ -30,7 +31,6 @@ from plogic.run.perceive import Perceiver
 from sensing.detectors.detector import detect
 from sensing.files.images import read_image
 from sensing.simulated.meshes import read_mesh
-from sensing.simulated.tabletop import recognition_scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -15,7 +15,7 @@ import numpy as np
 
 from geometry.camera import Camera, camera_to_dict
 from geometry.frames import look_at, transform_points
-from geometry.visibility.behind import behind
+from geometry.visibility.rays import behind
 from kb.clouds.lobes import feature_in_lobe
 from kb.files.read import read_kb
 from kb.files.shipped import shipped

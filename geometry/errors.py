@@ -5,9 +5,20 @@ PlogicError                   everything that a user can put right; the CLI turn
     └── CameraError           a camera description that is wrong; knows its file, line and key where it can
 
 Every other package derives its errors from `PlogicError`. A message states the place, the rule and the value.
+
+Many mistakes as one text: as many of them as somebody reads.
 """
 
-from pathlib import Path
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+MOST = 100
+"""Mistakes that are told one by one."""
 
 
 class PlogicError(Exception):
@@ -28,3 +39,13 @@ class CameraError(GeometryError):
         self.message = message
         self.path = path
         self.line = line
+
+
+def told(mistakes: Sequence[object], between: str = "\n") -> str:
+    """The first ``MOST`` of them, ``between`` one and the next, and how many more there are.
+
+    >>> told(["a is wrong", "b is missing"], "; ")
+    'a is wrong; b is missing'
+    """
+    more = len(mistakes) - MOST
+    return between.join([*map(str, mistakes[:MOST]), *([f"and {more} more"] if more > 0 else [])])

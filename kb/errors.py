@@ -16,8 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from geometry.errors import PlogicError
-from geometry.mistakes import told
+from geometry.errors import PlogicError, told
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

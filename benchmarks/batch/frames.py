@@ -32,7 +32,7 @@ RENDERED = 25
 def write_frames(kb: KnowledgeBase, number: int, seed: int, folder: Path, say: Callable[[str], None]) -> None:
     """``number`` frames as files of a new folder; those that are pictures are folders in it, with a picture and its camera."""
     from sensing.files.gamma_files import write_gamma
-    from sensing.simulated.scene_files import write_scene
+    from sensing.simulated.scene import write_scene
 
     folder.mkdir()
     for i in range(number):

@@ -19,7 +19,7 @@ from benchmarks.clutter.scenes import CAMERA, random_pose, surface_of, visible
 from benchmarks.clutter.types import HALF_ANGLE, SLACK, Detector, knowledge_base, made, random_types
 from benchmarks.many.placing import meet
 from geometry.frames import transform_points
-from geometry.visibility.behind import behind
+from geometry.visibility.rays import behind
 from plogic.match.gamma.screen_angles import screen_angle
 from plogic.rates.truth import TrueObject, Truth
 from sensing.appearance import Appearance, Gamma

@@ -1,6 +1,8 @@
 """A table of ``plogic bench clutter``: who is told the type and a near pose, and refines it, in the same Γ among the same clutter.
 
 * ``Refined``: one pose that one of the refiners came to, judged
+
+SoftPOSIT as a refiner: from one near pose to a better one, with correspondences that nobody knows (formalism §6.2).
 """
 
 from __future__ import annotations
@@ -16,8 +18,9 @@ from benchmarks.clutter.pairs import refined
 from benchmarks.clutter.table import share
 from benchmarks.recognition.score import Found, pose_right
 from benchmarks.shared.processor import processor_seconds
+from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
-from geometry.poses.softposit_near import softposit_near
+from geometry.poses.softposit import Annealing, SoftPositResult, softposit
 from plogic.match.gamma.data import data_of
 from plogic.match.indices import search_of, settle
 from plogic.match.learned.learned_index import LearntIndex
@@ -29,7 +32,7 @@ from plogic.match.plain.typed_pairs import pairs_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from benchmarks.clutter.scenes import Case, Trial
     from plogic.match.gamma.data import Data
@@ -156,3 +159,30 @@ def _row(mine: Sequence[Refined]) -> dict[str, Any]:
         row[who] = share(o.pose for o in mine if o.who == who)
         row[f"{who} s"] = round(median(o.seconds for o in mine if o.who == who), 3)
     return row
+
+
+def softposit_near(
+    pose: ArrayLike,
+    points: ArrayLike,
+    xy: ArrayLike,
+    *,
+    off: float,
+    allowed: ArrayLike | None = None,
+    noise: float = 0.5,
+    pixel: float = 1 / 600,
+) -> SoftPositResult:
+    """A better `camera_from_object` than `pose` (4, 4) of `points` (N, 3) m, some of which are seen among `xy` (M, 2) = x/z, y/z.
+
+    `off`: about how many pixels off the points are at the start; beta begins at 1 / off^2, for a smaller one forgets
+    the pose that it is given. `allowed` (N, M): which point may be which, any if not given; `noise` of an image point,
+    px; `pixel`, in normalised units: 1 / focal length. The result is of one start: its pose means nothing unless it
+    `converged`, and may be wrong then (its `count` of matches tells).
+
+    Raises:
+        GeometryError: where `off` is not above 0, or as `softposit` does.
+    """
+    if not off > 0:
+        raise GeometryError(f"off must be above 0 pixels, not {off}")
+    usual = Annealing(noise=noise, pixel=pixel)
+    setting = Annealing(beta=min(1.0 / off**2, usual.beta_final), noise=noise, pixel=pixel)
+    return softposit(points, xy, np.asarray(pose, dtype=np.float64)[None], allowed=allowed, annealing=setting)

@@ -15,7 +15,7 @@ from benchmarks.clutter.types import APPEARANCES, EASY, HARD, SLACK, Detector
 from benchmarks.recognition.score import Truth
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, inverse, rotation_from_quat_xyzw, transform_points
-from geometry.visibility.behind import behind
+from geometry.visibility.rays import behind
 from kb.clouds.lobes import feature_in_lobe
 from plogic.match.gamma.screen_angles import screen_angle
 from sensing.appearance import Appearance, Gamma

@@ -16,7 +16,7 @@ from benchmarks.many.placing import OBJECTS, placed, visible_shares
 from benchmarks.many.types import DETECTOR, frequencies
 from benchmarks.recognition.score import Truth
 from geometry.frames import transform_points
-from geometry.visibility.behind import behind
+from geometry.visibility.rays import behind
 from plogic.match.gamma.screen_angles import screen_angle
 from sensing.appearance import Appearance, Gamma
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from benchmarks.clutter.scenes import CAMERA
 from benchmarks.many.placing import body_of
 from benchmarks.recognition.score import errors_of, matched, pose_right
-from geometry.bodies.reach import reach
+from geometry.bodies.overlap import reach
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -30,7 +30,7 @@ meshes and from the first surface that lines of sight meet; of any two posed bod
 ## Definitions
 
 The *image* of a body is the union of its projected triangles in ideal pixels (a lens changes no topology). How two images lie to each other
-is RCC-8 at a tolerance t = 0.25 px (`geometry/visibility/rcc.py`):
+is RCC-8 at a tolerance t = 0.25 px (`geometry/visibility/occlusion.py`):
 
 * the *common interior* is the intersection of the two less a seam of t: what is thinner than 2 t is none;
 * without a common interior they are EC if they come as near as t to each other, else DC;

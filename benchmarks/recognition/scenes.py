@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from benchmarks.tabletop.scene import TabletopScene
     from geometry.camera import Camera
     from sensing.simulated.body import TexturedMesh
-    from sensing.simulated.tabletop import TabletopScene
 
 PLAIN = ("mug", "foam_brick", "power_drill")
 """Types with little texture: reported apart, and no claim is made of them."""
@@ -65,7 +65,7 @@ def ycb_meshes() -> dict[str, Path]:
 
 def cases(shapes: Sequence[tuple[str, TexturedMesh]], folder: Path, seed: int, *, quick: bool) -> Iterator[Case]:
     """Render the scenes, ``SCENES`` a seed, one at a time."""
-    from sensing.simulated.tabletop import recognition_scene
+    from benchmarks.tabletop.scene import recognition_scene
 
     symmetries = {name: half_turns(mesh.vertices) for name, mesh in shapes if name in BOXES}
     for i in range(QUICK_SCENES if quick else SCENES):
@@ -84,8 +84,8 @@ def case(
     scene: TabletopScene, folder: Path, seed: int, hard: float, symmetries: Mapping[str, NDArray[np.float64]]
 ) -> Case:
     """Write the scene's folder and keep its truth; the camera that is handed on does not know where in the world it is."""
-    from sensing.simulated.scene_files import write_scene
-    from sensing.simulated.seen import bounds
+    from benchmarks.tabletop.scene import bounds
+    from sensing.simulated.scene import write_scene
 
     write_scene(scene, folder, supersample=2)
     rows = zip(scene.bodies, scene.camera_from_bodies, scene.fractions, strict=True)

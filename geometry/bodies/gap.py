@@ -1,6 +1,8 @@
 """How far apart two bodies are, and how far a body is from the camera or another place: metres between surfaces, 0 where bodies meet.
 
 * ``Spread``: points spread over a surface, and balls round its facets, which tell the nearest place fast
+
+The nearest place on triangles to a point.
 """
 
 from functools import lru_cache
@@ -9,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.bodies.nearest import nearest_places
 from geometry.bodies.overlap import Solid
 from geometry.frames import transform_points
 from geometry.visibility.occlusion import PosedSurface
@@ -101,3 +102,18 @@ def spread(rays: RayMesh) -> Spread:
     )
     middles = corners.mean(axis=1)
     return Spread(points, cKDTree(points), middles, np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1))
+
+
+def nearest_places(corners: Floats, place: Floats) -> Floats:
+    """Of each triangle of `corners` (T, 3, 3) the place (T, 3) that is nearest to `place` (3,): in its inside, or on an edge."""
+    sides = np.roll(corners, -1, axis=1) - corners
+    length = (sides**2).sum(axis=2)
+    share = np.clip(((place - corners) * sides).sum(axis=2) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
+    on_edges = corners + share[..., None] * sides
+    best = ((on_edges - place) ** 2).sum(axis=2).argmin(axis=1)
+    found = np.take_along_axis(on_edges, best[:, None, None], axis=1)[:, 0]
+    normal = np.cross(sides[:, 0], sides[:, 1])
+    area = (normal**2).sum(axis=1)
+    foot = place - (((place - corners[:, 0]) * normal).sum(axis=1) / np.where(area > 0.0, area, 1.0))[:, None] * normal
+    turns = (np.cross(sides, foot[:, None] - corners) * normal[:, None]).sum(axis=2)
+    return np.where(((turns >= 0.0).all(axis=1) & (area > 0.0))[:, None], foot, found)

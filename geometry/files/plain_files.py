@@ -1,14 +1,17 @@
-"""Whether a path leads to a plain file that may be read, whatever the path: a name too long, links in a circle, a pipe that never ends."""
+"""Whether a path leads to a plain file that may be read, whatever the path: a name too long, links in a circle, a pipe that never ends.
+
+JSON files that strangers wrote: the document, or what is wrong with the file in one line, whatever it holds.
+"""
 
 from __future__ import annotations
 
 import errno
+import json
 import os
 import stat
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pathlib import Path
+import sys
+from pathlib import Path
+from typing import Any
 
 IS_MISSING, IS_FOLDER, TOO_LONG = "is missing", "is a folder, not a file", "has a name that is too long for a file"
 """Faults that there are other words for, here and there."""
@@ -48,3 +51,43 @@ def is_there(path: Path) -> bool:
     except (OSError, ValueError):
         return False
     return True
+
+
+class JsonError(Exception):
+    """What is wrong with a JSON file, after its name, and the line and column where they are known."""
+
+
+def json_of(path: Path | str, most: int, holds: str, *, finite: bool = False) -> Any:  # noqa: ANN401 - parsed JSON
+    """The document of a file, of a pipe or, of '-', of stdin, of at most ``most`` bytes.
+
+    ``holds`` says what should be in it where it is nested too deeply; ``finite``: NaN and infinities are refused, as
+    JSON has none.
+
+    Raises:
+        JsonError: The file cannot be read, or is no JSON.
+    """
+    path = "<stdin>" if (piped := str(path) == "-") else path
+
+    def refuse(constant: str) -> float:
+        raise JsonError(f"{path}: is no JSON: {constant} is no number")
+
+    try:
+        data = sys.stdin.buffer.read(most + 1) if piped else _head(Path(path), most + 1)
+        if len(data) > most:
+            raise JsonError(f"{path}: is larger than the {most} bytes that are read")
+        return json.loads(data.decode("utf-8-sig"), parse_constant=refuse if finite else None)
+    except json.JSONDecodeError as error:
+        raise JsonError(f"{path}:{error.lineno}:{error.colno}: is no JSON: {error.msg}") from None
+    except UnicodeDecodeError as error:
+        raise JsonError(f"{path}: is no JSON: byte {error.start} is no UTF-8") from None
+    except RecursionError:
+        raise JsonError(f"{path}: is nested too deeply: {holds}") from None
+    except ValueError:  # json's own is above
+        raise JsonError(f"{path}: holds a whole number of more digits than can be read") from None
+    except OSError as error:
+        raise JsonError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def _head(path: Path, most: int) -> bytes:
+    with path.open("rb") as file:
+        return file.read(most)

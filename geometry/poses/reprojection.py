@@ -4,6 +4,12 @@ A step (w, v) turns the object by exp(w) about its own origin, in the camera's a
 residuals are undistorted pixels, so that the Jacobian is that of a pinhole, whatever the lens.
 
 * ``Task``: what is to be met, of a batch of poses; ``Seen``: the points of poses before the camera
+
+What the angle of a feature on the screen says of a pose: the way to a point along the x axis of its frame must lie on the datum's line.
+
+* ``ends(points, axes, depth, length)``: those points, in any frame; ``across(angle)``: unit vectors across the lines
+
+What places on the screen say of a pose: J^T W J, of one pose or of a batch.
 """
 
 from typing import NamedTuple
@@ -14,6 +20,14 @@ from numpy.typing import ArrayLike, NDArray
 from geometry.arrays import Floats, last_axes
 from geometry.camera import NEAREST, Camera
 from geometry.errors import GeometryError
+
+ARM = 2.0
+"""The point is so far away, on the screen, that the noise of the angle moves it by so many times the noise of a
+place."""
+WEIGHT = 1.0 / (1.0 + ARM**2)
+"""How much it weighs beside a place: its own place is off by the noise of the feature's and, ``ARM`` times as far, by
+that of the angle."""
+
 
 GENTLE, STRONG = 1e-4, 1e8  # damping at the start, and at its most
 
@@ -159,3 +173,36 @@ def _exponential(w: Floats) -> Floats:
     return np.asarray(
         np.eye(3) + np.sinc(angle / np.pi) * cross + 0.5 * np.sinc(angle / 2 / np.pi) ** 2 * cross @ cross
     )
+
+
+def reach(pixels: Floats, angle: float) -> Floats:
+    """(...,) how far away the point is, pixels, at a noise of places ``pixels`` (...,), and of angles, radians."""
+    return ARM * pixels / angle
+
+
+def ends(points: Floats, axes: Floats, depth: Floats, length: Floats) -> Floats:
+    """(..., 3) m, the points along unit ``axes`` (..., 3) from ``points`` (..., 3), in the frame of both.
+
+    ``depth`` (...,) m of the points before the camera; ``length`` (...,) pixels over the focal length.
+    """
+    return points + (length * np.maximum(depth, 0.0))[..., None] * axes
+
+
+def across(angle: Floats) -> Floats:
+    """(..., 2) unit vectors across lines at angles (...,), radians clockwise on the screen."""
+    return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+
+
+def information(at: Floats, centre: Floats, weights: Floats, camera: Camera, across: Floats | None = None) -> Floats:
+    """J^T W J (..., 6, 6) of places `at` (..., N, 3) m, before the camera, in its frame, that turn by w rad about `centre` (..., 3) and move by v m.
+
+    `weights` (..., N) are 1/variance of their pixels, undistorted; `across` (..., N, 2) as in
+    `geometry.poses.refine.refine_poses`.
+    """
+    batch = at.shape[:-2]
+    placed = at.reshape(int(np.prod(batch)), *at.shape[-2:])
+    turned = (at - centre[..., None, :]).reshape(placed.shape)
+    onto = None if across is None else onto_lines(across).reshape(*placed.shape[:2], 2, 2)
+    jacobian = counting(jacobian_of(turned, placed, 1.0 / placed[..., 2], camera.K[:2]), onto)
+    weighted = jacobian * np.repeat(weights.reshape(placed.shape[:2]), 2, axis=1)[..., None]
+    return np.asarray((np.swapaxes(weighted, 1, 2) @ jacobian).reshape(*batch, 6, 6))

@@ -1,26 +1,52 @@
 """The occlusion relation of a posed pair, by exact outlines and depth (§3.5-3.7): ROC-20, and the six coarse ones that it refines.
 
-The outlines decide how the images lie to each other (``geometry.visibility.rcc``); the first surface that a line of
+The outlines decide how the images lie to each other (``geometry.visibility.occlusion``); the first surface that a line of
 sight meets decides who is in front on the common interior; ``geometry.visibility.roc`` names the twenty. Exactly one
 holds of any pair at the stated tolerance, and R(x, y) is the converse of R(y, x), bit for bit: the two are taken in an
 order that does not depend on which came first. Where the images share an interior and neither is first anywhere
 (coincident surfaces), each is there at once with the other, and the relation is mutual.
+
+RCC-8 of two areas of the image at a tolerance (§3.7): which of the eight ways two images can lie to each other.
+
+| relation     | of a to b, at the tolerance t px                                                                       |
+|--------------|--------------------------------------------------------------------------------------------------------|
+| DC           | no common interior, and farther than t from each other                                                 |
+| EC           | no common interior, and t or less from each other                                                      |
+| PO           | a common interior, and each sticks out of the other                                                    |
+| TPP, NTPP    | a common interior, a is covered and b sticks out; the boundaries come as near as t (TPP), or not (NTPP) |
+| TPPi, NTPPi  | the converses                                                                                          |
+| EQ           | a common interior, and each is covered by the other                                                    |
+
+The common interior is what is left of the intersection less a seam of t: what is thinner than 2 t is none. Of two areas
+one is covered by the other if no point of it is farther than t from the other. Read from the top each row says what the
+rows before it leave open, so exactly one relation holds; each row is the mirror of its converse's, and the areas are
+taken in an order of their own, so that R(a, b) is the converse of R(b, a), bit for bit. An area without points is DC
+from everything.
+
+How much of a posed surface is seen: the part of its image in front of which nothing stands.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from geometry.arrays import Floats, Ints, frozen
 from geometry.camera import Camera
 from geometry.errors import GeometryError
 from geometry.frames import inverse, is_rigid, rotate, transform_points
-from geometry.visibility.outline import NEAR, Area, ideal_outline
+from geometry.visibility.outline import NEAR, Area, ideal_outline, outline
 from geometry.visibility.rays import RayMesh
-from geometry.visibility.rcc import related
-from geometry.visibility.roc import Front, Roc, roc
-from geometry.visibility.samples import samples_inside
+from geometry.visibility.roc import Front, Rcc8, Roc, rcc_converse, roc
+from geometry.visibility.samples import even_grid, samples_inside
+
+_QUARTER = 16  # corners of a quarter of a circle: a widened area falls short of its tolerance by 0.1 % of it at most
+
+_CRACK = 1e-6  # px; an area's boundary that runs to and fro within so much is there by rounding
+
 
 TOLERANCE = 0.25  # px: what of an image is thinner than twice this is no interior, what sticks out less is covered, what is nearer touches
 DEPTH_TOLERANCE = 1e-4  # of the distance: surfaces nearer to each other than this along a ray are equally near
@@ -69,7 +95,7 @@ def occlusion(
 ) -> Roc:
     """The one relation of ROC-20 that holds of x and y as `camera` sees them: 'partially_occludes_po' has x before y.
 
-    `tolerance` (px) is that of the images (`geometry.visibility.rcc`); `depth_tolerance` (part of the distance) says
+    `tolerance` (px) is that of the images (`geometry.visibility.occlusion`); `depth_tolerance` (part of the distance) says
     when two are equally near. Decided on ideal pixels: the relation is topological, so a lens does not change it. Give
     the `images` of both (`drawn`) where they are known.
     """
@@ -121,3 +147,91 @@ def _first(
         if a_first and b_first:
             break
     return a_first, b_first
+
+
+class Related(NamedTuple):
+    """How two areas lie to each other, and the ``interior`` that they share: empty for DC and EC."""
+
+    rcc: Rcc8
+    interior: Area
+
+
+def rcc8(a: Area, b: Area, tolerance: float) -> Rcc8:
+    """The one RCC-8 relation of ``a`` to ``b`` at the ``tolerance`` (px)."""
+    return related(a, b, tolerance).rcc
+
+
+def related(a: Area, b: Area, tolerance: float) -> Related:
+    """As ``rcc8``, with the common interior less a seam of ``tolerance`` px."""
+    if a.is_empty or b.is_empty or _boxes_gap(a, b) > tolerance:
+        return Related("DC", shapely.Polygon())
+    with np.errstate(
+        divide="ignore", invalid="ignore"
+    ):  # GEOS divides by the turn of edges that run on straight, and copes
+        if b.wkb < a.wkb:
+            found = _related(b, a, tolerance)
+            return Related(rcc_converse(found.rcc), found.interior)
+        return _related(a, b, tolerance)
+
+
+def _related(a: Area, b: Area, tolerance: float) -> Related:
+    common = shapely.intersection(a, b).buffer(-tolerance, join_style="mitre")
+    if common.is_empty:
+        return Related("EC" if shapely.dwithin(a, b, tolerance) else "DC", common)
+    return Related(_of_overlapping(a, b, tolerance), common)
+
+
+def _of_overlapping(a: Area, b: Area, tolerance: float) -> Rcc8:
+    a_covered, b_covered = _covers(b, a, tolerance), _covers(a, b, tolerance)
+    if a_covered == b_covered:
+        return "EQ" if a_covered else "PO"
+    if a_covered:
+        return "TPP" if _tangential(a, b, tolerance) else "NTPP"
+    return "TPPi" if _tangential(b, a, tolerance) else "NTPPi"
+
+
+def _tangential(inner: Area, outer: Area, tolerance: float) -> bool:
+    """Whether the boundaries come as near as ``tolerance``; a crack in ``outer``, where facets meet but for rounding, is no boundary."""
+    if not shapely.dwithin(inner.boundary, outer.boundary, tolerance):
+        return False
+    return tolerance <= _CRACK or not outer.buffer(_CRACK).covers(inner.buffer(tolerance, quad_segs=_QUARTER))
+
+
+def _covers(a: Area, b: Area, tolerance: float) -> bool:
+    """Whether no point of ``b`` is farther than ``tolerance`` px from ``a``; cheap answers first."""
+    if _sticks_out(a.bounds, b.bounds, tolerance):
+        return False
+    if a.covers(b):
+        return True
+    corners = shapely.points(shapely.get_coordinates(b))
+    return bool(shapely.dwithin(corners, a, tolerance).all() and a.buffer(tolerance, quad_segs=_QUARTER).covers(b))
+
+
+def _sticks_out(outer: tuple[float, ...], inner: tuple[float, ...], tolerance: float) -> bool:
+    """Whether the box ``inner`` sticks out of the box ``outer`` by more than ``tolerance``."""
+    low = max(outer[0] - inner[0], outer[1] - inner[1])
+    return max(low, inner[2] - outer[2], inner[3] - outer[3]) > tolerance
+
+
+def _boxes_gap(a: Area, b: Area) -> float:
+    """How far the boxes round the two are from each other along x or y, px; below 0 where they overlap."""
+    (left_a, top_a, right_a, bottom_a), (left_b, top_b, right_b, bottom_b) = a.bounds, b.bounds
+    return float(max(left_a - right_b, left_b - right_a, top_a - bottom_b, top_b - bottom_a))
+
+
+def visible_fraction(surface: PosedSurface, others: Sequence[PosedSurface], camera: Camera, count: int = 2000) -> float:
+    """The part in [0, 1] of the surface's whole image that lies in the picture and in front of all `others`.
+
+    Taken on an even grid of about `count` points over the image in pixels; 0.0 for a surface without an image.
+    """
+    area = outline(surface.vertices, surface.triangles, surface.camera_from_object, camera)
+    if area.is_empty or area.area == 0:
+        return 0.0
+    uv = even_grid(area, count)
+    rays = camera.rays(uv)
+    own = surface.depth(rays)
+    hit = np.isfinite(own)
+    seen = hit & camera.contains(uv)
+    for other in others:
+        seen &= ~(other.depth(rays) < own)
+    return float(seen.sum() / hit.sum()) if hit.any() else 0.0

@@ -1,6 +1,8 @@
 """Rays against one surface, with one Embree structure built once, in the surface's own frame.
 
 Embree finds the triangle in single precision; the distance is then taken to that triangle's plane in double precision.
+
+Behind(y, x, v): the line of sight from v to y meets x strictly before y (formalism §3.4).
 """
 
 from functools import cache
@@ -11,6 +13,10 @@ from numpy.typing import ArrayLike
 
 from geometry.arrays import Floats, Ints, Mask, frozen, frozen_ints, last_axes
 from geometry.errors import GeometryError
+from geometry.frames import inverse, transform_points
+
+TOLERANCE = 0.005  # of the surface's size: a feature's own facets at the feature do not hide it
+
 
 _DEVICE, _TRIANGLE = 256 << 20, 1 << 10
 """Bytes of address space that Embree takes at first, and for each triangle."""
@@ -122,3 +128,18 @@ def checked_mesh(vertices: ArrayLike, triangles: ArrayLike) -> tuple[Floats, Int
     if facets.min() < 0 or facets.max() >= len(places):
         raise GeometryError(f"triangles must index the {len(places)} vertices, not {facets.min()} to {facets.max()}")
     return places, facets
+
+
+def behind(
+    points_camera: ArrayLike, mesh: RayMesh, camera_from_object: ArrayLike, tolerance: float | None = None
+) -> Mask:
+    """Mask (N,) of the `points_camera` (N, 3) m that the surface `mesh`, posed, hides from the camera's centre.
+
+    The points go into the surface's own frame, so one structure serves every pose of a type. `tolerance` (m) is how far
+    before a point the surface must be met, by default 0.005 of the surface's size. NaN points are behind nothing.
+    """
+    object_from_camera = inverse(last_axes(camera_from_object, (4, 4), "camera_from_object"))
+    margin = TOLERANCE * mesh.size if tolerance is None else tolerance
+    return mesh.blocks(
+        object_from_camera[:3, 3], transform_points(object_from_camera, np.asarray(points_camera)), margin
+    )

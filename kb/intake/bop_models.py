@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.files.json_files import JsonError, json_of
-from geometry.files.plain_files import fault_of, is_there
+from geometry.files.plain_files import JsonError, fault_of, is_there, json_of
 from geometry.frames import quat_xyzw_from_rotation
 from kb.errors import IntakeError
 from kb.files.schema import SymmetryModel

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any, get_args
 
-from geometry.files.json_files import JsonError, json_of
+from geometry.files.plain_files import JsonError, json_of
 from plogic.base.errors import InterpretationError, SituationError
 from plogic.facts.gravity import gravity_facts, gravity_of
 from plogic.facts.sanity import check

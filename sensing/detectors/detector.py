@@ -2,20 +2,23 @@
 
 A detector looks at pixels and at nothing else. Others register theirs in code (``register``) or from another
 distribution by an entry point of the group ``plogic.detectors`` whose object is a factory without arguments.
+
+Rounding of many numbers at once, to the same decimals as Python's ``round`` of each.
+
+What a detector reports, checked: a third party's mistake becomes one line that names the detector, never a traceback.
 """
 
 from __future__ import annotations
 
 from functools import partial
 from importlib.metadata import entry_points
+from math import isfinite
 from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
 from sensing.appearance import Appearance, Gamma
-from sensing.detectors.reported import made, reported, told
-from sensing.errors import DetectorError, ImageError
-from sensing.rounding import rounded
+from sensing.errors import DetectorError, ImageError, SensingError
 from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
@@ -25,6 +28,13 @@ if TYPE_CHECKING:
 
     from geometry.camera import Camera
     from sensing.detectors.keypoint_detector import WordIndex
+
+_DOUBTFUL = 1e-6
+"""Nearer than this to the middle between two neighbours, in units of the last decimal, a product's own rounding could
+decide."""
+_LARGEST = 2.0**31
+"""Up to here, in those units, a product is exact to less than that."""
+
 
 GROUP = "plogic.detectors"
 """The entry points' group."""
@@ -193,3 +203,84 @@ def _renamed(
 ) -> Appearance:
     arms = tuple(round(x, 5) for x in a.arms) if a.arms else ()
     return Appearance(name, a.type, uv, a.detector, angle, scale, score, arms, a.descriptor)
+
+
+def rounded(values: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
+    """Each of ``values`` (...) as ``round(value, digits)``, for digits from 0 to 15; NaN and infinities stay."""
+    unit = 10.0**digits
+    with np.errstate(over="ignore", invalid="ignore"):
+        scaled = values * unit
+        result = np.asarray(np.rint(scaled) / unit)
+        sure = (np.abs(scaled) < _LARGEST) & (np.abs(scaled - np.floor(scaled) - 0.5) > _DOUBTFUL)
+    doubtful = ~sure & np.isfinite(values)
+    result[doubtful] = [round(value, digits) for value in values[doubtful].tolist()]
+    return np.where(np.isfinite(values), result, values)
+
+
+def made(name: str, factory: Callable[[], Detector]) -> Detector:
+    """The detector that ``factory`` makes; raises DetectorError where it fails or makes something else."""
+    try:
+        detector = factory()
+        types = detector.types
+    except SensingError:
+        raise
+    except Exception as error:
+        raise DetectorError(f"detector {name!r}: cannot be made: {told(error)}") from error
+    if isinstance(types, str) or not all(isinstance(t, str) for t in types):
+        raise DetectorError(f"detector {name!r}: its types are no tuple of names: {types!r:.80}")
+    return detector
+
+
+def reported(name: str, detector: Detector, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
+    """What ``detector`` sees in an (H, W, 3) image.
+
+    Raises:
+        DetectorError: It raised, or reported something that is no appearance, outside the image, or not finite.
+    """
+    try:
+        found = list(detector.detect(image_bgr))
+    except SensingError:
+        raise
+    except Exception as error:
+        raise DetectorError(f"detector {name!r}: failed on the image: {told(error)}") from error
+    height, width = image_bgr.shape[:2]
+    for i, a in enumerate(found):
+        wrong = mistake(a, width, height)
+        if wrong is not None:
+            raise DetectorError(f"detector {name!r}: appearance {i} of {len(found)}: {wrong}")
+    return found
+
+
+def mistake(a: object, width: int, height: int) -> str | None:
+    """What is wrong with one reported appearance of an image of this size; None where nothing is."""
+    if not isinstance(a, Appearance):
+        return f"is no Appearance but a {type(a).__name__}"
+    wrong = _number_mistake(a, width, height)
+    if wrong is None and not (isinstance(a.type, str) and a.type and isinstance(a.detector, str) and a.detector):
+        wrong = f"its type {a.type!r:.40} or its detector {a.detector!r:.40} is no name"
+    if wrong is None and not isinstance(a.descriptor, bytes | None):
+        wrong = f"descriptor is no bytes but a {type(a.descriptor).__name__}"
+    return wrong
+
+
+def _number_mistake(a: Appearance, width: int, height: int) -> str | None:
+    try:
+        u, v = a.uv
+        whole = (
+            isfinite(u) and isfinite(v) and isfinite(a.angle or 0) and isfinite(a.scale or 0) and isfinite(a.score or 0)
+        )
+        whole = whole and all(map(isfinite, a.arms))
+        inside = -0.5 <= u <= width - 0.5 and -0.5 <= v <= height - 0.5
+    except (TypeError, ValueError) as error:
+        return f"has numbers that are none: {told(error)}"
+    if not whole:
+        return f"has a number that is not finite: uv {a.uv}, angle {a.angle}, scale {a.scale}, score {a.score}"
+    if a.scale is not None and a.scale <= 0:
+        return f"scale {a.scale} is not above 0"
+    return None if inside else f"uv {a.uv} is outside the image of {width}x{height}"
+
+
+def told(error: BaseException) -> str:
+    """An exception as one line of at most 200 letters."""
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}{': ' if text else ''}{text}"[:200]

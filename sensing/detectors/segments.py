@@ -1,6 +1,8 @@
 """Line segments to a fraction of a pixel: OpenCV's detector, refined on the brightness, collinear pieces merged.
 
 A segment is a row (u1, v1, u2, v2) in pixels, as in ``edges``.
+
+Where an edge ends: a segment's ends moved out or in to where the step across it begins and ceases.
 """
 
 from __future__ import annotations
@@ -9,8 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sensing.detectors.edges import directions, edge_offsets, fit_lines, profiles
-from sensing.detectors.ends import with_true_ends
+from sensing.detectors.edges import directions, edge_offsets, fit_lines, profiles, sample
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,6 +19,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
+
+OUT, IN = 8, 24
+"""Pixels beyond each end, and inside it, that are looked at."""
+SHARE = 0.45
+"""Share of the segment's own step that still counts as the edge."""
+WINDOW = 4
+"""Pixels along the edge over which the step is averaged."""
+
 
 MIN_LENGTH = 7.0
 MIN_RISE = 4.0
@@ -159,3 +168,35 @@ def _joined(a: Floats, b: Floats) -> Floats:
     middle = (middles * lengths[:, None]).sum(axis=0) / lengths.sum()
     t = (np.concatenate([a, b]).reshape(4, 2) - middle) @ direction
     return np.concatenate([middle + t.min() * direction, middle + t.max() * direction])
+
+
+def with_true_ends(grey: NDArray[np.float32], segments: Floats) -> Floats:
+    """(N, 4) segments, brighter on the right, with each end where the edge ends, to about a pixel."""
+    if not len(segments):
+        return segments
+    start = _moved(grey, segments)
+    back = np.hstack([segments[:, 2:], segments[:, :2]])
+    end = _moved(grey, back)
+    found = np.hstack([start, end])
+    forward = ((found[:, 2:] - found[:, :2]) * (segments[:, 2:] - segments[:, :2])).sum(axis=1) > 0
+    return np.asarray(found[forward])
+
+
+def _moved(grey: NDArray[np.float32], segments: Floats) -> Floats:
+    """(N, 2) true first ends: outward from an inner place as far as the step, averaged over a few pixels, lasts."""
+    along, normal, length = directions(segments)
+    t = np.arange(-OUT - WINDOW, IN + 1, dtype=np.float64)
+    inside = np.minimum(t[None, :], length[:, None])
+    on = segments[:, None, :2] + inside[:, :, None] * along[:, None]
+    step = np.zeros(inside.shape)
+    for off in (1.0, 1.8):
+        step += sample(grey, on + off * normal[:, None]) - sample(grey, on - off * normal[:, None])
+    reference = np.median(step[:, OUT + WINDOW :], axis=1)
+    kernel = np.ones(WINDOW) / WINDOW
+    mean = np.apply_along_axis(np.convolve, 1, step, kernel, "valid")
+    lasting = mean * np.sign(reference)[:, None] >= SHARE * np.abs(reference)[:, None]
+    anchor = np.minimum(OUT + WINDOW + np.minimum(length / 2, 10).astype(int), lasting.shape[1] - 1)
+    place = np.arange(lasting.shape[1])[None, :]
+    broken = np.where(~lasting & (place <= anchor[:, None]), place, -1).max(axis=1)
+    first = broken + 1 + WINDOW * (1 - SHARE) - 0.5
+    return np.asarray(segments[:, :2] + (first + t[0])[:, None] * along)

@@ -4,27 +4,41 @@ An appearance of the left image is found again in the right one by its type, wha
 epipolar line. Where more than one fits, its depth is not told: a wrong depth is worse than none.
 
 * ``Pair``: how the right camera stands beside the left, ``Pair(right_from_left)``
+
+How a stereo pair is calibrated, as a file: ``stereo/1``.
+
+``{"format": "stereo/1", "T_right_left": 4x4, "left": {camera}, "right": {camera}}``: ``T_right_left`` maps points of
+the left camera's frame to the right one's, metres; the cameras are needed for images, and left out where both inputs
+are Γ files, which have their own.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from geometry.arrays import frozen
+from geometry.camera import Camera, camera_from_dict
 from geometry.errors import CameraError
+from geometry.files.plain_files import JsonError, fault_of, json_of
+from geometry.files.pose_files import nearest_rigid
 from geometry.frames import is_rigid, transform_points
 from sensing.appearance import Gamma
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from geometry.camera import Camera
     from sensing.appearance import Appearance
 
     Floats = NDArray[np.float64]
+
+LARGEST = 2**20
+"""Bytes of such a file that are read."""
+HOLDS = 'should be {"format": "stereo/1", "T_right_left": 4x4, "left": {camera}, "right": {camera}}'
+
 
 OFF = 3.0
 """Standard deviations of a place within which an appearance lies on the epipolar line of its partner."""
@@ -147,3 +161,52 @@ def _sigma(camera: Camera, uv: Floats, depth: float, pair: Pair, sigma: float) -
     ends = transform_points(pair.right_from_left, np.stack([ray * depth, ray * (depth * 1.001)]))
     step = np.linalg.norm(ends[1, :2] / ends[1, 2] - ends[0, :2] / ends[0, 2]) / (0.001 * depth)  # normalised, a metre
     return float(np.sqrt(2.0) * sigma / camera.f / max(step, 1e-12))
+
+
+class Calibration(NamedTuple):
+    """The pair, and its cameras where the file has them."""
+
+    pair: Pair
+    left: Camera | None
+    right: Camera | None
+
+
+def read_stereo(path: Path | str) -> Calibration:
+    """The calibration of a file. Raises CameraError, one line."""
+    fault = fault_of(Path(path), LARGEST)
+    if fault is not None:
+        raise CameraError(f"{path}: {fault}")
+    try:
+        document = json_of(Path(path), LARGEST, HOLDS)
+    except JsonError as error:
+        raise CameraError(str(error)) from None
+    if not isinstance(document, dict) or document.get("format") != "stereo/1" or "T_right_left" not in document:
+        raise CameraError(f"{path}: {HOLDS}")
+    unknown = sorted(set(document) - {"format", "T_right_left", "left", "right"})
+    if unknown:
+        raise CameraError(f"{path}: {unknown[0]}: unknown key; it {HOLDS}")
+    return Calibration(
+        _pair(path, document["T_right_left"]), *(_camera(path, document, side) for side in ("left", "right"))
+    )
+
+
+def _pair(path: Path | str, value: Any) -> Pair:  # noqa: ANN401 - parsed JSON
+    try:
+        pose = nearest_rigid(np.array(value, np.float64))
+    except (TypeError, ValueError):
+        pose = None
+    if pose is None:
+        raise CameraError(f"{path}: T_right_left: must be a rigid 4x4 matrix (row-major, metres)")
+    try:
+        return Pair(pose)
+    except CameraError as error:
+        raise CameraError(f"{path}: {error}") from None
+
+
+def _camera(path: Path | str, document: dict[str, Any], side: str) -> Camera | None:
+    if side not in document:
+        return None
+    try:
+        return camera_from_dict(document[side], side)
+    except CameraError as error:
+        raise CameraError(f"{path}: {error}") from None

@@ -2,21 +2,27 @@
 
 * ``Scene``: everything that a picture needs, ``Scene(bodies=(...), camera=Camera(...), light=Light(...), ...)``
 * ``random_scene([("t1", mesh1), ("t2", mesh2)], seed=7, decoys=1, placement="hiding")``
+
+Untyped things to stand about: boxes and wedges of random sizes, plain or painted with random rectangles.
+
+A simulated scene as a folder: ``image.png``, ``camera.json`` (the contract's camera), ``truth.json``; whole or not at all.
 """
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from geometry.camera import Camera
+from geometry.camera import Camera, camera_to_dict
 from geometry.frames import inverse, look_at, transform_points
 from sensing.errors import SceneError
+from sensing.files.whole_files import write_folder
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Rendering, Sensor, render, visible_fractions
-from sensing.simulated.decoys import random_decoy
 from sensing.simulated.lighting import Light
 from sensing.simulated.settle import settle
 from sensing.simulated.surroundings import Surroundings
@@ -25,6 +31,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
+
+CELL = 192
+"""Side of one face's square in the texture, texels."""
+_BOX = ((0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (4, 5, 6, 7), (3, 2, 1, 0))
+_WEDGE = ((0, 1, 4), (1, 2, 5, 4), (2, 3, 5), (3, 0, 4, 5), (3, 2, 1, 0))
+
 
 Placement = Literal["beside", "hiding"]
 DISTANCE = (3.0, 9.0)
@@ -226,3 +238,89 @@ def _surroundings(rng: np.random.Generator) -> Surroundings:
         float(rng.uniform(4, 10)),
         float(rng.uniform(0.1, 0.4)),
     )
+
+
+def random_decoy(rng: np.random.Generator) -> TexturedMesh:
+    """A box or a wedge, 0.3 to 1.2 m a side, origin at the centre of its base, painted with probability 1/2."""
+    size = rng.uniform((0.3, 0.3, 0.3), (0.9, 0.9, 1.2))
+    painted = bool(rng.random() < 0.5)
+    return box(size, rng, painted=painted) if rng.random() < 0.5 else wedge(size, rng, painted=painted)
+
+
+def box(size: NDArray[np.float64], rng: np.random.Generator, *, painted: bool) -> TexturedMesh:
+    """A box of ``size`` (3,) metres; a wall colour of chance, with random rectangles if ``painted``."""
+    x, y, z = size[0] / 2, size[1] / 2, size[2]
+    base = [(-x, -y), (x, -y), (x, y), (-x, y)]
+    points: list[tuple[float, ...]] = [(*p, 0.0) for p in base] + [(*p, z) for p in base]
+    return _painted(points, _BOX, rng, painted=painted)
+
+
+def wedge(size: NDArray[np.float64], rng: np.random.Generator, *, painted: bool) -> TexturedMesh:
+    """A ramp of ``size`` (3,) metres: a right-angled triangle along x, as wide as y."""
+    x, y, z = size[0] / 2, size[1] / 2, size[2]
+    points: list[tuple[float, ...]] = [(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0), (-x, -y, z), (-x, y, z)]
+    return _painted(points, _WEDGE, rng, painted=painted)
+
+
+def _painted(
+    points: list[tuple[float, ...]], faces: tuple[tuple[int, ...], ...], rng: np.random.Generator, *, painted: bool
+) -> TexturedMesh:
+    wall = rng.uniform(110, 230) + rng.uniform(-20, 20, 3)
+    texture = np.empty((CELL, CELL * len(faces), 3), np.uint8)
+    texture[:] = np.clip(wall, 0, 255).astype(np.uint8)
+    square = np.array([(0.02, 0.02), (0.98, 0.02), (0.98, 0.98), (0.02, 0.98)])
+    vertices: list[tuple[float, ...]] = []
+    uv: list[tuple[float, float]] = []
+    triangles: list[tuple[int, int, int]] = []
+    for i, face in enumerate(faces):
+        start = len(vertices)
+        vertices += [points[k] for k in face]
+        uv += [((i + float(s)) / len(faces), float(t)) for s, t in square[: len(face)]]
+        triangles += [(start, start + j, start + j + 1) for j in range(1, len(face) - 1)]
+        if painted:
+            _paint(texture[:, i * CELL : (i + 1) * CELL], rng)
+    return TexturedMesh(np.array(vertices), np.array(triangles), np.array(uv), texture)
+
+
+def _paint(cell: NDArray[np.uint8], rng: np.random.Generator) -> None:
+    """One to six rectangles of any brightness, anywhere inside the face; they may overlap."""
+    for _ in range(int(rng.integers(1, 7))):
+        width, height = rng.integers(CELL // 12, CELL // 3, 2)
+        left, top = rng.integers(8, CELL - 8 - width), rng.integers(8, CELL - 8 - height)
+        cell[top : top + height, left : left + width] = np.clip(rng.uniform(20, 240) + rng.uniform(-15, 15, 3), 0, 255)
+
+
+def truth_to_dict(scene: Scene) -> dict[str, Any]:
+    """Ground truth: per body its label (null for an untyped decoy), ``T_camera_object`` and the visible fraction of its picture."""
+    rows = zip(scene.bodies, scene.camera_from_bodies, scene.fractions, strict=True)
+    objects = [{"label": b.label, "T_camera_object": T.tolist(), "visible_fraction": f} for b, T, f in rows]
+    return {"format": "truth/1", "objects": objects}
+
+
+def write_scene(scene: Scene, folder: str | Path, supersample: int = 3) -> None:
+    """Photograph the scene and write its folder; the same scene gives the same bytes.
+
+    Raises:
+        SceneError: The picture cannot be made.
+        SensingError: The folder holds something already, or cannot be written.
+    """
+    image = scene.photograph(supersample).image
+    documents = {"camera.json": camera_to_dict(scene.camera), "truth.json": truth_to_dict(scene)}
+    write_folder(
+        Path(folder), {"image.png": png(image), **{name: json_bytes(document) for name, document in documents.items()}}
+    )
+
+
+def json_bytes(document: object) -> bytes:
+    """The document as the bytes of a JSON file."""
+    return (json.dumps(document, indent=1) + "\n").encode()
+
+
+def png(image: NDArray[np.uint8]) -> bytes:
+    """The (H, W, 3) uint8 picture, blue first, as the bytes of a PNG file."""
+    import cv2
+
+    done, data = cv2.imencode(".png", image)
+    if not done:
+        raise SceneError(f"image: shape {image.shape} cannot be written as PNG")
+    return bytes(data.tobytes())

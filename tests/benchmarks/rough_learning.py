@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.tabletop.rgbd_sensor import RgbdSensor
+from benchmarks.tabletop.table import Table, photographed
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at, transform_points
 from sensing.detectors.keypoints import keypoints
 from sensing.simulated.body import Body
 from sensing.simulated.lighting import Light
-from sensing.simulated.rgbd_sensor import RgbdSensor
-from sensing.simulated.table import Table, photographed
 
 
 @dataclass(frozen=True, eq=False)

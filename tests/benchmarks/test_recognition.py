@@ -19,11 +19,11 @@ from benchmarks.recognition.peer import RATIOS, SEEN, THRESHOLDS, Candidate, Pee
 from benchmarks.recognition.scenes import Case, half_turns, ycb_meshes
 from benchmarks.recognition.score import Found, Tally, Truth, errors_of, matched, pose_right, tally
 from benchmarks.recognition.table import claims, judged, rows
+from benchmarks.tabletop.patterns import printed_box
+from benchmarks.tabletop.scene import recognition_scene
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation
 from plogic.base.errors import InputError
-from sensing.simulated.printed import printed_box
-from sensing.simulated.tabletop import recognition_scene
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]), np.zeros(0))
 TYPES = ("box", "can", "mug")
@@ -221,9 +221,9 @@ def test_both_sides_see_the_same_pictures_and_the_peer_finds_poses(tmp_path, mon
     monkeypatch.setattr("benchmarks.recognition.peer.ITERATIONS", 2000)
     monkeypatch.setattr(recognition_scenes, "QUICK_SCENES", 2)
     monkeypatch.setattr(recognition_scenes, "EMPTY_EVERY", 2)
-    monkeypatch.setattr("sensing.simulated.tabletop.TWINS", 0.0)
+    monkeypatch.setattr("benchmarks.tabletop.scene.TWINS", 0.0)
     real = recognition_scene
-    monkeypatch.setattr("sensing.simulated.tabletop.recognition_scene", lambda *a, **k: real(*a, **k, bodies=(2, 2)))
+    monkeypatch.setattr("benchmarks.tabletop.scene.recognition_scene", lambda *a, **k: real(*a, **k, bodies=(2, 2)))
     shapes, seen, said = boxes(), [], []
     mine = Ours(
         lambda image, camera: seen.append((image.shape, camera.world_from_camera)) or [],

@@ -12,7 +12,7 @@ import numpy as np
 
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at, pose_error, transform_points
-from geometry.visibility.behind import behind
+from geometry.visibility.rays import behind
 from kb.clouds.lobes import in_lobe
 from kb.files.read import read_kb
 from kb.files.shipped import shipped

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sensing.rounding import rounded
+from sensing.detectors.detector import rounded
 
 NUMBERS = (
     st.floats(allow_nan=False, allow_infinity=False)

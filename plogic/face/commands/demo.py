@@ -38,8 +38,7 @@ def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], Non
     from plogic.run.perceive import Perceiver
     from sensing.detectors.detector import detect
     from sensing.files.gamma_files import gamma_to_dict
-    from sensing.simulated.scene import random_scene
-    from sensing.simulated.scene_files import png, truth_to_dict
+    from sensing.simulated.scene import png, random_scene, truth_to_dict
 
     kb = kb_of("towers")
     say("rendering two towers with the simulated camera ...")

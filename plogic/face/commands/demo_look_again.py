@@ -179,7 +179,7 @@ def _write(
     """The pictures, the interpretation of the first view, the candidates, and what both views say."""
     from geometry.camera import camera_to_dict
     from plogic.facts.interpretation import text_of
-    from sensing.simulated.scene_files import png, truth_to_dict
+    from sensing.simulated.scene import png, truth_to_dict
 
     frames = [
         {"frame": f"view-{i}.png", "T_world_camera": look.found.seen.view.world_from_camera.tolist()}

@@ -161,7 +161,7 @@ def _worlds(document: dict[str, Any], situation: Situation, reading: str | None)
 
 
 def _candidates(prospect: Prospect, camera: Camera, options: dict[str, Any]) -> tuple[list[Candidate], dict[str, Any]]:
-    from geometry.files.move_files import read_moves
+    from geometry.files.pose_files import read_moves
     from plogic.sequence.next_view.moves import Candidate, checked, ring, standing, within
 
     stand = standing(camera.world_from_camera)

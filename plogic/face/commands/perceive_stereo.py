@@ -38,8 +38,7 @@ def stereo_command(
     from plogic.facts.interpretation import text_of
     from plogic.run.perceive import Perceiver
     from plogic.sequence.views.stereo import sharpened
-    from sensing.files.stereo import fused
-    from sensing.files.stereo_files import read_stereo
+    from sensing.files.stereo import fused, read_stereo
     from sensing.files.whole_files import check_places
 
     if len(inputs) != 2 or options.get("poses"):

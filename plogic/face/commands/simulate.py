@@ -52,7 +52,7 @@ def simulate_command(
     ``poses.json``.
     """
     from sensing.files.whole_files import check_new_folder
-    from sensing.simulated.scene_files import write_scene
+    from sensing.simulated.scene import write_scene
 
     check_new_folder(out)
     if bop is not None:
@@ -69,9 +69,8 @@ def simulate_command(
 
 def _tour(scene: Scene, moves: str, out: Path) -> None:
     """The frames of a robot that goes where ``moves`` says."""
-    from geometry.files.move_files import read_moves
-    from sensing.simulated.robot import Robot
-    from sensing.simulated.robot_files import write_tour
+    from geometry.files.pose_files import read_moves
+    from sensing.simulated.robot import Robot, write_tour
 
     robot = Robot(scene)
     start = robot.world_from_camera

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
-from geometry.bodies.reach import reaches
-from geometry.poses.information import information
+from geometry.bodies.overlap import reaches
+from geometry.poses.reprojection import information
 from plogic.match.judged.freedom import LOOSE
 from plogic.match.judged.pose_information import sigmas
 from plogic.match.judged.rivals import solid_of
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from geometry.bodies.reach import Reach
+    from geometry.bodies.overlap import Reach
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.judged.expectation import Posed

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from geometry.frames import inverse, transform_points
-from geometry.visibility.behind import behind
+from geometry.visibility.rays import behind
 from kb.clouds.lobes import in_lobe
 from plogic.match.judged.crowding import shares
 from plogic.measures.explanatory import Support, tally

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.poses.information import information
+from geometry.poses.reprojection import information
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

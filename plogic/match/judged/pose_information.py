@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.poses.angled import WEIGHT, across, ends, reach
+from geometry.poses.reprojection import WEIGHT, across, ends, reach
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

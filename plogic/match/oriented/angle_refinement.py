@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.poses.angled import WEIGHT, across, ends, reach
 from geometry.poses.refine import Steps, refined_poses
+from geometry.poses.reprojection import WEIGHT, across, ends, reach
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

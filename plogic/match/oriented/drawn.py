@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.poses.information import information
+from geometry.poses.reprojection import information
 from plogic.match.gamma.data import centre_of
 from plogic.match.gamma.screen_angles import screen_angle, wrapped
 from plogic.match.judged.freedom import share_of

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.poses.restarts import random_starts
-from geometry.poses.softposit import Annealing, softposit
+from geometry.poses.softposit import Annealing, random_starts, softposit
 from plogic.base.clock import unhurried
 from plogic.match.plain.extended import extended, scene_of
 from plogic.match.plain.typed_pairs import FEWEST

@@ -120,7 +120,7 @@ class Scene:
         """The camera of one entry; its size is the picture's."""
         from geometry.camera import camera_from_dict
         from geometry.errors import CameraError
-        from geometry.files.camera_formats import from_bop_scene
+        from geometry.files.camera_files import from_bop_scene
 
         place = f"{self.folder / 'scene_camera.json'}: {im_id}"
         numbers(member(entry, "cam_K", place), 9, f"{place}.cam_K")

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.files.json_files import JsonError, json_of
-from geometry.files.plain_files import fault_of
+from geometry.files.plain_files import JsonError, fault_of, json_of
 from geometry.frames import from_rotation_translation
 from plogic.base.errors import InputError
 

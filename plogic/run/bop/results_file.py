@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.mistakes import told
+from geometry.errors import told
 from plogic.base.errors import InputError
 from plogic.run.bop.json_files import HIGHEST, MM, motion, number_of
 

@@ -21,7 +21,7 @@ from plogic.run.bop.json_files import MM
 from plogic.run.bop.matching import VISIBLE
 from plogic.run.bop.model_files import Kind, model_info, ply
 from sensing.files.whole_files import new_folder
-from sensing.simulated.scene_files import json_bytes, png
+from sensing.simulated.scene import json_bytes, png
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

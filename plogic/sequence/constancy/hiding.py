@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from geometry.frames import compose, inverse, transform_points
-from geometry.visibility.behind import behind
+from geometry.visibility.rays import behind
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

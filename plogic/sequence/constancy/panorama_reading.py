@@ -10,9 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, ValidationError
 
-from geometry.camera import Camera, camera_from_dict
-from geometry.camera_checks import camera_mistakes
-from geometry.files.json_files import JsonError, json_of
+from geometry.camera import Camera, camera_from_dict, camera_mistakes
+from geometry.files.plain_files import JsonError, json_of
 from geometry.frames import is_rigid
 from plogic.base.errors import InputError
 from plogic.sequence.constancy.sightings import SeenFeature, Sighting

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.frames import inverse, transform_points
-from geometry.visibility.behind import behind
+from geometry.visibility.rays import behind
 from kb.clouds.lobes import in_lobe
 
 if TYPE_CHECKING:

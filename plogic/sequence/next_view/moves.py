@@ -1,4 +1,4 @@
-"""Candidate camera moves: a ring around the scene's middle, all within a distance, or a list of one's own (``geometry.files.move_files``).
+"""Candidate camera moves: a ring around the scene's middle, all within a distance, or a list of one's own (``geometry.files.pose_files``).
 
 * ``Candidate``: a camera's pose by name, ``Candidate("ring 90°", reference_from_camera)``
 """

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.poses.information import information
 from geometry.poses.refine_sights import turned_step
+from geometry.poses.reprojection import information
 from plogic.base.bounds import LEAST
 from plogic.cycle.belief import Belief, Cycle
 from plogic.cycle.delta import delta_of, instances

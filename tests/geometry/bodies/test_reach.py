@@ -4,8 +4,7 @@ from geometry_bodies import at, box, bracket, random_rotations, wedge
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geometry.bodies.overlap import Solid, solid_overlap
-from geometry.bodies.reach import least_width, reach, reaches
+from geometry.bodies.overlap import Solid, least_width, reach, reaches, solid_overlap
 from geometry.frames import from_rotation_translation
 
 CUBE, BRICK, WEDGE = Solid(*box()), Solid(*box(0.8, 0.6, 1.3)), Solid(*wedge())

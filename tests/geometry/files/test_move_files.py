@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geometry.errors import GeometryError
-from geometry.files.move_files import read_moves
+from geometry.files.pose_files import read_moves
 from geometry.frames import inverse, look_at
 
 WORLD = inverse(look_at((3.0, 1.0, 2.0), (0.0, 0.0, 0.5)))

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.frames import from_rotation_translation, pose_error, transform_points
-from geometry.poses.posit_planar import posit_planar
+from geometry.poses.posit import posit_planar
 
 
 def scene(seed, count, points=5):

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, pose_error, transform_points
-from geometry.poses.information import information
 from geometry.poses.refine import refine_poses
+from geometry.poses.reprojection import information
 
 SEEDS = st.integers(0, 9999)
 COUNT = 24

@@ -4,8 +4,7 @@ from softposit_scenes import right, scene
 
 from geometry.errors import GeometryError
 from geometry.frames import transform_points
-from geometry.poses.restarts import random_starts, softposit_restarts
-from geometry.poses.softposit import softposit
+from geometry.poses.softposit import random_starts, softposit, softposit_restarts
 
 
 def test_with_types_most_random_starts_find_the_pose():

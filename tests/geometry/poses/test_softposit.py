@@ -6,8 +6,7 @@ from softposit_scenes import NEAR, off, right, scene
 
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, is_rigid, pose_error, transform_points
-from geometry.poses.restarts import random_starts
-from geometry.poses.softposit import Annealing, softposit
+from geometry.poses.softposit import Annealing, random_starts, softposit
 
 
 def from_near(seed, degrees=10.0, *, typed=False, **kwargs):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from softposit_scenes import PIXEL, off, scene
 
+from benchmarks.clutter.near import softposit_near
 from geometry.errors import GeometryError
 from geometry.frames import pose_error
 from geometry.poses.softposit import Annealing, softposit
-from geometry.poses.softposit_near import softposit_near
 
 
 def test_from_ten_degrees_and_three_percent_it_comes_home():

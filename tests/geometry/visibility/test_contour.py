@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.frames import from_rotation_translation, transform_points
-from geometry.visibility.contour import _inside, contour, union_by_contour, winding
-from geometry.visibility.outline import outline
+from geometry.visibility.outline import _inside, contour, outline, union_by_contour, winding
 
 BODIES = {
     "ball": lambda: trimesh.creation.icosphere(3),

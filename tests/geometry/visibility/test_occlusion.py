@@ -9,11 +9,9 @@ from geometry_bodies import CAMERA, LENS, at, bodies, box, bracket, posed, rando
 from geometry.bodies.overlap import overlap_volume
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation
-from geometry.visibility.behind import behind
-from geometry.visibility.occlusion import PosedSurface, drawn, occlusion
-from geometry.visibility.rays import RayMesh
+from geometry.visibility.occlusion import PosedSurface, drawn, occlusion, visible_fraction
+from geometry.visibility.rays import RayMesh, behind
 from geometry.visibility.roc import coarse, coarse_converse, converse
-from geometry.visibility.visible import visible_fraction
 
 
 def coarse_relation(*args, **options):

@@ -6,8 +6,7 @@ from geometry_bodies import at, bodies, box, bracket, random_rotations, wedge
 
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, inverse, look_at, transform_points
-from geometry.visibility.behind import behind
-from geometry.visibility.rays import RayMesh
+from geometry.visibility.rays import RayMesh, behind
 
 
 def moller_trumbore(vertices, triangles, origins, directions):

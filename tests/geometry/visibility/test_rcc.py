@@ -5,7 +5,7 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from geometry.visibility.rcc import rcc8, related
+from geometry.visibility.occlusion import rcc8, related
 from geometry.visibility.roc import RCC8, rcc_converse
 
 T = 0.25

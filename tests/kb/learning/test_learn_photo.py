@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 from made_meshes import write_box
 
+from benchmarks.tabletop.patterns import pattern
 from cli import cli
 from geometry.frames import inverse, look_at, transform_points
 from geometry.poses.register import centred_camera
@@ -22,7 +23,6 @@ from kb.learning.sides import INSIDE
 from kb.surfaces.surface import surface_from_mesh
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import render
-from sensing.simulated.patterns import pattern
 
 SIDES = np.array([0.12, 0.2, 0.08])
 EYE, MIDDLE = (0.45, 0.62, 0.42), SIDES / 2

@@ -10,7 +10,7 @@ import pytest
 from oriented_scenes import EASY, HARD, a_trial, clouds
 from scipy.spatial.transform import Rotation
 
-from geometry.poses.information import information
+from geometry.poses.reprojection import information
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import screen_angle
 from plogic.match.indices import SURE, search_of, settle, significant

@@ -11,8 +11,7 @@ from geometry.camera import Camera
 from geometry.errors import CameraError
 from geometry.frames import look_at, transform_points
 from sensing.appearance import Appearance, Gamma
-from sensing.files.stereo import Pair, fused
-from sensing.files.stereo_files import read_stereo
+from sensing.files.stereo import Pair, fused, read_stereo
 
 CAMERA = Camera(
     640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]), np.array([0.1, -0.05, 0.001, 0.002, 0.01])

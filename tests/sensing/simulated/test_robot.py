@@ -15,8 +15,7 @@ from sensing.errors import SceneError
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Sensor
 from sensing.simulated.lighting import Light
-from sensing.simulated.robot import Robot
-from sensing.simulated.robot_files import write_tour
+from sensing.simulated.robot import Robot, write_tour
 from sensing.simulated.scene import Scene, default_camera
 from sensing.simulated.surroundings import Surroundings
 

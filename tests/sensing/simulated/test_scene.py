@@ -11,10 +11,8 @@ from geometry.camera import camera_from_dict
 from geometry.frames import inverse, is_rigid, transform_points
 from sensing.errors import SceneError, SensingError
 from sensing.simulated.body import Body, TexturedMesh
-from sensing.simulated.decoys import box, random_decoy, wedge
 from sensing.simulated.meshes import read_mesh
-from sensing.simulated.scene import random_scene
-from sensing.simulated.scene_files import truth_to_dict, write_scene
+from sensing.simulated.scene import box, random_decoy, random_scene, truth_to_dict, wedge, write_scene
 from sensing.simulated.settle import settle
 
 

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from benchmarks.tabletop.patterns import pattern
+from benchmarks.tabletop.rgbd_sensor import sensed
 from sensing.errors import SceneError
 from sensing.simulated.camera import Rendering
-from sensing.simulated.patterns import pattern
 from sensing.simulated.raycast import Caster
-from sensing.simulated.rgbd_sensor import sensed
 from sensing.simulated.surroundings import Surroundings
 from sensing.simulated.texture_pyramid import TexturePyramid
 
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from benchmarks.tabletop.rgbd_sensor import RgbdSensor
     from geometry.camera import Camera
     from sensing.simulated.body import Body
     from sensing.simulated.lighting import Light
-    from sensing.simulated.rgbd_sensor import RgbdSensor
 
 Colour = tuple[float, float, float]
 TEXELS = 1536

@@ -3,31 +3,51 @@
 * ``recognition_scene([("cracker", mesh), ...], seed=5000, hard=0.5)``
 
 Seeds 0 to 59 are the benchmark's (``plogic bench recognition``). Develop on seeds from 5000 on.
+
+How much of each body a camera sees, by rays: the share of its own picture that the others leave visible.
+
+Putting things down on a table: a side of chance below, close together but apart, then physics brings them to rest.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from benchmarks.tabletop.patterns import random_package
+from benchmarks.tabletop.rgbd_sensor import RgbdSensor, random_sensor
+from benchmarks.tabletop.table import Table, photographed
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at, transform_points
+from geometry.visibility.rays import RayMesh
 from sensing.errors import SceneError
+from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.lighting import Light
-from sensing.simulated.printed import random_package
-from sensing.simulated.putting_down import put_down
-from sensing.simulated.rgbd_sensor import RgbdSensor, random_sensor
 from sensing.simulated.scene import Scene
-from sensing.simulated.seen import bounds, seen_fractions
-from sensing.simulated.table import Table, photographed
+from sensing.simulated.settle import settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from sensing.simulated.body import Body, TexturedMesh
+    from numpy.typing import NDArray
+
     from sensing.simulated.camera import Rendering
+
+UPRIGHT = 0.6
+"""Share of the things that stand as their mesh does; the others lie on a side of chance."""
+GAP = 0.006
+"""Metres between two footprints before the physics."""
+TRIES = 40
+GRAIN = 0.002
+"""Metres that a hull may miss: one of thousands of corners takes long and is no better."""
+FLOATING = 0.006
+
+
+STEP = 2
+"""Pixels between neighbouring rays."""
+
 
 FOCAL = (500.0, 620.0)
 DISTANCE = (0.5, 1.2)
@@ -180,3 +200,106 @@ def _table(rng: np.random.Generator, camera: Camera, hard: float) -> Table:
 
 def _named(rng: np.random.Generator, chances: dict[str, float]) -> str:
     return str(rng.choice(list(chances), p=list(chances.values())))
+
+
+def seen_fractions(bodies: Sequence[Body], camera: Camera) -> tuple[float, ...]:
+    """Per body: what is seen of it over what would be seen of it alone, both within the image; 0 where it is not in the image."""
+    columns, rows = np.arange(0, camera.width, STEP), np.arange(0, camera.height, STEP)
+    pixels = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+    rays = np.c_[pixels, np.ones(len(pixels))] @ np.linalg.inv(camera.K).T
+    depths = np.stack([_depths(body, camera, pixels, rays) for body in bodies])
+    alone = np.isfinite(depths).sum(axis=1)
+    first = np.where(np.isfinite(depths).any(axis=0), depths.argmin(axis=0), -1)
+    return tuple(float((first == i).sum() / n) if n else 0.0 for i, n in enumerate(alone))
+
+
+def bounds(body: Body, camera: Camera) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The least and the greatest (2,) pixel of the body's picture; not finite where some of it is behind the camera."""
+    uv = camera.project(transform_points(inverse(np.asarray(camera.world_from_camera)), body.vertices_world))
+    if not np.isfinite(uv).all():
+        return np.full(2, -np.inf), np.full(2, np.inf)
+    return uv.min(axis=0), uv.max(axis=0)
+
+
+def _depths(body: Body, camera: Camera, pixels: NDArray[np.int64], rays: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N,) distances to this body alone; inf for none."""
+    low, high = bounds(body, camera)
+    near = ((pixels >= low - 1) & (pixels <= high + 1)).all(axis=1)
+    found = np.full(len(pixels), np.inf)
+    if near.any():
+        mesh = RayMesh(body.vertices_world, body.mesh.triangles)
+        pose = np.asarray(camera.world_from_camera)
+        found[near] = mesh.first_hit(pose[None, :3, 3], rays[near] @ pose[:3, :3].T)
+    return found
+
+
+def put_down(
+    things: Sequence[tuple[str | None, TexturedMesh]], rng: np.random.Generator, spread: float
+) -> tuple[Body, ...] | None:
+    """The things at rest around the origin, ``spread`` metres and more about it; None where there is no room or no rest."""
+    placed: list[Body] = []
+    for label, mesh in things:
+        body = _beside(placed, label, mesh, rng, spread)
+        if body is None:
+            return None
+        placed.append(body)
+    proxies = [replace(body, mesh=hull(body.mesh)) for body in placed]
+    try:
+        rested = settle(proxies, int(rng.integers(2**31)), drop=0.004)
+    except SceneError:
+        return None
+    return tuple(
+        _grounded(replace(body, world_from_body=r.world_from_body)) for body, r in zip(placed, rested, strict=True)
+    )
+
+
+def hull(mesh: TexturedMesh) -> TexturedMesh:
+    """The convex hull, of corners at least 2 mm apart: what the physics takes the thing for, concave or not."""
+    from scipy.spatial import ConvexHull
+
+    points = np.unique(np.round(mesh.vertices[ConvexHull(mesh.vertices).vertices] / GRAIN), axis=0) * GRAIN
+    corners = points[ConvexHull(points).vertices]
+    return TexturedMesh(corners, ConvexHull(corners).simplices)
+
+
+def _beside(
+    placed: Sequence[Body], label: str | None, mesh: TexturedMesh, rng: np.random.Generator, spread: float
+) -> Body | None:
+    """The mesh at a place where its footprint is free; the circle around the origin grows with every try."""
+    from shapely import MultiPoint
+
+    prints = [MultiPoint(b.vertices_world[:, :2]).convex_hull for b in placed]
+    for i in range(TRIES):
+        reach = spread * (0.5 + i / TRIES)
+        pose = _standing(mesh, rng, rng.uniform(-reach, reach, 2))
+        body = Body(label, mesh, pose)
+        own = MultiPoint(body.vertices_world[:, :2]).convex_hull
+        if all(own.distance(other) > GAP for other in prints):
+            return body
+    return None
+
+
+def _standing(mesh: TexturedMesh, rng: np.random.Generator, at: NDArray[np.float64]) -> NDArray[np.float64]:
+    """World pose with one of the six sides below, turned about the vertical by chance, its box's middle over ``at`` (2,)."""
+    from scipy.spatial.transform import Rotation
+
+    down = Rotation.identity()
+    if rng.random() > UPRIGHT:
+        axis, turns = ("x", (90, 180, 270)) if rng.random() < 0.6 else ("y", (90, 270))
+        down = Rotation.from_euler(axis, float(rng.choice(turns)), degrees=True)
+    pose = np.eye(4)
+    pose[:3, :3] = (Rotation.from_euler("z", rng.uniform(0, 360), degrees=True) * down).as_matrix()
+    points = mesh.vertices @ pose[:3, :3].T
+    low, high = points.min(axis=0), points.max(axis=0)
+    pose[:3, 3] = (*(at - (low + high)[:2] / 2), -low[2])
+    return pose
+
+
+def _grounded(body: Body) -> Body:
+    """Set on the floor what the physics' margins left a little above or below it."""
+    lowest = float(body.vertices_world[:, 2].min())
+    if abs(lowest) > FLOATING:
+        return body
+    pose = body.world_from_body.copy()
+    pose[2, 3] -= lowest
+    return replace(body, world_from_body=pose)

@@ -7,20 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.tabletop.patterns import PATTERNS, pattern, printed_box, printed_can, random_package, words
+from benchmarks.tabletop.rgbd_sensor import RgbdSensor, _streak, random_sensor, sensed
+from benchmarks.tabletop.scene import bounds, hull, recognition_scene, seen_fractions
+from benchmarks.tabletop.table import Table, photographed
 from geometry.camera import Camera
 from geometry.frames import inverse, is_rigid, look_at, transform_points
 from sensing.errors import SceneError
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.lighting import Light
-from sensing.simulated.patterns import PATTERNS, pattern, words
-from sensing.simulated.printed import printed_box, printed_can, random_package
-from sensing.simulated.putting_down import hull
 from sensing.simulated.raycast import corner_normals
-from sensing.simulated.rgbd_sensor import RgbdSensor, _streak, random_sensor, sensed
-from sensing.simulated.scene_files import truth_to_dict
-from sensing.simulated.seen import bounds, seen_fractions
-from sensing.simulated.table import Table, photographed
-from sensing.simulated.tabletop import recognition_scene
+from sensing.simulated.scene import truth_to_dict
 from sensing.simulated.texture_pyramid import TexturePyramid
 
 YCB = Path(__file__).resolve().parents[3].parent / "shared" / "data" / "ycb"
