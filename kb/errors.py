@@ -6,7 +6,7 @@
     └── KBError                 anything of this package
         ├── TreeError           a tree that breaks A1-A3 or D1-D3; names the node
         ├── SurfaceError        a mesh without facets or extent, or no mesh at all
-        ├── CloudError          a learnt cloud, or a vocabulary of visual words, that cannot be read
+        ├── CloudError          a learned cloud, or a vocabulary of visual words, that cannot be read
         ├── IntakeError         a mesh, robot or model file that no type can be made of; names the file
         └── KBErrors            a folder's mistakes, all of them; str() gives a line each, of the first 100
 """
@@ -35,7 +35,7 @@ class SurfaceError(KBError):
 
 
 class CloudError(KBError):
-    """A learnt cloud, or a vocabulary of visual words, that cannot be read."""
+    """A learned cloud, or a vocabulary of visual words, that cannot be read."""
 
 
 class IntakeError(KBError):

@@ -1,4 +1,4 @@
-"""``plogic bench box``: a real cookie box, learnt from one photo, found in twenty frames of a hand-held video, against hand-marked corners.
+"""``plogic bench box``: a real cookie box, learned from one photo, found in twenty frames of a hand-held video, against hand-marked corners.
 
 The data is that of ``../shared/data`` (its README says whose), the clicked points and the marked corners of
 ``tests/scenes/box``; where either is absent the benchmark says so and fails. ``--quick`` leaves the ten YCB types out
@@ -68,14 +68,14 @@ def run(
 ) -> tuple[str, bool]:
     """Learn, look at every frame, judge; draw the frame of the greatest drop into ``picture``.
 
-    Raises InputError where the data is not there or the types cannot be learnt, SensingError where the picture cannot
+    Raises InputError where the data is not there or the types cannot be learned, SensingError where the picture cannot
     be written.
     """
     absent = [str(place) for place in (DATA / "photo.jpg", MARKS / "frame_corners.json") if not place.is_file()]
     if absent:
         raise InputError(f"bench box: needs {' and '.join(absent)}, not there")
     with tempfile.TemporaryDirectory(prefix="plogic-box-") as folder:
-        kb = learnt(Path(folder) / "kb", seed, quick=quick, say=say)
+        kb = learned(Path(folder) / "kb", seed, quick=quick, say=say)
         answers = answered(kb, say)
         if picture is not None:
             from sensing.files.whole_files import write_whole
@@ -91,7 +91,7 @@ def run(
     )
 
 
-def learnt(folder: Path, seed: int, *, quick: bool, say: Callable[[str], None]) -> KnowledgeBase:
+def learned(folder: Path, seed: int, *, quick: bool, say: Callable[[str], None]) -> KnowledgeBase:
     """A knowledge base of the box from its photo and, unless ``quick``, the YCB types. Raises InputError where these are not there."""
     from benchmarks.recognition.kb import LEARNING, learn_into
     from benchmarks.recognition.scenes import ycb_meshes

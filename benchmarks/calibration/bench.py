@@ -1,6 +1,6 @@
 """``plogic bench calibration``: whether probabilities mean what they say, of the posterior reading and of P(ev), side by side.
 
-Rates are learnt on some scenes as ``plogic kb learn-rates`` learns them, and what perception then says is compared with
+Rates are learned on some scenes as ``plogic kb learn-rates`` learns them, and what perception then says is compared with
 the truth on others. ``--quick``: fewer scenes, which promise fewer hypotheses. ``--picture FILE``: the reliability
 diagram, an SVG.
 """
@@ -33,7 +33,7 @@ SAID_EVERY = 20
 
 @dataclass(frozen=True)
 class Plan:
-    """How many scenes are learnt from, and how many are judged."""
+    """How many scenes are learned from, and how many are judged."""
 
     training: int = 300
     judged: int = 600
@@ -60,8 +60,8 @@ def forecasts(world: World, seed: int, plan: Plan, say: Callable[[str], None]) -
     """Learn, and forecast on scenes that learning never saw."""
     from plogic.run.perceive import Perceiver
 
-    kb = learnt_on(world, range(FIRST_OF_TRAINING + STEP * seed, FIRST_OF_TRAINING + STEP * seed + plan.training))
-    say(f"rates learnt on {plan.training} scenes")
+    kb = learned_on(world, range(FIRST_OF_TRAINING + STEP * seed, FIRST_OF_TRAINING + STEP * seed + plan.training))
+    say(f"rates learned on {plan.training} scenes")
     perceiver, found = Perceiver(kb), []
     for i in range(plan.judged):
         found += forecasts_of(perceiver, scene(world, STEP * seed + i), i)
@@ -70,14 +70,14 @@ def forecasts(world: World, seed: int, plan: Plan, say: Callable[[str], None]) -
     return found
 
 
-def learnt_on(world: World, seeds: range) -> KnowledgeBase:
+def learned_on(world: World, seeds: range) -> KnowledgeBase:
     """Σ with hit rates, clutter and priors from the scenes of these seeds, by what ``plogic kb learn-rates`` learns them with."""
     from plogic.match.gamma.data import data_of
-    from plogic.rates.estimates import counted, learnt
+    from plogic.rates.estimates import counted, learned
     from plogic.rates.scene_records import record_in
 
     records = []
     for seed in seeds:
         known = scene(world, seed)
         records.append(record_in(known.truth, data_of(known.gamma.appearances, known.gamma.camera), world.kb))
-    return replace(world.kb, rates=learnt(counted(records), world.kb.rates))
+    return replace(world.kb, rates=learned(counted(records), world.kb.rates))

@@ -41,7 +41,7 @@ FAMILIES, SIBLINGS, FEATURES, LOOKS = 4, 3, 60, 20
 OWN = 0.12
 """Share of its features that a sibling redraws the looks of."""
 DETECTOR = Detector("poor", 0.5, 1.0, float(np.radians(8.0)))
-"""What perception is told before it has learnt: half of what is in view is reported, one pixel and eight degrees
+"""What perception is told before it has learned: half of what is in view is reported, one pixel and eight degrees
 off."""
 HIT = 0.2, 0.7
 """Least and greatest true hit rate of a look."""

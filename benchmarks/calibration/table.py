@@ -32,7 +32,7 @@ ECE, FEWEST, FEWEST_OPEN = 0.05, 1000, 200
 OPEN = 0.05, 0.95
 """Probabilities between these leave a question open."""
 CAPTION = f"""\
-Hypotheses about scenes of bodies that look alike, seen poorly and in clutter; rates learnt on other scenes. among: gate, all poses that passed
+Hypotheses about scenes of bodies that look alike, seen poorly and in clutter; rates learned on other scenes. among: gate, all poses that passed
 the geometric gate, duplicates merged, nothing accepted or rejected; cycle, what perception accepted and its rivals. true: right type,
 and pose within the tolerance of duplicates. open: probabilities from {OPEN[0]} to {OPEN[1]}. skill: of the Brier score, over the base rate.
 log loss: no forecast surer than {LEAST:g}. ECE: {BINS} bins of equal mass; low, high: its 95 % interval, scenes drawn anew. The second

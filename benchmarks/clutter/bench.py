@@ -1,6 +1,6 @@
 """``plogic bench clutter``: one object of a hundred types, or of a thousand, among a thousand appearances, beside peers in the same run.
 
-A third of the trials are of types made of what was learnt from the YCB meshes; where these are not there those trials
+A third of the trials are of types made of what was learned from the YCB meshes; where these are not there those trials
 are left out, and the table says so. ``--quick``: ten trials a row, peers asked in three of them, one row less.
 """
 
@@ -20,7 +20,7 @@ from benchmarks.clutter.peers import there
 from benchmarks.clutter.scenes import PLAN, Case, Trial, trial
 from benchmarks.clutter.table import ACCEPTED, CAPTION, OURS, TOLD, Outcome, claims, judged, rows
 from benchmarks.clutter.told import told
-from benchmarks.clutter.types import learnt_types, random_types, with_learnt
+from benchmarks.clutter.types import learned_types, random_types, with_learned
 from benchmarks.recognition.score import Found
 from benchmarks.shared.claims import report
 from benchmarks.shared.processor import processor_seconds
@@ -36,12 +36,12 @@ if TYPE_CHECKING:
     from sensing.appearance import Gamma
 
 TRIALS, QUICK_TRIALS = 200, 10
-LEARNT_EVERY = 3
-"""Every third trial, from the first on, is of a learnt type."""
+LEARNED_EVERY = 3
+"""Every third trial, from the first on, is of a learned type."""
 PEER_TRIALS, QUICK_PEER_TRIALS = 10, 3
 """Trials of a row in which peers are asked."""
 SEEN_FROM = float(np.radians(80.0))
-"""Half angle of the lobes, the least of learnt ones: 'about 20 of its own' of 100 features, 60 % detected."""
+"""Half angle of the lobes, the least of learned ones: 'about 20 of its own' of 100 features, 60 % detected."""
 NEAR_CASES = PLAN[0], PLAN[2]
 """Of 100 types and 300 appearance types, easy and hard."""
 BUDGET = 2.0
@@ -65,27 +65,27 @@ QUICK = Plan(PLAN[:-1], QUICK_TRIALS, QUICK_PEER_TRIALS)
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """The trials of a case: in one knowledge base, of ``learnt`` types and of the ``others``."""
+    """The trials of a case: in one knowledge base, of ``learned`` types and of the ``others``."""
 
     case: Case
     kb: KnowledgeBase
-    learnt: Sequence[ObjectType]
+    learned: Sequence[ObjectType]
     others: Sequence[ObjectType]
 
     def numbers(self, trials: int) -> list[int]:
         """Of so many trials those that there can be."""
-        return [number for number in range(trials) if self.learnt or not of_learnt(number)]
+        return [number for number in range(trials) if self.learned or not of_learned(number)]
 
     def trial(self, seed: int, number: int) -> Trial:
         """The trial of this number: the same type at the same pose whatever the detector."""
-        kinds = self.learnt if of_learnt(number) else self.others
+        kinds = self.learned if of_learned(number) else self.others
         rng = np.random.default_rng([seed, self.case.types, self.case.appearance_types, 1 + number])
         return trial(kinds[int(rng.integers(len(kinds)))], self.kb, self.case.detector, rng, self.case.appearances)
 
 
-def of_learnt(number: int) -> bool:
-    """Whether the trial of this number is of a learnt type."""
-    return number % LEARNT_EVERY == 0
+def of_learned(number: int) -> bool:
+    """Whether the trial of this number is of a learned type."""
+    return number % LEARNED_EVERY == 0
 
 
 def run(
@@ -100,21 +100,21 @@ def run(
 ) -> tuple[str, bool]:
     """Run the benchmark; a line of progress a trial on ``say``. ``limit``: most seconds that a peer may take a trial.
 
-    ``learn`` gives the knowledge base of learnt types (by default that of the YCB meshes), None where there is none.
+    ``learn`` gives the knowledge base of learned types (by default that of the YCB meshes), None where there is none.
     """  # fmt: skip
     plan = plan or (QUICK if quick else Plan())
-    learnt = (learn or learnt_kb)(say, seed)
+    learned = (learn or learned_kb)(say, seed)
     peers, seconds = there(say), min(limit, plan.budget)
     outcomes: list[Outcome] = []
     refined: list[Refined] = []
     builds: dict[Case, float] = {}
     for case in plan.cases:
-        series = series_of(case, learnt, seed)
+        series = series_of(case, learned, seed)
         perceiver, builds[case] = _built(series.kb)
         say(f"{case}: made ready in {builds[case]:.1f} s")
         outcomes += _of_case(series, perceiver, seed, peers, replace(plan, budget=seconds), say)
         refined += _near(series, perceiver, seed, plan, say)
-    left_out = "" if learnt is not None else "\nThere are no learnt types: their trials are left out."
+    left_out = "" if learned is not None else "\nThere are no learned types: their trials are left out."
     more = {"near": near_rows(refined)} if refined else {}
     text, met = report("clutter", rows(outcomes, builds), claims(outcomes), as_json=as_json, more=more)
     return (text if as_json else f"{CAPTION}\n{NEAR_CAPTION}{left_out}\n\n{text}"), met
@@ -141,8 +141,8 @@ def _near(series: Series, perceiver: Perceiver, seed: int, plan: Plan, say: Call
     return outcomes
 
 
-def learnt_kb(say: Callable[[str], None], seed: int = 0) -> KnowledgeBase | None:
-    """The ten YCB types, learnt as ``plogic bench recognition`` learns them; None where they cannot be."""
+def learned_kb(say: Callable[[str], None], seed: int = 0) -> KnowledgeBase | None:
+    """The ten YCB types, learned as ``plogic bench recognition`` learns them; None where they cannot be."""
     from benchmarks.recognition.kb import learn_into
     from benchmarks.recognition.scenes import ycb_meshes
     from kb.files.read import read_kb
@@ -151,17 +151,17 @@ def learnt_kb(say: Callable[[str], None], seed: int = 0) -> KnowledgeBase | None
         try:
             learn_into(Path(folder) / "kb", ycb_meshes(), say, seed)
         except InputError as error:
-            say(f"no trials of learnt types: {error}")
+            say(f"no trials of learned types: {error}")
             return None
         return read_kb(Path(folder) / "kb")
 
 
-def series_of(case: Case, learnt: KnowledgeBase | None, seed: int) -> Series:
-    """Random types, and learnt ones, if there are any, that stand for some of them."""
+def series_of(case: Case, learned: KnowledgeBase | None, seed: int) -> Series:
+    """Random types, and learned ones, if there are any, that stand for some of them."""
     rng = np.random.default_rng([seed, case.types, case.appearance_types])
     kb = random_types(case.types, case.features, case.appearance_types, rng, case.detector, case.appearances, SEEN_FROM)
-    kinds = () if learnt is None else learnt_types(learnt, case.features, case.appearance_types, SEEN_FROM)
-    kb = with_learnt(kb, kinds, case.detector, case.appearances)
+    kinds = () if learned is None else learned_types(learned, case.features, case.appearance_types, SEEN_FROM)
+    kb = with_learned(kb, kinds, case.detector, case.appearances)
     return Series(case, kb, kinds, kb.types[len(kinds) :])
 
 
@@ -180,9 +180,9 @@ def answered(
     for who, ask in asked.items():
         start = processor_seconds()
         answers[who] = ask(), processor_seconds() - start
-    learnt, own = of_learnt(which[1]), len(posed.causes)
+    learned, own = of_learned(which[1]), len(posed.causes)
     return [
-        Outcome(series.case, who, learnt, own, *judged(found, posed.truth), taken)
+        Outcome(series.case, who, learned, own, *judged(found, posed.truth), taken)
         for who, (found, taken) in answers.items()
     ]
 

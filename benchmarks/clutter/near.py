@@ -23,7 +23,7 @@ from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
 from geometry.poses.softposit import Annealing, SoftPositResult, softposit
 from plogic.match.gamma.data import data_of
 from plogic.match.indices import search_of, settle
-from plogic.match.learned.learned_index import LearntIndex
+from plogic.match.learned.learned_index import LearnedIndex
 from plogic.match.oriented.climb import climbed
 from plogic.match.oriented.oriented_search import USUAL
 from plogic.match.oriented.upright import poses_turned
@@ -123,7 +123,7 @@ def _climbed(posed: Trial, perceiver: Perceiver, data: Data, start: Floats, _: f
 def _soft(posed: Trial, perceiver: Perceiver, data: Data, start: Floats, off: float) -> Floats | None:
     """None where it does not converge."""
     type_index = perceiver.indices[posed.truth.type]
-    if isinstance(type_index, LearntIndex):
+    if isinstance(type_index, LearnedIndex):
         return None
     camera, kb, pairs = data.camera, perceiver.kb, pairs_of(type_index, data)
     allowed, xy = pairs.mask(len(data.ids)), camera.normalised(data.uv)

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 OURS, ACCEPTED, TOLD = "ours", "accepted", "told"
 CAPTION = """\
-One object of `types` types among clutter. looks: appearance types in all; own: the object's own data in Γ, mean; learnt: trials whose object is
-made of what was learnt from a mesh, and poses right of these. identity: the answer is of the right type; pose: and it stands right, within 5
+One object of `types` types among clutter. looks: appearance types in all; own: the object's own data in Γ, mean; learned: trials whose object is
+made of what was learned from a mesh, and poses right of these. identity: the answer is of the right type; pose: and it stands right, within 5
 degrees and 5 % of the distance, both as shares of all trials. ours: the best object accepted or, where none is, the best hypothesis, for there
 is one, and the peers are asked alike; accepted: what is accepted alone. false: trials with an object that is not there, of another type or a
 second one. Seconds are of the processor, all threads together; build: seconds once a knowledge base; it is in no trial's
@@ -33,7 +33,7 @@ trial as are behind their names, use them, and are asked in the first trials of 
 SoftPOSIT: from random starts; poselib: its LO-RANSAC; each type by type, on typed correspondences."""
 IDENTITY, POSE, HARD_IDENTITY, HARD_POSE = 0.95, 0.95, 0.95, 0.75
 SECONDS, SLOWER = 1.0, 3.0
-LEARNT = 0.33
+LEARNED = 0.33
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Outcome:
 
     case: Case
     who: str
-    learnt: bool
+    learned: bool
     own: int
     identity: bool
     pose: bool
@@ -66,7 +66,7 @@ def rows(outcomes: Sequence[Outcome], builds: Mapping[Case, float]) -> list[dict
 
 
 def _row(mine: Sequence[Outcome], builds: Mapping[Case, float]) -> dict[str, Any]:
-    case, who, learnt, seconds = mine[0].case, mine[0].who, [o for o in mine if o.learnt], [o.seconds for o in mine]
+    case, who, learned, seconds = mine[0].case, mine[0].who, [o for o in mine if o.learned], [o.seconds for o in mine]
     return {
         "case": case.detector.name,
         "types": case.types,
@@ -76,7 +76,7 @@ def _row(mine: Sequence[Outcome], builds: Mapping[Case, float]) -> dict[str, Any
         "own": round(sum(o.own for o in mine) / len(mine), 1),
         "identity": share(o.identity for o in mine),
         "pose": share(o.pose for o in mine),
-        "learnt": f"{sum(o.pose for o in learnt)}/{len(learnt)}",
+        "learned": f"{sum(o.pose for o in learned)}/{len(learned)}",
         "median s": round(median(seconds), 3),
         "p95 s": round(float(np.percentile(seconds, 95)), 3),
         "false": sum(o.false for o in mine),
@@ -98,10 +98,10 @@ def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
     return [
         *listed,
         Claim(
-            "share of the trials with clouds learnt from meshes",
+            "share of the trials with clouds learned from meshes",
             ">=",
-            LEARNT,
-            sum(o.learnt for o in mine) / max(len(mine), 1),
+            LEARNED,
+            sum(o.learned for o in mine) / max(len(mine), 1),
         ),
     ]
 

@@ -1,4 +1,4 @@
-"""The types of ``plogic bench clutter``: random clouds on convex bodies, and clouds made of what was learnt from meshes.
+"""The types of ``plogic bench clutter``: random clouds on convex bodies, and clouds made of what was learned from meshes.
 
 * ``Detector``: how well features are seen, ``Detector("easy", hit=0.6, sigma=1.0, turn=0.087)``
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
 
     Floats = NDArray[np.float64]
 
@@ -36,16 +36,16 @@ DIAMETER = 0.1, 0.3
 SQUARE = 2.0, 6.0
 """Exponents of random bodies: 2 is an ellipsoid, 6 nearly a box."""
 HALF_ANGLE, LEAST_HALF_ANGLE = np.radians(75.0), np.radians(75.0)
-"""Of the lobes of random features, and the least of learnt ones, where nothing else is asked for.
+"""Of the lobes of random features, and the least of learned ones, where nothing else is asked for.
 
 Narrower lobes leave the pose open even to somebody who is told the correspondences (the table's row ``told``), and so
 do smaller pictures."""
 RANGE = 0.05, 20.0
 """Metres from which features are seen: more than any trial needs."""
 DIRECTIONS = 40
-"""Over which learnt features are spread."""
+"""Over which learned features are spread."""
 APART = 0.02
-"""Least distance of two learnt features of a type, as a share of its diameter."""
+"""Least distance of two learned features of a type, as a share of its diameter."""
 SLACK = 0.004
 """Share of the diameter within which a surface does not hide its own features, as in the engine."""
 
@@ -84,7 +84,7 @@ def type_names(count: int) -> tuple[str, ...]:
 def knowledge_base(
     types: Sequence[ObjectType], names: tuple[str, ...], detector: Detector, appearances: int = APPEARANCES
 ) -> KnowledgeBase:
-    """Σ of these types for images of so many appearances, with the statistics of the detector, as they would be learnt from such images."""
+    """Σ of these types for images of so many appearances, with the statistics of the detector, as they would be learned from such images."""
     rates = Rates(
         hit=dict.fromkeys(names, detector.hit),
         clutter=dict.fromkeys(names, appearances / len(names)),
@@ -96,25 +96,27 @@ def knowledge_base(
     return KnowledgeBase("clutter", tuple(types), names, rates, F_REF, "", _digest(types, rates))
 
 
-def learnt_types(
+def learned_types(
     kb: KnowledgeBase, features: int, appearance_types: int, least: float = LEAST_HALF_ANGLE
 ) -> tuple[ObjectType, ...]:
-    """Of each learnt type one like a type written by hand, of up to ``features`` of its keypoints: the surest, spread over the directions of view.
+    """Of each learned type one like a type written by hand, of up to ``features`` of its keypoints: the surest, spread over the directions of view.
 
     A feature's z axis is the lobe's, its x axis the keypoint's direction; its appearance type is that of its visual
     word, modulo their number.
     """
     names = type_names(appearance_types)
     return tuple(
-        _of_learnt(kind, kind.learnt.keypoints, features, names, least) for kind in kb.types if kind.learnt is not None
+        _of_learned(kind, kind.learned.keypoints, features, names, least)
+        for kind in kb.types
+        if kind.learned is not None
     )
 
 
-def with_learnt(
-    kb: KnowledgeBase, learnt: Sequence[ObjectType], detector: Detector, appearances: int = APPEARANCES
+def with_learned(
+    kb: KnowledgeBase, learned: Sequence[ObjectType], detector: Detector, appearances: int = APPEARANCES
 ) -> KnowledgeBase:
-    """The learnt types, and as many of the random ones as make up the number."""
-    types = (*learnt, *kb.types)[: max(len(kb.types), len(learnt))]
+    """The learned types, and as many of the random ones as make up the number."""
+    types = (*learned, *kb.types)[: max(len(kb.types), len(learned))]
     return knowledge_base(types, kb.appearance_types, detector, appearances)
 
 
@@ -181,7 +183,9 @@ def made(
     return ObjectType(name, tree, features, features, surface, opaque=True, symmetries=np.eye(4)[None])
 
 
-def _of_learnt(kind: ObjectType, cloud: LearntCloud, features: int, names: tuple[str, ...], least: float) -> ObjectType:
+def _of_learned(
+    kind: ObjectType, cloud: LearnedCloud, features: int, names: tuple[str, ...], least: float
+) -> ObjectType:
     lobes = np.array(list(islice(_spread(cloud, kind.surface), features)), np.intp)
     frames = np.array(
         [_frame(cloud.axis[lobe] / np.linalg.norm(cloud.axis[lobe]), cloud.up[lobe]) for lobe in lobes]
@@ -197,7 +201,7 @@ def _of_learnt(kind: ObjectType, cloud: LearntCloud, features: int, names: tuple
     )
 
 
-def _spread(cloud: LearntCloud, surface: Surface | None) -> Iterator[int]:
+def _spread(cloud: LearnedCloud, surface: Surface | None) -> Iterator[int]:
     """Lobes, one a feature: the surest of each direction, then the second of each, and so on; no two at one place, none that is always hidden."""
     size = float(np.linalg.norm(np.ptp(cloud.at, axis=0))) if surface is None else surface.diameter
     taken = np.zeros((0, 3))
@@ -212,7 +216,7 @@ def _spread(cloud: LearntCloud, surface: Surface | None) -> Iterator[int]:
             yield lobe
 
 
-def _by_turns(cloud: LearntCloud) -> list[int]:
+def _by_turns(cloud: LearnedCloud) -> list[int]:
     """Each feature's surest lobe, one of each direction in turn, the surest first, of equally sure ones the wider."""
     order = np.lexsort((-cloud.half_angle, -cloud.hit))
     first = order[np.sort(np.unique(cloud.feature[order], return_index=True)[1])]

@@ -83,7 +83,7 @@ class _Standing(NamedTuple):
 
 
 def constancy_kb(seed: int) -> KnowledgeBase:
-    """Σ: polyhedra, with the detector's statistics as they would be learnt; clutter has a rate of its own for each look."""
+    """Σ: polyhedra, with the detector's statistics as they would be learned; clutter has a rate of its own for each look."""
     rng = np.random.default_rng([seed, NUMBER, TYPES])
     names = type_names(LOOKS)
     kb = knowledge_base([polyhedron(f"p{i}", names, rng) for i in range(TYPES)], names, DETECTOR)

@@ -1,6 +1,6 @@
 """``plogic bench many``: scenes of five to ten objects, partly one behind another, of a knowledge base of fifty types, beside a peer; and of more.
 
-Half of the types are polyhedra, half are made of what was learnt from the YCB meshes; where these are not there all are
+Half of the types are polyhedra, half are made of what was learned from the YCB meshes; where these are not there all are
 polyhedra, and the text says so. ``--quick``: few scenes.
 """
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from benchmarks.clutter.bench import learnt_kb, ours
+from benchmarks.clutter.bench import learned_kb, ours
 from benchmarks.clutter.scenes import Trial
 from benchmarks.clutter.told import told
 from benchmarks.many.placing import CROWD
@@ -53,17 +53,17 @@ def run(
     quick: bool,
     as_json: bool,
     say: Callable[[str], None],
-    learn: Callable[[Callable[[str], None], int], KnowledgeBase | None] = learnt_kb,
+    learn: Callable[[Callable[[str], None], int], KnowledgeBase | None] = learned_kb,
     scenes: int | None = None,
 ) -> tuple[str, bool]:
     """Run the benchmark; a line of progress a scene on ``say``. ``limit``: seconds that the peer may take a scene.
 
-    ``learn`` gives the knowledge base of learnt types (by default that of the YCB meshes), None where there is none.
+    ``learn`` gives the knowledge base of learned types (by default that of the YCB meshes), None where there is none.
     """
     from plogic.run.perceive import Perceiver
 
-    learnt = learn(say, seed)
-    kb = many_kb(learnt, seed)
+    learned = learn(say, seed)
+    kb = many_kb(learned, seed)
     perceiver = Perceiver(kb)
     count = scenes or (QUICK_SCENES if quick else SCENES)
     peer = find_spec("poselib") is not None
@@ -77,7 +77,7 @@ def run(
     for i in range(QUICK_CROWDS if quick or scenes else CROWDS):
         crowds.append(_ours(perceiver, scene(kb, CROWDS * seed + i, CROWD)))
         say(f"crowd {_told_of(CROWDS * seed + i, crowds[-1])}")
-    return _judgement(cases, crowds, kb, learnt, as_json=as_json)
+    return _judgement(cases, crowds, kb, learned, as_json=as_json)
 
 
 def case(perceiver: Perceiver, seed: int, limit: float | None) -> Case:
@@ -115,7 +115,7 @@ def _answer(posed: Scene, kb: KnowledgeBase, ask: Callable[[], Sequence[Found]])
 
 
 def _judgement(
-    cases: Sequence[Case], crowds: Sequence[Answer], kb: KnowledgeBase, learnt: KnowledgeBase | None, *, as_json: bool
+    cases: Sequence[Case], crowds: Sequence[Answer], kb: KnowledgeBase, learned: KnowledgeBase | None, *, as_json: bool
 ) -> tuple[str, bool]:
     """The table or the document, and whether every claim was met."""
     mine, others = totals([c.ours for c in cases]), {TOLD: totals([c.told for c in cases])}
@@ -125,7 +125,7 @@ def _judgement(
     others[CROWDED] = totals(crowds)
     polyhedral = {kind.name for kind in kb.types if kind.name.startswith("p") and kind.name[1:].isdigit()}
     text, met = report("many", rows(mine, others, lambda name: name not in polyhedral), claims(mine), as_json=as_json)
-    left_out = "" if learnt is not None else "\nThere are no learnt types: all are polyhedra."
+    left_out = "" if learned is not None else "\nThere are no learned types: all are polyhedra."
     return (text if as_json else f"{CAPTION}{left_out}\n\n{text}"), met
 
 

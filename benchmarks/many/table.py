@@ -28,7 +28,7 @@ for none, less visible ones counted as well; askew: those of the wrong whose typ
 picture; reach: how far two accepted bodies reach into each other at most, mm. Seconds are of the processor a scene, all threads together. told:
 the ceiling, somebody who knows what is there and whose each datum is, and refines the true poses on them. peer: poselib's LO-RANSAC of every
 type on typed correspondences, the most inliers first, each datum used once, down to the number of inliers (at) with the best F1 over these very
-scenes; it knows no angles. half hidden: of ours, those 30 to 60 % occluded; in the open: the others; polyhedra and learnt types: ours by how
+scenes; it knows no angles. half hidden: of ours, those 30 to 60 % occluded; in the open: the others; polyhedra and learned types: ours by how
 their types were made. crowded: ours in other scenes, of 11 to 18 objects."""
 RECALL, PRECISION, ROTATION, SECONDS, REACH = 0.90, 0.95, 1.5, 2.0, 1.0
 
@@ -90,13 +90,13 @@ def best_least(scored: dict[int, Totals]) -> int:
     return max(sorted(scored), key=lambda least: scored[least].f1)
 
 
-def rows(ours: Totals, others: dict[str, Totals], learnt: Callable[[str], bool]) -> list[dict[str, Any]]:
-    """A row a side, then of ours those half hidden and the others, and those of polyhedra and of learnt types."""
+def rows(ours: Totals, others: dict[str, Totals], learned: Callable[[str], bool]) -> list[dict[str, Any]]:
+    """A row a side, then of ours those half hidden and the others, and those of polyhedra and of learned types."""
     groups: dict[str, Callable[[Seen], bool]] = {
         "half hidden": lambda s: s.fraction <= HALF_HIDDEN[1],
         "in the open": lambda s: s.fraction > HALF_HIDDEN[1],
-        "polyhedra": lambda s: not learnt(s.type),
-        "learnt types": lambda s: learnt(s.type),
+        "polyhedra": lambda s: not learned(s.type),
+        "learned types": lambda s: learned(s.type),
     }
     listed = [_row(name, some) for name, some in {OURS: ours, **others}.items()]
     return listed + [_part(name, [s for s in ours.seen if of(s)]) for name, of in groups.items()]

@@ -1,9 +1,9 @@
-"""The types of ``plogic bench many``: polyhedra written by hand, and clouds made of what was learnt from meshes.
+"""The types of ``plogic bench many``: polyhedra written by hand, and clouds made of what was learned from meshes.
 
-* ``many_kb(learnt)``: Σ of 50 types, half of them polyhedra with corners and with patches on their faces
+* ``many_kb(learned)``: Σ of 50 types, half of them polyhedra with corners and with patches on their faces
 
-There are ten YCB meshes only. The other learnt types are new prints of these, as packages of one make have: the same
-surface, but other places of it are features where the learnt cloud has enough, their words are exchanged and their
+There are ten YCB meshes only. The other learned types are new prints of these, as packages of one make have: the same
+surface, but other places of it are features where the learned cloud has enough, their words are exchanged and their
 directions turned on the surface. All types look like ones of one vocabulary; the corners of polyhedra share a small
 part of it, as the junctions of edges do.
 """
@@ -22,7 +22,7 @@ from benchmarks.clutter.types import (
     Detector,
     body_frames,
     knowledge_base,
-    learnt_types,
+    learned_types,
     made,
     scattered,
     type_names,
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-TYPES, LEARNT = 50, 25
-"""Types in all, and how many of them are learnt ones."""
+TYPES, LEARNED = 50, 25
+"""Types in all, and how many of them are learned ones."""
 FEATURES = 100
 """Of a type."""
 LOOKS, JUNCTIONS = 200, 20
@@ -54,11 +54,11 @@ CLUTTER = 50.0
 """Data of clutter that Σ expects in an image, in all; about what scenes of other seeds have on the average."""
 
 
-def many_kb(learnt: KnowledgeBase | None, seed: int = 0) -> KnowledgeBase:
-    """Σ of ``TYPES`` types, ``LEARNT`` of them made of what was ``learnt``; all of them polyhedra where nothing was."""
+def many_kb(learned: KnowledgeBase | None, seed: int = 0) -> KnowledgeBase:
+    """Σ of ``TYPES`` types, ``LEARNED`` of them made of what was ``learned``; all of them polyhedra where nothing was."""
     rng = np.random.default_rng([seed, TYPES, LOOKS])
     names = type_names(LOOKS)
-    prints = [] if learnt is None else printed(learnt, names, rng)
+    prints = [] if learned is None else printed(learned, names, rng)
     polyhedra = [polyhedron(f"p{i:02d}", names, rng) for i in range(TYPES - len(prints))]
     return with_rates([*polyhedra, *prints], names)
 
@@ -121,13 +121,13 @@ def _outward(surface: Surface) -> Floats:
     return normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
-def printed(learnt: KnowledgeBase, names: tuple[str, ...], rng: np.random.Generator) -> list[ObjectType]:
-    """``LEARNT`` types: those that were learnt, and new prints of them, one after the other."""
-    whole = [kind for kind in learnt_types(learnt, 2 * FEATURES, len(names)) if kind.surface is not None]
+def printed(learned: KnowledgeBase, names: tuple[str, ...], rng: np.random.Generator) -> list[ObjectType]:
+    """``LEARNED`` types: those that were learned, and new prints of them, one after the other."""
+    whole = [kind for kind in learned_types(learned, 2 * FEATURES, len(names)) if kind.surface is not None]
     kinds = [_part(kind, 0) for kind in whole]
-    while whole and len(kinds) < LEARNT:
+    while whole and len(kinds) < LEARNED:
         kinds.append(reprinted(whole[len(kinds) % len(whole)], f"{len(kinds):02d}", names, rng))
-    return kinds[:LEARNT]
+    return kinds[:LEARNED]
 
 
 def _part(kind: ObjectType, first: int) -> ObjectType:

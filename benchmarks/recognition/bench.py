@@ -1,4 +1,4 @@
-"""``plogic bench recognition``: ten types learnt from their meshes, found in rendered table-top scenes, beside a SIFT and RANSAC peer.
+"""``plogic bench recognition``: ten types learned from their meshes, found in rendered table-top scenes, beside a SIFT and RANSAC peer.
 
 Vocabulary: a ``Case`` is one picture with its truth; an ``Answer`` is what both sides made of it.
 """
@@ -11,7 +11,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from benchmarks.recognition.kb import ours as learnt_ours
+from benchmarks.recognition.kb import ours as learned_ours
 from benchmarks.recognition.peer import SEEN, Peer
 from benchmarks.recognition.scenes import cases, ycb_meshes
 from benchmarks.recognition.table import CAPTION, claims, judged, peer_said, rows
@@ -45,12 +45,12 @@ def run(
     quick: bool,
     as_json: bool,
     say: Callable[[str], None],
-    learn: Callable[[Mapping[str, Path], Path, Callable[[str], None]], Ours] = learnt_ours,
+    learn: Callable[[Mapping[str, Path], Path, Callable[[str], None]], Ours] = learned_ours,
 ) -> tuple[str, bool]:
     """Run the benchmark; a line of progress a picture on ``say``. ``limit``: seconds that the peer may take a picture, all settings together.
 
     Raises:
-        InputError: The meshes are not there, or cannot be learnt.
+        InputError: The meshes are not there, or cannot be learned.
     """
     from sensing.simulated.meshes import read_mesh
 
@@ -73,7 +73,7 @@ def answered(
     say: Callable[[str], None],
 ) -> list[Answer]:
     """Both sides on every picture, each read back from its file."""
-    peer = Peer(mine.learnt, SEEN if quick else SEEN[:1])  # with points along edges too a picture takes half a minute
+    peer = Peer(mine.learned, SEEN if quick else SEEN[:1])  # with points along edges too a picture takes half a minute
     answers = []
     for case in cases(shapes, folder, seed, quick=quick):
         answers.append(answer(mine, peer, case, limit))

@@ -1,4 +1,4 @@
-"""Our side of ``plogic bench recognition``: a knowledge base of the types is learnt from their meshes, and asked what a picture shows.
+"""Our side of ``plogic bench recognition``: a knowledge base of the types is learned from their meshes, and asked what a picture shows.
 
 ``Ours`` is all that the benchmark needs of it; tests hand in one of their own.
 """
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from benchmarks.recognition.peer import Learnt
+    from benchmarks.recognition.peer import Learned
     from geometry.camera import Camera
 
 LEARNING: Mapping[str, Any] = {"detector": "sift", "jobs": 2, "as_json": False}
@@ -30,23 +30,23 @@ Recognise = Callable[["NDArray[np.uint8]", "Camera"], list[Found]]
 
 @dataclass(frozen=True)
 class Ours:
-    """What recognises, and per type the keypoints that were learnt, which the peer is given too."""
+    """What recognises, and per type the keypoints that were learned, which the peer is given too."""
 
     recognise: Recognise
-    learnt: Mapping[str, Learnt]
+    learned: Mapping[str, Learned]
 
 
 def ours(meshes: Mapping[str, Path], folder: Path, say: Callable[[str], None]) -> Ours:
-    """Learn the types into a new knowledge base in ``folder``. Raises InputError where it cannot be learnt."""
+    """Learn the types into a new knowledge base in ``folder``. Raises InputError where it cannot be learned."""
     from kb.files.read import read_kb
     from plogic.face.commands.bop import look_of
 
     learn_into(folder, meshes, say)
     kb = replace(read_kb(folder), gravity=True)  # what stands on a table: `gravity: true` in a user's kb.yaml
-    clouds = {t.name: t.learnt.keypoints for t in kb.types if t.learnt is not None}
-    missing = [t.name for t in kb.types if t.learnt is None]
+    clouds = {t.name: t.learned.keypoints for t in kb.types if t.learned is not None}
+    missing = [t.name for t in kb.types if t.learned is None]
     if missing:
-        raise InputError(f"bench recognition: nothing was learnt of {', '.join(missing)}")
+        raise InputError(f"bench recognition: nothing was learned of {', '.join(missing)}")
     look = look_of(kb)
     return Ours(
         lambda image, camera: [Found(name, np.array(pose), sure) for name, pose, sure in look(image, camera)], clouds

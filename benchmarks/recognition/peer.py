@@ -1,7 +1,7 @@
-"""The peer of ``plogic bench recognition``: SIFT, the ratio test against a type's learnt keypoints, OpenCV's USAC RANSAC per type.
+"""The peer of ``plogic bench recognition``: SIFT, the ratio test against a type's learned keypoints, OpenCV's USAC RANSAC per type.
 
 It gets its best: exact nearest neighbours instead of approximate ones, the next best of *another* feature in the ratio
-test (a learnt feature has many descriptors), local optimisation, several instances of a type, Levenberg-Marquardt on
+test (a learned feature has many descriptors), local optimisation, several instances of a type, Levenberg-Marquardt on
 the inliers, and of all that it may look at (SIFT's keypoints, or the points along edges that ours sees as well), its
 ratios, inlier thresholds and minimal numbers of inliers those that are best over all scenes, chosen with the truth
 known.
@@ -40,8 +40,8 @@ INSTANCES = 2
 """Poses of one type that are looked for in an image, one after the other in what is left."""
 
 
-class Learnt(Protocol):
-    """What the peer needs of a type: F places and L descriptors of them (a ``LearntCloud``)."""
+class Learned(Protocol):
+    """What the peer needs of a type: F places and L descriptors of them (a ``LearnedCloud``)."""
 
     @property
     def at(self) -> NDArray[np.float64]:
@@ -94,10 +94,10 @@ Candidates = dict[tuple[str, float, float], list[Candidate]]
 class Peer:
     """``Peer({"cracker_box": cloud, ...}).candidates(image, camera)``."""
 
-    def __init__(self, learnt: Mapping[str, Learnt], seen: Sequence[str] = SEEN) -> None:
+    def __init__(self, learned: Mapping[str, Learned], seen: Sequence[str] = SEEN) -> None:
         """Sort each type's descriptors by feature; a type of fewer than two features is left out. ``seen``, of ``SEEN``: what it looks at."""
         self._seen = tuple(seen)
-        self._types = {name: _sorted(cloud) for name, cloud in learnt.items() if len(np.unique(cloud.feature)) > 1}
+        self._types = {name: _sorted(cloud) for name, cloud in learned.items() if len(np.unique(cloud.feature)) > 1}
 
     def candidates(
         self, image: NDArray[np.uint8], camera: Camera, limit: float = np.inf
@@ -144,7 +144,7 @@ def settings(seen: Sequence[str] = SEEN) -> Iterator[Setting]:
     return (Setting(*values) for values in product(seen, RATIOS, THRESHOLDS, LEAST_INLIERS))
 
 
-def _sorted(cloud: Learnt) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float64]]:
+def _sorted(cloud: Learned) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float64]]:
     """Descriptors (L, 128) in the order of their features, the first row (G,) of each feature that has any, and its place (G, 3)."""
     order = np.argsort(cloud.feature, kind="stable")
     which, first = np.unique(np.asarray(cloud.feature)[order], return_index=True)
@@ -154,13 +154,13 @@ def _sorted(cloud: Learnt) -> tuple[NDArray[np.float32], NDArray[np.int64], NDAr
 def _matches(
     uv: NDArray[np.float64],
     seen: NDArray[np.uint8],
-    learnt: NDArray[np.float32],
+    learned: NDArray[np.float32],
     first: NDArray[np.int64],
     at: NDArray[np.float64],
 ) -> Matches:
     """Each keypoint's nearest feature, exactly."""
     mine = np.asarray(seen, np.float32)
-    square = (mine**2).sum(axis=1)[:, None] + (learnt**2).sum(axis=1) - 2 * mine @ learnt.T
+    square = (mine**2).sum(axis=1)[:, None] + (learned**2).sum(axis=1) - 2 * mine @ learned.T
     by_feature = np.minimum.reduceat(square, first, axis=1)
     best = by_feature.argmin(axis=1)
     rows = np.arange(len(mine))

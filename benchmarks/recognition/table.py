@@ -22,7 +22,7 @@ CAPTION = """\
 there: objects at least half visible; found: those that an accepted object of their type stands for, its centre within the box of their picture;
 posed: of these, within 5 degrees and 5 % of the distance, up to symmetries; false: accepted objects that stand for none, in scenes with none of
 the types too; empty: these alone. Who stands for an object less than half visible does not count. F1 of the identities; pose F1 of those posed.
-peer: SIFT ratio test against the same learnt keypoints, OpenCV's USAC RANSAC per type, of keypoints alone or (with --quick) with the points along
+peer: SIFT ratio test against the same learned keypoints, OpenCV's USAC RANSAC per type, of keypoints alone or (with --quick) with the points along
 edges that ours sees too, at the ratio, inlier threshold (pixels) and least number of inliers with the best F1 over these very scenes; peer by pose
 F1: at those with the best pose F1. Its seconds are those of one setting. hard: how hard light and camera were made (0 good; 1 over-exposed, noisy,
 blurred), seconds: median of wall time a picture of 640 x 480."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import networkx as nx
     from numpy.typing import NDArray
 
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from kb.clouds.words import Words
     from kb.surfaces.surface import Surface
 
@@ -97,8 +97,8 @@ class ObjectType:
     ``all_features`` is every Feature node, which S of §5.1 counts. ``symmetries`` (S, 4, 4): rigid motions of the
     object's frame that change nothing, the identity among them. A type without a mesh has no ``surface`` and hides
     nothing. ``mesh_file`` is what is rendered, the textured mesh where there is one; ``mesh_scale`` is metres per unit
-    of it. ``learnt``: the cloud of a type whose features were learnt; ``learnt_features`` are then the same in the same
-    order, but their appearances are ``learnt_lobes``. Those that make up a compound are its parts, and no maximal
+    of it. ``learned``: the cloud of a type whose features were learned; ``learned_features`` are then the same in the same
+    order, but their appearances are ``learned_lobes``. Those that make up a compound are its parts, and no maximal
     features.
     """
 
@@ -111,25 +111,25 @@ class ObjectType:
     symmetries: NDArray[np.float64]
     mesh_file: Path | None = None
     mesh_scale: float = 1.0
-    learnt: LearntCloud | None = None
-    learnt_lobes: LobeTable | None = None
-    learnt_features: tuple[Feature, ...] | None = None
+    learned: LearnedCloud | None = None
+    learned_lobes: LobeTable | None = None
+    learned_features: tuple[Feature, ...] | None = None
 
     def __post_init__(self) -> None:
         _freeze(self, symmetries=(-1, 4, 4))
 
     @property
     def seen_features(self) -> tuple[Feature, ...]:
-        """F features that appearances are matched to, and that ``lobes`` are of: ``features``, but of a learnt compound its parts."""
-        return self.features if self.learnt_features is None else self.learnt_features
+        """F features that appearances are matched to, and that ``lobes`` are of: ``features``, but of a learned compound its parts."""
+        return self.features if self.learned_features is None else self.learned_features
 
     @cached_property
     def whole(self) -> NDArray[np.intp]:
         """(F,) which of ``features`` each of ``seen_features`` is, or is a part of."""
-        if self.learnt_features is None:
+        if self.learned_features is None:
             return np.arange(len(self.features))
         place = {name: i for i, feature in enumerate(self.features) for name in (feature.name, *feature.parts)}
-        return np.array([place[feature.name] for feature in self.learnt_features], np.intp)
+        return np.array([place[feature.name] for feature in self.learned_features], np.intp)
 
     @cached_property
     def kind_codes(self) -> tuple[tuple[str, ...], NDArray[np.intp]]:
@@ -148,12 +148,12 @@ class ObjectType:
     @cached_property
     def lobes(self) -> LobeTable:
         """The lobes of ``seen_features`` as arrays."""
-        return self.learnt_lobes or lobe_table(self.features)
+        return self.learned_lobes or lobe_table(self.features)
 
 
 @dataclass(frozen=True)
 class Counts:
-    """What rates were learnt from: [n, of] per name, expected counts where not everything was observed.
+    """What rates were learned from: [n, of] per name, expected counts where not everything was observed.
 
     ``hit``: detected, of the expected, per feature type. ``clutter``: appearances of noise, of so many images, per
     appearance type. ``prior``: present, of so many instances and empty images, per object type.
@@ -173,7 +173,7 @@ class Rates:
 
     ``hit``: h_F per feature type. ``clutter``: expected clutter appearances an image per appearance type. ``prior`` per
     object type. ``sigma``: location noise, pixels; ``sigmas`` per feature type where it differs. ``match_tolerance``:
-    pixels (D8). ``counts``: what was learnt from scenes (``plogic kb learn-rates``). ``sigma_angle``: noise, radians,
+    pixels (D8). ``counts``: what was learned from scenes (``plogic kb learn-rates``). ``sigma_angle``: noise, radians,
     of a datum's angle, which is how the x axis of its feature's frame lies on the screen; None where angles say
     nothing.
     """
@@ -196,7 +196,7 @@ class Rates:
 class KnowledgeBase:
     """Σ. ``f_ref`` pixels: the focal length that lobes' ranges hold for. ``digest``: SHA-256 over the folder's contents.
 
-    ``words``: the visual words of learnt clouds; their names are among ``appearance_types``. ``gravity``: whether
+    ``words``: the visual words of learned clouds; their names are among ``appearance_types``. ``gravity``: whether
     things rest on what is below; then ``unknown_support`` is the chance that something unknown holds what floats, and
     ``ground`` the ground's height, world z in m, None where it is not told.
     """

@@ -29,7 +29,7 @@ def clutter_prior(types: Sequence[ObjectType], appearance_types: Sequence[str]) 
     """
     instances: Counter[str] = Counter()
     looks: dict[str, set[str]] = {}
-    for feature in (feature for kind in types if kind.learnt is None for feature in kind.all_features):
+    for feature in (feature for kind in types if kind.learned is None for feature in kind.all_features):
         instances[feature.type] += 1
         looks.setdefault(feature.type, set()).update(appearance.type for appearance in feature.appearances)
     total, share = sum(instances.values()), dict.fromkeys(appearance_types, 0.0)
@@ -46,6 +46,6 @@ def word_clutter(types: Sequence[ObjectType], words: Sequence[str]) -> dict[str,
     Of the features that keypoints are matched to: a compound has no keypoint besides those of its parts.
     """
     seen = Counter(dict.fromkeys(words, 1))
-    seen.update(feature.type for kind in types if kind.learnt is not None for feature in kind.seen_features)
+    seen.update(feature.type for kind in types if kind.learned is not None for feature in kind.seen_features)
     total = sum(seen.values())
     return {name: KEYPOINTS * seen[name] / total for name in words}

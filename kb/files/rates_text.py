@@ -1,4 +1,4 @@
-"""Learnt rates back into the text of a ``kb.yaml`` that somebody wrote: everything else in it, comments included, stays."""
+"""Learned rates back into the text of a ``kb.yaml`` that somebody wrote: everything else in it, comments included, stays."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import Rates
 
 DIGITS = 4
-"""Significant digits of a learnt rate: a thousand scenes do not tell more."""
+"""Significant digits of a learned rate: a thousand scenes do not tell more."""
 
 
 def with_rates(text: str, rates: Rates) -> str:

@@ -14,12 +14,12 @@ from kb.errors import KBErrors, Mistake, SurfaceError
 from kb.files.branches import branch_of, misplaced, outline, path_to
 from kb.files.cross import cross_mistakes
 from kb.files.folder import MAX_MESH_BYTES, Folder
-from kb.files.learnt_reading import (
+from kb.files.learned_reading import (
     check_parts,
     check_words,
-    learnt_features,
-    learnt_lobes,
-    learnt_of,
+    learned_features,
+    learned_lobes,
+    learned_of,
     with_compounds,
     words_of,
 )
@@ -32,7 +32,7 @@ from kb.surfaces.symmetries import motions
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from kb.clouds.words import Words
     from kb.files.schema import CountsModel
     from kb.files.yaml_text import Document
@@ -54,7 +54,7 @@ class _Object:
     surface: Surface | None
     rendered: Path | None
     scale: float
-    learnt: LearntCloud | None
+    learned: LearnedCloud | None
 
 
 def read_kb(folder: Path | str) -> KnowledgeBase:
@@ -75,8 +75,8 @@ def read_kb(folder: Path | str) -> KnowledgeBase:
     objects = [item for path in files if (item := _object(place, path)) is not None]
     rules, words = _rules(place), words_of(place, document)
     for item in objects:
-        check_words(place, item.document, item.learnt, words)
-        check_parts(place, item.document, item.learnt)
+        check_words(place, item.document, item.learned, words)
+        check_parts(place, item.document, item.learned)
     wrong += cross_mistakes(
         document, model, [item.document for item in objects], complete=complete and len(objects) == len(files)
     )
@@ -132,7 +132,7 @@ def _object(place: Folder, path: Path) -> _Object | None:
     scale = LENGTHS.get(units, 1.0) if isinstance(units, str) else 1.0
     mesh_file, surface = _surface(place, document, path.parent, mesh.get("file"), scale)
     rendered = _textured(place, document, path.parent, mesh.get("textured")) or mesh_file
-    return _Object(document, model, surface, rendered, scale, learnt_of(place, document, path.parent))
+    return _Object(document, model, surface, rendered, scale, learned_of(place, document, path.parent))
 
 
 def _tree_mistakes(document: Document) -> Iterator[Mistake]:
@@ -198,10 +198,10 @@ def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
     features, all_features = features_of(tree)
     seen = features
     lobes = None
-    if item.learnt is not None and words is not None:
-        seen = learnt_features(item.learnt, words, object_nodes(tree))
-        features, all_features = with_compounds(seen, item.learnt, words)
-        lobes = learnt_lobes(item.learnt, words)
+    if item.learned is not None and words is not None:
+        seen = learned_features(item.learned, words, object_nodes(tree))
+        features, all_features = with_compounds(seen, item.learned, words)
+        lobes = learned_lobes(item.learned, words)
     return ObjectType(
         name=model.object,
         tree=tree,
@@ -212,9 +212,9 @@ def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
         symmetries=motions(model.symmetries),
         mesh_file=item.rendered,
         mesh_scale=item.scale,
-        learnt=item.learnt,
-        learnt_lobes=lobes,
-        learnt_features=seen if item.learnt is not None else None,
+        learned=item.learned,
+        learned_lobes=lobes,
+        learned_features=seen if item.learned is not None else None,
     )
 
 

@@ -156,7 +156,7 @@ class ObjectModel(Model):
     parts: list[PartModel] = Field([], description="Its parts; or else features (A1).")
     features: list[FeatureModel] = Field([], description="Its features, if it has no parts.")
     cloud: FileModel | None = Field(
-        None, description="Its learnt features (`plogic kb learn`), each of its nearest part; none by hand."
+        None, description="Its learned features (`plogic kb learn`), each of its nearest part; none by hand."
     )
 
 
@@ -209,7 +209,7 @@ Gravity = Annotated[
 
 
 class CountsModel(Model):
-    """What the rates were learnt from; written by ``plogic kb learn-rates``."""
+    """What the rates were learned from; written by ``plogic kb learn-rates``."""
 
     hit: dict[Name, Pair] = Field({}, description="[detected, expected] per feature type.")
     clutter: dict[Name, Pair] = Field({}, description="[appearances of noise, images] per appearance type.")
@@ -240,11 +240,11 @@ class KBModel(Model):
         description="Whether things rest: what floats is less probable, and what is not found yet is looked for on the plane that others stand on.",
     )
     words: FileModel | None = Field(
-        None, description="The visual words that learnt clouds are made of (`plogic kb learn`)."
+        None, description="The visual words that learned clouds are made of (`plogic kb learn`)."
     )
     priors: dict[Name, Share] = Field({}, description="Chance of an instance, per object type; 0.5.")
     counts: CountsModel = Field(
-        default_factory=_no_counts, description="What the rates were learnt from: [n, of] each."
+        default_factory=_no_counts, description="What the rates were learned from: [n, of] each."
     )
 
 

@@ -84,13 +84,13 @@ def kb_files(kb: KnowledgeBase) -> dict[str, str]:
     """Every file of the folder, by relative path. Surfaces are written as ``mesh.obj`` in metres; textures do not travel.
 
     Raises:
-        KBError: for a type whose name cannot be a folder's; for learnt types and their words, which only a copy of the
+        KBError: for a type whose name cannot be a folder's; for learned types and their words, which only a copy of the
         folder keeps.
     """
-    learnt = [kind.name for kind in kb.types if kind.learnt is not None]
-    if learnt or kb.words is not None:
+    learned = [kind.name for kind in kb.types if kind.learned is not None]
+    if learned or kb.words is not None:
         raise KBError(
-            f"{kb.name}: what was learnt ({', '.join(learnt) or 'words'}) cannot be written anew: copy the knowledge base's folder"
+            f"{kb.name}: what was learned ({', '.join(learned) or 'words'}) cannot be written anew: copy the knowledge base's folder"
         )
     files = {"kb.yaml": kb_text(kb)} | ({"rules.pl": kb.rules} if kb.rules else {})
     for kind in kb.types:

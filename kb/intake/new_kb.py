@@ -11,7 +11,7 @@ from kb.intake.new_type import SAFE_NAME
 KB_YAML = """\
 # yaml-language-server: $schema=./kb.schema.json
 name: {name}
-# What detectors report. Keypoints' visual words join these when types are learnt.
+# What detectors report. Keypoints' visual words join these when types are learned.
 appearance_types: [l_junction, y_junction, arrow_junction, t_junction, multi_junction, patch]
 # The focal length, in pixels, that the ranges of lobes hold for.
 f_ref: 600

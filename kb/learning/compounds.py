@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.cones import even_directions
-from kb.clouds.learnt import numbered
+from kb.clouds.learned import numbered
 from kb.learning.sides import STRETCH
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from kb.learning.observations import Observations
 
     Floats = NDArray[np.float64]
@@ -53,7 +53,7 @@ class Pictures(NamedTuple):
 
 
 def compounds_of(
-    cloud: LearntCloud, seen: Observations, groups: Sequence[NDArray[np.intp]], pictures: Pictures
+    cloud: LearnedCloud, seen: Observations, groups: Sequence[NDArray[np.intp]], pictures: Pictures
 ) -> NDArray[np.int64]:
     """(F,) the compound of each feature, counted from 1; 0 of those in none. Keypoints and sides of edges make compounds of their own.
 
@@ -72,7 +72,7 @@ def compounds_of(
     return numbered(result)
 
 
-def pictures_held(cloud: LearntCloud, pictures: Pictures) -> Mask:
+def pictures_held(cloud: LearnedCloud, pictures: Pictures) -> Mask:
     """(F, directions · K) the pictures, by direction and then by range, for which some lobe of a feature holds."""
     towards = cloud.axis @ even_directions(pictures.directions).T >= np.cos(cloud.half_angle)[:, None]
     within = (pictures.ranges >= cloud.r_min[:, None]) & (pictures.ranges <= cloud.r_max[:, None])
@@ -82,7 +82,7 @@ def pictures_held(cloud: LearntCloud, pictures: Pictures) -> Mask:
     return held.reshape(len(cloud.at), pictures.directions * len(pictures.ranges))
 
 
-def widths(cloud: LearntCloud, diameter: float) -> Floats:
+def widths(cloud: LearnedCloud, diameter: float) -> Floats:
     """(F,) metres across what each feature is made of: a keypoint's diameter, of its widest lobe, or the stretch that a side stands for."""
     widest = np.zeros(len(cloud.at))
     np.maximum.at(widest, cloud.feature, np.where(cloud.sided, STRETCH * diameter, cloud.size))

@@ -1,4 +1,4 @@
-"""Where a motion takes a learnt cloud's appearances, and which others stand there already, looking alike: what symmetries are measured by."""
+"""Where a motion takes a learned cloud's appearances, and which others stand there already, looking alike: what symmetries are measured by."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from kb.learning.observations import Observations
 
     Floats = NDArray[np.float64]
@@ -31,13 +31,13 @@ BLOCK = 1_000_000
 """Pairs of appearances that are compared at a time."""
 
 
-def reach_of(cloud: LearntCloud) -> float:
+def reach_of(cloud: LearnedCloud) -> float:
     """Metres within which two appearances are at one place."""
     return SIGMAS * float(np.median(cloud.sigma))
 
 
 def counterparts(
-    cloud: LearntCloud, motion: Floats, reach: float, descriptor: NDArray[np.uint8] | None = None
+    cloud: LearnedCloud, motion: Floats, reach: float, descriptor: NDArray[np.uint8] | None = None
 ) -> tuple[Indices, Indices, Floats]:
     """Appearances, their counterparts after ``motion`` (4, 4), and how far apart the descriptors of the two are.
 
@@ -66,7 +66,7 @@ def _alike(some: Floats, others: Floats, least: float) -> NDArray[np.bool_]:
     return np.asarray((some * others).sum(axis=1) > least)
 
 
-def _near(cloud: LearntCloud, moved: Floats, reach: float) -> Iterator[tuple[Indices, Indices]]:
+def _near(cloud: LearnedCloud, moved: Floats, reach: float) -> Iterator[tuple[Indices, Indices]]:
     """Blocks of pairs of appearances, of features that are ``moved`` (F, 3) to within ``reach`` of others."""
     from scipy.spatial import cKDTree
 
@@ -82,12 +82,12 @@ def _near(cloud: LearntCloud, moved: Floats, reach: float) -> Iterator[tuple[Ind
         yield start[some][which] + number // width, start[its][which] + number % width
 
 
-def share(cloud: LearntCloud, found: Indices) -> float:
+def share(cloud: LearnedCloud, found: Indices) -> float:
     """What the appearances ``found``, each counted once, are of all, by their hit rates."""
     return float(cloud.hit[np.unique(found)].sum() / max(float(cloud.hit.sum()), 1e-12))
 
 
-def settled(cloud: LearntCloud, motion: Floats, diameter: float) -> Floats:
+def settled(cloud: LearnedCloud, motion: Floats, diameter: float) -> Floats:
     """The motion (4, 4) moved onto what looks alike, ever more tightly; as it was where there is too little."""
     for near in ROUNDS:
         a, b, apart = counterparts(cloud, motion, near * diameter)
@@ -99,7 +99,7 @@ def settled(cloud: LearntCloud, motion: Floats, diameter: float) -> Floats:
     return motion
 
 
-def _fitted(cloud: LearntCloud, motion: Floats, a: Indices, b: Indices) -> Floats:
+def _fitted(cloud: LearnedCloud, motion: Floats, a: Indices, b: Indices) -> Floats:
     """The motion that takes the appearances ``a`` nearest to ``b`` (Kabsch), by their hit rates."""
     moved = cloud.at[cloud.feature[a]] @ motion[:3, :3].T + motion[:3, 3]
     there, weight = cloud.at[cloud.feature[b]], np.maximum(cloud.hit[a], 1e-9)
@@ -111,7 +111,7 @@ def _fitted(cloud: LearntCloud, motion: Floats, a: Indices, b: Indices) -> Float
     return np.asarray(step @ motion)
 
 
-def seen_again(cloud: LearntCloud, motion: Floats, seen: Observations, directions: Floats) -> float:
+def seen_again(cloud: LearnedCloud, motion: Floats, seen: Observations, directions: Floats) -> float:
     """Share of the appearances, moved by ``motion`` (4, 4), that new pictures from ``directions`` (V, 3) show, of those that they should.
 
     By hit rates: what the detector would report of the object in this place, if it stood in that.

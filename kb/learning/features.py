@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from geometry.cones import even_directions, spacing
-from kb.clouds.learnt import LearntCloud
+from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import COLOURS
 from kb.learning.compounds import OF_SIZE, Pictures, compounds_of
 from kb.learning.sides import LOOKS, VARIED, side_places
@@ -58,7 +58,7 @@ class _Lobe(NamedTuple):
     hit: float
 
 
-def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most: int = MOST) -> LearntCloud:
+def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most: int = MOST) -> LearnedCloud:
     """The cloud of a type with its compounds from what was seen of it from ``even_directions(count)``; its words are not assigned yet (all 0)."""
     directions = even_directions(count)
     points = _chosen(seen, _places(seen, np.flatnonzero(~seen.sided)), most)
@@ -68,7 +68,7 @@ def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most
         (group, [lobe for lobe in _lobes(seen, group, directions) if lobe.hit >= SIDES_SEEN]) for group in sides
     ]
     several = [(group, lobes) for group, lobes in several if lobes]
-    cloud = LearntCloud(
+    cloud = LearnedCloud(
         **_feature_arrays(seen, [group for group, _ in several]),
         **_lobe_arrays(seen, [(f, lobe) for f, (_, lobes) in enumerate(several) for lobe in lobes], diameter, f_ref),
     )

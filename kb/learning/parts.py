@@ -1,4 +1,4 @@
-"""To which part of its type each learnt feature belongs: the one whose surface is nearest (A1, A3).
+"""To which part of its type each learned feature belongs: the one whose surface is nearest (A1, A3).
 
 Parts and pieces of the mesh know each other by their places, so that an author may rename parts, nest them, or take
 some out.
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import ObjectType
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from kb.intake.parts import Piece
 
 
-def with_parts(kind: ObjectType, cloud: LearntCloud) -> LearntCloud:
+def with_parts(kind: ObjectType, cloud: LearnedCloud) -> LearnedCloud:
     """The cloud with its features, and what of its compounds is in each, given to the parts of its type's tree that hold no parts.
 
     To the whole where there is no other.
@@ -35,7 +35,7 @@ def with_parts(kind: ObjectType, cloud: LearntCloud) -> LearntCloud:
     return replace(cloud, part=part, compound=within_parts(cloud.compound, part))
 
 
-def _part_of(kind: ObjectType, cloud: LearntCloud) -> NDArray[np.int64]:
+def _part_of(kind: ObjectType, cloud: LearnedCloud) -> NDArray[np.int64]:
     """(F,) indices into the objects of the tree."""
     nodes = object_nodes(kind.tree)
     leaves = [index for index, node in enumerate(nodes) if not kind.tree.out_degree(node)]

@@ -1,7 +1,7 @@
 """A photo laid onto the mesh that it shows: the triangles it shows are painted with it, the others plain grey.
 
 * ``registered``: camera and pose of the photo from clicked points, or every mistake of theirs
-* ``painted``: a ``PaintedMesh``, which is rendered and learnt from like any textured mesh
+* ``painted``: a ``PaintedMesh``, which is rendered and learned from like any textured mesh
 * ``on_shown``: what was observed on the triangles that the photo shows, away from grey ones
 """
 

@@ -1,8 +1,8 @@
-"""Which turns of a shape its texture keeps: a learnt cloud is turned, and compared with itself, and with new pictures.
+"""Which turns of a shape its texture keeps: a learned cloud is turned, and compared with itself, and with new pictures.
 
 A turn of the shape alone means nothing for a can with print on it. So the cloud is turned and must find itself again:
 at the turned places features that look alike, from like directions, the same way up. That is cheap, and most turns fail
-it. What is left must explain new pictures, which the cloud was not learnt from, about as well turned as unturned: also
+it. What is left must explain new pictures, which the cloud was not learned from, about as well turned as unturned: also
 the unturned cloud finds only a part of itself there, and that part is the measure. What is equally bright is one to the
 detectors, whatever its colour.
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from kb.learning.observations import Observations
     from kb.surfaces.surface import Surface
 
@@ -77,7 +77,7 @@ class Trial:
         return "holds" if self.ratio >= HOLDS and self.closes else "ambiguous"
 
 
-def trials(cloud: LearntCloud, surface: Surface) -> list[list[Trial]]:
+def trials(cloud: LearnedCloud, surface: Surface) -> list[list[Trial]]:
     """For each turn of the shape what may be left of it, the most first, tried on the cloud alone."""
     rng = np.random.default_rng(0)
     dealt = cloud.descriptor[rng.permutation(len(cloud.feature))]
@@ -88,7 +88,7 @@ def trials(cloud: LearntCloud, surface: Surface) -> list[list[Trial]]:
     ]
 
 
-def _trial(cloud: LearntCloud, dealt: NDArray[np.uint8], turn: Turn, diameter: float) -> Trial:
+def _trial(cloud: LearnedCloud, dealt: NDArray[np.uint8], turn: Turn, diameter: float) -> Trial:
     angles = ODD if turn.fold == 0 else (2.0 * math.pi / turn.fold,)
     moves = tuple(_settled(cloud, _motion(turn, angle), diameter) for angle in angles)
     shares = [share(cloud, counterparts(cloud, motion, reach_of(cloud))[0]) for motion in moves]
@@ -97,7 +97,7 @@ def _trial(cloud: LearntCloud, dealt: NDArray[np.uint8], turn: Turn, diameter: f
     return Trial(turn, moves, shares[worst], controls[worst])
 
 
-def _settled(cloud: LearntCloud, motion: Floats, diameter: float) -> Floats:
+def _settled(cloud: LearnedCloud, motion: Floats, diameter: float) -> Floats:
     """The motion settled on the cloud; as it was, where that would make another turn of it."""
     found = settled(cloud, motion, diameter)
     return found if rotation_angle(found[:3, :3] @ motion[:3, :3].T) < STRAY else motion
@@ -111,7 +111,7 @@ def _motion(turn: Turn, angle: float) -> Floats:
 
 
 def judged(
-    groups: Sequence[Sequence[Trial]], cloud: LearntCloud, seen: Observations | None, directions: Floats
+    groups: Sequence[Sequence[Trial]], cloud: LearnedCloud, seen: Observations | None, directions: Floats
 ) -> list[Trial]:
     """One trial for each turn of the shape: the most that holds, or else what came nearest to it.
 
@@ -136,7 +136,7 @@ def _close(found: Sequence[Trial]) -> bool:
     return True
 
 
-def _looked(trial: Trial, cloud: LearntCloud, seen: Observations | None, directions: Floats, own: float) -> Trial:
+def _looked(trial: Trial, cloud: LearnedCloud, seen: Observations | None, directions: Floats, own: float) -> Trial:
     if seen is None or not trial.likely or not own > 0.0:
         return trial
     return replace(trial, ratio=min(seen_again(cloud, motion, seen, directions) for motion in trial.motions) / own)

@@ -1,4 +1,4 @@
-"""The views that a type is learnt from: directions on a sphere, and what a picture from one of them holds.
+"""The views that a type is learned from: directions on a sphere, and what a picture from one of them holds.
 
 * ``View``: one picture of the object alone, with its depth, large; smaller and worse pictures are made of it
   (``variants``)

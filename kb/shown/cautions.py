@@ -6,7 +6,7 @@ from itertools import permutations
 from typing import TYPE_CHECKING
 
 from kb.shown.contained import contained_in
-from kb.shown.learnt_summary import MANY, learnt_summary
+from kb.shown.learned_summary import MANY, learned_summary
 from kb.shown.unseen import FEWEST, most_together, unseen_features
 
 if TYPE_CHECKING:
@@ -27,8 +27,8 @@ def cautions(kb: KnowledgeBase) -> Iterator[str]:
         yield f"every feature is of type {sorts.pop()!r}, so that every dv is 0 and ev is undefined: nothing will be accepted"
     for kind in kb.types:
         yield from (f"{kind.name}: {text}" for text in _of_type(kind))
-    yield from _contained(tuple(kind for kind in kb.types if kind.learnt is None)[:MOST_TYPES])
-    yield from _same_clouds([kind for kind in kb.types if kind.learnt is not None])
+    yield from _contained(tuple(kind for kind in kb.types if kind.learned is None)[:MOST_TYPES])
+    yield from _same_clouds([kind for kind in kb.types if kind.learned is not None])
 
 
 def _of_type(kind: ObjectType) -> Iterator[str]:
@@ -36,8 +36,8 @@ def _of_type(kind: ObjectType) -> Iterator[str]:
     if not kind.features:
         yield "has no features, so it is never found; learn them: plogic kb learn"
         return
-    if kind.learnt is not None:
-        yield from _of_learnt(kind)
+    if kind.learned is not None:
+        yield from _of_learned(kind)
         return
     unseen = unseen_features(kind)
     if unseen:
@@ -49,13 +49,13 @@ def _of_type(kind: ObjectType) -> Iterator[str]:
         yield f"its lobes never meet: no viewpoint was found that sees {FEWEST} features at once ({together} at most), so it is never found"
 
 
-def _of_learnt(kind: ObjectType) -> Iterator[str]:
+def _of_learned(kind: ObjectType) -> Iterator[str]:
     """Its lobes were measured, so that each is seen from somewhere; but there may be too few."""
-    summary = learnt_summary(kind)
+    summary = learned_summary(kind)
     if summary.most < FEWEST:
-        yield f"no viewpoint expects {FEWEST} of its learnt features at once ({summary.most} at most), so it is never found"
+        yield f"no viewpoint expects {FEWEST} of its learned features at once ({summary.most} at most), so it is never found"
     elif summary.most < MANY:
-        yield f"no viewpoint expects {MANY} of its learnt features at once ({summary.most} at most): it will seldom be found; its texture is plain"
+        yield f"no viewpoint expects {MANY} of its learned features at once ({summary.most} at most): it will seldom be found; its texture is plain"
 
 
 def _of_mesh(kind: ObjectType) -> Iterator[str]:
@@ -84,12 +84,12 @@ def _contained(types: tuple[ObjectType, ...]) -> Iterator[str]:
             yield f"{a}: its cloud is the same as that of {b}: nothing tells them apart"
 
 
-def _same_clouds(learnt: list[ObjectType]) -> Iterator[str]:
-    """Types that were learnt from the same mesh and paint."""
+def _same_clouds(learned: list[ObjectType]) -> Iterator[str]:
+    """Types that were learned from the same mesh and paint."""
     first: dict[bytes, str] = {}
-    for kind in learnt:
-        assert kind.learnt is not None  # noqa: S101 - the caller chose
-        looks = kind.learnt.at.tobytes() + kind.learnt.descriptor.tobytes()
+    for kind in learned:
+        assert kind.learned is not None  # noqa: S101 - the caller chose
+        looks = kind.learned.at.tobytes() + kind.learned.descriptor.tobytes()
         if looks in first:
             yield f"{kind.name}: its cloud is the same as that of {first[looks]}: nothing tells them apart"
         first.setdefault(looks, kind.name)

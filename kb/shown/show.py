@@ -12,7 +12,7 @@ import numpy as np
 from geometry.frames import transform_points
 from kb.clouds.tree import object_nodes
 from kb.shown.cautions import MOST_NAMED, cautions
-from kb.shown.learnt_summary import learnt_summary
+from kb.shown.learned_summary import learned_summary
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -43,8 +43,8 @@ def _summary(kind: ObjectType) -> Iterator[str]:
     body = f"{len(kind.surface.triangles)} facets, {kind.surface.volume:.4g} m3" if kind.surface else "no surface"
     symmetries = _count(len(kind.symmetries), "symmetry").replace("symmetrys", "symmetries")
     body += f", {'opaque' if kind.opaque else 'not opaque'}, {symmetries}"
-    if kind.learnt is not None:
-        first, second = learnt_summary(kind).lines
+    if kind.learned is not None:
+        first, second = learned_summary(kind).lines
         yield f"{kind.name}: {first}, {body}"
         yield f"  {second}"
         return
@@ -77,9 +77,9 @@ def _more(number: int) -> str:
 def _type_notes(kind: ObjectType) -> Iterator[str]:
     if kind.surface is None:
         yield "has no mesh, so it hides nothing"
-    if len(object_nodes(kind.tree)) > 1 and "" in learnt_counts(kind):
-        yield "its learnt features belong to none of its parts: learn it again"
-    for feature in kind.features if kind.learnt is None else ():
+    if len(object_nodes(kind.tree)) > 1 and "" in learned_counts(kind):
+        yield "its learned features belong to none of its parts: learn it again"
+    for feature in kind.features if kind.learned is None else ():
         if not feature.appearances:
             yield f"{feature.name} has no appearance, so it is never expected"
     for index, moved in enumerate(_moved(kind)):
@@ -101,37 +101,37 @@ def _moved(kind: ObjectType) -> list[float]:
 def tree_text(kb: KnowledgeBase) -> str:
     """The trees of all types: a line for each object and feature, one for all the appearances of a feature."""
     return (
-        "\n".join(line for kind in kb.types for line in (*_tree_lines(kind, "", kind.name, ""), *_learnt_lines(kind)))
+        "\n".join(line for kind in kb.types for line in (*_tree_lines(kind, "", kind.name, ""), *_learned_lines(kind)))
         + "\n"
     )
 
 
-def _learnt_lines(kind: ObjectType) -> list[str]:
-    """What stands for the features of a learnt type: there are too many to list."""
-    return [f"  {line}" for line in learnt_summary(kind).lines] if kind.learnt is not None else []
+def _learned_lines(kind: ObjectType) -> list[str]:
+    """What stands for the features of a learned type: there are too many to list."""
+    return [f"  {line}" for line in learned_summary(kind).lines] if kind.learned is not None else []
 
 
 def _tree_lines(kind: ObjectType, node: str, label: str, indent: str) -> Iterator[str]:
     tree, row = kind.tree, kind.tree.nodes[node]
     place = f" at {_row(row['at'])}" if node else ""
     sort = "" if row["type"] == label else f": {row['type']}"
-    yield f"{indent}{row['kind']} {label}{sort}{place}{_looks(tree, node)}{_learnt_count(kind, node)}"
+    yield f"{indent}{row['kind']} {label}{sort}{place}{_looks(tree, node)}{_learned_count(kind, node)}"
     for part in tree.successors(node):
         if tree.nodes[part]["kind"] != "appearance":
             yield from _tree_lines(kind, part, part.rsplit("/", 1)[-1], f"{indent}  ")
 
 
-def _learnt_count(kind: ObjectType, node: str) -> str:
-    number = learnt_counts(kind).get(node, 0)
-    return f", {_count(number, 'learnt feature')}" if node and number else ""
+def _learned_count(kind: ObjectType, node: str) -> str:
+    number = learned_counts(kind).get(node, 0)
+    return f", {_count(number, 'learned feature')}" if node and number else ""
 
 
-def learnt_counts(kind: ObjectType) -> dict[str, int]:
-    """How many learnt features each object of a type's tree has for its own, by the objects' paths."""
-    if kind.learnt is None:
+def learned_counts(kind: ObjectType) -> dict[str, int]:
+    """How many learned features each object of a type's tree has for its own, by the objects' paths."""
+    if kind.learned is None:
         return {}
     nodes = object_nodes(kind.tree)
-    return {nodes[part]: number for part, number in sorted(Counter(kind.learnt.part.tolist()).items())}
+    return {nodes[part]: number for part, number in sorted(Counter(kind.learned.part.tolist()).items())}
 
 
 def _looks(tree: nx.DiGraph, node: str) -> str:
@@ -180,7 +180,7 @@ def _above(kind: ObjectType, node: str, objects: dict[str, int]) -> int | None:
 
 
 def _parts_of(kind: ObjectType, features: Iterable[Feature]) -> list[int]:
-    """A learnt feature is in no tree: its path names its part, or nothing, the whole."""
+    """A learned feature is in no tree: its path names its part, or nothing, the whole."""
     objects = _objects(kind)
 
     def part(node: str) -> int:
@@ -222,13 +222,13 @@ def _type_document(kind: ObjectType) -> dict[str, Any]:
         "symmetries": np.asarray(kind.symmetries).tolist(),
         "surface": {"facets": len(surface.triangles), "volume": surface.volume} if surface else None,
         "features": feature_counts(kind),
-        "learnt": asdict(learnt_summary(kind)) if kind.learnt is not None else None,
+        "learnt": asdict(learned_summary(kind)) if kind.learned is not None else None,
         "nodes": [_node_document(kind.tree, node) | _own_features(kind, node) for node in kind.tree],
     }
 
 
 def _own_features(kind: ObjectType, node: str) -> dict[str, int]:
-    return {} if kind.learnt is None else {"learnt_features": learnt_counts(kind).get(node, 0)}
+    return {} if kind.learned is None else {"learned_features": learned_counts(kind).get(node, 0)}
 
 
 def _node_document(tree: nx.DiGraph, node: str) -> dict[str, Any]:

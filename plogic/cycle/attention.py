@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.learned.learned_index import LearntIndex
+from plogic.match.learned.learned_index import LearnedIndex
 from plogic.measures.valuation import compatible, rank, rank_of_kinds
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def chance_types(kb: KnowledgeBase, number: int) -> list[str]:
 def _attention(index: Index, here: Counter[str], by_chance: Counter[str]) -> Attention:
     """Of a type whose features have one appearance type each, as words are, counting finds the best θ; of others it is a matching."""
     kind, weights = index.object_type, index.weights
-    if isinstance(index, LearntIndex):
+    if isinstance(index, LearnedIndex):
         ranks = [rank_of_kinds(weights, index.kinds, some) for some in (here, by_chance)]
         return Attention(kind.name, ranks[0], ranks[0] - ranks[1], ranks[0])
     if index.in_line is not None:

@@ -13,7 +13,7 @@ from plogic.match.indices import FAST, search_of, settle, significant
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import SHARED_CLAIMS, claims, hidden_among, overlap, shared_claims
-from plogic.match.learned.learned_index import LearntIndex
+from plogic.match.learned.learned_index import LearnedIndex
 from plogic.measures.explanatory import explanatory_value
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class Beside:
 
     def _search_for(self, posed: Posed) -> Search | None:
         """The search for its type together with others, if there is one."""
-        return self.together if posed.object_type.learnt is None else None
+        return self.together if posed.object_type.learned is None else None
 
     def _is_accepted(self, posed: Posed) -> bool:
         return any(same_hypothesis(posed, belief.posed) for belief in self.accepted)
@@ -76,7 +76,7 @@ class Beside:
         """A hypothesis beside Δi, matched on ``free`` data; or, by that many ``rounds``, refined, if it is matched so already."""
         index = self.indices[posed.object_type.name]
         hidden = self._hidden(posed, skip)
-        if rounds or self.accepted or not isinstance(index, LearntIndex):  # else it was matched so when it was found
+        if rounds or self.accepted or not isinstance(index, LearnedIndex):  # else it was matched so when it was found
             start = posed if rounds else posed.camera_from_object
             posed = settle(index, start, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
         return self._believed(posed, index, self._hidden(posed, skip) if rounds else hidden)

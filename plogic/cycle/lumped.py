@@ -1,12 +1,12 @@
-"""What an interpretation need not tell feature by feature: the many features of a learnt type that this view leads nobody to expect.
+"""What an interpretation need not tell feature by feature: the many features of a learned type that this view leads nobody to expect.
 
-A type learnt from a mesh has up to 4,000 features, of which one view shows a hundred. The others are case B in every
+A type learned from a mesh has up to 4,000 features, of which one view shows a hundred. The others are case B in every
 world: not expected, since the hypothesis alone does not lead to expect them, and not detected, since nothing is matched
 to them. To P(ev) they give the sum of their dv, to the posterior nothing; so one feature named ``OTHERS`` that carries
 their sum stands for all of them, and every probability stays. Features outside the image count nowhere and are left
 out. Types written by hand are told in full.
 
-A learnt compound is told, and counts, once: by the part that stands for it (``Posed.stands``). Its other parts are told
+A learned compound is told, and counts, once: by the part that stands for it (``Posed.stands``). Its other parts are told
 for the data that they explain, and have no dv.
 """
 
@@ -32,14 +32,14 @@ CELLS = {"A": "expected_detected", "C": "expected_missed", "B": "hidden_missed",
 
 
 def told(posed: Posed) -> list[int]:
-    """The features that are told one by one: all of a type written by hand; of a learnt one what is expected alone, or matched."""
-    if posed.object_type.learnt is None:
+    """The features that are told one by one: all of a type written by hand; of a learned one what is expected alone, or matched."""
+    if posed.object_type.learned is None:
         return list(range(len(posed.object_type.features)))
     return np.flatnonzero(_notable(posed)).tolist()
 
 
 def told_as(posed: Posed, f: int) -> Feature:
-    """What the seen feature ``f`` is told as: a learnt compound by the part that stands for it, its other parts as themselves."""
+    """What the seen feature ``f`` is told as: a learned compound by the part that stands for it, its other parts as themselves."""
     kind = posed.object_type
     return kind.features[kind.whole[f]] if posed.stands[f] else kind.seen_features[f]
 
@@ -50,7 +50,7 @@ def counts(posed: Posed, f: int) -> int:
 
 
 def compound_parts(posed: Posed) -> tuple[PartFact, ...]:
-    """The learnt compounds of which something is told, as nodes of the part-whole tree (A1)."""
+    """The learned compounds of which something is told, as nodes of the part-whole tree (A1)."""
     kind = posed.object_type
     whole = (
         [kind.features[w] for w in np.unique(kind.whole[told(posed)])]
@@ -85,7 +85,7 @@ def lumped(posed: Posed, dv: Mapping[str, float]) -> tuple[FeatureFact, ...]:
 
 def left_out(posed: Posed) -> dict[str, int] | None:
     """How many features are not told: those that ``OTHERS`` stands for, and those outside the image; None of a type written by hand."""
-    if posed.object_type.learnt is None:
+    if posed.object_type.learned is None:
         return None
     return {
         "in_image": int(_rest(posed).sum()),
@@ -103,12 +103,12 @@ def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[
 
 
 def support_document(posed: Posed, dv: Mapping[str, float]) -> dict[str, Any]:
-    """The four cells for each feature type; of a learnt type one row for all its visual words, with the sums of their dv as ``weights``.
+    """The four cells for each feature type; of a learned type one row for all its visual words, with the sums of their dv as ``weights``.
 
     The rows are those of the hypothesis alone (``Posed.support``): counts and weights give its ev.
     """
     rows = posed.support()
-    if posed.object_type.learnt is None:
+    if posed.object_type.learned is None:
         return {name: {cell: getattr(count, letter) for letter, cell in CELLS.items()} for name, count in rows.items()}
     counts = {cell: sum(getattr(c, letter) for c in rows.values()) for letter, cell in CELLS.items()}
     weights = {
@@ -118,8 +118,8 @@ def support_document(posed: Posed, dv: Mapping[str, float]) -> dict[str, Any]:
 
 
 def looked_at(posed: Posed, ids: Sequence[str], dv: Mapping[str, float]) -> list[dict[str, Any]]:
-    """Of a rejected hypothesis of a learnt type, where its features were expected or found: to be looked at, nothing is computed from them."""
-    if posed.object_type.learnt is None:
+    """Of a rejected hypothesis of a learned type, where its features were expected or found: to be looked at, nothing is computed from them."""
+    if posed.object_type.learned is None:
         return []
     return [
         {
@@ -144,6 +144,6 @@ def _notable(posed: Posed) -> NDArray[np.bool_]:
 
 
 def _rest(posed: Posed) -> NDArray[np.bool_]:
-    if posed.object_type.learnt is None:
+    if posed.object_type.learned is None:
         return np.zeros(len(posed.uv), dtype=bool)
     return np.asarray(posed.stands & ~_notable(posed) & posed.in_image)

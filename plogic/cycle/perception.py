@@ -18,7 +18,7 @@ from plogic.match.by_copies import searched
 from plogic.match.indices import FAST, generate, generate_plainly, generate_together, settle, significant
 from plogic.match.judged.disjoint import moved_apart
 from plogic.match.judged.rivals import apart_on_screen, claims, excludes, hidden_among
-from plogic.match.learned.learned_index import LearntIndex
+from plogic.match.learned.learned_index import LearnedIndex
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -39,13 +39,13 @@ POOL_OF_TYPE = 3
 POLISHED = 6
 """Poses of a round that are refined beside Δi before they are accepted or not, the best first."""
 POLISH = 10.0
-"""What refinement beside Δi may add to the evidence of a learnt type, which was refined when it was found: one that
+"""What refinement beside Δi may add to the evidence of a learned type, which was refined when it was found: one that
 lacks more is not refined."""
 FEW_LEFT = 100
 """Matches of a feature and a datum that looks like it: where no more are left, single data are asked beside what is
 accepted, too."""
 AGAIN = 40
-"""Poses of a learnt type whose sides are looked at where it is searched for again, after one of it was accepted."""
+"""Poses of a learned type whose sides are looked at where it is searched for again, after one of it was accepted."""
 
 
 class Perception(Anytime):
@@ -89,12 +89,12 @@ class Perception(Anytime):
         alone = [
             self.indices[row.type] for row in attention if row.type not in together and not self._exhausted(row.type)
         ]
-        by_hand = any(not isinstance(index, LearntIndex) for index in alone)
+        by_hand = any(not isinstance(index, LearnedIndex) for index in alone)
         taken = bodies(self.accepted)
         covered = covered_by([b.posed for b in self.accepted], self.data) if by_hand else None
 
         def search(index: Index) -> list[tuple[float, Posed]]:
-            if self.generator != FAST and not isinstance(index, LearntIndex):
+            if self.generator != FAST and not isinstance(index, LearnedIndex):
                 return generate_plainly(self.generator, index, left, self.kb, self._hidden, self.deadline.check)
             return generate(index, left, self.kb, covered, taken, self.deadline.check, **self._fewer(index))
 
@@ -116,11 +116,11 @@ class Perception(Anytime):
         """Accept the best of some that is acceptable, refined beside Δi; the pool loses it. True where there is one."""
         for belief in sorted(judged, key=lambda b: -b.worth)[:POLISHED]:
             self.deadline.check()
-            if isinstance(belief.index, LearntIndex) and belief.surplus < significant(belief.posed) - POLISH:
+            if isinstance(belief.index, LearnedIndex) and belief.surplus < significant(belief.posed) - POLISH:
                 continue
             better = self._tilted(self._judge(belief.posed, self.free(), rounds=2), left)
             either = (
-                [better] if isinstance(belief.index, LearntIndex) else [better, belief]
+                [better] if isinstance(belief.index, LearnedIndex) else [better, belief]
             )  # places alone may fit better and lose a match
             holds = next((b for b in either if self._refusal(b) is None), None)
             if holds is not None:
@@ -145,7 +145,7 @@ class Perception(Anytime):
 
     def _fewer(self, index: Index) -> dict[str, int]:
         """How far to search for a type: less far again, for what stood out most of it is claimed."""
-        again = isinstance(index, LearntIndex) and index.object_type.name in self.searched
+        again = isinstance(index, LearnedIndex) and index.object_type.name in self.searched
         return {"refined": AGAIN} if again else {}
 
     def _rested(self, pool: list[Posed]) -> bool:
@@ -174,7 +174,7 @@ class Perception(Anytime):
         """Whether all types written by hand together have at most ``FEW_LEFT`` matches of a feature and a free datum that looks like it."""
         left, matches = self.data.only(self.free()), 0
         for index in self.indices.values():
-            matches += 0 if isinstance(index, LearntIndex) else int(index.allowed(left).sum())
+            matches += 0 if isinstance(index, LearnedIndex) else int(index.allowed(left).sum())
             if matches > FEW_LEFT:
                 return False
         return True
@@ -187,8 +187,8 @@ class Perception(Anytime):
         return True
 
     def _exhausted(self, name: str) -> bool:
-        """Whether another search would find nothing new: of a learnt type all poses are in the pool, unless one of it was accepted since."""
-        return isinstance(self.indices[name], LearntIndex) and self.searched.get(name) == sum(
+        """Whether another search would find nothing new: of a learned type all poses are in the pool, unless one of it was accepted since."""
+        return isinstance(self.indices[name], LearnedIndex) and self.searched.get(name) == sum(
             name_of(b) == name for b in self.accepted
         )
 

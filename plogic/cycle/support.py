@@ -17,7 +17,7 @@ import numpy as np
 from geometry.bodies.resting import Plane
 from plogic.base.clock import unhurried
 from plogic.match.by_copies import searched
-from plogic.match.learned.learned_index import LearntIndex
+from plogic.match.learned.learned_index import LearnedIndex
 from plogic.match.learned.resting_poses import resting
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class _Stand(NamedTuple):
     height: float
 
 
-def support_of(posed: Sequence[tuple[LearntIndex, Floats]]) -> Support | None:
+def support_of(posed: Sequence[tuple[LearnedIndex, Floats]]) -> Support | None:
     """The plane below the camera on which most of these objects, of known poses (4, 4), can stand; of equals the one they agree on best.
 
     None where no two agree. Its normal and its height are the means of theirs.
@@ -72,7 +72,7 @@ def support_of(posed: Sequence[tuple[LearntIndex, Floats]]) -> Support | None:
     return Support(Plane(up, offset), tuple(sorted(stand.owner for stand in best)))
 
 
-def _stands(owner: int, index: LearntIndex, pose: Floats) -> list[_Stand]:
+def _stands(owner: int, index: LearnedIndex, pose: Floats) -> list[_Stand]:
     middle = pose[:3, :3] @ index.centre + pose[:3, 3]
     ups, offsets = index.resting.planes(pose)
     return [
@@ -123,15 +123,15 @@ def supported(
     Only types are looked for of which none is accepted, by so many ``processes``. ``check`` is called before each type,
     and may raise to end it.
     """
-    learnt = [
-        (belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearntIndex)
+    learned = [
+        (belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearnedIndex)
     ]
-    support = support_of(learnt)
+    support = support_of(learned)
     if support is None:
         return [], None
     taken = bodies(accepted)
-    known = {index.object_type.name for index, _ in learnt}
-    some = [index for name, index in indices.items() if isinstance(index, LearntIndex) and name not in known]
+    known = {index.object_type.name for index, _ in learned}
+    some = [index for name, index in indices.items() if isinstance(index, LearnedIndex) and name not in known]
     found: list[Posed] = []
     with closing(
         searched(lambda index: resting(index, support.plane, left, kb, taken), some, left, processes)
@@ -139,7 +139,7 @@ def supported(
         for _ in some:
             check()
             found += [posed for _, posed in next(searches)]
-    who = ", ".join(learnt[i][0].object_type.name for i in support.by)
+    who = ", ".join(learned[i][0].object_type.name for i in support.by)
     return (
         found,
         f"{who} stand on one plane, {support.plane.offset:.2f} m below the camera: {len(found)} poses that stand there are tried",
@@ -147,10 +147,10 @@ def supported(
 
 
 def bodies(accepted: Sequence[Belief]) -> Floats:
-    """(N, 4) middles, camera frame, and inner radii of accepted objects of learnt types, m: what reaches nearer than that is in them (A4)."""
-    learnt = [
-        (belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearntIndex)
+    """(N, 4) middles, camera frame, and inner radii of accepted objects of learned types, m: what reaches nearer than that is in them (A4)."""
+    learned = [
+        (belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearnedIndex)
     ]
     return np.array(
-        [(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in learnt]
+        [(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in learned]
     ).reshape(-1, 4)

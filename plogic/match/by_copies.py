@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from plogic.base.forked import each
 from plogic.match.judged.expectation import Posed
-from plogic.match.learned.learned_index import LearntIndex
+from plogic.match.learned.learned_index import LearnedIndex
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Sequence
@@ -30,10 +30,10 @@ def searched(search: Callable[[Kind], Found], indices: Sequence[Kind], data: Dat
     """What ``search`` finds of each index in ``data``, in their order.
 
     What a copy finds comes back without the type, which is large, and here already. What all types ask of Γ is found
-    before copies are made. Without learnt types there are none: to copy the process takes as long as to find a type
+    before copies are made. Without learned types there are none: to copy the process takes as long as to find a type
     written by hand.
     """
-    lexicons = {id(index.lexicon): index.lexicon for index in indices if isinstance(index, LearntIndex)}
+    lexicons = {id(index.lexicon): index.lexicon for index in indices if isinstance(index, LearnedIndex)}
     processes = processes if lexicons else 1
     if processes > 1:
         for lexicon in lexicons.values():
@@ -48,8 +48,8 @@ def searched(search: Callable[[Kind], Found], indices: Sequence[Kind], data: Dat
 
 
 def make_ready(indices: Iterable[Index]) -> None:
-    """Now, all that indices of learnt types make when they are first asked for it: what a copy makes is lost with it."""
+    """Now, all that indices of learned types make when they are first asked for it: what a copy makes is lost with it."""
     for index in indices:
         for name, made in vars(type(index)).items():
-            if isinstance(made, cached_property) and isinstance(index, LearntIndex):
+            if isinstance(made, cached_property) and isinstance(index, LearnedIndex):
                 getattr(index, name)

@@ -1,4 +1,4 @@
-"""The search for a type, whichever kind it is: written by hand, or learnt. The cycle asks nothing else of either."""
+"""The search for a type, whichever kind it is: written by hand, or learned. The cycle asks nothing else of either."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from plogic.match.hand.type_index import TypeIndex, type_index
 from plogic.match.judged.alike import distinct
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.settling import FEWEST
-from plogic.match.learned import learned_poses as learnt
-from plogic.match.learned.learned_index import LearntIndex, learnt_index
-from plogic.match.learned.learned_match import settle as settle_learnt
+from plogic.match.learned import learned_poses as learned
+from plogic.match.learned.learned_index import LearnedIndex, learned_index
+from plogic.match.learned.learned_match import settle as settle_learned
 from plogic.match.learned.learned_poses import NOBODY
 from plogic.match.learned.lexicon import Lexicon, lexicon_of
 from plogic.match.oriented.angle_refinement import Noise
@@ -39,36 +39,36 @@ if TYPE_CHECKING:
     from plogic.match.judged.expectation import Posed
     from plogic.match.oriented.pair_index import PairIndex
 
-Index: TypeAlias = TypeIndex | LearntIndex
+Index: TypeAlias = TypeIndex | LearnedIndex
 PLAIN = {"quadruples": quadruples.proposals, "softposit": softposit.proposals}
 """The plain generators of poses of a type written by hand: slow, and what the fast search is tested against."""
 FAST = "index"
 """The generator of every day: the search by view cells and votes, which goes over all types at once where angles
 count."""
 GENERATORS = FAST, *PLAIN
-"""Who may propose poses of types written by hand; learnt types have their own."""
+"""Who may propose poses of types written by hand; learned types have their own."""
 SURE = 5.0
 """Logarithm of the odds by which a type must explain its data better than clutter does, all its poses together: 150 to
 1."""
 
 
 def index_of(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> Index:
-    """The index of a type with at least one feature; a learnt one without a ``lexicon`` has one of its own."""
-    return learnt_index(object_type, dv, lexicon) if object_type.learnt is not None else type_index(object_type, dv)
+    """The index of a type with at least one feature; a learned one without a ``lexicon`` has one of its own."""
+    return learned_index(object_type, dv, lexicon) if object_type.learned is not None else type_index(object_type, dv)
 
 
 def indices_of(
     kb: KnowledgeBase, dv: Mapping[str, float], folder: Path | None = None, generator: str = FAST
 ) -> tuple[dict[str, Index], PairIndex | None]:
-    """The indices of all types that have features, of which the learnt ones share one lexicon; and the index over those written by hand.
+    """The indices of all types that have features, of which the learned ones share one lexicon; and the index over those written by hand.
 
     Of these there is one where the angles of data say something, and the fast ``generator`` asks for it; ``folder``:
     where such are kept between runs.
     """
     types = sorted(kb.types, key=lambda t: t.name)  # of types that are equal in all but their names the first is found
-    clouds = {t.name: t.learnt for t in types if t.learnt is not None and t.features}
+    clouds = {t.name: t.learned for t in types if t.learned is not None and t.features}
     lexicon = lexicon_of(clouds, kb.words.centroids) if clouds and kb.words is not None else None
-    by_hand = [t for t in types if t.learnt is None and t.features]
+    by_hand = [t for t in types if t.learned is None and t.features]
     shared = ready(by_hand, dv, folder) if by_hand and kb.rates.sigma_angle is not None and generator == FAST else None
     known = {index.object_type.name: index for index in shared.indices} if shared is not None else {}
     return {t.name: known[t.name] if t.name in known else index_of(t, dv, lexicon) for t in types if t.features}, shared
@@ -78,9 +78,9 @@ def significant(posed: Posed) -> float:
     """What a log-likelihood ratio must exceed, beyond what any pose has.
 
     Of a type written by hand the best of so many tries is good by luck: as many as there are pairs of appearances. Of a
-    learnt one, and where angles count, all poses are counted already.
+    learned one, and where angles count, all poses are counted already.
     """
-    return SURE if posed.object_type.learnt is not None or posed.axes is not None else log(MOST_PAIRS)
+    return SURE if posed.object_type.learned is not None or posed.axes is not None else log(MOST_PAIRS)
 
 
 def generate(
@@ -95,11 +95,11 @@ def generate(
     """The poses that Γ suggests, matched, best first, with their log-likelihood ratios; ``most``: ``refined``, ``verified``.
 
     ``covered`` (H, W): where accepted objects stand, which a type written by hand is told; ``taken`` (N, 4): their
-    middles and inner radii, m, which a learnt one is told. ``check`` is called between the stages of the search for one
+    middles and inner radii, m, which a learned one is told. ``check`` is called between the stages of the search for one
     written by hand, and may raise to end it.
     """
-    if isinstance(index, LearntIndex):
-        return learnt.generate(index, data, kb, taken, **most)
+    if isinstance(index, LearnedIndex):
+        return learned.generate(index, data, kb, taken, **most)
     return by_hand.generate(index, data, kb, covered, **most, check=check)
 
 
@@ -180,7 +180,7 @@ def settle(
 
     ``free`` (A,) data that nobody else has claimed; ``hidden`` (F,) features that accepted opaque objects hide.
     """
-    if isinstance(index, LearntIndex):
-        return settle_learnt(index, pose, data, kb, free, hidden, rounds)
+    if isinstance(index, LearnedIndex):
+        return settle_learned(index, pose, data, kb, free, hidden, rounds)
     written = settle_oriented if kb.rates.sigma_angle is not None else by_hand.settle
     return written(index, pose, data, kb, free, hidden, rounds)

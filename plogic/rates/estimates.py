@@ -73,7 +73,7 @@ def mean(pair: tuple[float, float]) -> float:
     return (pair[0] + 0.5) / pair[1]
 
 
-def learnt(counts: Counts, rates: Rates) -> Rates:
+def learned(counts: Counts, rates: Rates) -> Rates:
     """``rates`` with what the counts say; of what was not seen in any scene the old rate stays."""
     from dataclasses import replace
 

@@ -1,6 +1,6 @@
 """What an interpretation carries along of its types to look ahead by: from where which feature is reported as what, and how often (§2.7).
 
-Types written by hand are carried whole. Of a learnt type, which has thousands of lobes, ``MOST_LOBES`` are: the surest
+Types written by hand are carried whole. Of a learned type, which has thousands of lobes, ``MOST_LOBES`` are: the surest
 of each direction of view in turn; how many were left out is said.
 """
 
@@ -46,7 +46,7 @@ def types_document(types: Mapping[str, ObjectType], kb: KnowledgeBase) -> dict[s
 
 def _table(kind: ObjectType, kb: KnowledgeBase) -> dict[str, Any]:
     table, hit = kind.lobes, _hit(kind, kb)
-    kept = _surest(table.axis, hit) if kind.learnt is not None else np.arange(len(hit))
+    kept = _surest(table.axis, hit) if kind.learned is not None else np.arange(len(hit))
     used, feature = np.unique(table.feature[kept], return_inverse=True)
     looks = sorted({table.types[lobe] for lobe in kept})
     place = {name: i for i, name in enumerate(looks)}
@@ -60,15 +60,15 @@ def _table(kind: ObjectType, kb: KnowledgeBase) -> dict[str, Any]:
             [f, place[table.types[lobe]], *row]
             for f, lobe, row in zip(np.asarray(feature).reshape(-1).tolist(), kept, rows, strict=True)
         ],
-        "measured": kind.learnt is not None,
+        "measured": kind.learned is not None,
     }
     return document | ({"left_out": {"lobes": len(hit) - len(kept)}} if len(kept) < len(hit) else {})
 
 
 def _hit(kind: ObjectType, kb: KnowledgeBase) -> NDArray[np.float64]:
     """(L,) how often each lobe is reported: measured, or that of the feature's type."""
-    if kind.learnt is not None:
-        return np.asarray(kind.learnt.hit)
+    if kind.learned is not None:
+        return np.asarray(kind.learned.hit)
     of_feature = np.array([kb.rates.hit.get(feature.type, 0.8) for feature in kind.features])
     return np.asarray(of_feature[kind.lobes.feature])
 

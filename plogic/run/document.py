@@ -1,6 +1,6 @@
 """The whole ``interpretation/1`` document of one image (contract), from the typed parts.
 
-Of learnt types it leaves out what no question needs, and says so: descriptors of appearances, features that are case B
+Of learned types it leaves out what no question needs, and says so: descriptors of appearances, features that are case B
 in every world (``left_out`` per hypothesis, and one feature that stands for those in the image, see
 ``plogic.cycle.lumped``), and with a vocabulary of words the causes of what nothing is matched to (``causes_else``:
 "noise").

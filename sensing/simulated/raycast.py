@@ -1,6 +1,6 @@
 """Bodies seen by rays instead of TinyRenderer: meshes of any size, textures without aliasing, rounded shading, cast shadows.
 
-Used for table-top scenes, whose packages carry fine print. What is learnt from pictures of another renderer is not
+Used for table-top scenes, whose packages carry fine print. What is learned from pictures of another renderer is not
 flattered by it.
 
 * ``Cast``: what each ray met first, ``Caster(bodies).cast(eye, rays)``

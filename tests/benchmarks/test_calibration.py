@@ -61,7 +61,7 @@ def test_whoever_is_sure_and_wrong_pays_what_is_stated():
     assert log_loss([1.0], [0], least=0.01) == pytest.approx(-log(0.01))
 
 
-def test_where_nothing_can_be_learnt_there_is_no_skill():
+def test_where_nothing_can_be_learned_there_is_no_skill():
     assert isnan(brier_skill([0.2, 0.9], [1, 1]))
 
 

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks.calibration import bench as calibration
-from benchmarks.calibration.bench import FIRST_OF_TRAINING, Plan, learnt_on
+from benchmarks.calibration.bench import FIRST_OF_TRAINING, Plan, learned_on
 from benchmarks.calibration.forecasts import CYCLE, GATE, P_EV, POSTERIOR, READINGS, Forecast, forecasts_of, gated
 from benchmarks.calibration.scenes import CAMERA, DETECTOR, OWN, SIBLINGS, random_world, scene
 from benchmarks.calibration.table import claims, rows
@@ -96,8 +96,8 @@ def test_forecasts_are_probabilities_of_every_reading_and_the_same_again(world, 
     assert sum(f.true for f in found if f.among == GATE) <= len(shown.truth.objects)
 
 
-def test_rates_are_learnt_about_as_they_are(world):
-    kb = learnt_on(world, range(FIRST_OF_TRAINING, FIRST_OF_TRAINING + 40))
+def test_rates_are_learned_about_as_they_are(world):
+    kb = learned_on(world, range(FIRST_OF_TRAINING, FIRST_OF_TRAINING + 40))
     hit, clutter = (
         np.array([table[name] for name in world.kb.appearance_types]) for table in (kb.rates.hit, kb.rates.clutter)
     )

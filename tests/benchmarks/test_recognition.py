@@ -197,10 +197,10 @@ def test_rows_name_both_sides_every_type_and_every_hardness():
 
 def test_the_ratio_is_to_the_next_other_feature():
     """Two descriptors of one feature do not compete; exact distances."""
-    learnt = np.zeros((3, 128), np.float32)
-    learnt[0, 0], learnt[1, 0], learnt[2, 0] = 10, 11, 40
+    learned = np.zeros((3, 128), np.float32)
+    learned[0, 0], learned[1, 0], learned[2, 0] = 10, 11, 40
     seen = np.zeros((1, 128), np.uint8)
-    found = _matches(np.array([[5.0, 6.0]]), seen, learnt, np.array([0, 2]), np.array([(1.0, 0, 0), (2.0, 0, 0)]))
+    found = _matches(np.array([[5.0, 6.0]]), seen, learned, np.array([0, 2]), np.array([(1.0, 0, 0), (2.0, 0, 0)]))
     assert found.at.tolist() == [[1, 0, 0]]
     assert found.ratio == pytest.approx(0.25)
 
@@ -259,7 +259,7 @@ def test_without_the_meshes_it_says_so_in_one_line(monkeypatch, tmp_path):
         recognition.run(seed=0, limit=1.0, quick=True, as_json=False, say=lambda _: None)
 
 
-def test_what_cannot_be_learnt_is_one_clear_line(monkeypatch, tmp_path):
+def test_what_cannot_be_learned_is_one_clear_line(monkeypatch, tmp_path):
     monkeypatch.setattr(recognition_kb, "learn_into", lambda *_: (_ for _ in ()).throw(InputError("no mesh")))
     with pytest.raises(InputError, match="no mesh"):
         recognition_kb.ours({"box": tmp_path}, tmp_path, lambda _: None)

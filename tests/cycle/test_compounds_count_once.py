@@ -1,4 +1,4 @@
-"""A learnt compound counts once (A1): in the cells, in ev, in the valuation, and in what worlds are made of; whatever the number of its parts."""
+"""A learned compound counts once (A1): in the cells, in ev, in the valuation, and in what worlds are made of; whatever the number of its parts."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import gamma_at, one_sided, pose_before, ready
+from learned_scenes import gamma_at, one_sided, pose_before, ready
 from painted_cube import CAMERA, CORNER, cloud, picture, pose_towards, seen, write_knowledge
 
 import plogic.cycle.delta
 import plogic.run.document
-from kb.clouds.learnt import LearntCloud, numbered
+from kb.clouds.learned import LearnedCloud, numbered
 from kb.files.read import read_kb
 from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.attention import attend
@@ -90,9 +90,9 @@ def doubled(cloud, parts):
     """The cloud, of a lobe a feature, with these features a second time, in the same compound."""
     arrays = {
         name: np.concatenate([getattr(cloud, name), getattr(cloud, name)[parts]])
-        for name in LearntCloud.__dataclass_fields__
+        for name in LearnedCloud.__dataclass_fields__
     }
-    return LearntCloud(**arrays | {"feature": np.arange(len(arrays["at"]))})
+    return LearnedCloud(**arrays | {"feature": np.arange(len(arrays["at"]))})
 
 
 @settings(max_examples=15, deadline=None, derandomize=True)

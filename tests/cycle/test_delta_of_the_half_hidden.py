@@ -1,4 +1,4 @@
-"""The hit rates that Δh states of learnt hypotheses that others hide in part: as the cycle judged them (§8)."""
+"""The hit rates that Δh states of learned hypotheses that others hide in part: as the cycle judged them (§8)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import gamma_at, one_sided, pose_before, ready
+from learned_scenes import gamma_at, one_sided, pose_before, ready
 from made_meshes import CORNERS, box_triangles
 
 from geometry.frames import from_rotation_translation, transform_points
@@ -22,7 +22,7 @@ from plogic.match.judged.evidence import LEAST_HIT, MOST_HIT, as_counted, clarit
 
 
 def behind_a_plate(hidden, status="accepted", *, opaque=True, away=0.4):
-    """A learnt thing of which a plate before it hides ``hidden`` of 30 features and the others are detected, in a perception that accepted it.
+    """A learned thing of which a plate before it hides ``hidden`` of 30 features and the others are detected, in a perception that accepted it.
 
     The perception, the belief that it holds of the thing, and Δh of the two.
     """

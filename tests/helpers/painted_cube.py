@@ -1,4 +1,4 @@
-"""A cube with a different picture on each face, as a mesh, as files, as learnt observations, and as a knowledge base: for tests of learning."""
+"""A cube with a different picture on each face, as a mesh, as files, as learned observations, and as a knowledge base: for tests of learning."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from made_meshes import QUADS, obj_text, split_box
 from geometry.camera import Camera
 from geometry.cones import even_directions
 from geometry.frames import look_at
-from kb.clouds.learnt import cloud_bytes
+from kb.clouds.learned import cloud_bytes
 from kb.clouds.words import words_bytes
 from kb.learning import features, observations
 from kb.learning.views import AWAY, MARGIN

@@ -1,10 +1,10 @@
-"""Learnt clouds of no object, for tests of what holds of all."""
+"""Learned clouds of no object, for tests of what holds of all."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from kb.clouds.learnt import LearntCloud
+from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import Words
 
 
@@ -34,7 +34,7 @@ def random_cloud(seed=0, features=6, lobes=11, words=7, width=128, **changed):
         "up": unit(np.cross(axis, rng.normal(size=(lobes, 3)))),
         "size": rng.uniform(0.005, 0.02, lobes),
     }
-    return LearntCloud(**(parts | changed))
+    return LearnedCloud(**(parts | changed))
 
 
 def unit(vectors):

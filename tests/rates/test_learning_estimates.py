@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from kb.clouds.cloud import Counts, Rates
 from plogic.rates.em import expected_counts, presence
-from plogic.rates.estimates import added, counted, learnt, mean, open_slots, share
+from plogic.rates.estimates import added, counted, learned, mean, open_slots, share
 from plogic.rates.records import Record, Sighting, Slot
 
 QUICK = settings(max_examples=100, deadline=None, derandomize=True)
@@ -37,7 +37,7 @@ def test_a_scene_that_is_not_complete_says_nothing_of_clutter():
 
 
 def test_rates_of_what_was_never_seen_stay():
-    rates = learnt(Counts(hit={"corner": (8, 8)}, prior={"t1": (0, 3)}), RATES)
+    rates = learned(Counts(hit={"corner": (8, 8)}, prior={"t1": (0, 3)}), RATES)
     assert rates.hit == {"apex": 0.9, "corner": 0.9}
     assert rates.prior == {"t1": 0.2, "t2": 0.5}
     assert rates.clutter == RATES.clutter

@@ -1,10 +1,10 @@
-"""What an interpretation carries of how a learnt type is seen: the surest lobes of each direction, up to a stated number, and what was left out."""
+"""What an interpretation carries of how a learned type is seen: the surest lobes of each direction, up to a stated number, and what was left out."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from learnt_scenes import ready
+from learned_scenes import ready
 from random_cloud import random_cloud
 
 from plogic.run import carried_lobes

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from kb.clouds.words import Words
 
 BY_HAND = "its features were written by hand; learning would replace them: take them out of object.yaml first"
@@ -25,7 +25,7 @@ def learn_command(
     """Learn the types that are named, or all that have a texture and no features; ``options``: detector, jobs, seed, as_json."""
     from kb.learning.parts import with_parts
     from kb.learning.words import worded
-    from plogic.face.authoring.kb_learn_cache import learnt_of
+    from plogic.face.authoring.kb_learn_cache import learned_of
     from plogic.face.authoring.kb_learn_symmetries import stated, symmetries_of, symmetry_rows, written
     from plogic.face.authoring.kb_types import check_own, type_folders
     from sensing.files.whole_files import write_files
@@ -34,11 +34,11 @@ def learn_command(
     folder = check_own(kb_folder)
     chosen = _chosen(kb, names)
     check_detector(kb_folder, kb, options["detector"], [kind.name for kind in chosen])
-    rows, clouds = [], {kind.name: kind.learnt for kind in kb.types if kind.learnt is not None}
+    rows, clouds = [], {kind.name: kind.learned for kind in kb.types if kind.learned is not None}
     places, found = type_folders(folder), {}
     for kind in chosen:
         file = places[kind.name] / "object.yaml"
-        clouds[kind.name] = with_parts(kind, learnt_of(kind, kb, options, say))
+        clouds[kind.name] = with_parts(kind, learned_of(kind, kb, options, say))
         rows.append(row_of(kind.name, clouds[kind.name]))
         if not stated(file):
             found[file] = symmetries_of(kind, clouds[kind.name], options, say)
@@ -47,7 +47,7 @@ def learn_command(
     write_files(written(files_of(folder, words, clouds), found))
     if options["as_json"]:
         return json.dumps({"format": "kb_learn/1", "kb": kb.name, "words": len(words.centroids), "types": rows})
-    return _text(f"learnt into {kb_folder}: {len(words.centroids)} words in all", rows)
+    return _text(f"learned into {kb_folder}: {len(words.centroids)} words in all", rows)
 
 
 def _text(title: str, rows: list[dict[str, Any]]) -> str:
@@ -77,17 +77,17 @@ def _chosen(kb: KnowledgeBase, names: Sequence[str]) -> list[ObjectType]:
     if wrong:
         raise InputError("\n".join(wrong))
     if not some:
-        raise InputError("every type has features already; name those that are to be learnt again")
+        raise InputError("every type has features already; name those that are to be learned again")
     return some
 
 
 def _fault(kind: ObjectType) -> str | None:
-    """Why a type cannot be learnt."""
+    """Why a type cannot be learned."""
     from sensing.errors import SensingError
     from sensing.simulated.camera import MAX_TRIANGLES
     from sensing.simulated.meshes import read_mesh
 
-    if kind.features and kind.learnt is None:
+    if kind.features and kind.learned is None:
         return BY_HAND
     if kind.mesh_file is None:
         return "has no mesh to render"
@@ -104,9 +104,9 @@ def _fault(kind: ObjectType) -> str | None:
 
 
 def check_detector(kb_folder: str, kb: KnowledgeBase, detector: str, fresh: Iterable[str]) -> None:
-    """Raise InputError where clouds that stay, those of types that are not ``fresh``, were learnt with another detector."""
+    """Raise InputError where clouds that stay, those of types that are not ``fresh``, were learned with another detector."""
     mixed = sorted(
-        {detector, *(kind.learnt.detector for kind in kb.types if kind.learnt is not None and kind.name not in fresh)}
+        {detector, *(kind.learned.detector for kind in kb.types if kind.learned is not None and kind.name not in fresh)}
     )
     if len(mixed) > 1:
         raise InputError(
@@ -114,8 +114,8 @@ def check_detector(kb_folder: str, kb: KnowledgeBase, detector: str, fresh: Iter
         )
 
 
-def row_of(name: str, cloud: LearntCloud) -> dict[str, Any]:
-    """What is printed of a type that was learnt."""
+def row_of(name: str, cloud: LearnedCloud) -> dict[str, Any]:
+    """What is printed of a type that was learned."""
     import numpy as np
 
     return {
@@ -128,13 +128,13 @@ def row_of(name: str, cloud: LearntCloud) -> dict[str, Any]:
     }
 
 
-def files_of(folder: Path, words: Words, clouds: Mapping[str, LearntCloud]) -> dict[Path, bytes]:
+def files_of(folder: Path, words: Words, clouds: Mapping[str, LearnedCloud]) -> dict[Path, bytes]:
     """All that is written into a KB's folder: words, every cloud (its words are new), and the lines that name them, where none does yet.
 
     Raises:
         InputError: two types name one file for their clouds, or a YAML file is written so that no line can be added.
     """
-    from kb.clouds.learnt import cloud_bytes
+    from kb.clouds.learned import cloud_bytes
     from kb.clouds.words import words_bytes
     from plogic.face.authoring.kb_types import type_folders
 

@@ -1,7 +1,7 @@
-"""Clouds that were learnt before, by all that decides them: the mesh as it is rendered, the options, our own source, the libraries.
+"""Clouds that were learned before, by all that decides them: the mesh as it is rendered, the options, our own source, the libraries.
 
-Nobody has to remember to change a version: what was learnt by other code, or with another threshold, is not found and
-learnt anew.
+Nobody has to remember to change a version: what was learned by other code, or with another threshold, is not found and
+learned anew.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from kb.learning.photo import PaintedMesh
     from sensing.simulated.body import TexturedMesh
 
@@ -29,15 +29,15 @@ LIBRARIES = ("numpy", "scipy", "pybullet", "trimesh")
 """They read, render and compute. OpenCV, which detects, comes under several names, so it is asked itself."""
 
 
-def learnt_of(
+def learned_of(
     kind: ObjectType,
     kb: KnowledgeBase,
     options: Mapping[str, Any],
     say: Callable[[str], None],
     painted: PaintedMesh | None = None,
-) -> LearntCloud:
-    """The cloud of a type from the cache, or learnt and put there; raises as ``looked`` does."""
-    from kb.clouds.learnt import cloud_bytes, read_cloud
+) -> LearnedCloud:
+    """The cloud of a type from the cache, or learned and put there; raises as ``looked`` does."""
+    from kb.clouds.learned import cloud_bytes, read_cloud
     from kb.errors import CloudError
     from plogic.face.authoring.kb_learn_look import looked
     from sensing.errors import SensingError
@@ -66,13 +66,13 @@ def learnt_of(
         return read_cloud(content)  # in the file's precision, as it will come the next time: equal hit rates stay equal
     with suppress(OSError):  # who may only read it uses it all the same
         os.utime(place)
-    say(f"{kind.name}: was learnt before ({place})")
+    say(f"{kind.name}: was learned before ({place})")
     return remembered
 
 
-def _kept(content: bytes) -> LearntCloud:
+def _kept(content: bytes) -> LearnedCloud:
     """The cloud of a file; raises CloudError where it is not what was written: an archive's own checksums are of its arrays, not of their names."""
-    from kb.clouds.learnt import cloud_bytes, read_cloud
+    from kb.clouds.learned import cloud_bytes, read_cloud
     from kb.errors import CloudError
 
     cloud = read_cloud(content)
@@ -82,7 +82,7 @@ def _kept(content: bytes) -> LearntCloud:
 
 
 def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:
-    """SHA-256 over a mesh with its paint, ``how`` it is learnt, the source that learns, and the versions of the libraries."""
+    """SHA-256 over a mesh with its paint, ``how`` it is learned, the source that learns, and the versions of the libraries."""
     import cv2
 
     total = hashlib.sha256(repr((how, cv2.__version__, [version(name) for name in LIBRARIES])).encode())

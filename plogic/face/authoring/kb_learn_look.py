@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from kb.learning.observations import Observations
     from kb.learning.photo import PaintedMesh
     from sensing.detectors.keypoints import Keypoints
@@ -35,7 +35,7 @@ def looked(
     options: Mapping[str, Any],
     say: Callable[[str], None],
     painted: PaintedMesh | None = None,
-) -> LearntCloud:
+) -> LearnedCloud:
     """The cloud of a type, rendered from its mesh file; of one ``painted`` with a photo, only of what the photo shows.
 
     Raises:
@@ -46,7 +46,7 @@ def looked(
     from kb.learning.observations import joined
     from kb.learning.photo import on_shown
     from kb.learning.views import DIRECTIONS
-    from kb.shown.learnt_summary import compound_sizes, compounds_text
+    from kb.shown.learned_summary import compound_sizes, compounds_text
     from sensing.simulated.meshes import read_mesh
     from sensing.simulated.turntable import extent
 

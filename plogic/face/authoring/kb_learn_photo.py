@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from geometry.poses.register import Registration
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from kb.intake.new_type import NewType
     from kb.learning.photo import PaintedMesh
 
@@ -60,7 +60,7 @@ def learn_photo_command(
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
     """
     from kb.learning.parts import with_parts
-    from plogic.face.authoring.kb_learn_cache import learnt_of
+    from plogic.face.authoring.kb_learn_cache import learned_of
 
     kb, new, kind = _the_type(kb_folder, names, sources, options["detector"], say)
     found, mesh = _registered(kind, sources)
@@ -69,7 +69,7 @@ def learn_photo_command(
         files = _paint_files(mesh, sources.photo.name, kind.mesh_scale)
         for name, data in files.items():
             (Path(folder) / name).write_bytes(data)
-        cloud = with_parts(kind, learnt_of(replace(kind, mesh_file=Path(folder) / PAINT[0]), kb, options, say, mesh))
+        cloud = with_parts(kind, learned_of(replace(kind, mesh_file=Path(folder) / PAINT[0]), kb, options, say, mesh))
     count = _write(Path(kb_folder), new, kind.name, files, cloud, options["seed"])
     return _answer(kb_folder, kind, found, mesh, cloud, count, as_json=options["as_json"])
 
@@ -98,13 +98,13 @@ def _the_type(
 
 
 def _fault(kind: ObjectType, folder: Path) -> str | None:
-    """Why a type, described in ``folder``, cannot be learnt from a photo."""
+    """Why a type, described in ``folder``, cannot be learned from a photo."""
     from plogic.face.authoring.kb_learn import BY_HAND
     from sensing.simulated.meshes import read_mesh
 
     if kind.surface is None or kind.mesh_file is None:
         return "has no mesh to lay the photo on"
-    if kind.features and kind.learnt is None:
+    if kind.features and kind.learned is None:
         return BY_HAND
     material = folder / PAINT[1]
     if material.is_file() and material.read_text(encoding="utf-8", errors="replace").startswith(BY_PHOTO):
@@ -190,7 +190,7 @@ def _paint_files(mesh: PaintedMesh, photo: str, metres_per_unit: float) -> dict[
 
 
 def _write(
-    kb_folder: Path, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearntCloud, seed: int
+    kb_folder: Path, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearnedCloud, seed: int
 ) -> int:
     """Everything, and how many words there are now."""
     from kb.files.yaml_text import load
@@ -200,7 +200,9 @@ def _write(
     from plogic.face.authoring.kb_types import type_folders, write_types
     from sensing.files.whole_files import write_files
 
-    clouds = {kind.name: kind.learnt for kind in kb_of(str(kb_folder)).types if kind.learnt is not None} | {name: cloud}
+    clouds = {kind.name: kind.learned for kind in kb_of(str(kb_folder)).types if kind.learned is not None} | {
+        name: cloud
+    }
     words, clouds = worded(clouds, seed)
     if new is not None:
         write_types(kb_folder, [new])
@@ -219,7 +221,7 @@ def _answer(
     kind: ObjectType,
     found: Registration,
     mesh: PaintedMesh,
-    cloud: LearntCloud,
+    cloud: LearnedCloud,
     words: int,
     *,
     as_json: bool,
@@ -235,7 +237,7 @@ def _answer(
     }
     row |= {"rms px": round(found.rms, 2)}
     if not as_json:
-        return plain_table(f"learnt into {kb_folder}: {words} words in all", [row])
+        return plain_table(f"learned into {kb_folder}: {words} words in all", [row])
     photo = {
         "camera": camera_to_dict(found.camera),
         "T_camera_object": found.camera_from_object.tolist(),

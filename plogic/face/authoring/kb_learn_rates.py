@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from plogic.rates.records import Record
 
 KINDS = ("hit", "clutter", "prior")
-"""Rates that are learnt: the fields that ``Rates`` and ``Counts`` have in common."""
+"""Rates that are learned: the fields that ``Rates`` and ``Counts`` have in common."""
 
 
 def learn_rates_command(
@@ -25,7 +25,7 @@ def learn_rates_command(
     from kb.clouds.cloud import Counts
     from plogic.face.authoring.kb_types import check_own
     from plogic.rates.em import expected_counts
-    from plogic.rates.estimates import added, counted, learnt, open_slots, without
+    from plogic.rates.estimates import added, counted, learned, open_slots, without
     from plogic.rates.scene_records import scene_folders
     from plogic.run.sources import kb_of
 
@@ -35,8 +35,8 @@ def learn_rates_command(
     words = frozenset(kb.words.names if kb.words is not None else ())
     observed = without(added(kb.rates.counts if options["add"] else Counts(), counted(records)), words)
     unknown = open_slots(records)
-    counts = without(expected_counts(unknown, observed, learnt(observed, kb.rates)), words)
-    rates = learnt(counts, kb.rates)
+    counts = without(expected_counts(unknown, observed, learned(observed, kb.rates)), words)
+    rates = learned(counts, kb.rates)
     if file is not None:
         _write(file, rates)
         say(f"wrote {file}")

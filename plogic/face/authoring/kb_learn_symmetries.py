@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import ObjectType
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from kb.learning.observations import Observations
     from kb.learning.symmetries import Trial
     from sensing.detectors.keypoints import Keypoints
@@ -21,7 +21,7 @@ KEPT = "symmetries: as object.yaml states them"
 
 
 def symmetries_of(
-    kind: ObjectType, cloud: LearntCloud, options: Mapping[str, Any], say: Callable[[str], None]
+    kind: ObjectType, cloud: LearnedCloud, options: Mapping[str, Any], say: Callable[[str], None]
 ) -> list[Trial]:
     """A trial for each turn of the type's shape; new pictures of it are taken where the cloud alone does not rule all of them out."""
     from geometry.cones import even_directions
@@ -38,7 +38,7 @@ def symmetries_of(
 
 
 def _new_pictures(kind: ObjectType, options: Mapping[str, Any], directions: NDArray[np.float64]) -> Observations:
-    """What the detector sees from directions that the cloud was not learnt from, with other noise."""
+    """What the detector sees from directions that the cloud was not learned from, with other noise."""
     import cv2
 
     from kb.learning.observations import joined, observed
@@ -47,7 +47,7 @@ def _new_pictures(kind: ObjectType, options: Mapping[str, Any], directions: NDAr
     from sensing.simulated.meshes import read_mesh
     from sensing.simulated.turntable import turned
 
-    assert kind.mesh_file is not None  # noqa: S101 - it was learnt from it
+    assert kind.mesh_file is not None  # noqa: S101 - it was learned from it
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
 

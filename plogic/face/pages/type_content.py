@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kb.shown.learnt_summary import learnt_summary
+from kb.shown.learned_summary import learned_summary
 from kb.shown.show import part_of_features, part_rows
 from plogic.face.pages.packed import floats, shorts
 from plogic.face.pages.type_surface import surface_document
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
 
 MOST_FEATURES = 6_000
 """That are drawn."""
@@ -47,9 +47,9 @@ def type_document(kb: KnowledgeBase, kind: ObjectType) -> dict[str, Any]:
         "type": {
             "name": kind.name,
             "opaque": kind.opaque,
-            "detector": kind.learnt.detector if kind.learnt is not None else None,
+            "detector": kind.learned.detector if kind.learned is not None else None,
         },
-        "lines": list(learnt_summary(kind).lines) if kind.learnt is not None else [],
+        "lines": list(learned_summary(kind).lines) if kind.learned is not None else [],
         "types": [*_types(kb, kind, names)],
         "parts": [row | {"counts": [[types[name], n] for name, n in row["counts"].items()]} for row in part_rows(kind)],
         "features": _features(kind, kept, types),
@@ -96,13 +96,13 @@ def _features(kind: ObjectType, kept: NDArray[np.int64], types: dict[str, int]) 
         "type": shorts([types[feature.type] for feature in features]),
         "part": shorts([part[i] for i in kept]),
         "at": floats([feature.at for feature in features]),
-        "sigma": floats(kind.learnt.sigma[kept]) if kind.learnt is not None else None,
-        "sides": None if kind.learnt is None else _sides(kind.learnt, kept),
+        "sigma": floats(kind.learned.sigma[kept]) if kind.learned is not None else None,
+        "sides": None if kind.learned is None else _sides(kind.learned, kept),
         "of": len(kind.seen_features),
     }
 
 
-def _sides(cloud: LearntCloud, kept: NDArray[np.int64]) -> dict[str, str] | None:
+def _sides(cloud: LearnedCloud, kept: NDArray[np.int64]) -> dict[str, str] | None:
     """Which of the features are sides of edges and, of each as its surest lobe saw it, two unit vectors: along its edge, and across towards it."""
     lobes = np.flatnonzero(cloud.sided & np.isin(cloud.feature, kept))
     surest = lobes[np.lexsort((-cloud.hit[lobes], cloud.feature[lobes]))]
@@ -126,6 +126,6 @@ def _lobes(kind: ObjectType, kept: NDArray[np.int64]) -> dict[str, Any]:
         "half_angle": floats(np.arccos(np.clip(table.cos_half[rows], -1.0, 1.0))),
         "r_min": floats(table.r_min[rows]),
         "r_max": floats(table.r_max[rows]),
-        "hit": floats(kind.learnt.hit[rows]) if kind.learnt is not None else None,
+        "hit": floats(kind.learned.hit[rows]) if kind.learned is not None else None,
         "of": len(table.types),
     }

@@ -53,7 +53,7 @@ GENERATOR = click.option(
     type=click.Choice(["index", "quadruples", "softposit"]),
     default="index",
     show_default=True,
-    help="Who proposes poses of types written by hand: the fast search, or the paper's plain ones; learnt types have their own.",
+    help="Who proposes poses of types written by hand: the fast search, or the paper's plain ones; learned types have their own.",
 )
 BEST_BY = click.option(
     "--deadline",

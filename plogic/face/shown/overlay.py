@@ -5,7 +5,7 @@ not; filled when Detected (D8), dashed when not, so the four cases of §4.2 look
 square, C dashed circle, D filled square. One colour per hypothesis (Okabe and Ito's palette, told apart by colour-blind
 eyes); a strip below explains the marks.
 
-Where an accepted type is learnt, or Γ has more than ``MANY`` appearances, the same four cases are drawn as dots: a
+Where an accepted type is learned, or Γ has more than ``MANY`` appearances, the same four cases are drawn as dots: a
 filled dot found, a hollow one missed, a small square unexpected, nothing where neither; and appearances that nothing
 claims, thousands in a photo, are left out. Of the sides of edges a found one is a stroke along its edge with a tick
 towards its side, and a missed one, of which no angle is known, a small cross.
@@ -79,7 +79,7 @@ def overlay(document: dict[str, Any], image: NDArray[np.uint8] | None) -> NDArra
 
 
 def crowded(document: dict[str, Any]) -> bool:
-    """Whether full marks would cover the picture: an accepted type is learnt, or Γ is a photo's."""
+    """Whether full marks would cover the picture: an accepted type is learned, or Γ is a photo's."""
     accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
     return len(document.get("appearances", [])) > MANY or any(
         f.get("stands_for", 1) > 1 for h in accepted for f in h.get("features", [])

@@ -26,7 +26,7 @@ off (development scenes)."""
 NEUTRAL = (NEAREST - 1.0) / LESS
 """Off by so much, colours are as likely of what is right as of what merely may be."""
 BRIGHT, EDGES = 6.0, 25.0
-"""Standard deviations of contrast, bytes: of what is right besides how it varied when it was learnt, and of the edges
+"""Standard deviations of contrast, bytes: of what is right besides how it varied when it was learned, and of the edges
 of objects."""
 USUAL, FEW = 45.0, 30.0
 """Standard deviation of contrast, bytes, of edges in images of which nothing is known; and how many such edges are
@@ -59,7 +59,7 @@ def contrasts_of(looks: NDArray[np.uint8]) -> Floats:
 def looks_fit(mine: NDArray[np.float32], its: NDArray[np.uint8], off: NDArray[np.float32], contrasts: Floats) -> Floats:
     """(N,) of those whose colours are ``off`` (N,) by less than 1, in an image of such ``contrasts`` (256,).
 
-    What varied when it was learnt as much as the edges of objects do has no mean of its own.
+    What varied when it was learned as much as the edges of objects do has no mean of its own.
     """
     contrast = its[:, SIDE - 1].astype(float)
     spread = np.minimum(np.hypot(mine[:, SIDE].astype(float), BRIGHT), EDGES)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 CROWDED = 3.0
-"""Pixels (standard deviation) within which expected features of a learnt type are found or missed together."""
+"""Pixels (standard deviation) within which expected features of a learned type are found or missed together."""
 ALONG, BENT = 10.0, 0.2
 """The same along a line across which both turn, pixels, and how much they may differ in that, radians: one line of
 clutter is right for all."""

@@ -32,7 +32,7 @@ class Posed:
 
     ``at`` (F, 3) metres, camera frame; ``uv`` (F, 2) pixels; ``in_image``, ``in_lobe``, ``self_hidden`` (F,); ``right``
     (F, A) the data of a type whose lobe holds the viewpoint; ``matches`` (F,) datum index or −1; ``residual`` (F,)
-    pixels, NaN where unmatched. Of a learnt type ``hit`` (F,) is the measured rate of the lobes that hold the
+    pixels, NaN where unmatched. Of a learned type ``hit`` (F,) is the measured rate of the lobes that hold the
     viewpoint, ``turn`` (F,) the screen angle that they make expect, ``sigma`` (F,) the noise of places, pixels,
     ``likeness`` (F,) how much rarer what looks like the match is than clutter of its type, ``sided`` (F,) which
     features are sides of edges, and ``across`` (F, 2) unit vectors on the screen across those edges, NaN of other
@@ -67,7 +67,7 @@ class Posed:
 
     @cached_property
     def counted(self) -> NDArray[np.float64]:
-        """(F,) for how much of an independent observation each feature counts: of a learnt type, shares of what crowds the expected ones."""
+        """(F,) for how much of an independent observation each feature counts: of a learned type, shares of what crowds the expected ones."""
         result = np.ones(len(self.uv))
         if self.turn is not None and self.candidate.any():
             sided = np.zeros(len(self.uv), bool) if self.sided is None else self.sided
@@ -89,7 +89,7 @@ class Posed:
 
     @cached_property
     def stands(self) -> NDArray[np.bool_]:
-        """(F,) which features stand for a maximal one (A1): all but those parts of a learnt compound that another part stands for.
+        """(F,) which features stand for a maximal one (A1): all but those parts of a learned compound that another part stands for.
 
         A compound looks like any of its parts and takes one appearance, so it is where its surest part is: one in the
         image, that is expected and detected, else expected, else detected; of several the one with the greatest hit
@@ -214,7 +214,7 @@ def _assign(matches: NDArray[np.intp], off: NDArray[np.float64], possible: NDArr
 def hidden_by(posed: Posed, other: Posed) -> NDArray[np.bool_]:
     """(F,) Behind(f, other, v): the line of sight to each feature of ``posed`` meets the other's surface first (§3.4).
 
-    Of a learnt type's thousands of features it is asked of those alone that are expected or detected: of others nothing
+    Of a learned type's thousands of features it is asked of those alone that are expected or detected: of others nothing
     is said.
     """
     surface, mask = other.object_type.surface, np.zeros(len(posed.at), dtype=bool)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from plogic.match.gamma.data import Data
     from plogic.match.learned.keypoint_pairs import Pairs
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ class Agreement:
     tolerance: Floats
 
 
-def agreement(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, share: float, pixels: float) -> Agreement:
+def agreement(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data, share: float, pixels: float) -> Agreement:
     """Of poses (H, 4, 4); a pair agrees in place within ``share`` of the object's diameter on the screen plus ``pixels``.
 
     What is less exact in space, as the middle of a region is, may be farther off by twice its σ, and its residual is
@@ -97,7 +97,7 @@ def _near(*factors: NDArray[np.float32]) -> tuple[NDArray[np.intp], NDArray[np.i
 
 
 def _right(
-    index: LearntIndex, R: Floats, t: Floats, at: Floats, of_pair: tuple[NDArray[np.intp], Floats, Floats], f: float
+    index: LearnedIndex, R: Floats, t: Floats, at: Floats, of_pair: tuple[NDArray[np.intp], Floats, Floats], f: float
 ) -> NDArray[np.bool_]:
     """(N,) whether pairs (lobe, scale, angle) whose places agree agree in all else: N rotations, translations and places, camera's frame."""
     lobe, scale, angle = of_pair

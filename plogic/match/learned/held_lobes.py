@@ -1,4 +1,4 @@
-"""Which lobes of a learnt type hold a viewpoint, or nearly do (§2.7): of thousands of them, at once.
+"""Which lobes of a learned type hold a viewpoint, or nearly do (§2.7): of thousands of them, at once.
 
 * ``Lobes``: some of a cloud's lobes, in single precision, by column
 """
@@ -16,8 +16,8 @@ from plogic.match.learned.agreement import ASIDE, GRAZING
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kb.clouds.learnt import LearntCloud
-    from plogic.match.learned.learned_index import LearntIndex
+    from kb.clouds.learned import LearnedCloud
+    from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
     Singles = NDArray[np.float32]
@@ -61,7 +61,7 @@ class Lobes:
         return Lobes(centre=self.centre, **some)
 
 
-def lobes_of(cloud: LearntCloud, which: Indices, centre: Floats) -> Lobes:
+def lobes_of(cloud: LearnedCloud, which: Indices, centre: Floats) -> Lobes:
     """The lobes ``which`` (M,) of a cloud."""
     axis, half, places = cloud.axis[which], cloud.half_angle[which], cloud.at[cloud.feature[which]] - centre
     columns = (
@@ -99,12 +99,12 @@ def first_held(lobes: Lobes, viewpoints: Floats, granularity: float, most: int) 
     return viewpoint[order], place[order]
 
 
-def lobes_held(index: LearntIndex, pose: Floats, granularity: float) -> Indices:
+def lobes_held(index: LearnedIndex, pose: Floats, granularity: float) -> Indices:
     """Indices of the lobes that hold the viewpoint (§2.7)."""
     return np.flatnonzero(held_from(index.lobes, inverse(pose)[None, :3, 3], granularity)[0])
 
 
-def lobes_about(index: LearntIndex, pose: Floats) -> Indices:
+def lobes_about(index: LearnedIndex, pose: Floats) -> Indices:
     """Indices of the lobes of keypoints that hold the viewpoint, or would if they were wider by ``ASIDE``."""
     along, distance = index.lobes_of_points.seen_from(inverse(pose)[None, :3, 3])
     return index.lobes_of_points.which[along[0] >= index.lobes_of_points.wide * distance[0]]

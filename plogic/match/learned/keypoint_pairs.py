@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.match.gamma.data import Data
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
 
 EACH = 3
 """Features that a keypoint is paired with, the most alike."""
@@ -52,7 +52,7 @@ class Pairs:
         return Pairs(self.datum[:count], self.lobe[:count], self.weight[:count])
 
 
-def pairs_of(index: LearntIndex, data: Data) -> Pairs:
+def pairs_of(index: LearnedIndex, data: Data) -> Pairs:
     """At most ``EACH`` features a keypoint, by their most similar appearance, and ``MOST`` pairs."""
     datum, lobe, apart = index.lexicon.alike(index.object_type.name, data)
     place = np.arange(len(lobe)) - np.searchsorted(lobe, lobe)

@@ -1,6 +1,6 @@
-"""A learnt type made ready for search: its appearances as arrays in single precision.
+"""A learned type made ready for search: its appearances as arrays in single precision.
 
-* ``LearntIndex``: what ``TypeIndex`` is to a type that was written by hand; the cycle asks both the same questions
+* ``LearnedIndex``: what ``TypeIndex`` is to a type that was written by hand; the cycle asks both the same questions
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ if TYPE_CHECKING:
 
     from geometry.bodies.resting import RestingFaces
     from kb.clouds.cloud import ObjectType
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from plogic.measures.valuation import Kinds
 
     Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class LearntIndex:
+class LearnedIndex:
     """``points`` (F, 3) metres; ``weights`` (F,) dv; ``cloud`` with its L appearances; ``lexicon`` where they are looked up."""
 
     object_type: ObjectType
-    cloud: LearntCloud
+    cloud: LearnedCloud
     weights: Floats
     lexicon: Lexicon
 
@@ -117,12 +117,12 @@ class LearntIndex:
         return float(surface.diameter if surface is not None else np.linalg.norm(np.ptp(self.points, axis=0)))
 
 
-def learnt_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> LearntIndex:
-    """The index of a type with a learnt cloud; dv 0 throughout counts every feature alike. Without a lexicon it has one of its own."""
-    cloud = object_type.learnt
+def learned_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> LearnedIndex:
+    """The index of a type with a learned cloud; dv 0 throughout counts every feature alike. Without a lexicon it has one of its own."""
+    cloud = object_type.learned
     assert cloud is not None  # noqa: S101 - the caller looks
     weights = np.array([dv[feature.type] for feature in object_type.features])
-    return LearntIndex(
+    return LearnedIndex(
         object_type,
         cloud,
         weights if weights.any() else np.ones(len(weights)),

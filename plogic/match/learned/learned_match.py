@@ -1,4 +1,4 @@
-"""Expected and Detected of a learnt type at a pose (D7, D8): what its measured lobes say, and which keypoint each feature takes.
+"""Expected and Detected of a learned type at a pose (D7, D8): what its measured lobes say, and which keypoint each feature takes.
 
 Its own body hides nothing more: the lobes were measured on it. Which keypoints are of the right type, ``looks`` says.
 """
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ MEDIAN, MEDIAN_ACROSS = 1.177, 0.6745
 """Median of the distance of two normal errors of σ = 1, and of the size of one."""
 SIDES_NOISE = 0.6
 """Least location noise of sides across their edge: where a body is round its outline is not quite where it was
-learnt."""
+learned."""
 SIDES_REACH = (3.0, 6.0)
 """Bounds of how far off across its edge a side is looked for, pixels."""
 WIDE = 2.5
@@ -44,7 +44,7 @@ NOISE = (0.3, 2.0)
 
 
 def settle(
-    index: LearntIndex,
+    index: LearnedIndex,
     pose: Floats | Posed,
     data: Data,
     kb: KnowledgeBase,
@@ -63,7 +63,7 @@ def settle(
     return settled(pose, match, better, rounds, lambda posed: evidence(posed, data, kb, hidden).ratio)
 
 
-def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> Posed:
+def pose_of(index: LearnedIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> Posed:
     """What geometry says of the type at a pose; nothing is matched yet."""
     camera, cloud = data.camera, index.cloud
     at = transform_points(pose, index.points)
@@ -98,7 +98,7 @@ def pose_of(index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> 
 
 
 def matched(
-    index: LearntIndex,
+    index: LearnedIndex,
     posed: Posed,
     data: Data,
     kb: KnowledgeBase,
@@ -150,7 +150,7 @@ def matched(
 
 
 def _with_sides(
-    index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, lobes: NDArray[np.intp], free: NDArray[np.bool_]
+    index: LearnedIndex, posed: Posed, data: Data, kb: KnowledgeBase, lobes: NDArray[np.intp], free: NDArray[np.bool_]
 ) -> Posed:
     """What is matched so far, and the sides of edges that are those of ``lobes``, which are expected; of data that are ``free`` (A,)."""
     spread = index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)
@@ -169,7 +169,7 @@ def _with_sides(
 
 def precision(posed: Posed) -> Floats:
     """(F,) 1/pixel² of each match's place, as much as it is counted; what lies far off for this noise is likely another's."""
-    assert posed.sigma is not None  # noqa: S101 - of a learnt type it was measured
+    assert posed.sigma is not None  # noqa: S101 - of a learned type it was measured
     return np.nan_to_num(posed.counted / (posed.sigma**2 + 0.25 * posed.residual**2))
 
 

@@ -1,4 +1,4 @@
-"""Δh of a learnt type: every pair is a pose, poses vote, the best that are apart are refined on the pairs that agree, then settled."""
+"""Δh of a learned type: every pair is a pose, poses vote, the best that are apart are refined on the pairs that agree, then settled."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from plogic.match.gamma.data import Data
     from plogic.match.judged.expectation import Posed
     from plogic.match.learned.keypoint_pairs import Pairs
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
 
@@ -41,11 +41,11 @@ TILTED = 4.0
 NOBODY = np.zeros((0, 4))
 WORTHLESS = 12.0
 """Poses of less worth are given up before they are settled: few right ones, and most of the wrong ones
-(``benchmarks/learnt_spreads.py``)."""
+(``benchmarks/learned_spreads.py``)."""
 
 
 def generate(
-    index: LearntIndex,
+    index: LearnedIndex,
     data: Data,
     kb: KnowledgeBase,
     taken: Floats = NOBODY,
@@ -64,7 +64,7 @@ def generate(
     return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, verified)
 
 
-def clear_of(taken: Floats, index: LearntIndex, poses: Floats) -> NDArray[np.bool_]:
+def clear_of(taken: Floats, index: LearnedIndex, poses: Floats) -> NDArray[np.bool_]:
     """(H,) which poses (H, 4, 4) may keep out of bodies that are there already (N, 4), as far as their inner radii tell (A4)."""
     middles = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
     apart = np.linalg.norm(middles[:, None] - taken[:, :3], axis=2)
@@ -72,7 +72,7 @@ def clear_of(taken: Floats, index: LearntIndex, poses: Floats) -> NDArray[np.boo
 
 
 def settled_best(
-    index: LearntIndex, best: Floats, data: Data, kb: KnowledgeBase, verified: int
+    index: LearnedIndex, best: Floats, data: Data, kb: KnowledgeBase, verified: int
 ) -> list[tuple[float, Posed]]:
     """Of refined poses (N, 4, 4), best first, the first ``verified`` that are apart, settled, with their log-likelihood ratios, best first."""
     seen = [settle(index, pose, data, kb, rounds=0) for pose in distinct_poses(index, best, verified)]
@@ -83,7 +83,7 @@ def settled_best(
 
 
 def proposed(
-    index: LearntIndex,
+    index: LearnedIndex,
     data: Data,
     kb: KnowledgeBase,
     most: int = REFINED,
@@ -119,12 +119,12 @@ def _enough(posed: Posed) -> bool:
     return int((posed.candidate & posed.detected).sum()) >= FEWEST
 
 
-def _apart(index: LearntIndex, poses: Floats, worth: Floats, most: int) -> list[int]:
+def _apart(index: LearnedIndex, poses: Floats, worth: Floats, most: int) -> list[int]:
     """The best by votes, no two alike."""
     return apart(poses, poses[:, :3, :3] @ index.centre + poses[:, :3, 3], worth, most, (TURNED, APART))
 
 
-def tilted(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Floats:
+def tilted(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data) -> Floats:
     """(H, 4, 4) the other pose of each that shows a flat side nearly alike: the side, mirrored in depth, and turned proper by its normal.
 
     From afar a plane's tilt is known up to this (two branches of planar POSIT, §6.1); which of them holds, perspective
@@ -151,7 +151,7 @@ def tilted(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data) -> Float
     return other
 
 
-def distinct_poses(index: LearntIndex, poses: Floats, most: int) -> list[Floats]:
+def distinct_poses(index: LearnedIndex, poses: Floats, most: int) -> list[Floats]:
     """The first ``most`` of poses (N, 4, 4) that are not at one place, up to symmetry."""
     kept: list[Floats] = []
     for pose in poses:

@@ -1,4 +1,4 @@
-"""Coarse poses of a learnt type, refined many at once on the pairs and the sides of edges that agree with them.
+"""Coarse poses of a learned type, refined many at once on the pairs and the sides of edges that agree with them.
 
 * ``Round``: how near what agrees must be, and how many go on, in one round: ``Round(0.05, 3.0, 7.0, 30, 12)``
 """
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from plogic.match.gamma.data import Data
     from plogic.match.learned.agreement import Held
     from plogic.match.learned.keypoint_pairs import Pairs
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
     from plogic.match.learned.side_fit import SideFit
 
     Floats = NDArray[np.float64]
@@ -61,7 +61,7 @@ ROBUST = 2.0
 
 
 def refined(
-    index: LearntIndex,
+    index: LearnedIndex,
     poses: Floats,
     pairs: Pairs,
     data: Data,
@@ -110,6 +110,6 @@ def _worth(held: Held, sides: SideFit) -> Floats:
     return np.asarray(PAIR_WORTH * held.sums(len(sides.worth)) + SIDE_WORTH * sides.worth)
 
 
-def held_at(index: LearntIndex, poses: Floats, pairs: Pairs, data: Data, now: Round) -> Held:
+def held_at(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data, now: Round) -> Held:
     """What poses (H, 4, 4) are held by, of pairs as near as a round asks."""
     return held_by(agreement(index, poses, pairs, data, now.share, now.pixels), pairs, index.cloud.feature[pairs.lobe])

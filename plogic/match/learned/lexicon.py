@@ -1,4 +1,4 @@
-"""All learnt types' appearances by visual word: of a keypoint only those of its nearest words are looked at, for all types at once.
+"""All learned types' appearances by visual word: of a keypoint only those of its nearest words are looked at, for all types at once.
 
 * ``Lexicon``: the L appearances of all types; ``alike(name, data)`` says which of one type look like which keypoint
 """
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
     from plogic.match.gamma.data import Data
 
     Indices = NDArray[np.intp]
@@ -164,7 +164,7 @@ class Lexicon:
         return word[order], row[order]
 
 
-def lexicon_of(clouds: Mapping[str, LearntCloud], words: NDArray[np.uint8] | None = None) -> Lexicon:
+def lexicon_of(clouds: Mapping[str, LearnedCloud], words: NDArray[np.uint8] | None = None) -> Lexicon:
     """Of the keypoints of types' clouds, at least one; ``words`` (W, D) bytes are the vocabulary's, which the clouds' words are indices of."""
     points = [np.flatnonzero(~cloud.sided) for cloud in clouds.values()]
     sizes = [len(some) for some in points]

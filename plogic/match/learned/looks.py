@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
     from plogic.match.judged.expectation import Posed
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
@@ -75,7 +75,7 @@ class RightPairs:
 
 
 def right_pairs(
-    index: LearntIndex,
+    index: LearnedIndex,
     posed: Posed,
     data: Data,
     lobes: Indices,
@@ -122,7 +122,7 @@ def _within(places: Floats, reach: Floats, data: Data, free: NDArray[np.bool_]) 
 
 
 def _right(
-    index: LearntIndex, posed: Posed, data: Data, lobes: Indices, size: Floats, place: Indices, datum: Indices
+    index: LearnedIndex, posed: Posed, data: Data, lobes: Indices, size: Floats, place: Indices, datum: Indices
 ) -> tuple[Indices, Floats, Floats]:
     """Which of N pairs look right, how far apart, and their fit: of an appearance of this pose, ``place`` in ``lobes``, and a keypoint ``datum``.
 
@@ -157,7 +157,7 @@ def _against_even(off: Floats, sigma: float, most: float) -> Floats:
 
 
 def likeness(
-    index: LearntIndex, posed: Posed, lobes: Indices, matches: Indices, data: Data, kb: KnowledgeBase
+    index: LearnedIndex, posed: Posed, lobes: Indices, matches: Indices, data: Data, kb: KnowledgeBase
 ) -> Floats:
     """(F,) of each match, how much rarer a keypoint that looks as right is there than clutter of its word is in an image; 1 where unmatched.
 

@@ -1,4 +1,4 @@
-"""Δh of a learnt type on a known plane: a pair is a pose already (``single``), and what rests on the plane has three ways to move, not six.
+"""Δh of a learned type on a known plane: a pair is a pose already (``single``), and what rests on the plane has three ways to move, not six.
 
 So a pose that one pair fixes coarsely is set down: turned the least way that puts one of the body's resting faces on
 the plane, and moved along the line of sight until the face touches it. What is left is its place and its turn on the
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from plogic.match.gamma.data import Data
     from plogic.match.judged.expectation import Posed
     from plogic.match.learned.keypoint_pairs import Pairs
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ ROUNDS = (
 
 
 def resting(
-    index: LearntIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats
+    index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats
 ) -> list[tuple[float, Posed]]:
     """The poses that Γ suggests on the plane, settled, which are free to leave it then, with their log-likelihood ratios, best first.
 
@@ -68,7 +68,7 @@ def resting(
     return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED)
 
 
-def set_down(index: LearntIndex, pairs: Pairs, plane: Plane, data: Data) -> Floats:
+def set_down(index: LearnedIndex, pairs: Pairs, plane: Plane, data: Data) -> Floats:
     """(N, 4, 4) the poses on the plane that are near to those that the pairs fix in the air; each stands on one of its resting faces."""
     rays, places = sights(pairs, data), index.places[pairs.lobe]
     turned, told, falling = turns(index, pairs, data), depths(index, pairs, data), rays @ plane.up

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.match.gamma.data import Data
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
     from plogic.match.learned.side_pairs import SidePairs
 
     Floats = NDArray[np.float64]
@@ -45,7 +45,7 @@ class SideFit:
     worth: Floats
 
 
-def side_fit(index: LearntIndex, poses: Floats, data: Data, granularity: float, reach: float, most: int) -> SideFit:
+def side_fit(index: LearnedIndex, poses: Floats, data: Data, granularity: float, reach: float, most: int) -> SideFit:
     """Of poses (H, 4, 4), the ``most`` surest sides, each with the best within ``reach`` pixels across its line and a little more along it."""
     pose, lobe = _expected(index, poses, data, granularity, most)
     at = np.einsum("nij,nj->ni", poses[pose, :3, :3], index.places[lobe]) + poses[pose, :3, 3]
@@ -87,7 +87,7 @@ def _best(near: SidePairs, fit: Floats) -> Indices:
     return order[np.unique(near.place[order], return_index=True)[1]]
 
 
-def _expected(index: LearntIndex, poses: Floats, data: Data, granularity: float, most: int) -> tuple[Indices, Indices]:
+def _expected(index: LearnedIndex, poses: Floats, data: Data, granularity: float, most: int) -> tuple[Indices, Indices]:
     """Poses and the appearances of sides that each expects, the ``most`` of the greatest hit rates."""
     lobes = index.lobes_of_sides
     if not len(lobes.which) or not data.sided.any():

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.match.gamma.data import Data
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
@@ -58,7 +58,7 @@ class SidePairs:
         return np.asarray((np.bincount(self.place[clutter], minlength=count) + FEW) / area)
 
 
-def side_pairs(index: LearntIndex, data: Data, lobes: Indices, uv: Floats, angle: Floats) -> SidePairs:
+def side_pairs(index: LearnedIndex, data: Data, lobes: Indices, uv: Floats, angle: Floats) -> SidePairs:
     """Of appearances ``lobes`` (Q,) that a pose puts at uv (Q, 2) pixels, facing angle (Q,) radians."""
     place, datum = data.sides.near(uv, AROUND, angle)
     right, down = (data.uv[:, axis][datum] - uv[:, axis][place] for axis in (0, 1))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
     from plogic.match.judged.expectation import Posed
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
@@ -64,7 +64,7 @@ class SideMatches:
 
 
 def side_matches(
-    index: LearntIndex, posed: Posed, data: Data, lobes: Indices, free: NDArray[np.bool_], reach: Floats
+    index: LearnedIndex, posed: Posed, data: Data, lobes: Indices, free: NDArray[np.bool_], reach: Floats
 ) -> SideMatches:
     """Of the appearances ``lobes``, which hold the viewpoint, those of sides in the image; of data that are ``free`` (A,).
 

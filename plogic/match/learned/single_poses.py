@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from plogic.match.gamma.data import Data
     from plogic.match.learned.keypoint_pairs import Pairs
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
 
@@ -21,7 +21,7 @@ NEAREST, FARTHEST = 0.6, 40.0
 """Distances of the object's middle, in its diameters, that are believed."""
 
 
-def single_poses(index: LearntIndex, pairs: Pairs, data: Data) -> Floats:
+def single_poses(index: LearnedIndex, pairs: Pairs, data: Data) -> Floats:
     """(N, 4, 4) camera_from_object of those of the P pairs that place the object before the camera, N ≤ P."""
     at = sights(pairs, data) * depths(index, pairs, data)[:, None]
     poses = np.zeros((len(at), 4, 4))
@@ -37,12 +37,12 @@ def sights(pairs: Pairs, data: Data) -> Floats:
     return np.column_stack([(ideal - centre_of(data.camera)) / data.camera.f, np.ones(len(ideal))])
 
 
-def depths(index: LearntIndex, pairs: Pairs, data: Data) -> Floats:
+def depths(index: LearnedIndex, pairs: Pairs, data: Data) -> Floats:
     """(P,) metres at which the lobes' sizes are those of the keypoints."""
     return np.asarray(index.cloud.size[pairs.lobe] * data.camera.f / data.scale[pairs.datum])
 
 
-def turns(index: LearntIndex, pairs: Pairs, data: Data) -> Floats:
+def turns(index: LearnedIndex, pairs: Pairs, data: Data) -> Floats:
     """(P, 3, 3) the rotations at which each lobe is seen from its middle, its appearance turned as the keypoint is."""
     cloud, angle, at = index.cloud, data.angle[pairs.datum], sights(pairs, data) * depths(index, pairs, data)[:, None]
     back = -at / np.linalg.norm(at, axis=1, keepdims=True)
@@ -55,7 +55,7 @@ def turns(index: LearntIndex, pairs: Pairs, data: Data) -> Floats:
     return np.asarray(camera @ np.swapaxes(own, 1, 2))
 
 
-def plausible(index: LearntIndex, poses: Floats) -> NDArray[np.bool_]:
+def plausible(index: LearnedIndex, poses: Floats) -> NDArray[np.bool_]:
     """(N,) finite, and the middle neither behind the camera, nor too near, nor absurdly far."""
     depth = poses[:, 2, :3] @ index.centre + poses[:, 2, 3]
     return np.asarray(

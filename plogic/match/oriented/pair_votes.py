@@ -48,7 +48,7 @@ _OCTAVES, _SIDE = 20, 512
 """Sizes, and places along an axis, after which the numbers of boxes begin anew: of so different a size nothing is in
 one image."""
 AS_WIDE = float(np.exp(SIZES))
-"""Ratio of two widths that are taken for the same: what cells, pairs and detectors may be off together; as of learnt
+"""Ratio of two widths that are taken for the same: what cells, pairs and detectors may be off together; as of learned
 types."""
 CELL, ROLL, SCALE = 0.3, np.pi / 6, 0.35
 """Votes are of one place that lie within one box: diameters, radians, logarithm of scale."""

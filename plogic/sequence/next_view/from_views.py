@@ -28,12 +28,12 @@ def cloud_of(kind: ObjectType, kb: KnowledgeBase) -> Cloud:
         tuple(feature.name for feature in features),
         tuple(feature.type for feature in features),
         lobes,
-        by_type[lobes.feature] if kind.learnt is None else kind.learnt.hit,
+        by_type[lobes.feature] if kind.learned is None else kind.learned.hit,
         None if surface is None else surface.rays,
         middle,
         float(np.linalg.norm(points - middle, axis=1).max()),
         0.0 if surface is None else SLACK * surface.diameter,
-        kind.learnt is not None,
+        kind.learned is not None,
     )
 
 

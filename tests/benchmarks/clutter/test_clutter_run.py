@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from learnt_cube import learnt_kb
+from learned_cube import learned_kb
 
 from benchmarks.clutter import bench as clutter
 from benchmarks.clutter.bench import Plan, run, series_of
@@ -47,7 +47,7 @@ def test_a_real_run_finds_real_objects():
     document = json.loads(text)
     mine, accepted, told = document["rows"]
     assert document["bench"] == "clutter"
-    assert (mine["who"], mine["trials"], mine["learnt"]) == ("ours", 3, "0/0")
+    assert (mine["who"], mine["trials"], mine["learned"]) == ("ours", 3, "0/0")
     assert mine["pose"] >= 0.6
     assert mine["build"] >= 0
     assert (accepted["who"], accepted["median s"]) == ("accepted", mine["median s"])
@@ -99,25 +99,25 @@ def test_the_answer_is_the_best_accepted_or_else_the_best(monkeypatch, accepted,
     assert asked[:2] == [[answer], accepted]
 
 
-def test_a_third_of_the_trials_is_of_learnt_types(knowing):
+def test_a_third_of_the_trials_is_of_learned_types(knowing):
     text, met = run(
         seed=0,
         limit=1,
         quick=True,
         as_json=True,
         say=lambda _: None,
-        learn=lambda *_: learnt_kb(),
+        learn=lambda *_: learned_kb(),
         plan=Plan([FEW], 6, 0),
     )
     assert not met
     row = json.loads(text)["rows"][0]
-    assert (row["trials"], row["learnt"], row["identity"]) == (6, "0/2", 0)
+    assert (row["trials"], row["learned"], row["identity"]) == (6, "0/2", 0)
     assert [kb.types[0].name for kb, _ in knowing] == ["cube"] * 6
 
 
 def test_left_out_trials_are_said(knowing):
     text, _ = run(seed=0, limit=1, quick=True, as_json=False, say=lambda _: None, learn=nobody, plan=Plan([FEW], 6, 0))
-    assert "There are no learnt types: their trials are left out." in text
+    assert "There are no learned types: their trials are left out." in text
     assert len(knowing) == 4
 
 
@@ -167,8 +167,8 @@ def test_trials_are_the_same_each_time_and_alike_for_both_detectors():
     assert np.array_equal(one.camera_from_object, other.camera_from_object)
 
 
-def test_the_object_of_a_learnt_trial_is_a_learnt_one():
-    series = series_of(FEW, learnt_kb(), 0)
+def test_the_object_of_a_learned_trial_is_a_learned_one():
+    series = series_of(FEW, learned_kb(), 0)
     assert series.numbers(9) == list(range(9))
     types = [series.trial(0, n).truth.type for n in range(9)]
     assert types == [*["cube", "r0000", "r0000"] * 3]
@@ -178,25 +178,25 @@ def test_the_object_of_a_learnt_trial_is_a_learnt_one():
 def test_without_the_meshes_it_goes_on_and_says_so(monkeypatch, tmp_path):
     monkeypatch.setattr(recognition_scenes, "YCB", tmp_path / "none")
     said = []
-    assert clutter.learnt_kb(said.append) is None
+    assert clutter.learned_kb(said.append) is None
     assert len(said) == 1
-    assert said[0].startswith("no trials of learnt types: ")
+    assert said[0].startswith("no trials of learned types: ")
 
 
-def test_what_is_learnt_is_read_back(monkeypatch, tmp_path):
+def test_what_is_learned_is_read_back(monkeypatch, tmp_path):
     """As for ``recognition``; here an empty one is written."""
     from plogic.face.authoring.kb_new import new_command
 
     monkeypatch.setattr(recognition_scenes, "ycb_meshes", lambda: {"it": tmp_path})
     monkeypatch.setattr("benchmarks.recognition.kb.learn_into", lambda folder, *_: new_command(folder, None))
-    kb = clutter.learnt_kb(lambda _: None)
+    kb = clutter.learned_kb(lambda _: None)
     assert kb.types == ()
 
     def fails(*_):
         raise InputError("no")
 
     monkeypatch.setattr("benchmarks.recognition.kb.learn_into", fails)
-    assert clutter.learnt_kb(lambda _: None) is None
+    assert clutter.learned_kb(lambda _: None) is None
 
 
 def test_a_found_object_is_what_a_peer_answers():

@@ -40,12 +40,12 @@ def test_the_best_of_what_was_accepted_is_judged(found, identity, right, false):
     assert judged(found, TRUTH) == (identity, right, false)
 
 
-def outcome(case=SMALL, who=OURS, *, learnt=False, own=20, identity=True, pose=True, false=False, seconds=0.5):
-    return Outcome(case, who, learnt, own, identity, pose, false, seconds)
+def outcome(case=SMALL, who=OURS, *, learned=False, own=20, identity=True, pose=True, false=False, seconds=0.5):
+    return Outcome(case, who, learned, own, identity, pose, false, seconds)
 
 
 def good(case=SMALL, seconds=0.5):
-    return [outcome(case, learnt=n % 3 == 0, seconds=seconds) for n in range(9)]
+    return [outcome(case, learned=n % 3 == 0, seconds=seconds) for n in range(9)]
 
 
 def unmet(outcomes):
@@ -54,8 +54,8 @@ def unmet(outcomes):
 
 def test_a_row_counts_what_its_side_did():
     outcomes = [
-        outcome(seconds=1.0), outcome(seconds=2.0, pose=False), outcome(seconds=6.0, identity=False, pose=False, false=True, learnt=True, own=8),
-        outcome(who="peer", seconds=9.0, learnt=True),
+        outcome(seconds=1.0), outcome(seconds=2.0, pose=False), outcome(seconds=6.0, identity=False, pose=False, false=True, learned=True, own=8),
+        outcome(who="peer", seconds=9.0, learned=True),
     ]  # fmt: skip
     mine, peer = rows(outcomes, {SMALL: 3.5})
     assert (mine["case"], mine["types"], mine["looks"], mine["who"], mine["trials"], mine["own"]) == (
@@ -66,9 +66,9 @@ def test_a_row_counts_what_its_side_did():
         3,
         16.0,
     )
-    assert (mine["identity"], mine["pose"], mine["learnt"], mine["false"]) == (0.6667, 0.3333, "0/1", 1)
+    assert (mine["identity"], mine["pose"], mine["learned"], mine["false"]) == (0.6667, 0.3333, "0/1", 1)
     assert (mine["median s"], mine["p95 s"], mine["build"]) == (2.0, 5.6, 3.5)
-    assert (peer["who"], peer["trials"], peer["learnt"], peer["build"]) == ("peer", 1, "1/1", "")
+    assert (peer["who"], peer["trials"], peer["learned"], peer["build"]) == ("peer", 1, "1/1", "")
 
 
 def test_every_claim_can_be_met():
@@ -80,17 +80,17 @@ def test_every_claim_can_be_met():
     ("worse", "said"),
     [
         (
-            [outcome(identity=False, pose=False, learnt=True)],
+            [outcome(identity=False, pose=False, learned=True)],
             ["easy, 100 types, 300 appearance types: identity right", "identity and pose right"],
         ),
-        ([outcome(pose=False, learnt=True)], ["easy, 100 types, 300 appearance types: identity and pose right"]),
+        ([outcome(pose=False, learned=True)], ["easy, 100 types, 300 appearance types: identity and pose right"]),
         ([outcome(seconds=1.1)] * 20, ["seconds, median", "share of the trials"]),
-        ([outcome(LARGE, seconds=1.6, learnt=True)] * 20, ["median seconds over those of 100 types"]),
-        ([outcome(LARGE, identity=False, pose=False, learnt=True)] * 20, []),
-        ([outcome(DIM, pose=False, learnt=True)] * 2, []),
-        ([outcome(DIM, pose=False, learnt=True)] * 4, ["hard, 100 types, 300 appearance types: pose right"]),
+        ([outcome(LARGE, seconds=1.6, learned=True)] * 20, ["median seconds over those of 100 types"]),
+        ([outcome(LARGE, identity=False, pose=False, learned=True)] * 20, []),
+        ([outcome(DIM, pose=False, learned=True)] * 2, []),
+        ([outcome(DIM, pose=False, learned=True)] * 4, ["hard, 100 types, 300 appearance types: pose right"]),
         (
-            [outcome(DIM, identity=False, pose=False, learnt=True)],
+            [outcome(DIM, identity=False, pose=False, learned=True)],
             ["hard, 100 types, 300 appearance types: identity right"],
         ),
         ([outcome(who="peer", identity=False, pose=False, seconds=99.0)] * 9, []),
@@ -103,5 +103,5 @@ def test_a_claim_that_is_missed_is_not_met(worse, said):
         assert any(name in claim for claim in missed)
 
 
-def test_without_learnt_types_the_claim_of_a_third_is_not_met():
-    assert unmet([outcome() for _ in range(9)]) == ["share of the trials with clouds learnt from meshes"]
+def test_without_learned_types_the_claim_of_a_third_is_not_met():
+    assert unmet([outcome() for _ in range(9)]) == ["share of the trials with clouds learned from meshes"]

@@ -1,4 +1,4 @@
-"""The types of ``plogic bench clutter``: bodies, features on them, what is made of learnt clouds."""
+"""The types of ``plogic bench clutter``: bodies, features on them, what is made of learned clouds."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from learnt_cube import CUBE, SIDES, UPS, learnt_kb, outward
+from learned_cube import CUBE, SIDES, UPS, learned_kb, outward
 
 from benchmarks.clutter.types import (
     DIAMETER,
@@ -15,11 +15,11 @@ from benchmarks.clutter.types import (
     HARD,
     LEAST_HALF_ANGLE,
     knowledge_base,
-    learnt_types,
+    learned_types,
     random_body,
     random_types,
     type_names,
-    with_learnt,
+    with_learned,
 )
 from geometry.frames import from_rotation_translation, is_rigid
 from kb.surfaces.surface import check_closed
@@ -91,8 +91,8 @@ def test_the_same_seed_gives_the_same_content_and_the_digest_tells():
     assert np.array_equal(hard.types[2].lobes.at, some_kb().types[2].lobes.at)
 
 
-def test_a_learnt_feature_keeps_its_lobe_its_direction_and_its_word():
-    (cube,) = learnt_types(learnt_kb(word=[0, 1, 2, 3, 4, 13], half_angle=[0.3, 1.4, 0.3, 0.3, 0.3, 0.3]), 6, 5)
+def test_a_learned_feature_keeps_its_lobe_its_direction_and_its_word():
+    (cube,) = learned_types(learned_kb(word=[0, 1, 2, 3, 4, 13], half_angle=[0.3, 1.4, 0.3, 0.3, 0.3, 0.3]), 6, 5)
     assert cube.name == "cube"
     assert cube.surface is CUBE
     by_place = {tuple(np.round(f.at * 10).astype(int)): f for f in cube.features}
@@ -106,11 +106,11 @@ def test_a_learnt_feature_keeps_its_lobe_its_direction_and_its_word():
 
 
 def test_of_a_feature_s_lobes_the_surest_is_taken_and_of_equal_ones_the_wider():
-    kb = learnt_kb(
+    kb = learned_kb(
         at=[(0.1, 0, 0), (0, 0.1, 0)], axis=SIDES[[0, 0, 2, 2]], up=UPS[[0, 0, 2, 2]], feature=[0, 0, 1, 1],
         hit=[0.2, 0.9, 0.4, 0.4], half_angle=[1.5, 1.35, 1.4, 1.45], word=[0, 1, 2, 3],
     )  # fmt: skip
-    (cube,) = learnt_types(kb, 9, 10)
+    (cube,) = learned_types(kb, 9, 10)
     assert {(f.type, round(f.appearances[0].lobe.half_angle, 6)) for f in cube.features} == {
         ("a001", 1.35),
         ("a003", 1.45),
@@ -121,25 +121,25 @@ def test_the_surest_are_taken_but_from_all_directions():
     """Two features a side, one of them surer; one side's are surer than all others': each side comes once before any comes twice."""
     at = np.concatenate([SIDES * 0.1 + 0.03 * UPS, SIDES * 0.1 - 0.03 * UPS])
     hit = np.concatenate([[0.99, 0.4, 0.4, 0.4, 0.4, 0.4], [0.98, 0.3, 0.3, 0.3, 0.3, 0.3]])
-    kb = learnt_kb(at=at, axis=np.tile(SIDES, (2, 1)), up=np.tile(UPS, (2, 1)), hit=hit, word=np.arange(12))
-    (six,) = learnt_types(kb, 6, 12)
+    kb = learned_kb(at=at, axis=np.tile(SIDES, (2, 1)), up=np.tile(UPS, (2, 1)), hit=hit, word=np.arange(12))
+    (six,) = learned_types(kb, 6, 12)
     assert six.features[0].type == "a000"
     assert {f.type for f in six.features} == {f"a{i:03d}" for i in range(6)}
-    (seven,) = learnt_types(kb, 7, 12)
+    (seven,) = learned_types(kb, 7, 12)
     assert seven.features[6].type == "a006"
 
 
 def test_sides_of_edges_hidden_features_and_second_ones_at_a_place_are_left_out():
     at = np.vstack([SIDES[:3] * 0.1, [(0.1, 0.001, 0)], [(0.0, 0, 0)]])
     axis, up = np.vstack([SIDES[:3], SIDES[0], SIDES[4]]), np.vstack([UPS[:3], UPS[0], UPS[4]])
-    kb = learnt_kb(at=at, axis=axis, up=up, size=[0.01, 0.0, 0.01, 0.01, 0.01], hit=[0.9, 0.9, 0.9, 0.8, 0.9])
-    (cube,) = learnt_types(kb, 9, 5)
+    kb = learned_kb(at=at, axis=axis, up=up, size=[0.01, 0.0, 0.01, 0.01, 0.01], hit=[0.9, 0.9, 0.9, 0.8, 0.9])
+    (cube,) = learned_types(kb, 9, 5)
     assert sorted(tuple(f.at.tolist()) for f in cube.features) == [(0, 0.1, 0), (0.1, 0, 0)]
 
 
-def test_learnt_types_stand_for_as_many_random_ones():
+def test_learned_types_stand_for_as_many_random_ones():
     kb = some_kb()
-    mixed = with_learnt(kb, learnt_types(learnt_kb(), 6, 20), EASY)
+    mixed = with_learned(kb, learned_types(learned_kb(), 6, 20), EASY)
     assert [kind.name for kind in mixed.types] == ["cube", "r0000", "r0001"]
     assert mixed.appearance_types == kb.appearance_types
     assert set(mixed.rates.prior) == {"cube", "r0000", "r0001"}

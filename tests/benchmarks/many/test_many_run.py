@@ -42,21 +42,21 @@ def test_a_real_run_finds_real_objects(monkeypatch, kb):
         "half hidden",
         "in the open",
         "polyhedra",
-        "learnt types",
+        "learned types",
     ]
     assert len(document["claims"]) == 5
     assert [line.split(":")[0] for line in said] == ["scene 5000", "scene 5001", "crowd 1000"]
     assert document["rows"][3]["found"] >= 0.6 * document["rows"][3]["there"] > 0
 
 
-def test_without_learnt_types_and_without_poselib_it_goes_on_and_says_so(monkeypatch, kb):
+def test_without_learned_types_and_without_poselib_it_goes_on_and_says_so(monkeypatch, kb):
     monkeypatch.setattr(many, "many_kb", lambda *_: kb)
     monkeypatch.setattr(many, "find_spec", lambda _: None)
     monkeypatch.setattr(many, "ours", lambda *_: ([], []))
     said = []
     text, met = run(seed=50, limit=1.0, quick=True, as_json=False, say=said.append, learn=lambda *_: None, scenes=1)
     assert not met
-    assert "There are no learnt types: all are polyhedra." in text
+    assert "There are no learned types: all are polyhedra." in text
     assert said[0] == "peer: left out, for the package poselib is not installed"
     assert "peer at" not in text.rpartition("bench many")[2]
 
@@ -100,7 +100,7 @@ def test_rows_and_claims_by_hand():
     assert (mine.recall, mine.precision) == (0.75, 0.8)
     listed = rows(mine, {"told": mine}, lambda name: name == "cup")
     assert [(r["row"], r["there"], r["found"]) for r in listed] == [
-        ("ours", 4, 3), ("told", 4, 3), ("half hidden", 2, 2), ("in the open", 2, 1), ("polyhedra", 1, 1), ("learnt types", 3, 2),
+        ("ours", 4, 3), ("told", 4, 3), ("half hidden", 2, 2), ("in the open", 2, 1), ("polyhedra", 1, 1), ("learned types", 3, 2),
     ]  # fmt: skip
     first = listed[0]
     assert (

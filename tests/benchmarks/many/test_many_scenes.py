@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from learnt_cube import CUBE
+from learned_cube import CUBE
 
 from benchmarks.clutter.bench import ours
 from benchmarks.clutter.scenes import CAMERA, surface_of

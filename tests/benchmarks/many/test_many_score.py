@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from learnt_cube import CUBE
+from learned_cube import CUBE
 
 from benchmarks.clutter.types import EASY, knowledge_base, made
 from benchmarks.many.score import deepest, depth, verdict

@@ -1,17 +1,17 @@
-"""The types of ``plogic bench many``: polyhedra with features on their corners and faces, and new prints of learnt clouds."""
+"""The types of ``plogic bench many``: polyhedra with features on their corners and faces, and new prints of learned clouds."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from learnt_cube import learnt_kb, outward
+from learned_cube import learned_kb, outward
 
 from benchmarks.clutter.types import type_names
 from benchmarks.many.types import (
     CLUTTER,
     FEATURES,
     JUNCTIONS,
-    LEARNT,
+    LEARNED,
     LOOKS,
     PRIOR,
     TYPES,
@@ -63,20 +63,20 @@ def test_polyhedra_have_several_faces_of_more_than_three_corners():
     assert (faces > 1).sum() >= 4
 
 
-def test_without_learnt_types_all_are_polyhedra():
+def test_without_learned_types_all_are_polyhedra():
     kb = many_kb(None, 3)
     assert [kind.name for kind in kb.types] == [f"p{i:02d}" for i in range(TYPES)]
     assert kb.digest == many_kb(None, 3).digest != many_kb(None, 4).digest
 
 
-def test_half_of_the_types_are_made_of_learnt_ones_each_print_with_looks_of_its_own():
-    kb = many_kb(learnt_kb(), 0)
+def test_half_of_the_types_are_made_of_learned_ones_each_print_with_looks_of_its_own():
+    kb = many_kb(learned_kb(), 0)
     names = [kind.name for kind in kb.types]
-    assert names[TYPES - LEARNT :] == ["cube", *(f"cube_{i:02d}" for i in range(1, LEARNT))]
-    prints = kb.types[TYPES - LEARNT :]
+    assert names[TYPES - LEARNED :] == ["cube", *(f"cube_{i:02d}" for i in range(1, LEARNED))]
+    prints = kb.types[TYPES - LEARNED :]
     assert all(kind.surface is prints[0].surface for kind in prints)
     assert all(np.array_equal(kind.lobes.at, prints[0].lobes.at) for kind in prints)
-    assert len({kind.lobes.types for kind in prints}) > LEARNT // 2
+    assert len({kind.lobes.types for kind in prints}) > LEARNED // 2
 
 
 def test_clutter_is_as_frequent_as_what_it_looks_like():

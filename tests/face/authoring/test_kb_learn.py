@@ -38,7 +38,7 @@ def surroundings(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def learnt(tmp_path_factory, surroundings):
+def learned(tmp_path_factory, surroundings):
     """A knowledge base in three commands, and what the last one said."""
     folder = tmp_path_factory.mktemp("three")
     good("kb", "new", folder / "kb")
@@ -64,26 +64,26 @@ def folder(tmp_path):
     return tmp_path / "kb"
 
 
-def test_the_cloud_and_its_words_are_in_the_folder(learnt):
-    folder, done = learnt
+def test_the_cloud_and_its_words_are_in_the_folder(learned):
+    folder, done = learned
     assert "cube" in done.stdout
     assert "words" in done.stdout
     assert "features" in done.stderr
     assert (folder / "words.npz").is_file()
     assert (folder / "objects" / "cube" / "cloud.npz").is_file()
     kb = read_kb(folder)
-    cloud = kb.type("cube").learnt
+    cloud = kb.type("cube").learned
     assert len(cloud.at) > 100
     assert np.abs(np.abs(cloud.at).max(axis=1) - 0.05).max() < 0.003  # the mesh came in cm
     assert "no mistakes" in good("kb", "check", folder)
 
 
-def test_compounds_are_formed_told_and_kept(learnt):
-    folder, done = learnt
+def test_compounds_are_formed_told_and_kept(learned):
+    folder, done = learned
     kind = read_kb(folder).type("cube")
     cloud, groups = (
-        kind.learnt,
-        [np.flatnonzero(kind.learnt.compound == c) for c in range(1, kind.learnt.compounds + 1)],
+        kind.learned,
+        [np.flatnonzero(kind.learned.compound == c) for c in range(1, kind.learned.compounds + 1)],
     )
     assert len(groups) > 50
     for group in groups:
@@ -97,7 +97,7 @@ def test_compounds_are_formed_told_and_kept(learnt):
     assert "compounds" in done.stdout
 
 
-def test_the_picture_of_it_is_recognised(learnt, tmp_path):
+def test_the_picture_of_it_is_recognised(learned, tmp_path):
     truth = pose_towards((1.0, -0.8, 0.7), 0.6, 0.5, (0.02, 0.01))
     cv2.imwrite(str(tmp_path / "seen.png"), picture([truth]))
     cv2.imwrite(str(tmp_path / "empty.png"), picture([]))
@@ -111,7 +111,7 @@ def test_the_picture_of_it_is_recognised(learnt, tmp_path):
             "--camera",
             tmp_path / "camera.json",
             "--kb",
-            learnt[0],
+            learned[0],
             "-o",
             tmp_path / f"{name}.json",
         )
@@ -126,23 +126,23 @@ def test_the_picture_of_it_is_recognised(learnt, tmp_path):
     assert translation < 0.05 * 0.6
 
 
-def test_again_it_was_learnt_before_and_nothing_changes(learnt, surroundings):
-    folder, _ = learnt
+def test_again_it_was_learned_before_and_nothing_changes(learned, surroundings):
+    folder, _ = learned
     before = bytes_in(folder)
     done = plogic("kb", "learn", "cube", "--jobs", 1, "--json", "--kb", folder, **surroundings)
     assert done.returncode == 0
-    assert "cube: was learnt before" in done.stderr
+    assert "cube: was learned before" in done.stderr
     document = json.loads(done.stdout)
     assert document["format"] == "kb_learn/1"
     assert document["types"][0]["type"] == "cube"
     assert bytes_in(folder) == before
     assert refused(folder, **surroundings) == [
-        "plogic: every type has features already; name those that are to be learnt again"
+        "plogic: every type has features already; name those that are to be learned again"
     ]
 
 
-def test_a_cache_file_that_was_cut_off_is_learnt_anew(learnt, surroundings, tmp_path):
-    folder, _ = learnt
+def test_a_cache_file_that_was_cut_off_is_learned_anew(learned, surroundings, tmp_path):
+    folder, _ = learned
     (file,) = (tmp_path.parent / surroundings["XDG_CACHE_HOME"] / "plogic" / "clouds").iterdir()
     cache = tmp_path / "plogic" / "clouds"
     cache.mkdir(parents=True)
@@ -159,12 +159,12 @@ def test_a_cache_file_that_was_cut_off_is_learnt_anew(learnt, surroundings, tmp_
         **surroundings | {"XDG_CACHE_HOME": str(tmp_path), "TEST_DIRECTIONS": "12"},
     )
     assert done.returncode == 0, done.stderr
-    assert "was learnt before" not in done.stderr
-    assert len(read_kb(copy).type("cube").learnt.at) > 20
+    assert "was learned before" not in done.stderr
+    assert len(read_kb(copy).type("cube").learned.at) > 20
 
 
-def test_a_cache_that_cannot_be_written_is_no_reason_to_fail(learnt, surroundings, tmp_path):
-    copy = shutil.copytree(learnt[0], tmp_path / "kb")
+def test_a_cache_that_cannot_be_written_is_no_reason_to_fail(learned, surroundings, tmp_path):
+    copy = shutil.copytree(learned[0], tmp_path / "kb")
     (tmp_path / "file").write_text("")
     elsewhere = {"XDG_CACHE_HOME": str(tmp_path / "file"), "TEST_DIRECTIONS": "8"}
     done = plogic("kb", "learn", "cube", "--jobs", 1, "--kb", copy, **surroundings | elsewhere)
@@ -200,9 +200,9 @@ def test_names_that_are_not_there_and_features_written_by_hand(folder):
     assert any("mine: its features were written by hand" in line for line in lines)
 
 
-def test_rates_of_words_are_not_learnt_from_scenes(learnt, tmp_path):
-    """Their names change when another type is learnt: kb.yaml must not hold them."""
-    copy, truth = shutil.copytree(learnt[0], tmp_path / "kb"), pose_towards((1.0, -0.8, 0.7), 0.6)
+def test_rates_of_words_are_not_learned_from_scenes(learned, tmp_path):
+    """Their names change when another type is learned: kb.yaml must not hold them."""
+    copy, truth = shutil.copytree(learned[0], tmp_path / "kb"), pose_towards((1.0, -0.8, 0.7), 0.6)
     scene = tmp_path / "scene"
     scene.mkdir()
     cv2.imwrite(str(scene / "image.png"), picture([truth]))
@@ -217,8 +217,8 @@ def test_rates_of_words_are_not_learnt_from_scenes(learnt, tmp_path):
     good("kb", "check", copy)
 
 
-def test_two_detectors_cannot_share_one_vocabulary(learnt, surroundings, tmp_path):
-    folder, _ = learnt
+def test_two_detectors_cannot_share_one_vocabulary(learned, surroundings, tmp_path):
+    folder, _ = learned
     copy = shutil.copytree(folder, tmp_path / "kb")
     write_cube(tmp_path)
     good("kb", "add", "other", "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", copy)
@@ -226,13 +226,13 @@ def test_two_detectors_cannot_share_one_vocabulary(learnt, surroundings, tmp_pat
     assert "clouds of orb and sift cannot share one vocabulary" in line
 
 
-def test_what_is_added_can_be_rendered(learnt):
-    kind = read_kb(learnt[0]).type("cube")
+def test_what_is_added_can_be_rendered(learned):
+    kind = read_kb(learned[0]).type("cube")
     assert read_mesh(kind.mesh_file, kind.mesh_scale).texture is not None
 
 
-def test_a_cloud_and_words_go_where_the_folder_says(learnt, surroundings, tmp_path):
-    copy = shutil.copytree(learnt[0], tmp_path / "kb")
+def test_a_cloud_and_words_go_where_the_folder_says(learned, surroundings, tmp_path):
+    copy = shutil.copytree(learned[0], tmp_path / "kb")
     place = copy / "objects" / "cube"
     for folder, file, old, new in [
         (copy, "kb.yaml", "words.npz", "vocabulary.npz"),
@@ -240,7 +240,7 @@ def test_a_cloud_and_words_go_where_the_folder_says(learnt, surroundings, tmp_pa
     ]:
         (folder / old).rename(folder / new)
         (folder / file).write_text((folder / file).read_text().replace(old, new))
-    (copy / "vocabulary.npz").write_bytes((learnt[0] / "words.npz").read_bytes())
+    (copy / "vocabulary.npz").write_bytes((learned[0] / "words.npz").read_bytes())
     before = bytes_in(copy)
     done = plogic(
         "kb", "learn", "cube", "--jobs", 1, "--seed", 3, "--kb", copy, **surroundings | {"TEST_DIRECTIONS": "12"}

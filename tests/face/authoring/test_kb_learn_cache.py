@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_cloud import random_cloud
 
-from kb.clouds.learnt import cloud_bytes, read_cloud
+from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.errors import CloudError
 from plogic.base.remembered import OURS, ROOT, cache_folder, source_digest, sources
 from plogic.face.authoring import kb_learn_cache
@@ -102,7 +102,7 @@ def test_all_that_renders_looks_and_learns_decides_and_what_only_shows_does_not(
         "sensing/simulated/camera.py",
         "sensing/simulated/meshes.py",
     }
-    assert learning | seeing | {"kb/clouds/learnt.py", "geometry/cones.py", "geometry/camera.py", DECIDES} <= found
+    assert learning | seeing | {"kb/clouds/learned.py", "geometry/cones.py", "geometry/camera.py", DECIDES} <= found
     assert not any(name.startswith(("plogic/face/pages", "plogic/match/gamma")) for name in found)
     assert "kb/files/read.py" not in found
 
@@ -150,7 +150,7 @@ def test_every_source_that_decides_is_shipped(name):
     assert name.split("/")[0] in {"geometry", "kb", "sensing", "plogic"}
 
 
-def test_a_kept_cloud_in_which_any_bit_is_wrong_is_learnt_anew():
+def test_a_kept_cloud_in_which_any_bit_is_wrong_is_learned_anew():
     """Also one that makes it the valid file of another cloud, as in the name of an array that need not be there."""
     cloud = replace(random_cloud(1, 6, 8), compound=np.array([1, 1, 0, 0, 0, 0]))
     content = cloud_bytes(cloud)

@@ -32,7 +32,7 @@ def surroundings(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def learnt(tmp_path_factory, surroundings):
+def learned(tmp_path_factory, surroundings):
     """A knowledge base, its parts renamed by their author, and what ``kb add`` and ``kb learn`` said."""
     folder = tmp_path_factory.mktemp("twins")
     good("kb", "new", folder / "kb")
@@ -46,19 +46,19 @@ def learnt(tmp_path_factory, surroundings):
     return folder / "kb", added, json.loads(done.stdout)
 
 
-def test_the_pieces_are_parts_and_have_their_features(learnt):
-    folder, added, _ = learnt
+def test_the_pieces_are_parts_and_have_their_features(learned):
+    folder, added, _ = learned
     assert "parts: 2 pieces, a part each in object.yaml" in added
     (kind,) = read_kb(folder).types
     heads = np.array([f.name.split("/")[0] for f in kind.seen_features])
     assert set(heads) == {"lower", "upper"}
-    assert (np.where(kind.learnt.at[:, 2] < 0.06, "lower", "upper") == heads).all()
+    assert (np.where(kind.learned.at[:, 2] < 0.06, "lower", "upper") == heads).all()
     assert "object upper at [0, 0, 0.12], " in good("kb", "show", folder, "twins")
     assert "no mistakes" in good("kb", "check", folder)
 
 
-def test_the_quarter_turn_holds_and_is_written_below_the_comments(learnt):
-    folder, _, document = learnt
+def test_the_quarter_turn_holds_and_is_written_below_the_comments(learned):
+    folder, _, document = learned
     rows = {row["turn"].split("]")[0]: row for row in document["types"][0]["symmetries"]}
     assert {turn: row["verdict"] for turn, row in rows.items()} == {
         "{axis: [1, 0, 0": "broken",
@@ -73,8 +73,8 @@ def test_the_quarter_turn_holds_and_is_written_below_the_comments(learnt):
     assert len(kind.symmetries) == 4
 
 
-def test_what_object_yaml_states_stays(learnt, surroundings, tmp_path):
-    copy = shutil.copytree(learnt[0], tmp_path / "kb")
+def test_what_object_yaml_states_stays(learned, surroundings, tmp_path):
+    copy = shutil.copytree(learned[0], tmp_path / "kb")
     file = copy / "objects" / "twins" / "object.yaml"
     lines = [line for line in file.read_text().splitlines() if not line.startswith("symmetries:")]
     file.write_text("\n".join([*lines, "symmetries: []  # they differ below"]) + "\n")
@@ -85,8 +85,8 @@ def test_what_object_yaml_states_stays(learnt, surroundings, tmp_path):
     assert bytes_in(copy) == before
 
 
-def test_in_a_picture_parts_are_facts_and_poses_are_known_up_to_the_turn(learnt, tmp_path):
-    folder = learnt[0]
+def test_in_a_picture_parts_are_facts_and_poses_are_known_up_to_the_turn(learned, tmp_path):
+    folder = learned[0]
     (kind,) = read_kb(folder).types
     eye = np.diag([1.0, -1.0, -1.0, 1.0])
     eye[2, 3] = 50.0

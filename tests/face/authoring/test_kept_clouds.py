@@ -1,4 +1,4 @@
-"""Learnt clouds that are kept: those used last stay, and nobody else's file is touched."""
+"""Learned clouds that are kept: those used last stay, and nobody else's file is touched."""
 
 import os
 import time

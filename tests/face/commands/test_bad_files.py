@@ -194,7 +194,7 @@ def test_hostile_models(case, tmp_path):
     assert INFOS[case][1] in line
 
 
-def test_what_was_learnt_is_not_left_out_in_silence(tmp_path):
+def test_what_was_learned_is_not_left_out_in_silence(tmp_path):
     from dataclasses import replace
 
     import numpy as np
@@ -203,7 +203,7 @@ def test_what_was_learnt_is_not_left_out_in_silence(tmp_path):
 
     kb = replace(read_kb(write_small(tmp_path / "mykb")), words=Words("orb", np.zeros((1, 32), np.uint8)))
     with pytest.raises(
-        KBError, match=r"small: what was learnt .* cannot be written anew: copy the knowledge base's folder"
+        KBError, match=r"small: what was learned .* cannot be written anew: copy the knowledge base's folder"
     ):
         kb_files(kb)
 

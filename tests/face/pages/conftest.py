@@ -1,9 +1,9 @@
-"""The shipped towers and a learnt type as knowledge bases."""
+"""The shipped towers and a learned type as knowledge bases."""
 
 from __future__ import annotations
 
 import pytest
-from made_types import write_learnt
+from made_types import write_learned
 
 from kb.files.read import read_kb
 from kb.files.shipped import shipped
@@ -15,5 +15,5 @@ def tower_kb():
 
 
 @pytest.fixture(scope="session")
-def learnt_kb(tmp_path_factory):
-    return read_kb(write_learnt(tmp_path_factory.mktemp("learnt")))
+def learned_kb(tmp_path_factory):
+    return read_kb(write_learned(tmp_path_factory.mktemp("learned")))

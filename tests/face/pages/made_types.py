@@ -1,4 +1,4 @@
-"""Types made for tests of the page: a learnt one with a painted box, a hostile one, one without anything."""
+"""Types made for tests of the page: a learned one with a painted box, a hostile one, one without anything."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import numpy as np
 from made_meshes import obj_text, split_box
 from random_cloud import random_cloud, random_words
 
-from kb.clouds.learnt import cloud_bytes
+from kb.clouds.learned import cloud_bytes
 from kb.clouds.words import words_bytes
 
 HOSTILE = "</script><img src=x onerror=document.title='pwned'><!--<script>"
-KB = "name: learnt\nappearance_types: []\nf_ref: 600\nwords: {file: words.npz}\n"
+KB = "name: learned\nappearance_types: []\nf_ref: 600\nwords: {file: words.npz}\n"
 OBJECT = "object: carton\nmesh: {file: mesh.obj, units: m}\nfeatures: []\ncloud: {file: cloud.npz}\n"
 
 
-def write_learnt(folder, cloud=None):
-    """A KB of one learnt type, a box of 0.2 m whose faces have different colours."""
+def write_learned(folder, cloud=None):
+    """A KB of one learned type, a box of 0.2 m whose faces have different colours."""
     place = folder / "objects" / "carton"
     place.mkdir(parents=True)
     vertices, triangles, _ = split_box()

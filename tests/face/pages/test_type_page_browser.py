@@ -33,8 +33,8 @@ def tower(chromium, tower_kb, tmp_path):
 
 
 @pytest.fixture
-def carton(chromium, learnt_kb, tmp_path):
-    return opened(chromium, tmp_path, learnt_kb, learnt_kb.types[0])
+def carton(chromium, learned_kb, tmp_path):
+    return opened(chromium, tmp_path, learned_kb, learned_kb.types[0])
 
 
 def viewpoint(browser, kind):
@@ -58,9 +58,9 @@ def test_no_error_and_no_violation(tower):
 
 
 @pytest.mark.parametrize("name", ["tower", "carton"])
-def test_seen_from_here_are_those_whose_lobes_hold_the_viewpoint(request, name, tower_kb, learnt_kb):
+def test_seen_from_here_are_those_whose_lobes_hold_the_viewpoint(request, name, tower_kb, learned_kb):
     browser = request.getfixturevalue(name)
-    kind = tower_kb.type("t2") if name == "tower" else learnt_kb.types[0]
+    kind = tower_kb.type("t2") if name == "tower" else learned_kb.types[0]
     focus(browser)
     counts = []
     for step in range(6):
@@ -113,8 +113,8 @@ def test_pointing_at_a_feature_shows_it_and_a_click_keeps_it(tower):
     assert "roof/apex" not in tower.run(TEXT, "#about")
 
 
-def test_a_feature_tells_what_it_is_and_its_lobes_stand_alone(carton, learnt_kb):
-    kind = learnt_kb.types[0]
+def test_a_feature_tells_what_it_is_and_its_lobes_stand_alone(carton, learned_kb):
+    kind = learned_kb.types[0]
     focus(carton)
     carton.keys("n")
     name = carton.run(TEXT, ".about-name")
@@ -124,7 +124,7 @@ def test_a_feature_tells_what_it_is_and_its_lobes_stand_alone(carton, learnt_kb)
     assert f"{kind.features[index].type.replace('_', ' ')}, dv " in text
     assert "along one axis" in text
     assert carton.run(COUNT, "#about tbody tr") == len(rows)
-    assert [f"{kind.learnt.hit[row]:.2f}" in text for row in rows] == [True] * len(rows)
+    assert [f"{kind.learned.hit[row]:.2f}" in text for row in rows] == [True] * len(rows)
     held = in_lobe(kind.lobes, [viewpoint(carton, kind)], 1.0)[0, rows]
     assert carton.run(LAST) == ["yes" if h else "no" for h in held]
     all_lobes = carton.run(COLOURS)
@@ -223,8 +223,8 @@ def test_words_stand_out_from_their_ground(tower, dark):
     assert least >= 4.5
 
 
-def test_without_webgl_a_plain_canvas_draws_and_turns(flat_chromium, learnt_kb, tmp_path):
-    browser = opened(flat_chromium, tmp_path, learnt_kb, learnt_kb.types[0])
+def test_without_webgl_a_plain_canvas_draws_and_turns(flat_chromium, learned_kb, tmp_path):
+    browser = opened(flat_chromium, tmp_path, learned_kb, learned_kb.types[0])
     assert browser.run(DATA)["painter"] == "canvas"
     drawn, colours, before = browser.run(COLOURS)
     assert drawn > 5000

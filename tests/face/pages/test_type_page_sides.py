@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_types import write_learnt
+from made_types import write_learned
 from page_checks import COLOURS, COUNT, complaints, shown_as
 from random_cloud import random_cloud
 
@@ -21,12 +21,12 @@ TEXT = "return document.querySelector(arguments[0]).innerText"
 
 @pytest.fixture(scope="module")
 def sided_kb(tmp_path_factory):
-    """A learnt type of 60 features, of which the last half are sides of edges, of a word that no keypoint has."""
+    """A learned type of 60 features, of which the last half are sides of edges, of a word that no keypoint has."""
     cloud = random_cloud(5, 2 * SIDES, 150, words=6)
     side = cloud.feature >= SIDES
     word, lobe_word = np.where(np.arange(2 * SIDES) < SIDES, cloud.word, 6), np.where(side, 6, cloud.lobe_word)
     cloud = replace(cloud, size=np.where(side, 0.0, cloud.size), word=word, lobe_word=lobe_word)
-    return read_kb(write_learnt(tmp_path_factory.mktemp("sided"), cloud))
+    return read_kb(write_learned(tmp_path_factory.mktemp("sided"), cloud))
 
 
 @pytest.fixture
@@ -42,13 +42,13 @@ def test_strokes_run_along_the_edge_and_across_it(sided_kb):
     assert feature.tolist() == list(range(SIDES, 2 * SIDES))
     assert np.allclose(np.linalg.norm(along, axis=1), 1.0, atol=1e-5)
     assert np.allclose((along * across).sum(axis=1), 0.0, atol=1e-5)
-    cloud = kind.learnt
+    cloud = kind.learned
     surest = [max(np.flatnonzero(cloud.feature == f), key=lambda row: cloud.hit[row]) for f in feature]
     assert np.allclose(across, cloud.up[surest], atol=1e-6)
 
 
-def test_a_type_without_sides_has_none(learnt_kb, tower_kb):
-    assert type_document(learnt_kb, learnt_kb.types[0])["features"]["sides"] is None
+def test_a_type_without_sides_has_none(learned_kb, tower_kb):
+    assert type_document(learned_kb, learned_kb.types[0])["features"]["sides"] is None
     assert type_document(tower_kb, tower_kb.types[0])["features"]["sides"] is None
 
 
@@ -83,8 +83,8 @@ def test_those_put_aside_are_not_walked_to(sided, sided_kb):
     assert reached == set(range(SIDES))
 
 
-def test_without_sides_there_is_no_switch(chromium, learnt_kb, tmp_path):
-    shown_as(chromium, tmp_path, type_page(learnt_kb, learnt_kb.types[0]))
+def test_without_sides_there_is_no_switch(chromium, learned_kb, tmp_path):
+    shown_as(chromium, tmp_path, type_page(learned_kb, learned_kb.types[0]))
     assert chromium.run(COUNT, "[data-layer=sides]") == 0
     assert chromium.run(COUNT, "[data-layer=surface]") == 1
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_types import HOSTILE, bare, hostile, write_learnt
+from made_types import HOSTILE, bare, hostile, write_learned
 from page_checks import check_harmless, check_policy, data_text, element
 from random_cloud import random_cloud
 
@@ -30,9 +30,9 @@ def shorts(text):
     return np.frombuffer(base64.b64decode(text), "<u2")
 
 
-def test_the_same_kb_gives_the_same_bytes(learnt_kb):
-    again = read_kb(learnt_kb.folder)
-    assert type_page(learnt_kb, learnt_kb.types[0]) == type_page(again, again.types[0])
+def test_the_same_kb_gives_the_same_bytes(learned_kb):
+    again = read_kb(learned_kb.folder)
+    assert type_page(learned_kb, learned_kb.types[0]) == type_page(again, again.types[0])
 
 
 @pytest.mark.parametrize("name", ["script", "style"])
@@ -76,12 +76,12 @@ def test_a_written_type_comes_back_from_its_arrays(tower_kb):
     assert (data["features"]["sigma"], data["lobes"]["hit"], data["type"]["detector"]) == (None, None, None)
 
 
-def test_a_learnt_type_carries_what_was_measured(learnt_kb):
-    kind = learnt_kb.types[0]
-    data = type_document(learnt_kb, kind)
+def test_a_learned_type_carries_what_was_measured(learned_kb):
+    kind = learned_kb.types[0]
+    data = type_document(learned_kb, kind)
     assert data["type"]["detector"] == "sift"
-    assert np.allclose(floats(data["features"]["sigma"]), kind.learnt.sigma, rtol=1e-6)
-    assert np.allclose(floats(data["lobes"]["hit"]), kind.learnt.hit, rtol=1e-6)
+    assert np.allclose(floats(data["features"]["sigma"]), kind.learned.sigma, rtol=1e-6)
+    assert np.allclose(floats(data["lobes"]["hit"]), kind.learned.hit, rtol=1e-6)
     assert len(floats(data["surface"]["uv"])) == 2 * 24
     assert data["surface"]["picture"]["media_type"] == "image/jpeg"
     assert data["notes"] == []
@@ -103,7 +103,7 @@ def test_a_mesh_whose_texture_cannot_be_read_is_drawn_plain(tower_kb, tmp_path):
 
 
 def test_a_huge_cloud_is_thinned_evenly_and_says_so(tmp_path):
-    kb = read_kb(write_learnt(tmp_path, random_cloud(1, MOST_FEATURES + 3000, 2 * MOST_LOBES)))
+    kb = read_kb(write_learned(tmp_path, random_cloud(1, MOST_FEATURES + 3000, 2 * MOST_LOBES)))
     kind = kb.types[0]
     kept, data = chosen(kind), type_document(kb, kind)
     assert len(kept) <= MOST_FEATURES

@@ -40,7 +40,7 @@ STROKES = (0.0, math.pi / 2, math.pi, -math.pi / 2)
 
 
 def with_sides(towers, angle=math.pi / 2):
-    """The towers as learnt types; h1 has one side of an edge found, whose ``angle`` is downwards, and one missed."""
+    """The towers as learned types; h1 has one side of an edge found, whose ``angle`` is downwards, and one missed."""
     document = copy.deepcopy(towers)
     a = {
         "id": "e1",

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from random_cloud import random_cloud, random_words
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
-from kb.files.learnt_reading import learnt_features, learnt_lobes
+from kb.files.learned_reading import learned_features, learned_lobes
 from kb.files.read import read_kb
 from kb.files.shipped import shipped
 
@@ -36,8 +36,8 @@ def test_only_what_some_feature_may_look_like_is_sought_in_the_vocabularys_order
 def test_all_words_are_sought_also_those_that_no_feature_has():
     words = random_words(count=7)
     cloud = random_cloud(lobe_word=np.full(11, 3))
-    features = learnt_features(cloud, words)
-    arrays = {"symmetries": np.eye(4)[None], "learnt": cloud, "learnt_lobes": learnt_lobes(cloud, words)}
+    features = learned_features(cloud, words)
+    arrays = {"symmetries": np.eye(4)[None], "learned": cloud, "learned_lobes": learned_lobes(cloud, words)}
     kind = ObjectType("thing", nx.DiGraph(), features, features, None, opaque=True, **arrays)
     kb = with_types(("patch", *words.names, "corner"), (kind,), words)
     assert kb.sought == tuple(words.names)

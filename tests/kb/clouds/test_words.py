@@ -12,7 +12,7 @@ from kb.clouds import words as module
 from kb.clouds.clutter import KEYPOINTS, word_clutter
 from kb.clouds.words import MOST, PER_WORD, Words, learn_words, read_words, words_bytes
 from kb.errors import CloudError
-from kb.files.learnt_reading import learnt_features, learnt_lobes
+from kb.files.learned_reading import learned_features, learned_lobes
 from kb.learning.words import worded
 
 
@@ -131,9 +131,9 @@ def test_clouds_share_their_words_whatever_their_order():
             assert weight[int(cloud.word[feature])] == max(weight.values())
 
 
-def test_a_learnt_cloud_as_features_and_lobes_of_its_type():
+def test_a_learned_cloud_as_features_and_lobes_of_its_type():
     cloud, words = random_cloud(5), random_words()
-    features, table = learnt_features(cloud, words), learnt_lobes(cloud, words)
+    features, table = learned_features(cloud, words), learned_lobes(cloud, words)
     assert [f.name for f in features] == [f"f{i:04d}" for i in range(1, 7)]
     assert [f.type for f in features] == [words.names[w] for w in cloud.word]
     assert table.types == tuple(words.names[w] for w in cloud.lobe_word)
@@ -143,8 +143,8 @@ def test_a_learnt_cloud_as_features_and_lobes_of_its_type():
 
 def test_clutter_of_words_adds_up_and_the_common_word_has_more():
     class Kind:
-        learnt = object()
-        seen_features = learnt_features(random_cloud(6, 6, 6, word=[0, 0, 0, 1, 1, 2]), random_words())
+        learned = object()
+        seen_features = learned_features(random_cloud(6, 6, 6, word=[0, 0, 0, 1, 1, 2]), random_words())
 
     rates = word_clutter([Kind()], random_words().names)
     assert sum(rates.values()) == pytest.approx(KEYPOINTS)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kb.clouds.learnt import numbered
+from kb.clouds.learned import numbered
 from kb.learning.compounds import BY_CHANCE, OF_SIZE, OFTEN, bar, grouped, linked, together, within_parts
 
 WIDTH, PAIRS, LONE, PICTURES = 0.01, 12, 60, 160

@@ -107,7 +107,7 @@ def test_command_learns_what_the_photo_shows(folder, tmp_path, monkeypatch):
     row = json.loads(next(line for line in said.splitlines() if line.startswith("{")))["types"][0]
     assert row["f px"] == pytest.approx(F, rel=0.05)
     assert 0.45 < row["shown"] <= 0.5
-    cloud = read_kb(kb).type("crate").learnt
+    cloud = read_kb(kb).type("crate").learned
     points = cloud.keypoints.at
     assert len(points) > 20
     assert on_faces(points).any(axis=1).all(), f"every keypoint is on {SHOWN}"

@@ -7,7 +7,7 @@ import pytest
 from painted_cube import CORNER, COUNT, F_REF, PIXELS, SIDE, cloud, cube, facing, seen, seen_of, sizes
 
 from geometry.cones import even_directions, spacing
-from kb.clouds.learnt import cloud_bytes, read_cloud
+from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of, reaches
 from kb.learning.observations import EDGE, OFTEN, joined
 from kb.learning.variants import variants

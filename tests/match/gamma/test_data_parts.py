@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import CAMERA
+from learned_scenes import CAMERA
 
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.grid import CELL

@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import CAMERA
+from learned_scenes import CAMERA
 
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.grid import CELL, TURNS, grid_of

@@ -119,7 +119,7 @@ def test_contrasts_of_an_image_are_those_of_its_edges_and_of_some_of_any(contras
 
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(CONTRASTS, VARIED)
-def test_contrasts_fit_the_worse_the_farther_they_are_from_what_was_learnt(contrast, varied):
+def test_contrasts_fit_the_worse_the_farther_they_are_from_what_was_learned(contrast, varied):
     fit = of_contrasts(contrast, varied)
     likeliest = int(fit.argmax())
     assert (np.diff(fit[: likeliest + 1]) >= -1e-12).all()
@@ -134,7 +134,7 @@ def test_contrasts_fit_the_worse_the_farther_they_are_from_what_was_learnt(contr
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.integers(40, 215))
 def test_what_varied_less_says_more(contrast):
-    """The right contrast fits the better, and those a hundred bytes off no better, the less it varied when it was learnt."""
+    """The right contrast fits the better, and those a hundred bytes off no better, the less it varied when it was learned."""
     away = contrast + (100 if contrast < 128 else -100)
     both = np.array([of_contrasts(contrast, varied, np.array([contrast, away])) for varied in (0.0, 6.0, 12.0, 18.0)])
     right, wrong = both.T

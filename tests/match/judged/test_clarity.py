@@ -1,4 +1,4 @@
-"""Evidence of learnt types: the share of the measured hit rates that an image keeps, densities against chance, the formula of §8."""
+"""Evidence of learned types: the share of the measured hit rates that an image keeps, densities against chance, the formula of §8."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import gamma_at, one_sided, pose_before, ready
+from learned_scenes import gamma_at, one_sided, pose_before, ready
 from synthetic import camera_pose, data, posed_at, scene
 
 from plogic.cycle.attention import attend

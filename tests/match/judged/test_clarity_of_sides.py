@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import gamma_at, one_sided, pose_before, ready, with_sides
+from learned_scenes import gamma_at, one_sided, pose_before, ready, with_sides
 
 from plogic.match.indices import settle
 from plogic.match.judged.evidence import (

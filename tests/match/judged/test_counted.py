@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
-from learnt_scenes import gamma_at, one_sided, pose_before, ready
+from learned_scenes import gamma_at, one_sided, pose_before, ready
 from synthetic import camera_pose, data, posed_at, scene, towers
 
 from plogic.match.indices import settle

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import gamma_at, one_sided, pose_before, ready
+from learned_scenes import gamma_at, one_sided, pose_before, ready
 from made_meshes import CORNERS, box_triangles
 from synthetic import CAMERA, camera_pose, towers
 
@@ -16,7 +16,7 @@ from geometry.frames import transform_points
 from kb.surfaces.surface import Surface
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.expectation import pose_of
-from plogic.match.learned.learned_match import pose_of as learnt_pose_of
+from plogic.match.learned.learned_match import pose_of as learned_pose_of
 from plogic.measures.explanatory import case_of
 
 EMPTY = data_of([], CAMERA)
@@ -42,11 +42,11 @@ def test_it_is_the_middle_of_the_surface_wherever_the_object_is(seed, name):
 @given(st.integers(0, 999), st.integers(1, 9))
 def test_without_a_surface_it_is_that_of_the_features_box(seed, count):
     thing, pose = ready(one_sided(seed, count)), pose_before(np.random.default_rng(seed))
-    posed = learnt_pose_of(thing.index, pose, gamma_at(thing.cloud, [], pose), thing.kb)
+    posed = learned_pose_of(thing.index, pose, gamma_at(thing.cloud, [], pose), thing.kb)
     low, high = ([extreme(at[axis] for at in posed.at.tolist()) for axis in range(3)] for extreme in (min, max))
     assert posed.middle.tolist() == pytest.approx([(a + b) / 2 for a, b in zip(low, high, strict=True)])
     boxed = ready(thing.cloud, Surface((CORNERS - 0.25) * 0.3, box_triangles()))
-    posed = learnt_pose_of(boxed.index, pose, gamma_at(thing.cloud, [], pose), boxed.kb)
+    posed = learned_pose_of(boxed.index, pose, gamma_at(thing.cloud, [], pose), boxed.kb)
     assert posed.middle == pytest.approx(transform_points(pose, np.full((1, 3), 0.075))[0])
 
 

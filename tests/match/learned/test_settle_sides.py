@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before, ready, with_sides
+from learned_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before, ready, with_sides
 
 from geometry.frames import from_rotation_translation, pose_error
 from plogic.match.gamma.data import data_of

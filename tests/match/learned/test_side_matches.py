@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import CAMERA, keypoint_of, one_sided, pose_before, ready, with_sides
+from learned_scenes import CAMERA, keypoint_of, one_sided, pose_before, ready, with_sides
 from random_cloud import random_cloud, unit
 
 from geometry.frames import transform_points

@@ -6,7 +6,7 @@ from math import exp, pi, sqrt
 
 import numpy as np
 import pytest
-from learnt_scenes import ready, with_sides
+from learned_scenes import ready, with_sides
 from random_cloud import random_cloud
 from test_patterns import BRIGHT, CAMERA, MIDDLE, checkered, gamma, square
 

@@ -110,7 +110,7 @@ def test_where_no_datum_has_an_angle_it_is_judged_as_without():
     assert found.surplus != evidence(settle(ready.rows[which], pose, data, ready.kb, rounds=0), data, ready.kb).surplus
 
 
-def test_what_is_searched_for_together_must_be_as_sure_as_a_learnt_type():
+def test_what_is_searched_for_together_must_be_as_sure_as_a_learned_type():
     which, case, data = a_trial(clouds(), 1)
     pose, plain = (
         case.truth.camera_from_object,

@@ -74,7 +74,7 @@ def test_turned_and_grown_it_looks_the_same_and_its_angle_turns_with_it(shape, t
     i, j = about(one, mask), about(two, its_mask)
     far = np.linalg.norm(one.descriptors[i].astype(float)[:, None] - two.descriptors[j].astype(float)[None], axis=2)
     mine, its = np.unravel_index(far.argmin(), far.shape)
-    assert far[mine, its] < ALIKE[138]  # one appearance of a learnt type
+    assert far[mine, its] < ALIKE[138]  # one appearance of a learned type
     turned = two.angle[j[its]] - one.angle[i[mine]] - turn
     assert abs((turned + np.pi) % (2 * np.pi) - np.pi) < 0.15
 

@@ -47,7 +47,7 @@ function drawLegend() {
 }
 
 function startPanels() {
-  const all = total(0), made = doc.type.detector ? `learnt with ${doc.type.detector}` : all ? 'written by hand' : 'its features are still to be written or learnt';
+  const all = total(0), made = doc.type.detector ? `learned with ${doc.type.detector}` : all ? 'written by hand' : 'its features are still to be written or learned';
   head(`an object type of the knowledge base \u201c${doc.kb.name}\u201d`, doc.type.name,
     doc.lines.length ? doc.lines.map((l) => l.charAt(0).toUpperCase() + l.slice(1) + '. ') : `${plural(all, 'feature')} of ${plural(TYPES.length, 'type')}, ${plural(PARTS.length - 1, 'part')}, ${plural(doc.lobes.of, 'lobe')}; ${made}.`);
   put('tree', el('ul', null, PARTS.map((p, i) => i).filter((i) => PARTS[i].under == null).map(branch)));

@@ -1,4 +1,4 @@
-"""What is seen of a learnt type at a pose, right or wrong, in the quantities of its likelihood: rows that ``learnt_spreads.py`` makes figures of.
+"""What is seen of a learned type at a pose, right or wrong, in the quantities of its likelihood: rows that ``learned_spreads.py`` makes figures of.
 
 At a right pose that is what the expected features were matched with, of which a few are there by chance; at a wrong one
 *clutter*: all around their places that looks as right, as the likelihood counts it. And what becomes of the poses that
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
     from plogic.match.judged.expectation import Posed
-    from plogic.match.learned.learned_index import LearntIndex
+    from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class Seen:
         return np.concatenate(self.rows[name], axis=1)
 
 
-def look(seen: Seen, index: LearntIndex, pose: Floats, data: Data, kb: KnowledgeBase, *, true: bool) -> None:
+def look(seen: Seen, index: LearnedIndex, pose: Floats, data: Data, kb: KnowledgeBase, *, true: bool) -> None:
     """Match the type at a pose, and keep what is seen there."""
     posed = matched(index, pose_of(index, pose, data, kb), data, kb)
     of_kind = [kind & posed.candidate for kind in kinds(posed)]
@@ -76,7 +76,7 @@ def look(seen: Seen, index: LearntIndex, pose: Floats, data: Data, kb: Knowledge
 
 
 def _off(
-    index: LearntIndex, posed: Posed, data: Data, lobe: NDArray[np.intp], datum: NDArray[np.intp]
+    index: LearnedIndex, posed: Posed, data: Data, lobe: NDArray[np.intp], datum: NDArray[np.intp]
 ) -> tuple[Floats, Floats]:
     """(N,) radians, and logarithm of a ratio of sizes, by which keypoints differ from what the pose makes of appearances."""
     at = posed.at[index.cloud.feature[lobe]]
@@ -92,7 +92,7 @@ def _near(uv: Floats, which: NDArray[np.bool_], data: Data, reach: float) -> tup
     return pairs.row, datum[pairs.col]
 
 
-def _keypoints(index: LearntIndex, posed: Posed, data: Data, *, true: bool) -> Floats:
+def _keypoints(index: LearnedIndex, posed: Posed, data: Data, *, true: bool) -> Floats:
     """(3, N) ``turned, grown, apart`` of keypoints that look right, matched or around expected features."""
     features = np.flatnonzero(posed.candidate & ~index.sided)
     pairs = looks.right_pairs(
@@ -102,9 +102,9 @@ def _keypoints(index: LearntIndex, posed: Posed, data: Data, *, true: bool) -> F
     return np.stack([*_off(index, posed, data, pairs.best, pairs.datum), pairs.apart])[:, kept]
 
 
-def _chance(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase) -> Floats:
+def _chance(index: LearnedIndex, posed: Posed, data: Data, kb: KnowledgeBase) -> Floats:
     """(4, 1) of appearances and keypoints around them: how many pairs, of right angle and size, of one word, both."""
-    assert kb.words is not None  # noqa: S101 - a learnt KB has words
+    assert kb.words is not None  # noqa: S101 - a learned KB has words
     lobes = lobes_held(index, posed.camera_from_object, data.camera.f / kb.f_ref)
     lobes = lobes[~index.cloud.sided[lobes] & posed.candidate[index.cloud.feature[lobes]]]
     uv = posed.uv[index.cloud.feature[lobes]]
@@ -115,7 +115,7 @@ def _chance(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase) -> 
     return np.array([[len(right)], [right.sum()], [word.sum()], [(right & word).sum()]], float)
 
 
-def _sides(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, *, true: bool) -> Floats:
+def _sides(index: LearnedIndex, posed: Posed, data: Data, kb: KnowledgeBase, *, true: bool) -> Floats:
     """(7, N) ``turned, colours, contrast, mean, varied, usual, fit`` of sides of edges that face about right, matched or around, of any colours.
 
     ``mean`` and ``varied`` are the contrast of the appearance and its standard deviation, ``usual`` the density of the
@@ -146,7 +146,7 @@ def _sides(index: LearntIndex, posed: Posed, data: Data, kb: KnowledgeBase, *, t
 
 def _gain(posed: Posed, data: Data, kb: KnowledgeBase) -> Floats:
     """(F,) logarithm of the likelihood ratio of each feature, were it expected, at its measured rate: no clarity."""
-    assert posed.hit is not None  # noqa: S101 - of a learnt type it was measured
+    assert posed.hit is not None  # noqa: S101 - of a learned type it was measured
     hit, found = np.clip(posed.hit, LEAST_HIT, MOST_HIT), posed.detected
     ratio = 1.0 - hit
     ratio[found] += hit[found] * match_density(posed, kb)[found] / clutter_density(kb, data, posed.matches[found])
@@ -159,7 +159,7 @@ def _linked(posed: Posed, kb: KnowledgeBase, *, true: bool) -> Floats:
     Closeness, up to 1, is as in ``crowding``; deviations are by how much each was found more than it should be, in its
     standard deviations: by the rates at a right pose, at a wrong one by the share of its kind that was found there.
     """
-    assert posed.turn is not None and posed.sided is not None  # noqa: S101, PT018 - so it is of a learnt type
+    assert posed.turn is not None and posed.sided is not None  # noqa: S101, PT018 - so it is of a learned type
     own = [
         float(posed.detected[kind & posed.candidate].mean()) if (kind & posed.candidate).any() else 0.0
         for kind in kinds(posed)
@@ -186,7 +186,7 @@ def _closeness(uv: Floats, turn: Floats, one: NDArray[np.intp], other: NDArray[n
     return np.asarray(np.exp(-0.5 * np.minimum(line, square / crowding.CROWDED**2)))
 
 
-def worths(index: LearntIndex, data: Data, kb: KnowledgeBase, truths: Sequence[Truth]) -> Iterator[tuple[bool, float]]:
+def worths(index: LearnedIndex, data: Data, kb: KnowledgeBase, truths: Sequence[Truth]) -> Iterator[tuple[bool, float]]:
     """Poses of a type as ``generate`` comes to them before it settles them, none given up for its worth: whether each is right, and its worth.
 
     Of each true object the best right one; all of a type that is not in the scene are wrong.

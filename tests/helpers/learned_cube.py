@@ -1,4 +1,4 @@
-"""A knowledge base of one learnt type, a cube with a keypoint on each side; the planes of a body."""
+"""A knowledge base of one learned type, a cube with a keypoint on each side; the planes of a body."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import networkx as nx
 import numpy as np
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
-from kb.clouds.learnt import LearntCloud
+from kb.clouds.learned import LearnedCloud
 from kb.surfaces.surface import Surface
 
 CUBE = Surface(
@@ -32,20 +32,20 @@ SIDES = np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0
 UPS = np.roll(SIDES, 1, axis=1)
 
 
-def learnt_kb(*, at=SIDES * 0.1, axis=SIDES, up=UPS, hit=0.5, half_angle=0.3, word=0, size=0.01, feature=None):
-    """One learnt type, a cube with a keypoint in the middle of each side unless asked otherwise."""
+def learned_kb(*, at=SIDES * 0.1, axis=SIDES, up=UPS, hit=0.5, half_angle=0.3, word=0, size=0.01, feature=None):
+    """One learned type, a cube with a keypoint in the middle of each side unless asked otherwise."""
     n, at = len(axis), np.asarray(at)
     full = {
         name: np.broadcast_to(value, (n,))
         for name, value in {"hit": hit, "half_angle": half_angle, "lobe_word": word, "size": size}.items()
     }
     feature = np.arange(n) if feature is None else np.asarray(feature)
-    cloud = LearntCloud(
+    cloud = LearnedCloud(
         at=at, sigma=np.full(len(at), 0.001), normal=np.tile((0.0, 0, 1), (len(at), 1)), word=np.zeros(len(at), int), feature=feature,
         descriptor=np.zeros((n, 128), np.uint8), axis=axis, up=up, r_min=np.full(n, 0.1), r_max=np.full(n, 5.0), **full,
     )  # fmt: skip
-    kind = ObjectType("cube", nx.DiGraph(), (), (), CUBE, opaque=True, symmetries=np.eye(4)[None], learnt=cloud)
-    return KnowledgeBase("learnt", (kind,), (), Rates({}, {}, {}), 600.0, "", "")
+    kind = ObjectType("cube", nx.DiGraph(), (), (), CUBE, opaque=True, symmetries=np.eye(4)[None], learned=cloud)
+    return KnowledgeBase("learned", (kind,), (), Rates({}, {}, {}), 600.0, "", "")
 
 
 def outward(surface):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before, ready, viewpoint
+from learned_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before, ready, viewpoint
 from random_cloud import random_cloud
 
 from geometry.frames import transform_points

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import one_sided, pose_before, ready, viewpoint, with_sides
+from learned_scenes import one_sided, pose_before, ready, viewpoint, with_sides
 from random_cloud import random_cloud, unit
 
 from plogic.match.learned import held_lobes as lobes_module

@@ -12,7 +12,7 @@ from made_sides import COLOURS, CONTRAST, COUNT, DIAMETER, F_REF, PIXEL, an_edge
 from random_cloud import random_cloud
 
 from geometry.cones import even_directions, spacing
-from kb.clouds.learnt import LearntCloud, cloud_bytes, read_cloud
+from kb.clouds.learned import LearnedCloud, cloud_bytes, read_cloud
 from kb.learning.features import BEYOND, LEAST_SEEN, MOST_SIDES, SIDES_SEEN, cloud_of
 from kb.learning.observations import joined
 from kb.learning.sides import LOOKS, STRETCH, VARIED, WIDE
@@ -30,7 +30,7 @@ def cloud(seen, count=COUNT):
 
 
 def same(one, other):
-    for f in fields(LearntCloud):
+    for f in fields(LearnedCloud):
         np.testing.assert_allclose(getattr(one, f.name), getattr(other, f.name), rtol=1e-9, atol=1e-12, err_msg=f.name)
 
 

@@ -1,4 +1,4 @@
-"""The posterior of a learnt hypothesis: its log odds are its prior's, the evidence that the cycle counted, and the share of poses (§8)."""
+"""The posterior of a learned hypothesis: its log odds are its prior's, the evidence that the cycle counted, and the share of poses (§8)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from learnt_scenes import gamma_at, one_sided, pose_before, ready
+from learned_scenes import gamma_at, one_sided, pose_before, ready
 from made_meshes import CORNERS, box_triangles
 
 from geometry.frames import from_rotation_translation, transform_points

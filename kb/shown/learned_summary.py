@@ -1,4 +1,4 @@
-"""A learnt type in a few lines: how much there is of it, how surely it is seen, and from where enough of it is expected."""
+"""A learned type in a few lines: how much there is of it, how surely it is seen, and from where enough of it is expected."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from kb.clouds.lobes import in_lobe
 
 if TYPE_CHECKING:
     from kb.clouds.cloud import ObjectType
-    from kb.clouds.learnt import LearntCloud
+    from kb.clouds.learned import LearnedCloud
 
 MANY = 20
 """Expected features with which a type is found though most of them are missed."""
@@ -21,7 +21,7 @@ DIRECTIONS, AT_A_TIME = 200, 20
 
 
 @dataclass(frozen=True)
-class LearntSummary:
+class LearnedSummary:
     """``features``: ``keypoints`` and ``sides`` of edges; ``words``: different visual words of its appearances; ``hit`` and ``sigma`` (m): medians.
 
     ``distance`` (m at the reference focal length): where it is looked at from all around; ``share`` of these viewpoints
@@ -51,7 +51,7 @@ class LearntSummary:
             f"{self.keypoints} keypoints and {self.sides} sides of edges" if self.sides else f"{self.features} features"
         )
         what += f", {self.joined} of them in {compounds_text(self.compounds, self.largest)}" if self.compounds else ""
-        first = f"learnt with {self.detector}: {what}, {self.appearances} appearances, {self.words} visual words"
+        first = f"learned with {self.detector}: {what}, {self.appearances} appearances, {self.words} visual words"
         sure = f"hit rate {self.hit:.2f} and sigma {1000.0 * self.sigma:.2g} mm (medians)"
         seen = (
             f"{MANY} or more features are expected from {self.share:.0%} of the view sphere, {self.distance:.2g} m away"
@@ -64,22 +64,22 @@ def compounds_text(count: int, largest: int) -> str:
     return f"{count} compound{'' if count == 1 else 's'} of 2{f' to {largest}' if largest > 2 else ''}"
 
 
-def compound_sizes(cloud: LearntCloud) -> tuple[int, int, int]:
+def compound_sizes(cloud: LearnedCloud) -> tuple[int, int, int]:
     """The number of compound features, of features in them, and of the parts of the largest."""
     sizes = np.bincount(cloud.compound)[1:]
     return len(sizes), int(sizes.sum()), int(sizes.max(initial=0))
 
 
-def learnt_summary(kind: ObjectType) -> LearntSummary:
-    """Of a type that has a learnt cloud."""
-    cloud = kind.learnt
+def learned_summary(kind: ObjectType) -> LearnedSummary:
+    """Of a type that has a learned cloud."""
+    cloud = kind.learned
     assert cloud is not None  # noqa: S101 - the caller looks
     if not len(cloud.feature):
-        return LearntSummary(cloud.detector, len(cloud.at), 0, 0, 0.0, 0.0, 0.0, 0.0, 0, len(cloud.at), 0)
+        return LearnedSummary(cloud.detector, len(cloud.at), 0, 0, 0.0, 0.0, 0.0, 0.0, 0, len(cloud.at), 0)
     distance = float(np.median(np.sqrt(np.maximum(cloud.r_min, 1e-3 * cloud.r_max) * cloud.r_max)))
     expected = _expected(kind, distance)
     sides = len(np.unique(cloud.feature[cloud.sided]))
-    return LearntSummary(
+    return LearnedSummary(
         cloud.detector,
         len(cloud.at),
         len(cloud.feature),

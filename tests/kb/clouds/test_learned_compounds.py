@@ -1,4 +1,4 @@
-"""Learnt compounds: kept in the file, read with checks, Feature nodes with Feature parts (A1), given to parts, told in lists."""
+"""Learned compounds: kept in the file, read with checks, Feature nodes with Feature parts (A1), given to parts, told in lists."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from painted_cube import write_knowledge
 from random_cloud import random_cloud, random_words
-from test_learnt_cloud import packed, with_member
-from test_learnt_parts import kind_of, spread_cloud, write
+from test_learned_cloud import packed, with_member
+from test_learned_parts import kind_of, spread_cloud, write
 
-from kb.clouds.learnt import FORMAT, cloud_bytes, numbered, read_cloud
+from kb.clouds.learned import FORMAT, cloud_bytes, numbered, read_cloud
 from kb.errors import CloudError
-from kb.files.learnt_reading import learnt_features, with_compounds
+from kb.files.learned_reading import learned_features, with_compounds
 from kb.files.read import read_kb
 from kb.learning.parts import with_parts
 from kb.learning.words import worded
-from kb.shown.learnt_summary import learnt_summary
+from kb.shown.learned_summary import learned_summary
 from kb.shown.show import check_report, part_rows, tree_document, tree_text
 from plogic.measures.distinctiveness import instance_counts
 
@@ -88,7 +88,7 @@ def test_numbers_count_groups_by_their_first_members_and_leave_out_the_lone():
 @given(st.integers(0, 99), st.lists(st.integers(0, 4), min_size=1, max_size=20))
 def test_compounds_are_features_with_feature_parts_and_no_other(seed, groups):
     cloud, words = grouped_cloud(seed, numbered(np.array(groups)).tolist()), random_words()
-    seen = learnt_features(cloud, words)
+    seen = learned_features(cloud, words)
     maximal, every = with_compounds(seen, cloud, words)
     by_name = {feature.name: feature for feature in every}
     inner = [name for feature in maximal for name in feature.parts]
@@ -109,7 +109,7 @@ def test_a_compound_has_the_word_that_dominates_its_parts():
         0, 3, 4, feature=np.array([0, 1, 1, 2]), lobe_word=np.array([3, 5, 3, 5]), hit=np.array([0.5, 0.7, 0.3, 0.9])
     )
     cloud = replace(cloud, compound=np.array([1, 1, 0]))
-    maximal, _ = with_compounds(learnt_features(cloud, random_words()), cloud, random_words())
+    maximal, _ = with_compounds(learned_features(cloud, random_words()), cloud, random_words())
     assert [(f.name, f.type) for f in maximal] == [
         ("c0001", random_words().names[3]),
         ("f0003", random_words().names[cloud.word[2]]),
@@ -140,13 +140,13 @@ def test_the_type_has_maximal_features_and_every_node_counts_in_s(kb):
 
 
 def test_lists_say_how_many_compounds_there_are(kb):
-    summary = learnt_summary(kb.type("one"))
+    summary = learned_summary(kb.type("one"))
     assert (summary.features, summary.compounds, summary.joined, summary.largest) == (8, 2, 5, 3)
     told = "8 features, 5 of them in 2 compounds of 2 to 3, 16 appearances"
     assert told in check_report(kb)[1]
     assert told in tree_text(kb)
-    learnt = tree_document(kb)["types"][0]["learnt"]
-    assert (learnt["compounds"], learnt["joined"], learnt["largest"]) == (2, 5, 3)
+    learned = tree_document(kb)["types"][0]["learnt"]
+    assert (learned["compounds"], learned["joined"], learned["largest"]) == (2, 5, 3)
     assert sum(sum(row["counts"].values()) for row in part_rows(kb.type("one"))) == 10
 
 
@@ -155,9 +155,9 @@ def test_what_of_a_compound_is_in_another_part_is_another_compound(tmp_path):
     (tmp_path / "kb").mkdir()
     groups = numbered(np.repeat([1, 2, 0, 3, 0], 8))
     bare = kind_of(write(tmp_path / "bare", replace(spread_cloud(), compound=groups)))
-    kind = kind_of(write(tmp_path / "kb", with_parts(bare, bare.learnt)))
-    assert kind.learnt.compound[:4].tolist() == [1, 2, 1, 2]
-    assert kind.learnt.compounds == 6
+    kind = kind_of(write(tmp_path / "kb", with_parts(bare, bare.learned)))
+    assert kind.learned.compound[:4].tolist() == [1, 2, 1, 2]
+    assert kind.learned.compounds == 6
     assert [f.name for f in kind.features[:2]] == ["lower/c0001", "upper/c0002"]
     assert kind.seen_features[0].name == "lower/c0001/f0001"
     assert [sum(row["counts"].values()) for row in part_rows(kind)] == [0, 23, 23]

@@ -1,4 +1,4 @@
-"""The fits of ``benchmarks/learnt_spreads.py`` find again what was put in, and the benchmark's own scenes are refused."""
+"""The fits of ``benchmarks/learned_spreads.py`` find again what was put in, and the benchmark's own scenes are refused."""
 
 import argparse
 import importlib.util
@@ -18,11 +18,11 @@ FOLDER = Path(__file__).parent.parent.parent / "benchmarks"
 def spreads():
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(FOLDER))  # as python has it that runs the script
-        spec = importlib.util.spec_from_file_location("learnt_spreads", FOLDER / "learnt_spreads.py")
+        spec = importlib.util.spec_from_file_location("learned_spreads", FOLDER / "learned_spreads.py")
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
         yield module
-    sys.modules.pop("learnt_seen", None)
+    sys.modules.pop("learned_seen", None)
 
 
 @pytest.mark.parametrize("text", ["0..59", "4999..5023", "5023..5000", "5000", "first..last"])

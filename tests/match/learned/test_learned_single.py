@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import CAMERA, gamma_at, keypoint_of, pose_on_axis, ready
+from learned_scenes import CAMERA, gamma_at, keypoint_of, pose_on_axis, ready
 from random_cloud import random_cloud
 
 from geometry.frames import is_rigid

@@ -1,4 +1,4 @@
-"""A painted cube, learnt from a few small pictures, is found in pictures that it was not learnt from; where it is not, nothing is."""
+"""A painted cube, learned from a few small pictures, is found in pictures that it was not learned from; where it is not, nothing is."""
 
 import cv2
 import numpy as np
@@ -6,7 +6,7 @@ import pytest
 from painted_cube import CAMERA, CORNER, cloud, paint, picture, pose_towards, seen, write_knowledge
 
 from geometry.frames import pose_error
-from kb.clouds.learnt import LearntCloud
+from kb.clouds.learned import LearnedCloud
 from kb.files.read import read_kb
 from plogic.facts.interpretation import text_of
 from plogic.run.perceive import Perceiver
@@ -35,16 +35,16 @@ def errors(pose, truth):
     return np.degrees(rotation), translation / np.linalg.norm(truth[:3, 3])
 
 
-def test_learnt_types_are_ordinary_types(perceiver):
+def test_learned_types_are_ordinary_types(perceiver):
     kind = perceiver.kb.type("cube")
-    assert isinstance(kind.learnt, LearntCloud)
-    assert len(kind.features) == len(kind.learnt.at) > 50
-    assert kind.lobes.types == tuple(perceiver.kb.words.names[w] for w in kind.learnt.lobe_word)
+    assert isinstance(kind.learned, LearnedCloud)
+    assert len(kind.features) == len(kind.learned.at) > 50
+    assert kind.lobes.types == tuple(perceiver.kb.words.names[w] for w in kind.learned.lobe_word)
     assert set(kind.lobes.types) <= set(perceiver.kb.appearance_types)
     assert set(perceiver.kb.words.names) <= set(perceiver.kb.rates.clutter)
 
 
-def test_whoever_proposes_poses_of_other_types_learnt_ones_have_their_own_search(perceiver):
+def test_whoever_proposes_poses_of_other_types_learned_ones_have_their_own_search(perceiver):
     image = picture([pose_towards(CORNER, 0.60, 0.0, (0.0, 0.0))], seed=3)
     plain = Perceiver(perceiver.kb, generator="quadruples")
     one, other = (ready(gamma(perceiver, image)) for ready in (perceiver, plain))

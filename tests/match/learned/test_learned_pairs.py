@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import gamma_at, pose_before, ready
+from learned_scenes import gamma_at, pose_before, ready
 from random_cloud import random_cloud
 
 from plogic.match.learned import keypoint_pairs as pairs_module

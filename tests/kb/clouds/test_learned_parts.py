@@ -1,4 +1,4 @@
-"""Learnt features and the parts of their type: given by the nearest surface, kept in the file, read with checks, told in the program."""
+"""Learned features and the parts of their type: given by the nearest surface, kept in the file, read with checks, told in the program."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from painted_cube import write_cube
 from random_cloud import random_cloud
-from test_learnt_cloud import packed, with_member
+from test_learned_cloud import packed, with_member
 from twin_cubes import APART, SIDE, write_twins
 
-from kb.clouds.learnt import cloud_bytes, read_cloud
+from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.clouds.mereology import dr, pp
 from kb.clouds.words import words_bytes
 from kb.errors import CloudError, KBErrors
@@ -36,7 +36,7 @@ def spread_cloud(seed=0, features=40):
 
 
 def write(folder, cloud, parts=PARTS, mesh_of=write_twins):
-    """A knowledge base with one learnt type; its mesh's file is returned in its object.yaml."""
+    """A knowledge base with one learned type; its mesh's file is returned in its object.yaml."""
     words, named = worded({"twins": cloud})
     (folder / "kb.yaml").write_text("name: one\nappearance_types: []\nwords: {file: words.npz}\n")
     (folder / "words.npz").write_bytes(words_bytes(words))
@@ -59,12 +59,12 @@ def kind(tmp_path):
     for name in ("bare", "kb"):
         (tmp_path / name).mkdir()
     bare = kind_of(write(tmp_path / "bare", spread_cloud()))
-    return kind_of(write(tmp_path / "kb", with_parts(bare, bare.learnt)))
+    return kind_of(write(tmp_path / "kb", with_parts(bare, bare.learned)))
 
 
 def test_each_feature_belongs_to_the_part_that_is_nearest(kind):
     assert [f.name for f in kind.features[:3]] == ["lower/f0001", "upper/f0002", "lower/f0003"]
-    assert kind.learnt.part.tolist() == [1, 2] * 20
+    assert kind.learned.part.tolist() == [1, 2] * 20
     rows = part_rows(kind)
     assert [(row["name"], row["under"], sum(row["counts"].values())) for row in rows] == [
         ("twins", None, 0),
@@ -87,10 +87,11 @@ def test_they_are_shown(kind, tmp_path):
     kb = read_kb(tmp_path / "kb")
     text = tree_text(kb)
     assert (
-        "  object lower at [0, 0, 0], 20 learnt features\n  object upper at [0, 0, 0.12], 20 learnt features\n" in text
+        "  object lower at [0, 0, 0], 20 learned features\n  object upper at [0, 0, 0.12], 20 learned features\n"
+        in text
     )
     (document,) = tree_document(kb)["types"]
-    assert [(node["id"], node["learnt_features"]) for node in document["nodes"]] == [
+    assert [(node["id"], node["learned_features"]) for node in document["nodes"]] == [
         ("", 0),
         ("lower", 20),
         ("upper", 20),
@@ -115,13 +116,13 @@ def test_they_are_shown(kind, tmp_path):
 )
 def test_parts_are_known_by_their_places_whatever_the_author_makes_of_them(tmp_path, parts, expected):
     bare = kind_of(write(tmp_path, spread_cloud(), parts))
-    (tmp_path / "objects/twins/cloud.npz").write_bytes(cloud_bytes(with_parts(bare, bare.learnt)))
+    (tmp_path / "objects/twins/cloud.npz").write_bytes(cloud_bytes(with_parts(bare, bare.learned)))
     assert [f.name.rpartition("/")[0] for f in kind_of(tmp_path).features[:2]] == expected
 
 
 def test_a_mesh_in_one_piece_leaves_the_places_to_tell_parts_apart(tmp_path):
     bare = kind_of(write(tmp_path, spread_cloud(), mesh_of=write_cube))
-    assert with_parts(bare, bare.learnt).part[:2].tolist() == [1, 2]
+    assert with_parts(bare, bare.learned).part[:2].tolist() == [1, 2]
 
 
 def test_a_file_of_a_type_without_parts_has_no_array_of_them():
@@ -149,12 +150,12 @@ def test_a_cloud_with_parts_that_the_type_does_not_have_is_a_mistake(tmp_path):
 def test_an_old_cloud_of_a_type_with_parts_is_read_and_noted(tmp_path):
     folder = write(tmp_path, spread_cloud())
     assert kind_of(folder).features[0].name == "f0001"
-    assert "note: twins: its learnt features belong to none of its parts: learn it again" in check_report(
+    assert "note: twins: its learned features belong to none of its parts: learn it again" in check_report(
         read_kb(folder)
     )
 
 
 def test_parts_with_features_of_their_own_and_a_cloud_are_a_mistake(tmp_path):
     by_hand = "parts:\n  - {part: a, features: [{feature: f, type: t, at: [0, 0, 0]}]}\n"
-    with pytest.raises(KBErrors, match="learnt or written by hand: with cloud there are no features"):
+    with pytest.raises(KBErrors, match="learned or written by hand: with cloud there are no features"):
         read_kb(write(tmp_path, spread_cloud(), by_hand))

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_cloud import random_cloud
 
-from kb.clouds import learnt
-from kb.clouds.learnt import _SHAPES, cloud_bytes, read_cloud
+from kb.clouds import learned
+from kb.clouds.learned import _SHAPES, cloud_bytes, read_cloud
 from kb.errors import CloudError
 
 
@@ -85,7 +85,7 @@ def test_every_prefix_and_every_spoilt_byte_is_a_cloud_error_or_the_same_cloud()
 
 @pytest.mark.parametrize("content", [b"", b"PK", b"no zip at all", b"\x80\x04N.", packed(np.zeros(3))])
 def test_what_is_no_archive_is_no_cloud(content):
-    with pytest.raises(CloudError, match="is no learnt cloud"):
+    with pytest.raises(CloudError, match="is no learned cloud"):
         read_cloud(content)
 
 
@@ -93,7 +93,7 @@ def test_pickled_objects_are_refused_and_not_run(tmp_path):
     place = tmp_path / "ran"
     objects = np.array([Booby(place)], dtype=object)
     for content in (packed(objects, allow_pickle=True), objects.dumps()):
-        with pytest.raises(CloudError, match="is no learnt cloud"):
+        with pytest.raises(CloudError, match="is no learned cloud"):
             read_cloud(with_member("at", content))
     assert not place.exists()
 
@@ -109,7 +109,7 @@ def test_a_member_that_is_missing_or_nested_or_packed_otherwise(name):
         (good + b"x", 8),
         (good, zipfile.ZIP_LZMA),
     ]:
-        with pytest.raises(CloudError, match="is no learnt cloud"):
+        with pytest.raises(CloudError, match="is no learned cloud"):
             read_cloud(with_member(name, content, packing))
 
 
@@ -118,7 +118,7 @@ def test_a_header_that_promises_more_than_there_is(shape):
     header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}"
     header += " " * (117 - len(header)) + "\n"
     content = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode()
-    with pytest.raises(CloudError, match="is no learnt cloud"):
+    with pytest.raises(CloudError, match="is no learned cloud"):
         read_cloud(with_member("sigma", content))
 
 
@@ -196,12 +196,12 @@ def test_descriptors_that_do_not_fit_into_bytes():
 def test_a_bomb_is_refused_before_it_is_unpacked(monkeypatch):
     bomb = with_member("sigma", packed(np.zeros(4_000_000)))
     assert len(bomb) < 100_000
-    monkeypatch.setattr(learnt, "MAX_BYTES", 1_000_000)
+    monkeypatch.setattr(learned, "MAX_BYTES", 1_000_000)
     with pytest.raises(CloudError, match="unpacks to more than 1000000 bytes"):
         read_cloud(bomb)
 
 
 def test_more_appearances_than_the_limit(monkeypatch):
-    monkeypatch.setattr(learnt, "MAX_LOBES", 10)
+    monkeypatch.setattr(learned, "MAX_LOBES", 10)
     with pytest.raises(CloudError, match="11 appearances; 10 are the most"):
         read_cloud(cloud_bytes(random_cloud()))

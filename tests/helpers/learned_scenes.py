@@ -1,4 +1,4 @@
-"""A learnt type of random features made ready for search, and keypoints as a camera would see them of it: exact, without pixels."""
+"""A learned type of random features made ready for search, and keypoints as a camera would see them of it: exact, without pixels."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from random_cloud import random_cloud, random_words, unit
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, inverse, transform_points
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
-from kb.files.learnt_reading import learnt_features, learnt_lobes, with_compounds
+from kb.files.learned_reading import learned_features, learned_lobes, with_compounds
 from kb.learning.sides import LOOKS, VARIED
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import screen_angle
@@ -26,7 +26,7 @@ CAMERA = Camera(
 
 @dataclass(frozen=True)
 class Ready:
-    """One learnt type and all that search asks for."""
+    """One learned type and all that search asks for."""
 
     kb: KnowledgeBase
     kind: ObjectType
@@ -34,20 +34,20 @@ class Ready:
 
     @property
     def cloud(self):
-        """What was learnt of it."""
-        return self.kind.learnt
+        """What was learned of it."""
+        return self.kind.learned
 
 
 def ready(cloud=None, surface=None, name="thing", words=None):
     """The only type of a knowledge base."""
     cloud = random_cloud() if cloud is None else cloud
     words = words or random_words(width=cloud.descriptor.shape[1])
-    seen = learnt_features(cloud, words)
+    seen = learned_features(cloud, words)
     arrays = {
         "symmetries": np.eye(4)[None],
-        "learnt": cloud,
-        "learnt_lobes": learnt_lobes(cloud, words),
-        "learnt_features": seen,
+        "learned": cloud,
+        "learned_lobes": learned_lobes(cloud, words),
+        "learned_features": seen,
     }
     kind = ObjectType(name, nx.DiGraph(), *with_compounds(seen, cloud, words), surface, opaque=True, **arrays)
     kb = KnowledgeBase("some", (kind,), words.names, Rates({}, {}, {}), 600.0, "", "", words=words)

@@ -1,4 +1,4 @@
-"""What a KB's folder holds of learnt clouds and words, read with the mistakes met; and a learnt cloud as features of its type."""
+"""What a KB's folder holds of learned clouds and words, read with the mistakes met; and a learned cloud as features of its type."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from kb.clouds.cloud import Feature
-from kb.clouds.learnt import MAX_BYTES, LearntCloud, read_cloud
+from kb.clouds.learned import MAX_BYTES, LearnedCloud, read_cloud
 from kb.clouds.lobes import LobeTable
 from kb.clouds.words import MAX_BYTES as MAX_WORDS
 from kb.clouds.words import Words, dominant, read_words
@@ -29,11 +29,11 @@ def words_of(place: Folder, document: Document) -> Words | None:
     return _read(place, document, place.root, "words", MAX_WORDS, read_words)
 
 
-def learnt_of(place: Folder, document: Document, folder: Path) -> LearntCloud | None:
-    """The learnt cloud that ``object.yaml`` names; None where it names none, or with a mistake."""
+def learned_of(place: Folder, document: Document, folder: Path) -> LearnedCloud | None:
+    """The learned cloud that ``object.yaml`` names; None where it names none, or with a mistake."""
     by_hand = isinstance(document.data, dict) and any(kind != "object" for _, kind, _ in nodes(document.data))
     if by_hand and document.data.get("cloud"):
-        why = "a type is learnt or written by hand: with cloud there are no features, of the whole or of a part"
+        why = "a type is learned or written by hand: with cloud there are no features, of the whole or of a part"
         place.mistakes.append(document.mistake(("cloud",), why, key=True))
     return _read(place, document, folder, "cloud", MAX_BYTES, read_cloud)
 
@@ -57,8 +57,8 @@ def _read(
         return None
 
 
-def check_words(place: Folder, document: Document, cloud: LearntCloud | None, words: Words | None) -> None:
-    """A learnt cloud needs the vocabulary that it was learnt with."""
+def check_words(place: Folder, document: Document, cloud: LearnedCloud | None, words: Words | None) -> None:
+    """A learned cloud needs the vocabulary that it was learned with."""
     if cloud is None:
         return
     if words is None:
@@ -72,23 +72,23 @@ def check_words(place: Folder, document: Document, cloud: LearntCloud | None, wo
     ):
         place.mistakes.append(
             document.mistake(
-                ("cloud",), "was learnt with other words than kb.yaml names: learn the type again", key=True
+                ("cloud",), "was learned with other words than kb.yaml names: learn the type again", key=True
             )
         )
 
 
-def check_parts(place: Folder, document: Document, cloud: LearntCloud | None) -> None:
-    """A learnt cloud names no part that the type does not have."""
+def check_parts(place: Folder, document: Document, cloud: LearnedCloud | None) -> None:
+    """A learned cloud names no part that the type does not have."""
     objects = sum(1 for _, kind, _ in nodes(document.data) if kind == "object")
     if cloud is not None and cloud.part.max(initial=0) >= objects:
         what = f"knows {cloud.part.max()} parts, where there are {objects - 1}: learn the type again"
         place.mistakes.append(document.mistake(("cloud",), what, key=True))
 
 
-def learnt_features(cloud: LearntCloud, words: Words, parts: Sequence[str] = ("",)) -> tuple[Feature, ...]:
+def learned_features(cloud: LearnedCloud, words: Words, parts: Sequence[str] = ("",)) -> tuple[Feature, ...]:
     """Features ``f0001``, ..., ``lid/f0001``, or ``lid/c0001/f0001`` of a compound, each of the type of its dominant word.
 
-    ``parts``: the objects of the type's tree. Their appearances are in ``learnt_lobes``, as arrays.
+    ``parts``: the objects of the type's tree. Their appearances are in ``learned_lobes``, as arrays.
     """
     names, still = words.names, np.eye(3)
     heads = [f"{part}/" if part else "" for part in parts]
@@ -100,9 +100,9 @@ def learnt_features(cloud: LearntCloud, words: Words, parts: Sequence[str] = (""
 
 
 def with_compounds(
-    seen: tuple[Feature, ...], cloud: LearntCloud, words: Words
+    seen: tuple[Feature, ...], cloud: LearnedCloud, words: Words
 ) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
-    """The maximal features, and every Feature node, of a learnt cloud whose features are ``seen``: a compound before its parts (A1).
+    """The maximal features, and every Feature node, of a learned cloud whose features are ``seen``: a compound before its parts (A1).
 
     A compound has the type of the word that dominates its parts' appearances, stands in their middle, and looks like
     any of them.
@@ -127,8 +127,8 @@ def with_compounds(
     return tuple(maximal), tuple(every)
 
 
-def learnt_lobes(cloud: LearntCloud, words: Words) -> LobeTable:
-    """The lobes of a learnt cloud as those of any type."""
+def learned_lobes(cloud: LearnedCloud, words: Words) -> LobeTable:
+    """The lobes of a learned cloud as those of any type."""
     names = words.names
     return LobeTable(
         feature=cloud.feature.astype(np.intp),

@@ -1,6 +1,6 @@
-"""Learnt clouds: features that a keypoint detector was measured to see, as arrays, and their file ``cloud.npz``.
+"""Learned clouds: features that a keypoint detector was measured to see, as arrays, and their file ``cloud.npz``.
 
-* ``LearntCloud``: F features and the L appearances of them, each with its lobe: from where it is seen, how often, and
+* ``LearnedCloud``: F features and the L appearances of them, each with its lobe: from where it is seen, how often, and
   how it looks there. One appearance fixes a whole pose: its lobe gives the direction of view, its ``up`` the roll, its
   ``size`` the distance.
 """
@@ -41,7 +41,7 @@ _KINDS = {"f": np.float64, "i": np.int64, "u": np.uint8}
 
 
 @dataclass(frozen=True, eq=False)
-class LearntCloud:
+class LearnedCloud:
     """All in metres, radians and the object's frame.
 
     Attributes:
@@ -95,7 +95,7 @@ class LearntCloud:
         return np.asarray(self.size == 0.0)
 
     @property
-    def keypoints(self) -> LearntCloud:
+    def keypoints(self) -> LearnedCloud:
         """The same without the sides of edges."""
         lobes = np.flatnonzero(~self.sided)
         used, feature = np.unique(self.feature[lobes], return_inverse=True)
@@ -103,7 +103,7 @@ class LearntCloud:
             name: getattr(self, name)[used] for name, (rows, _, _) in (_SHAPES | _OPTIONAL).items() if rows == "F"
         }
         appearances = {name: getattr(self, name)[lobes] for name, (rows, _, _) in _SHAPES.items() if rows == "L"}
-        return LearntCloud(**features | appearances | {"feature": feature, "compound": numbered(features["compound"])})
+        return LearnedCloud(**features | appearances | {"feature": feature, "compound": numbered(features["compound"])})
 
     @property
     def compounds(self) -> int:
@@ -125,7 +125,7 @@ def numbered(groups: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.asarray(place[which.ravel()], np.int64)
 
 
-def cloud_bytes(cloud: LearntCloud) -> bytes:
+def cloud_bytes(cloud: LearnedCloud) -> bytes:
     """The file's contents, the same for the same cloud. Floats are kept in single precision, indices in 32 bits; no parts, no array of them."""
     memory = io.BytesIO()
     arrays = {
@@ -143,19 +143,19 @@ def cloud_bytes(cloud: LearntCloud) -> bytes:
     return memory.getvalue()
 
 
-def read_cloud(content: bytes) -> LearntCloud:
+def read_cloud(content: bytes) -> LearnedCloud:
     """The cloud of a file; nothing in it is run.
 
     Raises:
-        CloudError: It is not a learnt cloud, or a number in it cannot be.
+        CloudError: It is not a learned cloud, or a number in it cannot be.
     """
     try:
         arrays = read_arrays(content, _SHAPES, MAX_BYTES, (*_OPTIONAL, "format"))
     except CloudError as error:
-        raise CloudError(f"is no learnt cloud: {error}") from None
+        raise CloudError(f"is no learned cloud: {error}") from None
     _check_format(arrays.pop("format", np.array(1)))
     _check(arrays)
-    return LearntCloud(**arrays)
+    return LearnedCloud(**arrays)
 
 
 def _check_format(stated: NDArray[Any]) -> None:

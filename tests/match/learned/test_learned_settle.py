@@ -1,4 +1,4 @@
-"""Expected and the one assignment (D7, D8) of a learnt type: what the lobes say, expected features first, one to one; then the pose."""
+"""Expected and the one assignment (D7, D8) of a learned type: what the lobes say, expected features first, one to one; then the pose."""
 
 from itertools import permutations
 from math import log, pi
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before, ready, viewpoint
+from learned_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before, ready, viewpoint
 from random_cloud import random_cloud
 
 from geometry.frames import pose_error, transform_points

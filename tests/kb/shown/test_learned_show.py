@@ -1,4 +1,4 @@
-"""What is shown of learnt types: a few lines each, never a line a feature or a word; and what of them may be meant otherwise."""
+"""What is shown of learned types: a few lines each, never a line a feature or a word; and what of them may be meant otherwise."""
 
 import json
 from dataclasses import replace
@@ -12,7 +12,7 @@ from geometry.cones import even_directions
 from kb.clouds.lobes import in_lobe
 from kb.errors import KBErrors
 from kb.files.read import read_kb
-from kb.shown.learnt_summary import MANY, learnt_summary
+from kb.shown.learned_summary import MANY, learned_summary
 from kb.shown.show import check_report, tree_document, tree_text
 from plogic.face.authoring.kb import measures_command, show_command
 
@@ -42,13 +42,13 @@ def kb(folder):
     return read_kb(folder)
 
 
-def test_a_learnt_type_is_summed_up(kb):
+def test_a_learned_type_is_summed_up(kb):
     kind = kb.type("one")
-    summary = learnt_summary(kind)
+    summary = learned_summary(kind)
     assert (summary.detector, summary.features, summary.appearances) == ("sift", 300, 600)
     assert summary.words == len(set(kind.lobes.types)) <= len(kb.words.names)
-    assert summary.hit == pytest.approx(np.median(kind.learnt.hit))
-    assert summary.sigma == pytest.approx(np.median(kind.learnt.sigma))
+    assert summary.hit == pytest.approx(np.median(kind.learned.hit))
+    assert summary.sigma == pytest.approx(np.median(kind.learned.sigma))
     counts = []
     for direction in even_directions(200):
         held = in_lobe(kind.lobes, kind.surface.centre + summary.distance * direction, 1.0)[0]
@@ -63,26 +63,26 @@ def test_keypoints_and_sides_of_edges_are_counted(tmp_path):
     sided = read_kb(
         write_knowledge(tmp_path, {"one": replace(cloud, size=np.where(cloud.feature < 40, 0.0, cloud.size))})
     )
-    summary = learnt_summary(sided.type("one"))
+    summary = learned_summary(sided.type("one"))
     assert (summary.features, summary.keypoints, summary.sides) == (300, 260, 40)
-    told = "learnt with sift: 260 keypoints and 40 sides of edges, 600 appearances, "
+    told = "learned with sift: 260 keypoints and 40 sides of edges, 600 appearances, "
     assert told in check_report(sided)[1]
     assert told in tree_text(sided)
-    learnt = tree_document(sided)["types"][0]["learnt"]
-    assert (learnt["features"], learnt["keypoints"], learnt["sides"]) == (300, 260, 40)
+    learned = tree_document(sided)["types"][0]["learnt"]
+    assert (learned["features"], learned["keypoints"], learned["sides"]) == (300, 260, 40)
 
 
 def test_without_sides_of_edges_nothing_is_said_of_them(kb):
-    summary = learnt_summary(kb.type("one"))
+    summary = learned_summary(kb.type("one"))
     assert (summary.keypoints, summary.sides) == (300, 0)
     assert not any("edge" in line for line in summary.lines)
 
 
-def test_the_report_has_two_lines_a_learnt_type_and_no_notes(kb):
+def test_the_report_has_two_lines_a_learned_type_and_no_notes(kb):
     head, *lines = check_report(kb)
     assert head == f"painted: 2 types, 0 appearance types, {len(kb.words.names)} visual words, no mistakes"
     assert len(lines) == 4
-    assert lines[0].startswith("one: learnt with sift: 300 features, 600 appearances, ")
+    assert lines[0].startswith("one: learned with sift: 300 features, 600 appearances, ")
     assert "12 facets" in lines[0]
     assert "hit rate" in lines[1]
     assert "of the view sphere" in lines[1]
@@ -126,7 +126,7 @@ def test_spoilt_files_are_mistakes_at_their_line(tmp_path):
         read_kb(folder)
     texts = [str(mistake) for mistake in caught.value.mistakes]
     assert any("kb.yaml:4:" in text and "is no vocabulary of visual words" in text for text in texts)
-    assert any("object.yaml:3:" in text and "is no learnt cloud" in text for text in texts)
+    assert any("object.yaml:3:" in text and "is no learned cloud" in text for text in texts)
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_spoilt_files_are_mistakes_at_their_line(tmp_path):
             "objects/one/object.yaml",
             "cloud: {file",
             "features: [{feature: f, type: t, at: [0, 0, 0]}]\ncloud: {file",
-            "learnt or written by hand",
+            "learned or written by hand",
         ),
         ("kb.yaml", "{file: words.npz}", "{file: ../words.npz}", "words.npz"),
     ],
@@ -160,5 +160,5 @@ def test_words_that_are_fewer_than_the_cloud_knows_are_a_mistake(tmp_path):
         write_knowledge(tmp_path / "other", {"one": many(1, features=10)}),
     )
     (folder / "words.npz").write_bytes((other / "words.npz").read_bytes())
-    with pytest.raises(KBErrors, match="was learnt with other words"):
+    with pytest.raises(KBErrors, match="was learned with other words"):
         read_kb(folder)

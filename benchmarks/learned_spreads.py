@@ -1,8 +1,8 @@
-"""Measure what is right and what is clutter in scenes: what the constants of a learnt type's likelihood stand on, each beside its figure.
+"""Measure what is right and what is clutter in scenes: what the constants of a learned type's likelihood stand on, each beside its figure.
 
-Run as ``python benchmarks/learnt_spreads.py KB [--seeds FIRST..LAST]``, KB being a folder with the types of ``plogic
-bench recognition``, learnt. The scenes are of its kind; their numbers are 5000 and more, for those below are the
-benchmark's. Types are put where they are (*right*) and where they are not (*wrong*); ``learnt_seen.py`` says what is
+Run as ``python benchmarks/learned_spreads.py KB [--seeds FIRST..LAST]``, KB being a folder with the types of ``plogic
+bench recognition``, learned. The scenes are of its kind; their numbers are 5000 and more, for those below are the
+benchmark's. Types are put where they are (*right*) and where they are not (*wrong*); ``learned_seen.py`` says what is
 seen there.
 """
 
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from benchmarks.learnt_seen import Seen, look, worths
+from benchmarks.learned_seen import Seen, look, worths
 from benchmarks.recognition import scenes
 from benchmarks.tabletop.scene import recognition_scene
 from geometry.frames import transform_points
@@ -26,7 +26,7 @@ from plogic.match.gamma.data import data_of
 from plogic.match.judged import crowding
 from plogic.match.learned import agreement, looks, side_pairs, sides
 from plogic.match.learned import learned_poses as generate
-from plogic.match.learned.learned_index import LearntIndex
+from plogic.match.learned.learned_index import LearnedIndex
 from plogic.run.perceive import Perceiver
 from sensing.detectors.detector import detect
 from sensing.files.images import read_image
@@ -62,7 +62,7 @@ def main(folder: str, first: int, last: int) -> None:
     kb = read_kb(folder)
     perceiver, right, wrong = Perceiver(kb), Seen(), Seen()
     worth: dict[bool, list[float]] = {True: [], False: []}
-    indices = {name: index for name, index in perceiver.indices.items() if isinstance(index, LearntIndex)}
+    indices = {name: index for name, index in perceiver.indices.items() if isinstance(index, LearnedIndex)}
     for case in shown(kb, first, last):
         gamma = detect(read_image(case.image), case.camera, kb.sought, kb.words)
         data, rng = data_of(gamma.appearances, case.camera, perceiver.width), np.random.default_rng(case.seed)
@@ -105,7 +105,7 @@ def shown(kb: KnowledgeBase, first: int, last: int) -> Iterator[Case]:
             yield scenes.case(scene, Path(folder) / f"{number}", number, hard, turns)
 
 
-def aside(index: LearntIndex, truth: Truth, case: Case, rng: np.random.Generator) -> list[Floats]:
+def aside(index: LearnedIndex, truth: Truth, case: Case, rng: np.random.Generator) -> list[Floats]:
     """Wrong poses (4, 4): as far away as it is, turned in the image, where nothing of the type is nearer than its own diameter."""
     camera, z = case.camera, truth.camera_from_object[2, 3]
     there = np.array(
@@ -286,10 +286,10 @@ def side_lines(right: Seen, wrong: Seen) -> list[str]:
             side_looks,
             "BRIGHT",
             bright,
-            f"bytes that contrast is off besides how it varied when learnt; with WILD loses {lost:.3f} nats each",
+            f"bytes that contrast is off besides how it varied when learned; with WILD loses {lost:.3f} nats each",
         ),
         line(side_looks, "WILD", wild, "share of right ones of any contrast"),
-        line(side_looks, "EDGES", rms(mean), "bytes of contrast of what was learnt, standard deviation"),
+        line(side_looks, "EDGES", rms(mean), "bytes of contrast of what was learned, standard deviation"),
         row(
             "(looks_fit)",
             1.0,
@@ -341,7 +341,7 @@ def seeds(text: str) -> tuple[int, int]:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("kb", help="folder of a knowledge base with learnt types")
+    parser.add_argument("kb", help="folder of a knowledge base with learned types")
     parser.add_argument(
         "--seeds",
         type=seeds,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from learnt_scenes import CAMERA, ready
+from learned_scenes import CAMERA, ready
 from random_cloud import random_cloud, random_words
 
 from plogic.match.gamma.data import data_of
@@ -201,7 +201,7 @@ def test_vectors_have_euclids_distance_and_the_root_of_hammings():
     assert np.linalg.norm(spread(a[None]) - spread(b[None])) == pytest.approx(np.linalg.norm(a.astype(float) - b))
 
 
-def test_all_learnt_types_of_a_knowledge_base_share_one():
+def test_all_learned_types_of_a_knowledge_base_share_one():
     words = random_words(1)
     things = [ready(random_cloud(i), name=f"t{i}", words=words) for i in range(3)]
     kb = replace(things[0].kb, types=tuple(thing.kind for thing in things))
