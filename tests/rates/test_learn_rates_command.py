@@ -49,7 +49,7 @@ def test_rates_are_written_with_their_counts_and_read_back(scenes, my_kb):
     assert (document["format"], document["scenes"]) == ("rates/1", 3)
     kb = read_kb(my_kb)
     rows = {(row["rate"], row["of"]): row for row in document["rates"]}
-    assert kb.rates.hit["corner"] == rows["hit", "corner"]["learned"] != before.rates.hit["corner"]
+    assert kb.rates.hit["corner"] == rows["hit", "corner"]["learnt"] != before.rates.hit["corner"]
     hits, expected = kb.rates.counts.hit["corner"]
     assert 0 < hits <= expected
     assert kb.rates.hit["corner"] == pytest.approx((hits + 1) / (expected + 2), rel=1e-3)
