@@ -5,13 +5,16 @@ PYTHONS = python3.13 python3.12 python3.11 python3 python3.14
 # A name may be there and not run (pyenv's are), or be of another version, or lack what makes environments (Debian's python3-venv).
 FITS = import ensurepip, sys, venv; sys.exit(sys.implementation.name != "cpython" or not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
-.PHONY: demo test lint bench clean ready
+.PHONY: demo test quick lint bench clean ready
 
 demo: ready  ## the two towers: from a simulated camera's pixels to ranked worlds
 	"$(VENV)/bin/plogic" demo -o out/demo
 
 test: ready  ## all tests
 	"$(VENV)/bin/python" -m pytest -n 2
+
+quick: lint  ## linter, types, and the tests that render and learn nothing: two minutes
+	"$(VENV)/bin/python" -m pytest -n 2 tests/test_*.py tests/base tests/measures tests/inference tests/facts tests/geometry
 
 lint: ready  ## linter and type checker
 	"$(VENV)/bin/ruff" format --check .

@@ -1,8 +1,8 @@
-"""``python docs/generate.py``: writes docs/vocabulary.md and docs/commands.md, and runs the commands of README.md and puts in what they print.
+"""Write docs/vocabulary.md and docs/commands.md; run the commands of README.md and of the guides, and put in what they print.
 
-``--quick`` leaves the README alone. A test holds all three to what this would write. ``--occlusion BENCH.json`` writes
-docs/occlusion.md and its composition table alone, from ``plogic bench occlusion --json``, which takes a quarter of an
-hour.
+``python docs/generate.py`` does all of it; ``--quick`` leaves README and guides alone. A test holds all of them to what
+this would write. ``--occlusion BENCH.json`` writes docs/occlusion.md and its composition table alone, from
+``plogic bench occlusion --json``, which takes a quarter of an hour.
 """
 # ruff: noqa: INP001 - a script, no package
 
@@ -25,8 +25,10 @@ if TYPE_CHECKING:
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 WIDTH = 100
+GUIDES = (ROOT / "README.md", HERE / "asking.md", HERE / "knowledge-bases.md", HERE / "frames.md")
+"""The pages whose commands are run, in this order, each in the folder that the ones before it left."""
 BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.DOTALL | re.MULTILINE)
-"""What stands in a fence that is called console: commands after ``$ ``, each with what it prints below it."""
+"""The text in a fence that is called console: commands after ``$ ``, each with what it prints below it."""
 
 
 def vocabulary() -> str:
@@ -71,11 +73,11 @@ def helps(
         yield from helps(member, (*path, name), context)
 
 
-def readme(text: str) -> str:
-    """The README with what its commands print now; they run one after the other, in an empty folder that has the examples in it."""
+def guides(texts: list[str]) -> list[str]:
+    """These pages with what their commands print now; they run one after the other, in an empty folder that has the examples in it."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "examples").symlink_to(ROOT / "examples")
-        return BLOCK.sub(lambda found: _session(found[0], Path(folder)), text)
+        return [BLOCK.sub(lambda found: _session(found[0], Path(folder)), text) for text in texts]
 
 
 def _session(block: str, folder: Path) -> str:
@@ -120,8 +122,9 @@ def main() -> None:
     (HERE / "vocabulary.md").write_text(vocabulary(), encoding="utf-8")
     (HERE / "commands.md").write_text(commands(), encoding="utf-8")
     if "--quick" not in sys.argv[1:]:
-        page = ROOT / "README.md"
-        page.write_text(readme(page.read_text(encoding="utf-8")), encoding="utf-8")
+        texts = guides([page.read_text(encoding="utf-8") for page in GUIDES])
+        for page, text in zip(GUIDES, texts, strict=True):
+            page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
