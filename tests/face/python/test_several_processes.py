@@ -8,6 +8,7 @@ from functools import partial
 from multiprocessing import get_context
 
 import pytest
+from sent import sent
 
 import plogic
 from kb.files.shipped import shipped
@@ -39,13 +40,10 @@ def test_it_is_made_ready_once(gamma_file, scene, monkeypatch):
 
 
 def test_a_folder_that_has_changed_is_told(tmp_path):
-    import pickle
-
     shutil.copytree(shipped("first"), tmp_path / "kb")
     kb = KnowledgeBase.load(tmp_path / "kb")
-    sent = pickle.dumps(kb)
-    assert pickle.loads(sent) == kb
-    assert pickle.loads(sent) is pickle.loads(sent)
+    assert sent(kb) == kb
+    assert sent(kb) is sent(kb)
     (tmp_path / "kb" / "kb.yaml").write_text((tmp_path / "kb" / "kb.yaml").read_text() + "# more\n")
     with pytest.raises(plogic.Error, match="has changed since"):
         plogic.face.python.knowledge._again.__wrapped__(str(tmp_path / "kb"), kb.digest)
