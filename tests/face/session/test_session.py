@@ -151,7 +151,7 @@ def test_the_worlds_of_a_program_sum_to_one_and_follow_what_is_observed(session)
     assert sum(row.probability for row in ranking.worlds) == pytest.approx(1.0)
     few = session.worlds(1)
     assert len(few.worlds) == 1
-    assert few.worlds[0].probability[0] + few.unlisted[0] == pytest.approx(1.0)
+    assert few.worlds[0].probability + few.unlisted[0] == pytest.approx(1.0)
 
 
 def test_without_a_goal_as_query(rain):
