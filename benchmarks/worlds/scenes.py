@@ -50,8 +50,7 @@ def photographed(perceiver: Perceiver, objects: int, most: int, seed: int) -> Si
     scene = _scene(kb, objects, seed)
     gamma = detect(scene.photograph().image, scene.camera, kb.appearance_types)
     data = data_of(gamma.appearances, gamma.camera)
-    indices = list(perceiver.indices.values())
-    return unpruned(data, kb, indices, perceiver.dv, Options(reading="posterior"), most).situation
+    return unpruned(data, kb, perceiver.models.values(), perceiver.dv, Options(reading="posterior"), most).situation
 
 
 def _scene(kb: KnowledgeBase, objects: int, seed: int) -> Scene:

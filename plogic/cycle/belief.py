@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from plogic.cycle.attention import Attention
     from plogic.cycle.trace import Trace
-    from plogic.match.indices import Index
     from plogic.match.judged.expectation import Posed
+    from plogic.match.type_models import TypeModel
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Belief:
     """
 
     posed: Posed
-    index: Index
+    index: TypeModel
     worth: float
     surplus: float
     ev: float | None

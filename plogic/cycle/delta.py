@@ -18,7 +18,6 @@ from plogic.cycle.trace import Trace
 from plogic.facts.part_facts import part_facts
 from plogic.facts.situation import AppearanceFact, FeatureFact, HypothesisFact, Reading, Reconsider, Situation
 from plogic.facts.spatial import Space
-from plogic.match.indices import generate
 from plogic.match.judged.disjoint import reaches_into
 from plogic.match.judged.evidence import clutter_density, evidence
 from plogic.match.judged.expectation import hidden_by
@@ -28,14 +27,14 @@ from plogic.measures.explanatory import explanatory_value
 from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping
 
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
-    from plogic.match.indices import Index
     from plogic.match.judged.expectation import Posed
+    from plogic.match.type_models import TypeModel
 
     Rated = tuple[NDArray[np.float64], NDArray[np.float64]]
     Fitted = Callable[[Posed, Data, KnowledgeBase, NDArray[np.bool_] | None], Rated]
@@ -124,21 +123,19 @@ def _share_volume(one: Belief, other: Belief) -> bool:
 
 
 def unpruned(
-    data: Data, kb: KnowledgeBase, indices: Sequence[Index], dv: Mapping[str, float], options: Options, most: int
+    data: Data, kb: KnowledgeBase, models: Iterable[TypeModel], dv: Mapping[str, float], options: Options, most: int
 ) -> Delta:
     """Δh before anything is accepted or rejected: every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth."""
     found = [
-        _open_belief(posed, index, data, kb, dv)
-        for index in indices
-        for _, posed in generate(index, data, kb, refined=EVERY, verified=EVERY)
+        _open_belief(posed, model, data, kb, dv) for model in models for _, posed in model.proposals(data, kb, EVERY)
     ]
     best = sorted(found, key=lambda b: -b.worth)[:most]
     return delta_of(Cycle((), tuple(best), (), (), Trace()), data, kb, dv, options)
 
 
-def _open_belief(posed: Posed, index: Index, data: Data, kb: KnowledgeBase, dv: Mapping[str, float]) -> Belief:
+def _open_belief(posed: Posed, model: TypeModel, data: Data, kb: KnowledgeBase, dv: Mapping[str, float]) -> Belief:
     found, ev = evidence(posed, data, kb), explanatory_value(posed.support(), dv)
-    return Belief(posed, index, found.ratio, found.surplus, ev, ev)
+    return Belief(posed, model, found.ratio, found.surplus, ev, ev)
 
 
 def _appearances(data: Data, kb: KnowledgeBase) -> tuple[AppearanceFact, ...]:

@@ -208,7 +208,7 @@ def _parted(posed: Sequence[Posed], first: int) -> tuple[tuple[Sequence[Posed], 
 
 def _belief(posed: Posed, status: str, seen: Seen, perceiver: Perceiver) -> Belief:
     found, ev = evidence(posed, seen.data, perceiver.kb), explanatory_value(posed.support(), perceiver.dv)
-    return Belief(posed, perceiver.indices[posed.object_type.name], found.ratio, found.surplus, ev, ev, status)
+    return Belief(posed, perceiver.models[posed.object_type.name], found.ratio, found.surplus, ev, ev, status)
 
 
 def _known(posed: Posed, hidden: NDArray[np.bool_] | None, seen: Seen, kb: KnowledgeBase) -> _Known | None:

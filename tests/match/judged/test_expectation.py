@@ -99,7 +99,7 @@ def test_outside_the_image_is_none_of_the_four_cases():
     rng = np.random.default_rng(7020)
     pose = camera_pose(rng, (4.0, 4.5))
     whole = scene(rng, {"t1": pose}, hit=1.0, clutter=0)
-    at = perceiver().indices["t1"].points @ pose[:3, :3].T + pose[:3, 3]
+    at = perceiver().models["t1"].points @ pose[:3, :3].T + pose[:3, 3]
     cut = Camera(int(np.median(CAMERA.project(at)[:, 0])), 480, CAMERA.K)
     of = data_of(whole.gamma.appearances, cut)
     posed = posed_at("t1", pose, of)
