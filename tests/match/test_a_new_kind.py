@@ -1,4 +1,4 @@
-"""A new kind of type models is one folder and one row of the table of kinds: here one that reads printed markers, whose scale is the number of their feature."""
+"""A new kind of type models is one folder and one row of the table of kinds: here one that reads printed markers, whose scale numbers features."""
 
 from __future__ import annotations
 
