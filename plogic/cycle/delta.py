@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -15,8 +15,9 @@ from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, t
 from plogic.cycle.placing import space_of_view
 from plogic.cycle.relations import part_relations_of, relations_of
 from plogic.cycle.trace import Trace
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.part_facts import part_facts
-from plogic.facts.situation import AppearanceFact, FeatureFact, HypothesisFact, Reading, Reconsider, Situation
+from plogic.facts.situation import AppearanceFact, Reading, Reconsider, Situation
 from plogic.facts.spatial import Space
 from plogic.match.indices import generate
 from plogic.match.judged.disjoint import reaches_into
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.indices import Index
 
@@ -181,7 +181,7 @@ def _hypothesis(
     rates: tuple[NDArray[np.float64], NDArray[np.float64]],
     data: Data,
     dv: Mapping[str, float],
-) -> HypothesisFact:
+) -> Hypothesis:
     others = [y for x, y in hiding if x == name]
     hits, near = rates
     features = tuple(
@@ -203,11 +203,9 @@ def _hypothesis(
         )
         for f, feature in ((f, told_as(posed, f)) for f in told(posed))
     )
-    return HypothesisFact(
+    return replace(
+        posed,
         id=name,
-        type=posed.object_type.name,
-        camera_from_object=tuple(tuple(float(v) for v in row) for row in posed.camera_from_object),
-        opaque=posed.object_type.opaque,
         group=group,
         features=features + lumped(posed, dv),
         parts=part_facts(posed.object_type) + compound_parts(posed),

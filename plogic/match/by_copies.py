@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     Found: TypeAlias = list[tuple[float, Hypothesis]]
 
 Kind = TypeVar("Kind", bound="Index")
-_SAID = tuple(field.name for field in fields(Hypothesis) if field.name != "object_type")
+_SAID = tuple(field.name for field in fields(Hypothesis) if field.name != "known_type")
 
 
 def searched(search: Callable[[Kind], Found], indices: Sequence[Kind], data: Data, processes: int) -> Generator[Found]:
@@ -44,7 +44,10 @@ def searched(search: Callable[[Kind], Found], indices: Sequence[Kind], data: Dat
 
     with closing(each(said, indices, processes)) as answers:
         for index, answer in zip(indices, answers, strict=True):
-            yield [(ratio, Hypothesis(index.object_type, *arrays)) for ratio, arrays in answer]
+            yield [
+                (ratio, Hypothesis(known_type=index.object_type, **dict(zip(_SAID, arrays, strict=True))))
+                for ratio, arrays in answer
+            ]
 
 
 def make_ready(indices: Iterable[Index]) -> None:
