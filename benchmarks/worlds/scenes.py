@@ -10,7 +10,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.situation import HypothesisFact, Situation
+    from plogic.facts.hypothesis import Hypothesis
+    from plogic.facts.situation import Situation
     from plogic.run.perceive import Perceiver
     from sensing.simulated.scene import Scene
 
@@ -98,7 +99,7 @@ def _renamed(view: Situation, prefix: str) -> Situation:
     )
 
 
-def _renamed_hypothesis(h: HypothesisFact, prefix: str) -> HypothesisFact:
+def _renamed_hypothesis(h: Hypothesis, prefix: str) -> Hypothesis:
     features = tuple(
         replace(
             f, hidden_by=tuple(prefix + g for g in f.hidden_by), match=None if f.match is None else prefix + f.match

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.cycle.belief import Belief
-    from plogic.match.judged.expectation import Posed
+    from plogic.facts.hypothesis import Hypothesis
 
 HEAVIER = 1e-6
 """By how much a glance must be heavier than what is kept: two that only rounding tells apart are the same, whether
@@ -54,7 +54,7 @@ class Anytime(Beside):
         self.rejected: list[Belief] = []
         self.reach = self.data.camera.f, 2.0 * self.kb.rates.match_tolerance
         self.best = self.last = Stable()
-        self.reconsidered: dict[tuple[int, ...], tuple[tuple[Posed, ...], Belief]] = {}
+        self.reconsidered: dict[tuple[int, ...], tuple[tuple[Hypothesis, ...], Belief]] = {}
 
     @property
     def unfinished(self) -> bool:
@@ -78,7 +78,7 @@ class Anytime(Beside):
         self._keep()
         return True
 
-    def _glance(self, found: Sequence[tuple[float, Posed]]) -> None:
+    def _glance(self, found: Sequence[tuple[float, Hypothesis]]) -> None:
         """Where there is a deadline keep what Δi is with the best of some poses, if that is heavier than what is kept.
 
         So there is an answer before a round is over.
@@ -160,7 +160,7 @@ class Anytime(Beside):
                     "move", "a little, so that it does not reach into what it touches (A4)", of_type=name_of(belief)
                 )
 
-    def _told_of(self, posed: Posed) -> NDArray[np.float64]:
+    def _told_of(self, posed: Hypothesis) -> NDArray[np.float64]:
         """(6, 6) what Γ tells of a pose (``plogic.match.judged.disjoint``)."""
         return pose_information(posed, self.data.camera, self.kb)
 

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from plogic.cycle.attention import Attention
     from plogic.cycle.belief import Belief
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
 
 POOL = 10
 """Poses that are carried from one round to the next, the best."""
@@ -56,7 +56,7 @@ class Perception(Anytime):
         """
         for row in attention:
             self.trace.add("rank", f"rank {row.rank:.2f}, {row.excess:+.2f} against chance", of_type=row.type)
-        pool: list[Posed] = []
+        pool: list[Hypothesis] = []
         with suppress(OutOfTimeError):
             while self._round(attention, pool) or self._rested(pool) or self._deepened() or self._released():
                 pass
@@ -67,7 +67,7 @@ class Perception(Anytime):
         rivals = map(self._makes_way, considered(self.rivals, self.accepted))
         return Cycle(tuple(self.accepted), tuple(rivals), tuple(self.rejected), tuple(attention), self.trace)
 
-    def _round(self, attention: Sequence[Attention], pool: list[Posed]) -> bool:
+    def _round(self, attention: Sequence[Attention], pool: list[Hypothesis]) -> bool:
         """Accept the best acceptable pose of the pool; where it has none, add to it what the free data give first. True where one was accepted."""
         left = self.data.only(self.free())
         if self._accepts(
@@ -88,7 +88,7 @@ class Perception(Anytime):
         pool[:] = [b.posed for b in judged[: max(POOL, POOL_OF_TYPE * len(self.models))]]
         return self._accepts(judged, pool, left)
 
-    def _accepts(self, judged: Sequence[Belief], pool: list[Posed], left: Data) -> bool:
+    def _accepts(self, judged: Sequence[Belief], pool: list[Hypothesis], left: Data) -> bool:
         """Accept the best of some that is acceptable, refined beside Δi; the pool loses it. True where there is one."""
         for belief in sorted(judged, key=lambda b: -b.worth)[:POLISHED]:
             self.deadline.check()
@@ -112,7 +112,7 @@ class Perception(Anytime):
             [b.posed for b in self.accepted], self._hidden, self._glance, lambda why: self.trace.add("deepen", why)
         )
 
-    def _keeps(self, posed: Posed) -> bool:
+    def _keeps(self, posed: Hypothesis) -> bool:
         """Whether it is accepted, if it can be, before more is searched for."""
         search = self._search_for(posed)
         return search is not None and search.keeps
@@ -121,7 +121,7 @@ class Perception(Anytime):
         """Whether refinement may add to its evidence what it lacks."""
         return belief.surplus >= belief.index.significance(belief.posed) - POLISH
 
-    def _rested(self, pool: list[Posed]) -> bool:
+    def _rested(self, pool: list[Hypothesis]) -> bool:
         """Add to the pool what may stand where accepted objects do, where gravity holds and more were accepted since. True where something may."""
         if not self.kb.gravity or self.standing == len(self.accepted):
             return False
@@ -148,7 +148,7 @@ class Perception(Anytime):
         self.known, self.standing = {}, 0
         return True
 
-    def _judged(self, pool: Sequence[Posed]) -> list[Belief]:
+    def _judged(self, pool: Sequence[Hypothesis]) -> list[Belief]:
         """Each pose beside what is accepted: matched on free data, hidden features not expected; as before where nothing near was accepted."""
         free, judged = self.free(), []
         for posed in pool:
@@ -170,7 +170,7 @@ class Perception(Anytime):
         others = [belief.index.settle(pose, self.data, self.kb, free=self.free(), rounds=0) for pose in poses]
         return max([belief, *(self._judge(posed, self.free(), rounds=1) for posed in others)], key=lambda b: b.worth)
 
-    def _compare(self, pool: list[Posed]) -> None:
+    def _compare(self, pool: list[Hypothesis]) -> None:
         """Tell what is left in the pool from rivals of Δi; what is told leaves the pool."""
         judged = self._judged(pool)
         pool[:] = [belief.posed for belief in judged]
@@ -181,7 +181,7 @@ class Perception(Anytime):
             )
             del pool[0]
 
-    def _leave(self, pool: Sequence[Posed]) -> None:
+    def _leave(self, pool: Sequence[Hypothesis]) -> None:
         """Reject what there was no time to tell."""
         for belief in (
             self.known[id(posed)][0] for posed in pool if id(posed) in self.known and not self._is_accepted(posed)
@@ -233,7 +233,7 @@ class Perception(Anytime):
         )
         return replace(self._among(rival, poses[-1], others, rounds=0), status=rival.status, why=rival.why)
 
-    def _among(self, belief: Belief, pose: NDArray[np.float64], others: Sequence[Posed], rounds: int) -> Belief:
+    def _among(self, belief: Belief, pose: NDArray[np.float64], others: Sequence[Hypothesis], rounds: int) -> Belief:
         """The hypothesis near another pose (4, 4), beside these alone, and on the data that they leave."""
         free = np.ones(len(self.data.ids), dtype=bool)
         for other in others:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.cycle.belief import Belief
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.match.kinds import Models
     from plogic.match.type_models import Given, Request, TypeModel
 
@@ -108,7 +108,7 @@ def _spread(some: Sequence[_Stand]) -> float:
 
 def supported(
     accepted: Sequence[Belief], models: Models, left: Data, given: Given, request: Request
-) -> tuple[list[Posed], str | None]:
+) -> tuple[list[Hypothesis], str | None]:
     """The hypotheses that the free data suggest on the plane that accepted objects stand on, and that in words; nothing, and None, without a plane.
 
     Only types are looked for of which none is accepted.
@@ -116,7 +116,7 @@ def supported(
     support = support_of([(belief.index, belief.posed.camera_from_object) for belief in accepted])
     if support is None:
         return [], None
-    found: list[Posed] = []
+    found: list[Hypothesis] = []
     for kind in models.kinds.values():
         with closing(kind.resting(support.plane, left, given, request)) as searches:
             request.check()

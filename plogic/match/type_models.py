@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 
     from geometry.bodies.resting import Plane, RestingFaces
     from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
 
     Floats: TypeAlias = NDArray[np.float64]
     Flags: TypeAlias = NDArray[np.bool_]
-    Found: TypeAlias = list[tuple[float, Posed]]
+    Found: TypeAlias = list[tuple[float, Hypothesis]]
 
 SURE = 5.0
 """Logarithm of the odds by which a type must explain its data better than clutter does, all its poses together: 150 to
@@ -51,8 +51,8 @@ class Given(NamedTuple):
     they are found, best first. ``tell`` is told what the trace shall say.
     """
 
-    accepted: Sequence[Posed]
-    hidden_of: Callable[[Posed], Flags]
+    accepted: Sequence[Hypothesis]
+    hidden_of: Callable[[Hypothesis], Flags]
     seen: Callable[[Found], None]
     tell: Callable[[str], None]
 
@@ -128,20 +128,20 @@ class TypeModel(Protocol):
 
     def settle(
         self,
-        pose: Floats | Posed,
+        pose: Floats | Hypothesis,
         data: Data,
         kb: KnowledgeBase,
         free: Flags | None = None,
         hidden: Flags | None = None,
         rounds: int = 2,
-    ) -> Posed:
+    ) -> Hypothesis:
         """The type at a pose camera_from_object (4, 4), or a hypothesis that is matched already: matched (D7, D8), refined, and matched again.
 
         ``free`` (A,) the data that nobody else has claimed; ``hidden`` (F,) the features that accepted opaque objects hide.
         """
         ...
 
-    def significance(self, posed: Posed) -> float:
+    def significance(self, posed: Hypothesis) -> float:
         """The log-likelihood ratio that a hypothesis must exceed, beyond what any pose has."""
         ...
 
@@ -163,7 +163,7 @@ class Search(Protocol):
         """Search further the next time, and why; None where that is not done. ``accepted``: whether Δi holds anything."""
         return None
 
-    def tilted(self, posed: Posed, left: Data) -> list[Floats]:  # noqa: ARG002 - a kind may have more to say
+    def tilted(self, posed: Hypothesis, left: Data) -> list[Floats]:  # noqa: ARG002 - a kind may have more to say
         """The poses (4, 4) that may fit as well in the place of a hypothesis."""
         return []
 

@@ -107,7 +107,7 @@ def test_doubling_the_parts_of_a_compound_leaves_ev_and_valuation_alone(seed):
         for name in ("at", "uv", "in_image", "in_lobe", "self_hidden", "hit", "matches")
     }
     other = ready(doubled(cloud, parts))
-    twice = replace(posed, object_type=other.kind, **arrays)
+    twice = replace(posed, known_type=other.kind, **arrays)
     dv = dict(zip(thing.kb.words.names, rng.random(len(thing.kb.words.names)), strict=True))
     assert twice.support() == posed.support()
     assert explanatory_value(twice.support(), dv) == explanatory_value(posed.support(), dv)

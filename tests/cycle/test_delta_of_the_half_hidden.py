@@ -37,7 +37,13 @@ def behind_a_plate(hidden, status="accepted", *, opaque=True, away=0.4):
     of = gamma_at(mine.cloud, np.flatnonzero(at[:, 0] / at[:, 2] * away > edge), pose)
     place = from_rotation_translation(np.eye(3), [edge - 2.0, -1.0, away])
     beside = Belief(
-        replace(wall.index.settle(place, of, kb, rounds=0), object_type=plate), wall.index, 1.0, 1.0, 0.5, 0.5, status
+        replace(wall.index.settle(place, of, kb, rounds=0), known_type=plate, opaque=plate.opaque),
+        wall.index,
+        1.0,
+        1.0,
+        0.5,
+        0.5,
+        status,
     )
     dv = dict.fromkeys(kb.words.names, 0.5)
     perception = Perception(of, kb, Models({"learned": LearnedModels({"thing": mine.index, "plate": wall.index})}), dv)
@@ -97,7 +103,7 @@ def test_what_cannot_be_there_together_takes_nothing_out_of_clarity():
     perception, belief, _ = behind_a_plate(20)
     plate = perception.accepted[1]
     body = Surface((CORNERS - 0.5) * (0.5, 0.5, 1.6), box_triangles())
-    within = replace(belief, posed=replace(belief.posed, object_type=replace(belief.posed.object_type, surface=body)))
+    within = replace(belief, posed=replace(belief.posed, known_type=replace(belief.posed.object_type, surface=body)))
     delta = delta_of(
         Cycle((plate,), (replace(within, status="rival"),), (), (), Trace()),
         perception.data,

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.hand.type_index import TypeIndex
-    from plogic.match.judged.expectation import Posed
     from plogic.match.type_models import Found, Given, Request, Setup
 
 
@@ -59,7 +59,7 @@ class HandSearch(Search):
             yield found
 
 
-def covered_by(posed: Iterable[Posed], data: Data) -> NDArray[np.bool_]:
+def covered_by(posed: Iterable[Hypothesis], data: Data) -> NDArray[np.bool_]:
     """(H, W) where the opaque ones of some objects stand in the ideal image: what is there may well be hidden."""
     mask = np.zeros((data.camera.height, data.camera.width), dtype=np.uint8)
     for some in posed:

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.match.type_models import Found
 
 CELLS_TRIED = 24
@@ -126,17 +126,17 @@ class TypeIndex:
 
     def settle(
         self,
-        pose: NDArray[np.float64] | Posed,
+        pose: NDArray[np.float64] | Hypothesis,
         data: Data,
         kb: KnowledgeBase,
         free: NDArray[np.bool_] | None = None,
         hidden: NDArray[np.bool_] | None = None,
         rounds: int = 2,
-    ) -> Posed:
+    ) -> Hypothesis:
         """The type at a pose, matched and refined on places (``plogic.match.hand.generate``)."""
         return settle(self, pose, data, kb, free, hidden, rounds)
 
-    def significance(self, posed: Posed) -> float:
+    def significance(self, posed: Hypothesis) -> float:
         """By places alone the best of so many tries is good by luck: as many as there are pairs of data. Where angles count all poses are counted."""
         return SURE if posed.axes is not None else log(MOST_PAIRS)
 

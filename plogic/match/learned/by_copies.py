@@ -10,7 +10,7 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 from plogic.base.forked import each
-from plogic.match.judged.expectation import Posed
+from plogic.facts.hypothesis import Hypothesis
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Sequence
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from plogic.match.learned.learned_index import LearnedIndex
     from plogic.match.type_models import Found
 
-_SAID = tuple(field.name for field in fields(Posed) if field.name != "object_type")
+_SAID = tuple(field.name for field in fields(Hypothesis) if field.name != "known_type")
 
 
 def searched(
@@ -39,4 +39,7 @@ def searched(
 
     with closing(each(said, indices, processes)) as answers:
         for index, answer in zip(indices, answers, strict=True):
-            yield [(ratio, Posed(index.object_type, *arrays)) for ratio, arrays in answer]
+            yield [
+                (ratio, Hypothesis(known_type=index.object_type, **dict(zip(_SAID, arrays, strict=True))))
+                for ratio, arrays in answer
+            ]

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from geometry.bodies.resting import RestingFaces
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from kb.clouds.learned import LearnedCloud
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.match.type_models import Found
     from plogic.measures.valuation import Kinds
 
@@ -136,17 +136,17 @@ class LearnedIndex:
 
     def settle(
         self,
-        pose: Floats | Posed,
+        pose: Floats | Hypothesis,
         data: Data,
         kb: KnowledgeBase,
         free: NDArray[np.bool_] | None = None,
         hidden: NDArray[np.bool_] | None = None,
         rounds: int = 2,
-    ) -> Posed:
+    ) -> Hypothesis:
         """The type at a pose, matched and refined (``plogic.match.learned.learned_match``)."""
         return settle(self, pose, data, kb, free, hidden, rounds)
 
-    def significance(self, posed: Posed) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
+    def significance(self, posed: Hypothesis) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
         """All poses of a learned type are counted in its evidence."""
         return SURE
 

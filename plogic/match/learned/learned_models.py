@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from geometry.bodies.resting import Plane
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.match.learned.learned_index import LearnedIndex
     from plogic.match.type_models import Found, Given, Request, Setup
 
@@ -93,7 +93,7 @@ class LearnedSearch(Search):
                 self._searched[name] = given.count(name)
 
 
-def bodies(models: Mapping[str, LearnedIndex], accepted: Sequence[Posed]) -> NDArray[np.float64]:
+def bodies(models: Mapping[str, LearnedIndex], accepted: Sequence[Hypothesis]) -> NDArray[np.float64]:
     """(N, 4) middles, camera frame, and inner radii of accepted objects of these types, m: what reaches nearer than that is in them (A4)."""
     rows = []
     for posed in accepted:

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.hand.view_cells import ViewCells
-    from plogic.match.judged.expectation import Posed
 
 
 class OrientedIndex(TypeIndex):
@@ -24,13 +24,13 @@ class OrientedIndex(TypeIndex):
 
     def settle(
         self,
-        pose: NDArray[np.float64] | Posed,
+        pose: NDArray[np.float64] | Hypothesis,
         data: Data,
         kb: KnowledgeBase,
         free: NDArray[np.bool_] | None = None,
         hidden: NDArray[np.bool_] | None = None,
         rounds: int = 2,
-    ) -> Posed:
+    ) -> Hypothesis:
         """The type at a pose, matched and refined on places and angles (``plogic.match.oriented.oriented_match``)."""
         return settle(self, pose, data, kb, free, hidden, rounds)
 

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.hand.type_index import TypeIndex
-    from plogic.match.judged.expectation import Posed
     from plogic.match.oriented.pair_index import PairIndex
     from plogic.match.type_models import Found, Given, Request, Setup
 
@@ -90,7 +90,7 @@ class OrientedSearch(Search):
                 return False
         return True
 
-    def tilted(self, posed: Posed, left: Data) -> list[NDArray[np.float64]]:
+    def tilted(self, posed: Hypothesis, left: Data) -> list[NDArray[np.float64]]:
         """The best poses at other tilts: in one place a hypothesis may fit in several ways."""
         return self.together.tilted(posed.object_type.name, posed.camera_from_object, left)
 
@@ -110,7 +110,7 @@ def generate_together(
     search: TogetherSearch,
     data: Data,
     kb: KnowledgeBase,
-    hidden_of: Callable[[Posed], NDArray[np.bool_]] | None = None,
+    hidden_of: Callable[[Hypothesis], NDArray[np.bool_]] | None = None,
     seen: Callable[[Found], None] | None = None,
 ) -> dict[str, Found]:
     """The hypotheses of all types, by type, that some data of Γ suggest, with their log-likelihood ratios, best first.

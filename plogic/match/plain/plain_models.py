@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.hand.type_index import TypeIndex
-    from plogic.match.judged.expectation import Posed
     from plogic.match.type_models import Found, Given, Request, Setup
 
 PLAIN = {"quadruples": quadruples.proposals, "softposit": softposit.proposals}
@@ -84,7 +84,7 @@ def generate_plainly(
     index: TypeIndex,
     data: Data,
     kb: KnowledgeBase,
-    hidden_of: Callable[[Posed], NDArray[np.bool_]],
+    hidden_of: Callable[[Hypothesis], NDArray[np.bool_]],
     check: Callable[[], None] = unhurried,
 ) -> Found:
     """The poses that a plain ``generator`` (a key of ``PLAIN``) proposes of a type, verified by matching, best first.

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.base.errors import ProgramError, SituationError
 from plogic.facts.sanity import check
-from plogic.inference.cache import Remembered
 from plogic.inference.gates import Literal, observed, with_formulas
+from plogic.inference.marginals import Remembered
 from plogic.inference.ranked import best
 from plogic.logic.served.engine import Answer, Limits, Text
 from plogic.scene.factors.asked_formulas import Asked
@@ -31,9 +31,9 @@ from plogic.scene.worlds.ranked_worlds import Ranking, listed_worlds, ranking_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from plogic.facts.situation import HypothesisFact, Situation
-    from plogic.inference.graph import FactorGraph
-    from plogic.inference.marginals import Beliefs
+    from plogic.facts.hypothesis import Hypothesis
+    from plogic.facts.situation import Situation
+    from plogic.inference.graph import Beliefs, FactorGraph
 
     Interval = tuple[float, float]
     Pairs = frozenset[tuple[str, str]]
@@ -83,7 +83,7 @@ class LiveScene:
 
     def add(
         self,
-        hypothesis: HypothesisFact,
+        hypothesis: Hypothesis,
         *,
         overlaps: Pairs = frozenset(),
         rivals: Pairs = frozenset(),

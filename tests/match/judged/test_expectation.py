@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from itertools import product
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,8 +11,9 @@ from synthetic import CAMERA, camera_pose, data, one_before_the_other, perceiver
 
 from geometry.camera import Camera
 from geometry.frames import inverse
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.expectation import Posed, hidden_by, matched, pose_of
+from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from sensing.appearance import Appearance
 
 TOLERANCE = 3.0
@@ -140,17 +140,18 @@ def small(features, places, expected, right):
     """A posed hypothesis with F features, laid by hand, and Γ with A data."""
     count = len(features)
     nothing = np.zeros(count, dtype=bool)
-    posed = Posed(
-        SimpleNamespace(opaque=True),
+    posed = Hypothesis(
+        "drawn",
         np.eye(4),
-        np.zeros((count, 3)),
-        np.array(features, float).reshape(-1, 2),
-        ~nothing,
-        np.array(expected, dtype=bool),
-        nothing,
-        np.array(right, dtype=bool).reshape(count, len(places)),
-        np.full(count, -1),
-        np.full(count, np.nan),
+        opaque=True,
+        at=np.zeros((count, 3)),
+        uv=np.array(features, float).reshape(-1, 2),
+        in_image=~nothing,
+        in_lobe=np.array(expected, dtype=bool),
+        self_hidden=nothing,
+        right=np.array(right, dtype=bool).reshape(count, len(places)),
+        matches=np.full(count, -1),
+        residual=np.full(count, np.nan),
     )
     return posed, data_of(
         [Appearance(f"a{i}", "patch", tuple(map(float, uv)), "drawn") for i, uv in enumerate(places)], CAMERA
@@ -233,7 +234,7 @@ def test_the_four_cases_of_support():
     posed, of = small(
         [(100, 100), (200, 100), (300, 100), (400, 100)], [(100, 100), (300, 100)], [1, 1, 0, 0], np.ones((4, 2))
     )
-    posed = replace(matched(posed, of, np.ones((4, 2), dtype=bool), TOLERANCE), object_type=kind)
+    posed = replace(matched(posed, of, np.ones((4, 2), dtype=bool), TOLERANCE), known_type=kind)
     total = {case: sum(getattr(c, case) for c in posed.support().values()) for case in "ACBD"}
     assert total == {"A": 1, "C": 1, "B": 1, "D": 1}
     hidden = posed.support(np.array([False, True, False, False]))
