@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from learned_scenes import gamma_at, one_sided, pose_before, ready
 from synthetic import camera_pose, data, posed_at, scene, towers
 
+from plogic.match.judged.evidence import as_counted, clutter_density, hit_rates, match_density
 from plogic.measures.crowding import ALONG, BENT, CROWDED
 
 COUNT = 30
