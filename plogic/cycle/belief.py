@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from plogic.cycle.attention import Attention
     from plogic.cycle.trace import Trace
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.type_models import TypeModel
+    from plogic.match.judged.type_models import TypeModel
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from plogic.cycle.belief import Belief, same_hypothesis
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import SHARED_CLAIMS, claims, hidden_among, overlap, shared_claims
-from plogic.match.type_models import Request
+from plogic.match.judged.type_models import Request
 from plogic.measures.explanatory import explanatory_value
 
 if TYPE_CHECKING:
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import Search, TypeModel
     from plogic.match.kinds import Models
-    from plogic.match.type_models import Search, TypeModel
 
 FEWEST = 4
 """Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8,

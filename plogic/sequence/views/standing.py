@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from plogic.cycle.belief import Belief
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.type_models import TypeModel
+    from plogic.match.judged.type_models import TypeModel
     from plogic.sequence.views.view import View
 
     Floats = NDArray[np.float64]
