@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.base.deadline import Deadline
+from plogic.base.clock import Deadline
 from plogic.cycle.belief import Belief, same_hypothesis
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import hidden_by
