@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.cycle.beside import Beside, name_of, rounded
 from plogic.cycle.trace import Step, Trace
-from plogic.match.indices import settle
 from plogic.match.judged.disjoint import moved_apart, pose_information
 from plogic.match.judged.rivals import apart_on_screen
 
@@ -25,9 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.cycle.belief import Belief
-    from plogic.match.judged.expectation import Posed
-    from plogic.match.oriented.pair_index import PairIndex
-
+    from plogic.facts.hypothesis import Hypothesis
 
 HEAVIER = 1e-6
 """By how much a glance must be heavier than what is kept: two that only rounding tells apart are the same, whether
@@ -51,13 +48,13 @@ class Stable(NamedTuple):
 class Anytime(Beside):
     """Δi as it grows, and the heaviest stable one that it has been."""
 
-    def __post_init__(self, shared: PairIndex | None) -> None:
-        super().__post_init__(shared)
+    def __post_init__(self) -> None:
+        super().__post_init__()
         self.trace = Trace()
         self.rejected: list[Belief] = []
         self.reach = self.data.camera.f, 2.0 * self.kb.rates.match_tolerance
         self.best = self.last = Stable()
-        self.reconsidered: dict[tuple[int, ...], tuple[tuple[Posed, ...], Belief]] = {}
+        self.reconsidered: dict[tuple[int, ...], tuple[tuple[Hypothesis, ...], Belief]] = {}
 
     @property
     def unfinished(self) -> bool:
@@ -81,7 +78,7 @@ class Anytime(Beside):
         self._keep()
         return True
 
-    def _glance(self, found: Sequence[tuple[float, Posed]]) -> None:
+    def _glance(self, found: Sequence[tuple[float, Hypothesis]]) -> None:
         """Where there is a deadline keep what Δi is with the best of some poses, if that is heavier than what is kept.
 
         So there is an answer before a round is over.
@@ -150,8 +147,7 @@ class Anytime(Beside):
             )
         for k, (belief, pose) in enumerate(zip(list(self.accepted), poses, strict=True)):
             if pose is not belief.posed.camera_from_object:
-                posed = settle(
-                    belief.index,
+                posed = belief.index.settle(
                     pose,
                     self.data,
                     self.kb,
@@ -164,7 +160,7 @@ class Anytime(Beside):
                     "move", "a little, so that it does not reach into what it touches (A4)", of_type=name_of(belief)
                 )
 
-    def _told_of(self, posed: Posed) -> NDArray[np.float64]:
+    def _told_of(self, posed: Hypothesis) -> NDArray[np.float64]:
         """(6, 6) what Γ tells of a pose (``plogic.match.judged.disjoint``)."""
         return pose_information(posed, self.data.camera, self.kb)
 

@@ -22,7 +22,6 @@ from geometry.visibility.outline import image_area, outline
 from plogic.cycle.support import support_of
 from plogic.facts.spatial import BodyFact, SharedFact, Space, View
 from plogic.match.judged.rivals import solid_of
-from plogic.match.learned.learned_index import LearnedIndex
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.belief import Belief
-    from plogic.match.judged.expectation import Posed
+    from plogic.facts.hypothesis import Hypothesis
 
     Floats = NDArray[np.float64]
     Pair = tuple[str, str]
@@ -51,7 +50,7 @@ class _Placed(NamedTuple):
     """A posed body, ``solid`` where it encloses a volume; ``reach``: distance of its middle, m."""
 
     name: str
-    posed: Posed
+    posed: Hypothesis
     surface: PosedSurface | None
     solid: Solid | None
     reach: float
@@ -87,11 +86,11 @@ def upward(beliefs: Iterable[Belief], camera: Camera, *, gravity: bool) -> tuple
     if not gravity:
         return None, ""
     accepted = [belief for belief in beliefs if belief.status == "accepted"]
-    support = support_of([(b.index, b.posed.camera_from_object) for b in accepted if isinstance(b.index, LearnedIndex)])
+    support = support_of([(b.index, b.posed.camera_from_object) for b in accepted])
     return (None, "") if support is None else (support.plane.up, "support plane")
 
 
-def _placed(name: str, posed: Posed) -> _Placed:
+def _placed(name: str, posed: Hypothesis) -> _Placed:
     surface, reach = posed.object_type.surface, float(np.linalg.norm(posed.middle))
     if surface is None:
         return _Placed(name, posed, None, None, reach)
