@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from plogic.face.session.blocks import Block
-    from plogic.facts.situation import HypothesisFact, Situation
+    from plogic.facts.situation import Hypothesis, Situation
 
 NOISE = 0.02
 """Prior of "this appearance is noise", an abducible of Shanahan's measure."""
@@ -118,7 +118,7 @@ def measures_of(situation: Situation, ev: Mapping[str, float | None], status: Ma
     )
 
 
-def abducibles(h: HypothesisFact, situation: Situation) -> list[float]:
+def abducibles(h: Hypothesis, situation: Situation) -> list[float]:
     """Priors of what the explanation "it alone stands there" takes on: the object, each hit, each miss, and noise for what it leaves over."""
     expected = [f for f in h.features if h.candidate(f)]
     found = [f for f in expected if f.match is not None]
@@ -162,5 +162,5 @@ def _dv_in_delta(situation: Situation, status: Mapping[str, str]) -> dict[str, f
     return distinctiveness({kind: counts.get(kind, 0) for kind in situation.dv})
 
 
-def _kinds(h: HypothesisFact) -> list[str]:
+def _kinds(h: Hypothesis) -> list[str]:
     return sorted({f.type for f in h.features})
