@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from plogic.face.session.blocks import Block
-    from plogic.facts.situation import Hypothesis, Situation
+    from plogic.facts.hypothesis import Hypothesis
+    from plogic.facts.situation import Situation
 
 NOISE = 0.02
 """Prior of "this appearance is noise", an abducible of Shanahan's measure."""
@@ -120,7 +121,7 @@ def measures_of(situation: Situation, ev: Mapping[str, float | None], status: Ma
 
 def abducibles(h: Hypothesis, situation: Situation) -> list[float]:
     """Priors of what the explanation "it alone stands there" takes on: the object, each hit, each miss, and noise for what it leaves over."""
-    expected = [f for f in h.features if h.candidate(f)]
+    expected = [f for f in h.features if h.expects(f)]
     found = [f for f in expected if f.match is not None]
     left = len(situation.appearances) - len({f.match for f in found})
     hits = [f.hit_rate for f in found]
