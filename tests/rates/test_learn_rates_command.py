@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 
 BIN = Path(sys.executable).with_name("plogic")
 

@@ -9,7 +9,7 @@ import pytest
 from console import bytes_in, document, good, plogic
 from small_kb import KB, OBJECT, write_small
 
-from kb.files.shipped import shipped
+from kb.files.folder import shipped
 
 ONE = {"id": "a1", "type": "l_junction", "uv": [10.0, 20.0], "detector": "junction"}
 BODY = "  - part: body\n    features: []\n"
