@@ -8,7 +8,7 @@ Vocabulary: ``HalfAngle``, written ``'60 deg'``; ``Range``, ``[0.2 m, 30 m]``; `
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, WithJsonSchema
 
