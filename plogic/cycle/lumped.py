@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plogic.facts.situation import OTHERS, FeatureFact, PartFact
+from plogic.facts.hypothesis import FeatureFact, PartFact
+from plogic.facts.situation import OTHERS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from kb.clouds.lobes import Feature
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.situation import HypothesisFact
 
 CELLS = {"A": "expected_detected", "C": "expected_missed", "B": "hidden_missed", "D": "hidden_detected"}
 
@@ -94,7 +94,7 @@ def left_out(posed: Hypothesis) -> dict[str, int] | None:
     }
 
 
-def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[HypothesisFact]) -> dict[str, float]:
+def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[Hypothesis]) -> dict[str, float]:
     """The table of dv without the visual words that no told feature has."""
     if kb.words is None:
         return dict(dv)

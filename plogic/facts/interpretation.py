@@ -9,20 +9,14 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any, get_args
 
+import numpy as np
+
 from geometry.files.plain_files import JsonError, json_of
 from plogic.base.errors import InterpretationError, SituationError
 from plogic.facts.gravity import gravity_facts, gravity_of
+from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
 from plogic.facts.sanity import check
-from plogic.facts.situation import (
-    AppearanceFact,
-    FeatureFact,
-    HypothesisFact,
-    PairFact,
-    PartFact,
-    Reading,
-    Reconsider,
-    Situation,
-)
+from plogic.facts.situation import AppearanceFact, PairFact, Reading, Reconsider, Situation
 from plogic.facts.spatial import overlap_document, space_of
 from plogic.facts.stopped import stopped_in
 
@@ -107,11 +101,11 @@ def _pairs(facts: list[Document], name: str) -> frozenset[tuple[str, str]]:
     return frozenset((f["args"][0], f["args"][1]) for f in facts if f["fact"] == name)
 
 
-def _hypothesis(h: Mapping[str, Any]) -> HypothesisFact:
-    return HypothesisFact(
+def _hypothesis(h: Mapping[str, Any]) -> Hypothesis:
+    return Hypothesis(
         id=h["id"],
         type=h["type"],
-        camera_from_object=tuple(tuple(float(v) for v in row) for row in h["T_camera_object"]),
+        camera_from_object=np.array(h["T_camera_object"], np.float64),
         opaque=bool(h["opaque"]),
         group=h["group"],
         features=tuple(_feature(f) for f in h["features"]),
@@ -126,13 +120,17 @@ def _feature(f: Mapping[str, Any]) -> FeatureFact:
     return FeatureFact(**known)
 
 
-def hypothesis_document(h: HypothesisFact, cases: Mapping[str, tuple[bool, bool, str | None]]) -> Document:
+def hypothesis_document(h: Hypothesis, cases: Mapping[str, tuple[bool, bool, str | None]]) -> Document:
     """One hypothesis as in the file; ``cases`` gives (expected, detected, case) of each feature in Δi."""
-    row = vars(h) | {
+    row: Document = {
+        "id": h.id,
+        "type": h.type,
+        "opaque": h.opaque,
+        "group": h.group,
         "features": [dict(vars(feature)) for feature in h.features],
         "parts": [dict(vars(part)) for part in h.parts],
+        "T_camera_object": h.camera_from_object.tolist(),
     }
-    row["T_camera_object"] = [list(r) for r in row.pop("camera_from_object")]
     for feature in row["features"]:
         expected, detected, case = cases[feature["id"]]
         feature |= {"expected": expected, "detected": detected, "case": case}

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from plogic.facts.gravity import Gravity
-    from plogic.facts.situation import FeatureFact, HypothesisFact, PairFact, Situation
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
+    from plogic.facts.situation import PairFact, Situation
     from plogic.facts.spatial import Space
 
 
@@ -88,7 +89,7 @@ def _check_relation(fact: PairFact) -> None:
         )
 
 
-def _check_hypothesis(h: HypothesisFact, ids: frozenset[str], data: frozenset[str]) -> None:
+def _check_hypothesis(h: Hypothesis, ids: frozenset[str], data: frozenset[str]) -> None:
     _unique(f"hypothesis {h.id}: feature", [f.id for f in h.features])
     _unique(f"hypothesis {h.id}: appearance that is matched", [f.match for f in h.features if f.match is not None])
     for f in h.features:
