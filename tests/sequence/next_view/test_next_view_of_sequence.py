@@ -18,9 +18,9 @@ from geometry.frames import inverse
 from kb.files.read import read_kb
 from kb.files.shipped import shipped
 from plogic.cycle.delta import Options
-from plogic.run.panorama_document import panorama_document
 from plogic.run.perceive import Perceiver
 from plogic.sequence.views.panorama import Panorama
+from plogic.sequence.views.panorama_document import panorama_document
 from plogic.sequence.views.view import View
 from sensing.appearance import Appearance, Gamma
 
