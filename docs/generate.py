@@ -1,4 +1,4 @@
-"""Write docs/vocabulary.md and docs/commands.md; run the commands of README.md and of the guides, and put in what they print.
+"""Write docs/vocabulary.md, docs/commands.md, docs/architecture.md and its drawing, and what the commands of README.md and the guides print.
 
 ``python docs/generate.py`` does all of it; ``--quick`` leaves README and guides alone. A test holds all of them to what
 this would write. ``--occlusion BENCH.json`` writes docs/occlusion.md and its composition table alone, from
@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from architecture import drawing, page
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -103,12 +104,13 @@ def _printed(command: str, folder: Path) -> str:
 
 def occlusion(bench: Path) -> None:
     """Write docs/occlusion.md and the composition table beside it, from what ``plogic bench occlusion --json`` printed."""
+    from benchmarks.occlusion import page as of_occlusion
     from benchmarks.occlusion.bench import MOTIONS
     from benchmarks.occlusion.neighbours import MOVED
-    from benchmarks.occlusion.page import LINES_FILE, bounds, lines, page
+    from benchmarks.occlusion.page import LINES_FILE, bounds, lines
 
     lower, upper = bounds()
-    text = page(json.loads(bench.read_text(encoding="utf-8")), lower, upper, len(MOVED), MOTIONS)
+    text = of_occlusion.page(json.loads(bench.read_text(encoding="utf-8")), lower, upper, len(MOVED), MOTIONS)
     (HERE / "occlusion.md").write_text(text, encoding="utf-8")
     (HERE / LINES_FILE).write_text(lines(lower, upper), encoding="utf-8")
 
@@ -121,10 +123,12 @@ def main() -> None:
         return
     (HERE / "vocabulary.md").write_text(vocabulary(), encoding="utf-8")
     (HERE / "commands.md").write_text(commands(), encoding="utf-8")
+    (HERE / "architecture.md").write_text(page(), encoding="utf-8")
+    (HERE / "architecture.svg").write_text(drawing(), encoding="utf-8")
     if "--quick" not in sys.argv[1:]:
-        texts = guides([page.read_text(encoding="utf-8") for page in GUIDES])
-        for page, text in zip(GUIDES, texts, strict=True):
-            page.write_text(text, encoding="utf-8")
+        texts = guides([guide.read_text(encoding="utf-8") for guide in GUIDES])
+        for guide, text in zip(GUIDES, texts, strict=True):
+            guide.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

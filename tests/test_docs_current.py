@@ -89,6 +89,11 @@ def test_the_vocabulary_is_current(generate):
     assert all(f"`{entry.usage}`" in text for entry in VOCABULARY)
 
 
+def test_the_drawing_of_floors_and_rooms_is_current(generate):
+    assert read(DOCS / "architecture.md") == generate.page(), HOW + " --quick"
+    assert read(DOCS / "architecture.svg") == generate.drawing(), HOW + " --quick"
+
+
 def test_readme_and_guides_print_what_their_commands_print(generate):
     texts = [read(page) for page in generate.GUIDES]
     assert [bool(generate.BLOCK.findall(text)) for text in texts] == [True] * len(texts)

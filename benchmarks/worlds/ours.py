@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from benchmarks.worlds.stock import StockRun
     from plogic.facts.situation import Situation
-    from plogic.inference.marginals import Beliefs
+    from plogic.inference.graph import Beliefs
     from plogic.scene.factors.scene_graph import SceneGraph
 
 REPEATS, ENOUGH = 9, 4.0

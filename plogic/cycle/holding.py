@@ -8,7 +8,6 @@ pybullet, of the bodies' convex parts; ``geometry.bodies.contacts`` says what st
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from itertools import permutations
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -23,7 +22,7 @@ from plogic.cycle.placing import CONTACT, MOST, ROUND
 from plogic.facts.gravity import GROUND, Foot, Gravity
 from plogic.match.judged.disjoint import pose_information
 from plogic.match.judged.rivals import solid_of
-from sensing.simulated.client import client
+from sensing.simulated.client import NO_PHYSICS, client, has_physics
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -42,7 +41,6 @@ if TYPE_CHECKING:
 SURE = 3.0
 """Standard deviations by which a pose may be wrong: beyond them are 3 in 1000."""
 NO_UP = "the camera does not know its place in the world, so nobody knows which way is up"
-NO_PHYSICS = "pybullet is not installed"
 
 
 class Laid(NamedTuple):
@@ -89,7 +87,7 @@ def gravity_of_view(
     if not kb.gravity:
         return None
     world_from_camera = camera.world_from_camera
-    if world_from_camera is None or find_spec("pybullet") is None:
+    if world_from_camera is None or not has_physics():
         return Gravity(kb.unknown_support, kb.ground, silent=NO_UP if world_from_camera is None else NO_PHYSICS)
     known = (
         {name: pose_information(some, camera, kb) for name, some in posed.items()}

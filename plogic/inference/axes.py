@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Scoped = tuple[tuple[int, ...], NDArray[np.float64]]
+
+Term = TypeVar("Term", bound="tuple[tuple[int, ...], NDArray[Any]]")
 
 
 def aligned(scope: Sequence[int], table: NDArray[np.float64], place: Mapping[int, int]) -> NDArray[np.float64]:
@@ -51,3 +54,17 @@ def sliced(scope: Sequence[int], table: NDArray[np.float64], fixed: Mapping[int,
     """The table where the ``fixed`` variables have their states, over the others."""
     index = tuple([fixed.get(v, slice(None)) for v in scope])
     return tuple([v for v in scope if v not in fixed]), np.asarray(table[index])
+
+
+def in_groups(terms: Sequence[Term], cards: Sequence[int], bits: float) -> list[list[Term]]:
+    """The tables in groups whose joint table has at most so many bits, the largest first, each to the first group that has room."""
+    groups: list[tuple[set[int], list[Term]]] = []
+    for term in sorted(terms, key=lambda one: -one[1].size):
+        for union, group in groups:
+            if sum(math.log2(cards[v]) for v in union.union(term[0])) <= bits:
+                union.update(term[0])
+                group.append(term)
+                break
+        else:
+            groups.append((set(term[0]), [term]))
+    return [group for _, group in groups]

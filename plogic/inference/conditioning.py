@@ -1,4 +1,4 @@
-"""A piece whose tables would be too large, case by case; and, when the time is over, what the cases so far prove.
+"""The sum and beliefs of a piece with too large tables, case by case; when the time is over, intervals that the cases so far prove.
 
 The states of a cutset are tried by a best-first search. Each node fixes the first few variables of the cutset and knows
 an upper bound of its mass (mini-buckets); each leaf fixes all, and is solved exactly. With Z and B the masses found
@@ -9,6 +9,10 @@ the exact value lies in
 
 for what is open adds b ≤ U to B and o ≤ V besides, and (B + b) / (Z + b + o) grows with b and falls with o. No open
 node: exact.
+
+Mini-buckets (R. Dechter and I. Rish, 2003) bound the sum of all weights from above by tables of bounded size. Where the
+tables over one variable would make too large a product, they go in several groups: the first is summed, the others are
+maximised, and Σ f·g ≤ Σ f · max g.
 """
 
 from __future__ import annotations
@@ -16,40 +20,86 @@ from __future__ import annotations
 import heapq
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from plogic.base.clock import OutOfTimeError
-from plogic.inference.axes import sliced
-from plogic.inference.minibucket import log_weight, mini_buckets, promising
+from plogic.inference.axes import in_groups, log_sum, product, sliced
+from plogic.inference.graph import Beliefs
 from plogic.inference.passes import impossible, two_way
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from plogic.base.clock import Clock
     from plogic.inference.axes import Scoped
-    from plogic.inference.cutset import Cutset
-    from plogic.inference.parts import Part
+    from plogic.inference.exact import Cutset
+    from plogic.inference.graph import Part
 
     Arrays = tuple[NDArray[np.float64], ...]
-    Node = tuple[float, tuple[int, ...]]  # −bound, states of the first variables of the cutset
+    Node = tuple[float, tuple[int, ...]]
+
+
+class Bound(NamedTuple):
+    """``upper`` ≥ ln Σ weights; ``buckets``: per variable of the order, the tables that it was summed out of."""
+
+    upper: float
+    buckets: dict[int, list[Scoped]]
+
+
+def mini_buckets(
+    cards: Sequence[int], tables: Sequence[Scoped], sequence: Sequence[int], bits: float, clock: Clock
+) -> Bound:
+    """The bound with products of at most 2^``bits`` cells (a given table may be larger); OutOfTimeError past the clock.
+
+    ``sequence`` has all variables of the tables, none of which is over no variable.
+    """
+    turn = {v: i for i, v in enumerate(sequence)}
+    buckets: dict[int, list[Scoped]] = {v: [] for v in sequence}
+    for scope, table in tables:
+        buckets[min(scope, key=turn.__getitem__)].append((scope, table))
+    terms = []
+    for v in sequence:
+        clock.check()
+        terms += [math.log(cards[v])] * (not buckets[v])
+        for number, group in enumerate(in_groups(buckets[v], cards, bits)):
+            scope = tuple(sorted({u for own, _ in group for u in own} - {v}, key=turn.__getitem__))
+            top, told = (_maximum if number else log_sum)(product(group, (*scope, v), cards))
+            terms.append(top)
+            if top == -math.inf:
+                return Bound(top, buckets)
+            if scope:
+                buckets[scope[0]].append((scope, told))
+    return Bound(math.fsum(terms), buckets)
+
+
+def _maximum(table: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+    best = table.max(axis=-1)
+    top = float(best.max())
+    return (top, best - top) if top > -math.inf else (top, np.zeros(best.shape))
+
+
+def promising(cards: Sequence[int], bound: Bound) -> dict[int, int]:
+    """A joint state that should weigh much: backwards through the buckets, each variable's best state given those already chosen."""
+    states: dict[int, int] = {}
+    for v in reversed(list(bound.buckets)):
+        table = np.zeros(cards[v])
+        for scope, own in bound.buckets[v]:
+            table += own[tuple([states.get(u, slice(None)) for u in scope])]
+        states[v] = int(table.argmax())
+    return states
+
+
+def log_weight(tables: Sequence[Scoped], states: Mapping[int, int]) -> float:
+    """The log weight of one joint state."""
+    return math.fsum(float(table[tuple([states[v] for v in scope])]) for scope, table in tables)
 
 
 SLACK = 1e-12  # relative; more than the roundings of the sums, so that an interval contains the exact value and not just almost
 ROUNDING = 1e-14  # of a logarithm, relative
-
-
-@dataclass(frozen=True)
-class Interval:
-    """``log_z``: interval of ln Σ weights of a piece; ``low``, ``high``: per variable; the same arrays where exact."""
-
-    log_z: tuple[float, float]
-    low: Arrays
-    high: Arrays
 
 
 @dataclass
@@ -72,7 +122,7 @@ class _Found:
         self.scale = top
 
 
-def conditioned(part: Part, cut: Cutset, bits: float, clock: Clock) -> Interval:
+def conditioned(part: Part, cut: Cutset, bits: float, clock: Clock) -> Beliefs:
     """The sum and beliefs of a piece by the cases of a cutset, bounded by mini-buckets of ``bits``; an interval if the clock stops it."""
     search = _Search(part, cut, bits, clock)
     try:
@@ -144,17 +194,17 @@ class _Search:
         told = [sliced(scope, table, fixed) for scope, table in self.part.tables]
         return math.fsum(float(table) for scope, table in told if not scope), tuple([one for one in told if one[0]])
 
-    def exact(self) -> Interval:
+    def exact(self) -> Beliefs:
         """All cases."""
         found = self.found
         if not found.mass:
             nothing = impossible(self.part.cards)
-            return Interval((-math.inf, -math.inf), nothing, nothing)
+            return Beliefs((-math.inf, -math.inf), nothing, nothing)
         log_z = found.scale + math.log(found.mass)
         beliefs = tuple([states / states.sum() for states in found.states])
-        return Interval((log_z, log_z), beliefs, beliefs)
+        return Beliefs((log_z, log_z), beliefs, beliefs)
 
-    def interval(self) -> Interval:
+    def interval(self) -> Beliefs:
         """What the cases so far and the bounds of the open ones prove, rounded outwards."""
         found = self.found
         nodes = [*self.open, self.node] if self.node else self.open
@@ -165,10 +215,10 @@ class _Search:
         rest = math.fsum(math.exp(-bound - top) for bound, _ in nodes)
         log_z = (max(top + math.log(done), self.known) if done else self.known), top + math.log(done + rest)
         if not done:
-            return Interval(_outwards(log_z), *_unknown(self.part.cards))
+            return Beliefs(_outwards(log_z), *_unknown(self.part.cards))
         states = [array * math.exp(found.scale - top) for array in found.states]
         weighed = [(math.exp(-bound - top), node) for bound, node in nodes]
-        return Interval(_outwards(log_z), *self.beliefs(states, done, weighed, SLACK + ROUNDING * abs(top)))
+        return Beliefs(_outwards(log_z), *self.beliefs(states, done, weighed, SLACK + ROUNDING * abs(top)))
 
     def beliefs(
         self, states: list[NDArray[np.float64]], done: float, nodes: list[Node], slack: float
@@ -199,21 +249,21 @@ def _open_by_state(nodes: list[Node], place: int, card: int) -> tuple[NDArray[np
     return settled + free, others + free
 
 
-def glanced(part: Part, sequence: Sequence[int], bits: float, clock: Clock) -> Interval:
+def glanced(part: Part, sequence: Sequence[int], bits: float, clock: Clock) -> Beliefs:
     """What one look by mini-buckets proves: nothing of the beliefs, unless that nothing is possible."""
     return _vague(part, _glance(part, sequence, bits, clock))
 
 
-def hasty(part: Part) -> Interval:
+def hasty(part: Part) -> Beliefs:
     """What a look at each table proves."""
     return _vague(part, _trivial(part))
 
 
-def _vague(part: Part, log_z: tuple[float, float]) -> Interval:
+def _vague(part: Part, log_z: tuple[float, float]) -> Beliefs:
     if log_z[1] == -math.inf:
         nothing = impossible(part.cards)
-        return Interval(log_z, nothing, nothing)
-    return Interval(_outwards(log_z), *_unknown(part.cards))
+        return Beliefs(log_z, nothing, nothing)
+    return Beliefs(_outwards(log_z), *_unknown(part.cards))
 
 
 def _glance(part: Part, sequence: Sequence[int], bits: float, clock: Clock) -> tuple[float, float]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.inference.marginals import Beliefs
+    from plogic.inference.graph import Beliefs
 
 
 @dataclass(frozen=True)
@@ -61,17 +61,11 @@ Formula = Literal | Not | And | Or
 _TRUE, _FALSE = Literal(-1, frozenset({0})), Literal(-1, frozenset())
 
 
-def with_formula(graph: FactorGraph, formula: Formula) -> tuple[FactorGraph, Literal]:
-    """(the graph and the formula's steps, the literal that holds exactly where the formula does)."""
-    more, literals = with_formulas(graph, (formula,))
-    return more, literals[0]
-
-
 def with_formulas(graph: FactorGraph, formulas: Sequence[Formula]) -> tuple[FactorGraph, tuple[Literal, ...]]:
-    """The same for several, which share their equal steps; the old variables keep their numbers.
+    """Return the graph with the formulas' steps, and per formula the literal that holds exactly where it does.
 
-    A formula that is certainly true, or false, is answered by a literal of a new variable of card 1, with or without
-    its state.
+    The formulas share their equal steps; the old variables keep their numbers. A formula that is certainly true, or
+    false, is answered by a literal of a new variable of card 1, with or without its state.
     """
     gates = _Gates(graph)
     literals = [gates.literal(formula) for formula in formulas]

@@ -1,4 +1,7 @@
-"""A discrete factor graph: variables with a few states each, and factors that weigh their joint states.
+"""A discrete factor graph, its connected pieces, and beliefs in its variables.
+
+Variables have a few states each, factors weigh their joint states. Pieces that no factor joins are independent, and are
+solved apart.
 
 Vocabulary, each with an example value:
 
@@ -6,18 +9,24 @@ Vocabulary, each with an example value:
 * ``Factor((0, 2), table)``, log weights of the joint states of variables 0 and 2, shape ``(cards[0], cards[2])``; −inf
   is impossible
 * ``FactorGraph((2, 3, 2), (Factor(...), ...))``; the weight of a joint state is the product of its factors' weights
+* ``Part((4, 7, 9), (2, 3, 2), (((0, 1), table), ...))``: the variables 4, 7 and 9 of the whole, which are 0, 1 and 2 of
+  the part; their cards; and the tables that weigh them, one a scope, in the part's numbering
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
+
+    Tables = tuple[tuple[tuple[int, ...], NDArray[np.float64]], ...]
 
 
 @dataclass(frozen=True)
@@ -36,6 +45,95 @@ class FactorGraph:
     factors: tuple[Factor, ...]
     constant: float = 0.0
 
-    def log_weight(self, states: Sequence[int]) -> float:
-        """The log weight of one joint state, one state a variable."""
-        return self.constant + sum(float(f.table[tuple(states[v] for v in f.scope)]) for f in self.factors)
+
+@dataclass(frozen=True)
+class Beliefs:
+    """Interval ``log_z`` of ln Σ weights; ``low``, ``high``: per variable, shape ``(card,)``, interval of P(state), the same arrays where exact."""
+
+    log_z: tuple[float, float]
+    low: tuple[NDArray[np.float64], ...]
+    high: tuple[NDArray[np.float64], ...]
+
+    @property
+    def exact(self) -> bool:
+        """Whether every interval is one number."""
+        return self.log_z[0] == self.log_z[1] and all(a is b for a, b in zip(self.low, self.high, strict=True))
+
+
+MANY = 8  # tables of one scope that are first freed from their greatest entry, lest thousands of weak ones round each other off
+
+
+class Part(NamedTuple):
+    """One connected piece: increasing ``variables`` of the whole, their ``cards`` (all ≥ 2), ``tables`` with strictly increasing scopes."""
+
+    variables: tuple[int, ...]
+    cards: tuple[int, ...]
+    tables: Tables
+
+
+def split(graph: FactorGraph) -> tuple[float, list[Part]]:
+    """(log weight that every joint state has, the pieces by least variable); variables of card 1 are in no piece."""
+    cards = graph.cards
+    constants = [graph.constant]
+    by_scope: dict[tuple[int, ...], list[NDArray[np.float64]]] = {}
+    trivial = 1 in cards
+    for factor in graph.factors:
+        scope, table = factor.scope, factor.table
+        if trivial and any(cards[v] == 1 for v in scope):
+            scope = tuple(v for v in scope if cards[v] > 1)
+            table = table.reshape([cards[v] for v in scope])
+        if scope:
+            by_scope.setdefault(scope, []).append(table)
+        else:
+            constants.append(float(table))
+    joined = {scope: _product(tables, constants) for scope, tables in by_scope.items()}
+    return math.fsum(constants), _pieces(cards, joined)
+
+
+def _product(tables: list[NDArray[np.float64]], constants: list[float]) -> NDArray[np.float64]:
+    """The sum of log tables of one scope; of many, their greatest entries go to ``constants``."""
+    if len(tables) == 1:
+        return tables[0]
+    if len(tables) < MANY:
+        return np.asarray(sum(tables[1:], tables[0]))
+    stack = np.stack(tables).reshape(len(tables), -1)
+    tops = stack.max(axis=1)
+    tops[tops == -np.inf] = 0.0
+    constants.extend(tops.tolist())
+    return (stack - tops[:, None]).sum(axis=0).reshape(tables[0].shape)
+
+
+def _pieces(cards: Sequence[int], joined: dict[tuple[int, ...], NDArray[np.float64]]) -> list[Part]:
+    root = _roots(len(cards), joined)
+    members: dict[int, list[int]] = {}
+    local = [0] * len(cards)
+    for v, card in enumerate(cards):
+        if card > 1:
+            piece = members.setdefault(root[v], [])
+            local[v] = len(piece)
+            piece.append(v)
+    tables: dict[int, list[tuple[tuple[int, ...], NDArray[np.float64]]]] = {r: [] for r in members}
+    for scope, table in joined.items():
+        tables[root[scope[0]]].append((tuple([local[v] for v in scope]), table))
+    return [Part(tuple(piece), tuple([cards[v] for v in piece]), tuple(tables[r])) for r, piece in members.items()]
+
+
+def _roots(count: int, scopes: Iterable[tuple[int, ...]]) -> list[int]:
+    """Per variable, the least variable of its connected piece."""
+    root = list(range(count))
+    for scope in scopes:
+        if len(scope) > 1:
+            tops = {_top(root, v) for v in scope}
+            least = min(tops)
+            for top in tops:
+                root[top] = least
+    for v in range(count):
+        root[v] = root[root[v]]
+    return root
+
+
+def _top(root: list[int], v: int) -> int:
+    while root[v] != v:
+        root[v] = root[root[v]]
+        v = root[v]
+    return v

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.inference.parts import Tables
-    from plogic.inference.tree import Bucket
+    from plogic.inference.graph import Tables
+    from plogic.inference.order import Bucket
 
     Solved = tuple[float, tuple[NDArray[np.float64], ...]]
 
@@ -189,22 +189,15 @@ def _summed(
 ) -> NDArray[np.float64]:
     """The table summed over all axes but ``kept`` (in the order of the scope), flat; neighbouring axes go together."""
     keep = set(kept)
-    runs = [(math.prod(lengths), kind) for kind, lengths in _runs(scope, shape, keep)]
+    runs = groupby(zip(scope, shape, strict=True), key=lambda one: one[0] in keep)
+    lengths = [(math.prod([length for _, length in run]), kind) for kind, run in runs]
     after = 1
-    for length, kind in reversed(runs):
+    for length, kind in reversed(lengths):
         if kind:
             after *= length
         else:
             table = _axis_summed(table.reshape(-1, length, after))
     return table.reshape(-1)
-
-
-def _runs(scope: Sequence[int], shape: Sequence[int], keep: set[int]) -> list[tuple[bool, list[int]]]:
-    """(whether they are kept, their lengths) of neighbouring axes alike."""
-    return [
-        (kind, [length for _, length in run])
-        for kind, run in groupby(zip(scope, shape, strict=True), key=lambda one: one[0] in keep)
-    ]
 
 
 def _axis_summed(table: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -2,43 +2,114 @@
 
 Vocabulary, each with an example value:
 
-* ``ranked(graph)`` yields ``(-0.7, (0, 2, 1))``: the log weight and one state a variable
+* ``Ranked(graph)`` yields ``(-0.7, (0, 2, 1))``: the log weight and one state a variable
 * ``Ranked(graph, seconds=0.5)``: the same with a deadline; ``.states`` so far, ``.finished`` if there are no more
 
 What is guaranteed: every joint state of positive weight comes exactly once; the log weights never increase, and are
 within 1e-9 of the sums of the tables' entries (relative, where tables span more than a million); the same graph gives
 the same sequence, so the first n are the first n of any longer list. States within 1e-11 of each other are ties: of
 those that follow the first of them, up to ``AHEAD`` are looked at together and come in lexicographic order, with one
-falling weight. More ties than that come by whole units of 2.3e-13 (``ranked_units``), and in lexicographic order where
+falling weight. More ties than that come by whole units of 2.3e-13 (``ranked_tables``), and in lexicographic order where
 these are equal; in a piece that is wider than ``WIDTH`` bits, in the order of the search; in a graph of few joint
-states (``ranked_whole``) all ties are looked at together.
+states all ties are looked at together.
+
+The joint states of a small graph are sorted at once in one table (``whole``). A cost is how many nats a state lies
+below the sum of the tables' greatest entries, so that the best states' costs have the least noise.
 """
 
 from __future__ import annotations
 
+import functools
 import math
-from itertools import islice
+import operator
+from itertools import accumulate, islice, pairwise
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from plogic.base.clock import Clock, OutOfTimeError
 from plogic.inference.exact import plan
+from plogic.inference.graph import split
 from plogic.inference.marginals import WIDTH
 from plogic.inference.merge import sums
-from plogic.inference.parts import split
 from plogic.inference.ranked_component import component
-from plogic.inference.ranked_joint import Digits, joint
-from plogic.inference.ranked_units import DIGITS
-from plogic.inference.ranked_whole import whole
+from plogic.inference.ranked_tables import DIGITS, Digits, joint, placed
 from plogic.inference.ranked_wide import wide
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plogic.inference.graph import FactorGraph
+    from numpy.typing import NDArray
+
+    from plogic.inference.graph import FactorGraph, Part
     from plogic.inference.merge import Stream
-    from plogic.inference.parts import Part
 
     State = tuple[float, tuple[int, ...]]
+
+STATES = 1 << 10  # joint states up to which a graph is small
+FACTORS = 64  # likewise
+SPAN = 2.0**14  # nats below the best state, likewise: 64 sums of doubles of this size are exact to 8e-12
+_CHUNK = 64  # states that are decoded together
+
+
+def whole(graph: FactorGraph, tie: float) -> Iterator[tuple[float, tuple[int, ...]]] | None:
+    """All joint states of positive weight with their log weights, those within ``tie`` nats of the first of them by states.
+
+    None where the graph is not small, or some state lies so far below the best that its cost is not known to within
+    ``tie``.
+    """
+    cards, factors = graph.cards, graph.factors
+    if not 0 < len(factors) <= FACTORS or math.prod(cards) > STATES or graph.constant == -math.inf:
+        return None
+    flat = np.concatenate([factor.table for factor in factors], axis=None)
+    sizes = [factor.table.size for factor in factors]
+    tops = np.maximum.reduceat(flat, list(accumulate(sizes[:-1], initial=0)))
+    if tops.min() == -np.inf:
+        return iter(())
+    costs = _total(graph, tops.repeat(sizes) - flat)
+    order = costs.argsort(kind="stable")
+    costs = costs[order]
+    possible = int(costs.searchsorted(np.inf))
+    if possible and costs[possible - 1] > SPAN:
+        return None
+    return _decoded_together(cards, order[:possible], costs[:possible], graph.constant + math.fsum(tops.tolist()), tie)
+
+
+def _total(graph: FactorGraph, costs: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The costs of all joint states, flat; ``costs`` are those of the tables, one after the other."""
+    cards = graph.cards
+    place = {v: v for v in range(len(cards))}
+    ends = accumulate([factor.table.size for factor in graph.factors], initial=0)
+    terms = [
+        placed(factor.scope, costs[start:stop], place, cards)
+        for factor, (start, stop) in zip(graph.factors, pairwise(ends), strict=True)
+    ]
+    total = functools.reduce(operator.add, terms)
+    return (total if total.shape == cards else np.broadcast_to(total, cards)).ravel()
+
+
+def _decoded_together(
+    cards: tuple[int, ...], order: NDArray[np.intp], costs: NDArray[np.float64], top: float, tie: float
+) -> Iterator[tuple[float, tuple[int, ...]]]:
+    if (costs[1:] - costs[:-1] <= tie).any():
+        _level(order, costs, tie)
+    strides = list(accumulate(reversed(cards[1:]), operator.mul, initial=1))[::-1]
+    for start in range(0, len(order), _CHUNK):
+        states = (order[start : start + _CHUNK, None] // strides % cards).tolist()
+        for cost, state in zip(costs[start : start + _CHUNK].tolist(), states, strict=True):
+            yield top - cost, tuple(state)
+
+
+def _level(order: NDArray[np.intp], costs: NDArray[np.float64], tie: float) -> None:
+    """Put ties in lexicographic order, in place; their costs do not fall."""
+    start = 0
+    while start < len(order):
+        stop = int(costs.searchsorted(costs[start] + tie, side="right"))
+        by_state = order[start:stop].argsort()
+        order[start:stop] = order[start:stop][by_state]
+        costs[start:stop] = np.maximum.accumulate(costs[start:stop][by_state])
+        start = stop
+
 
 JOINT = 1 << 12  # cells up to which a piece is one table
 WORK = 29.0  # bits of all tables, of which about half are kept, 8 bytes each: 2 GB; likewise
@@ -57,7 +128,7 @@ class Ranked:
     def __init__(self, graph: FactorGraph, *, seconds: float | None = None) -> None:
         self.states: list[State] = []
         self.finished = False
-        self._source = _states(graph, Clock(seconds))
+        self._source = whole(graph, TIE) or _merged(graph, Clock(seconds))
 
     def __iter__(self) -> Iterator[State]:
         return self
@@ -75,18 +146,13 @@ class Ranked:
         return state
 
 
-def ranked(graph: FactorGraph) -> Iterator[State]:
-    """All joint states of positive weight, log weight non-increasing; LimitError where a wide piece needs too many open nodes."""
-    return _states(graph, Clock(None))
-
-
 def best(graph: FactorGraph, n: int) -> list[State]:
-    """The first ``n`` of ``ranked``, fewer if there are fewer."""
-    return list(islice(ranked(graph), n))
+    """Return the ``n`` heaviest joint states, fewer if there are fewer.
 
-
-def _states(graph: FactorGraph, clock: Clock) -> Iterator[State]:
-    return whole(graph, TIE) or _merged(graph, clock)
+    Raises:
+        LimitError: a wide piece needs too many open nodes.
+    """
+    return list(islice(Ranked(graph), n))
 
 
 def _merged(graph: FactorGraph, clock: Clock) -> Iterator[State]:

@@ -18,9 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.inference.merge import Stream, nothing, product
-from plogic.inference.ranked_joint import Coder, Digits, Joint
-from plogic.inference.ranked_tables import Cells, least, placed, total
-from plogic.inference.ranked_units import costs
+from plogic.inference.ranked_tables import Cells, Coder, Digits, Joint, costs, least, placed, total
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,9 +26,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.base.clock import Clock
-    from plogic.inference.parts import Part
-    from plogic.inference.ranked_units import Table
-    from plogic.inference.tree import Bucket
+    from plogic.inference.graph import Part
+    from plogic.inference.order import Bucket
+    from plogic.inference.ranked_tables import Table
 
 _AXES = operator.attrgetter("ndim")
 KEPT = (

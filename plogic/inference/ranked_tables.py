@@ -1,23 +1,110 @@
-"""Sums of cost tables, and their cells in order, as few of them as are asked for."""
+"""Log weights as whole numbers of units; sums of such costs, and their cells in order, as few of them as are asked for.
+
+Sums of floating-point numbers depend on their order: a bound and the weight that it bounds then differ by noise, and
+ties come out at random. Here a table becomes *costs*: how many units of ``2^−42`` (2.3e-13) its entries lie below its
+greatest entry, rounded once per entry; all later sums are exact. Only the tables of one small piece or bucket are
+summed before that, in doubles: noise far below a tie (``ranked``). A table with a range so wide that its piece's costs
+would not fit in 64 bits keeps fewer digits, down to ``2^−36`` (1.5e-11), and past that is in Python's own integers, of
+any size.
+
+* ``Costs(-1.3, [array([0, 7]), ...], 2**58, 0)``: the greatest entries' sum; costs ≥ 0 by table, in units of
+  ``2^−42 << shift``; the cost that stands for impossible
+* ``Joint``: the ranking of a small piece, by the cells of its table of all joint states, in order
+"""
 
 from __future__ import annotations
 
 import functools
 import math
 import operator
+from itertools import accumulate, pairwise
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from plogic.inference.merge import Stream
 from plogic.inference.messages import BLOCK, FEW, runs
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
-    from plogic.inference.ranked_units import Table
+    from numpy.typing import NDArray
+
+    from plogic.inference.graph import Part
+
+    Table = NDArray[Any]
 
 _CELLS = attrgetter("size")
+DIGITS = 42  # binary digits behind the point
+FEWEST = 36  # digits that 64-bit costs keep at least
+ROOM = 57  # every possible cost of a piece is below 2^57
+IMPOSSIBLE = 1 << (ROOM + 1)  # so that 31 of them still fit in 64 bits
+
+
+class Costs(NamedTuple):
+    """A piece's tables as costs, in their order, flattened, below ``top``; sums of ``impossible`` and more are impossible."""
+
+    top: float
+    tables: Sequence[Table]
+    impossible: int
+    shift: int
+
+
+def costs(tables: Sequence[NDArray[np.float64]]) -> Costs | None:
+    """The costs of a piece's tables; None if some table allows nothing."""
+    if not tables:
+        return Costs(0.0, [], IMPOSSIBLE, 0)
+    flat = np.concatenate(tables, axis=None)
+    sizes = list(map(_CELLS, tables))
+    cuts = list(accumulate(sizes, initial=0))
+    tops = np.maximum.reduceat(flat, np.array(cuts[:-1]))
+    if tops.min() == -np.inf:
+        return None
+    greatest = tops.repeat(sizes)
+    below = greatest - flat
+    impossible, shift = IMPOSSIBLE, 0
+    if ((below >= 2.0 ** (ROOM - DIGITS) / len(tables)) & (below < np.inf)).any():
+        units, impossible, shift = _scaled(below, greatest, flat, cuts)
+    else:
+        np.minimum(below, 2.0 ** (ROOM + 1 - DIGITS), out=below)
+        below *= 2.0**DIGITS
+        units = np.rint(below, out=below).astype(np.int64)
+    own = [units[start:stop] for start, stop in pairwise(cuts)]
+    return Costs(math.fsum(tops.tolist()), own, impossible, shift)
+
+
+def _scaled(
+    below: NDArray[np.float64],
+    greatest: NDArray[np.float64],
+    flat: NDArray[np.float64],
+    cuts: Sequence[int],
+) -> tuple[Table, int, int]:
+    """(all costs, the impossible cost, the shift), in as many digits as the range leaves room for."""
+    ranges = np.maximum.reduceat(np.where(below < np.inf, below, 0.0), cuts[:-1])
+    span = sum(ranges.tolist())
+    digits = DIGITS if span < 2.0 ** (ROOM - DIGITS) else ROOM - 1 - math.ceil(math.log2(span))
+    if digits >= FEWEST:
+        return (
+            np.where(below < np.inf, np.rint(below * 2.0**digits), float(IMPOSSIBLE)).astype(np.int64),
+            IMPOSSIBLE,
+            DIGITS - digits,
+        )
+    values = [
+        None if x == -math.inf else in_units(top) - in_units(x)
+        for top, x in zip(greatest.tolist(), flat.tolist(), strict=True)
+    ]
+    impossible = 2 * sum([x for x in values if x is not None]) + 1
+    own = np.empty(len(values), dtype=object)
+    own[:] = [impossible if x is None else x for x in values]
+    return own, impossible, 0
+
+
+def in_units(weight: float) -> int:
+    """Units, to the nearest; past 2^53 a double is whole anyway, and times 2^42 might overflow."""
+    return int(weight) << DIGITS if abs(weight) > 2.0**53 else round(weight * 2.0**DIGITS)
+
+
 CLAMP = 16  # so many impossible costs are added before they are brought back to one
 SMALL = 64  # cells up to which the least is looked for one at a time; of more, several
 FIRST = 16  # so many at first
@@ -116,3 +203,57 @@ def least(table: Table) -> Table:
     for column in range(1, columns):
         np.minimum(result, table[:, column], out=result)
     return result
+
+
+class Digits(NamedTuple):
+    """How solutions are written: what a state of each variable of the piece adds, and by how many bits costs are shifted."""
+
+    places: Sequence[int]
+    shift: int
+
+
+class Coder:
+    """The digits of some variables, all states of which are numbered jointly, the last fastest."""
+
+    __slots__ = ("_cards", "_known", "_places", "shift")
+
+    def __init__(self, places: Sequence[int], cards: Sequence[int], shift: int) -> None:
+        self._places, self._cards, self.shift = places, cards, shift
+        self._known: dict[int, int] = {}
+
+    def code(self, number: int) -> int:
+        """The states that have this number."""
+        code = self._known.get(number)
+        if code is None:
+            code, rest = 0, number
+            for card, place in zip(reversed(self._cards), reversed(self._places), strict=True):
+                rest, state = divmod(rest, card)
+                code += state * place
+            self._known[number] = code
+        return code
+
+
+class Joint(Stream):
+    """The possible cells of a table of costs in order, ties lexicographic; ``units`` turns a cost into units."""
+
+    __slots__ = ("_cells", "_coder", "_units")
+
+    def __init__(self, table: Table, coder: Coder, impossible: float, units: Callable[[Any], int] = int) -> None:
+        super().__init__()
+        self._cells, self._coder, self._units = Cells(table, impossible), coder, units
+
+    def advance(self) -> None:
+        """Take the next cell."""
+        cells, coder, rank = self._cells, self._coder, len(self.found)
+        if cells.reach(rank):
+            self.found.append((self._units(cells.costs[rank]) << coder.shift) + coder.code(cells.numbers[rank]))
+        else:
+            self.done = True
+
+
+def joint(part: Part, digits: Digits) -> Stream:
+    """The solutions of a small piece, by the table of all its joint states."""
+    cards = part.cards
+    place = {v: v for v in range(len(cards))}
+    terms = [placed(*table, place, cards) for table in part.tables]
+    return Joint(-total(terms, cards, math.inf), Coder(digits.places, cards, digits.shift), math.inf, in_units)

@@ -17,18 +17,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.errors import LimitError
-from plogic.inference.axes import aligned
+from plogic.inference.axes import aligned, in_groups
 from plogic.inference.merge import Stream, nothing
-from plogic.inference.ranked_units import costs
+from plogic.inference.ranked_tables import costs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plogic.base.clock import Clock
+    from plogic.inference.graph import Part
     from plogic.inference.order import Order
-    from plogic.inference.parts import Part
-    from plogic.inference.ranked_joint import Digits
-    from plogic.inference.ranked_units import Costs, Table
+    from plogic.inference.ranked_tables import Costs, Digits, Table
 
     Term = tuple[tuple[int, ...], Table]  # variables of the piece, one axis each
 
@@ -113,15 +112,15 @@ def _bounds(part: Part, scaled: Costs, order: Order, clock: Clock) -> tuple[int,
     waiting: dict[int, list[Term]] = {v: [] for v in order.sequence}
     for (scope, table), flat in zip(part.tables, scaled.tables, strict=True):
         waiting[min(scope, key=turn.__getitem__)].append((scope, flat.reshape(table.shape)))
-    room = _Room(sum(_greatest(table, scaled.impossible) for table in scaled.tables), scaled.impossible)
+    used = sum(_greatest(table, scaled.impossible) for table in scaled.tables)
     bits = _bits(part, order)
     bound = 0
     buckets: dict[int, list[Mini]] = {}
     for v in order.sequence:
-        tables = [
-            _total(group, part.cards, turn, scaled.impossible) for group in _groups(waiting.pop(v), part.cards, bits)
-        ]
-        buckets[v] = [Mini(scope, table, scaled.impossible) for scope, table in _levelled(tables, room)]
+        groups = in_groups(waiting.pop(v), part.cards, bits)
+        tables = [_total(group, part.cards, turn, scaled.impossible) for group in groups]
+        tables, used = _levelled(tables, used, scaled.impossible)
+        buckets[v] = [Mini(scope, table, scaled.impossible) for scope, table in tables]
         for mini in buckets[v]:
             if len(mini.scope) == 1:
                 bound += int(mini.least)
@@ -139,20 +138,6 @@ def _bits(part: Part, order: Order) -> float:
     return BITS[-1]
 
 
-def _groups(terms: list[Term], cards: Sequence[int], bits: float) -> list[list[Term]]:
-    """The terms in groups whose joint table has at most so many bits, the largest first, each to the first group that has room."""
-    groups: list[tuple[set[int], list[Term]]] = []
-    for term in sorted(terms, key=lambda t: -t[1].size):
-        for scope, group in groups:
-            if sum(math.log2(cards[u]) for u in scope.union(term[0])) <= bits:
-                scope.update(term[0])
-                group.append(term)
-                break
-        else:
-            groups.append((set(term[0]), [term]))
-    return [group for _, group in groups]
-
-
 def _total(group: Sequence[Term], cards: Sequence[int], turn: dict[int, int], impossible: int) -> Term:
     """The sum of a group, its axes by turn, latest first: the bucket's variable last."""
     scope = tuple(sorted({u for own, _ in group for u in own}, key=turn.__getitem__, reverse=True))
@@ -164,34 +149,23 @@ def _total(group: Sequence[Term], cards: Sequence[int], turn: dict[int, int], im
     return scope, total
 
 
-class _Room:
-    """How far costs may still grow before a sum of them might reach ``impossible``."""
-
-    def __init__(self, used: int, impossible: int) -> None:
-        self.used, self.impossible = used, impossible
-
-
-def _levelled(tables: list[Term], room: _Room) -> list[Term]:
-    """The same sum, every table with the same least cost of each state; unchanged where numbers would grow too large."""
+def _levelled(tables: list[Term], used: int, impossible: int) -> tuple[list[Term], int]:
+    """The same sum, every table with the same least cost of each state, and the cost ``used``; unchanged where costs might reach ``impossible``."""
     if len(tables) < 2:
-        return tables
+        return tables, used
     own = [table.min(axis=tuple(range(table.ndim - 1))) for _, table in tables]
-    possible = np.logical_and.reduce([least < room.impossible for least in own])
+    possible = np.logical_and.reduce([least < impossible for least in own])
     total = sum(np.where(possible, least, 0) for least in own)
     mean = total // len(tables)
     steps = [np.where(possible, mean - least, 0) for least in own]
     steps[0] += total - mean * len(tables)
     result = [
-        (scope, np.where(table < room.impossible, table + step, room.impossible))
+        (scope, np.where(table < impossible, table + step, impossible))
         for (scope, table), step in zip(tables, steps, strict=True)
     ]
-    growth = sum(_greatest(t, room.impossible) for _, t in result) - sum(
-        _greatest(t, room.impossible) for _, t in tables
-    )
-    if room.used + max(0, growth) >= room.impossible:
-        return tables
-    room.used += max(0, growth)
-    return result
+    growth = sum(_greatest(t, impossible) for _, t in result) - sum(_greatest(t, impossible) for _, t in tables)
+    grown = used + max(0, growth)
+    return (tables, used) if grown >= impossible else (result, grown)
 
 
 def _greatest(table: Table, impossible: int) -> int:

@@ -1,14 +1,40 @@
-"""One pybullet client per use, closed afterwards, without a word on standard output."""
+"""One pybullet client per use, closed afterwards, without a word on standard output; and whether there is pybullet at all.
+
+It has wheels for CPython 3.11 on x86-64 Linux; its fork ``pybullet-arm64``, a module of the same name, has them for 3.12
+and 3.13 and for macOS on Arm. Elsewhere pictures are drawn by rays, and nothing settles or is held.
+"""
 
 from __future__ import annotations
 
 import os
 import sys
 from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+DISTRIBUTIONS = "pybullet", "pybullet-arm64"
+INSTALL = "pip install pybullet (CPython 3.11 on x86-64 Linux) or pybullet-arm64 (3.12, 3.13; macOS on Arm)"
+"""What a user can do who needs physics."""
+NO_PHYSICS = "pybullet is not installed"
+
+
+def has_physics() -> bool:
+    """Whether pybullet is installed."""
+    return find_spec("pybullet") is not None
+
+
+def physics_version() -> str:
+    """The distribution and its version, ``pybullet 3.2.7``; empty where there is none."""
+    for name in DISTRIBUTIONS if has_physics() else ():
+        try:
+            return f"{name} {version(name)}"
+        except PackageNotFoundError:
+            continue
+    return ""
 
 
 @contextmanager

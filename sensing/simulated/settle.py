@@ -1,6 +1,7 @@
 """Letting bodies come to rest on the floor (z = 0) by pybullet's physics, each as its convex hull.
 
-Good enough to stand things up; whether bodies share volume is decided elsewhere, from the exact meshes.
+Good enough to stand things up; whether bodies share volume is decided elsewhere, from the exact meshes. Without pybullet
+a body stays as it was put and its lowest place touches the floor.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sensing.errors import SceneError
-from sensing.simulated.client import client
+from sensing.simulated.client import client, has_physics
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,9 +30,13 @@ DENSITY = 400.0
 def settle(bodies: Sequence[Body], seed: int = 0, drop: float = 0.01, tilt: float = 0.005) -> tuple[Body, ...]:
     """Drop each body from ``drop`` metres with a random tilt of up to ``tilt`` radians, and return them where they are after 2 s.
 
+    Without pybullet: each as it is, moved up or down until its lowest place touches the floor.
+
     Raises:
         SceneError: Something is still moving after that time.
     """
+    if not has_physics():
+        return tuple(_laid_down(body) for body in bodies)
     from scipy.spatial.transform import Rotation
 
     rng = np.random.default_rng([seed, 3])
@@ -50,6 +55,12 @@ def settle(bodies: Sequence[Body], seed: int = 0, drop: float = 0.01, tilt: floa
             bullet.stepSimulation(physicsClientId=number)
         poses = [_rest(bullet, number, n, body) for n, body in zip(placed, bodies, strict=True)]
     return tuple(replace(body, world_from_body=pose) for body, pose in zip(bodies, poses, strict=True))
+
+
+def _laid_down(body: Body) -> Body:
+    pose = np.array(body.world_from_body)
+    pose[2, 3] -= body.vertices_world[:, 2].min()
+    return replace(body, world_from_body=pose)
 
 
 def _centre(body: Body) -> NDArray[np.float64]:

@@ -5,19 +5,16 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at
 from sensing.simulated.body import Body
-from sensing.simulated.camera import add_body, shoot
-from sensing.simulated.client import client
 from sensing.simulated.lighting import Light
+from sensing.simulated.stage import stage
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -25,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from sensing.simulated.body import TexturedMesh
+    from sensing.simulated.stage import Stage
 
 FINER = 3
 """Pictures are drawn so many times larger than the largest that is needed."""
@@ -60,11 +58,10 @@ def turned(
     middle, diameter = extent(mesh.vertices)
     scale = UNIT / diameter
     small = _scaled(mesh, middle, scale)
-    with client() as (bullet, number), tempfile.TemporaryDirectory() as folder:
-        add_body(bullet, number, Body(None, small, np.eye(4)), EVEN, Path(folder) / "texture.png")
+    with stage([Body(None, small, np.eye(4))], EVEN) as drawn:
         for direction in viewpoints:
             camera_from_body = look_at(np.asarray(direction, float) * away * UNIT, np.zeros(3), _upward(direction))
-            yield _taken(bullet, number, camera_from_body, (pixels, margin, away), (middle, scale))
+            yield _taken(drawn, camera_from_body, (pixels, margin, away), (middle, scale))
 
 
 def extent(vertices: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
@@ -82,17 +79,14 @@ def _upward(direction: NDArray[np.float64]) -> tuple[float, float, float]:
 
 
 def _taken(
-    bullet: Any,  # noqa: ANN401 - pybullet is untyped
-    number: int,
+    drawn: Stage,
     camera_from_body: NDArray[np.float64],
     size: tuple[float, float, float],
     place: tuple[NDArray[np.float64], float],
 ) -> Turn:
     (pixels, margin, away), (middle, scale) = size, place
     side = round(pixels * (1.0 + 2.0 * margin))
-    colour, segmentation, depth = shoot(
-        bullet, number, _camera(side, pixels * away, inverse(camera_from_body)), FINER, EVEN
-    )
+    colour, segmentation, depth = drawn.shoot(_camera(side, pixels * away, inverse(camera_from_body)), FINER)
     object_from_camera = inverse(camera_from_body)
     object_from_camera[:3, 3] = object_from_camera[:3, 3] / scale + middle
     camera = _camera(side * FINER, pixels * away * FINER, object_from_camera)

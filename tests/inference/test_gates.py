@@ -5,10 +5,11 @@ import math
 
 import numpy as np
 import pytest
+from factor_graphs import log_weight
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.inference.gates import And, Literal, Not, Or, observed, probability, with_formula, with_formulas
+from plogic.inference.gates import And, Literal, Not, Or, observed, probability, with_formulas
 from plogic.inference.graph import Factor, FactorGraph
 from plogic.inference.marginals import beliefs
 
@@ -52,14 +53,14 @@ def weighed():
 
 def masses(graph, formula):
     """(Σ weights where the formula holds, Σ weights), by enumeration."""
-    every = [(math.exp(graph.log_weight(s)), s) for s in itertools.product(*(range(c) for c in CARDS))]
+    every = [(math.exp(log_weight(graph, s)), s) for s in itertools.product(*(range(c) for c in CARDS))]
     return math.fsum(w for w, s in every if holds(formula, s)), math.fsum(w for w, _ in every)
 
 
 @LAW
 @given(formulas)
 def test_probability_of_a_formula(formula):
-    graph, literal = with_formula(weighed(), formula)
+    graph, (literal,) = with_formulas(weighed(), (formula,))
     found = beliefs(graph)
     true, total = masses(weighed(), formula)
     assert probability(found, literal) == pytest.approx((true / total,) * 2, abs=1e-12)
@@ -69,7 +70,7 @@ def test_probability_of_a_formula(formula):
 @LAW
 @given(formulas)
 def test_holding_a_formula_true_conditions_on_it(formula):
-    graph, literal = with_formula(weighed(), formula)
+    graph, (literal,) = with_formulas(weighed(), (formula,))
     found = beliefs(observed(graph, [literal]))
     true, _ = masses(weighed(), formula)
     assert found.log_z[0] == (pytest.approx(math.log(true), abs=1e-11) if true else -math.inf)
@@ -83,8 +84,8 @@ def test_holding_a_formula_true_conditions_on_it(formula):
 def test_formulas_together_are_as_they_are_apart(left, right):
     graph, (one, other) = with_formulas(weighed(), (left, right))
     found = beliefs(graph)
-    alone = [with_formula(weighed(), formula) for formula in (left, right)]
-    for literal, (single, expected) in zip((one, other), alone, strict=True):
+    alone = [with_formulas(weighed(), (formula,)) for formula in (left, right)]
+    for literal, (single, (expected,)) in zip((one, other), alone, strict=True):
         assert probability(found, literal) == pytest.approx(probability(beliefs(single), expected), abs=1e-12)
 
 
@@ -102,7 +103,7 @@ def test_a_deep_formula_needs_no_recursion():
     formula = Literal(0, frozenset({1}))
     for _ in range(5000):
         formula = Not(Or((formula,)))
-    graph, literal = with_formula(weighed(), formula)
+    graph, (literal,) = with_formulas(weighed(), (formula,))
     assert (graph.cards, literal) == (CARDS, Literal(0, frozenset({1})))
 
 

@@ -9,16 +9,14 @@ from hypothesis import strategies as st
 
 from plogic.base.clock import Clock, OutOfTimeError
 from plogic.base.errors import WidthError
-from plogic.inference import bounded
-from plogic.inference.conditioning import conditioned
-from plogic.inference.cutset import cutset
-from plogic.inference.exact import planned, solve
-from plogic.inference.gates import Literal, Or, probability, with_formula
-from plogic.inference.graph import Factor, FactorGraph
+from plogic.inference import exact as solving
+from plogic.inference.conditioning import conditioned, log_weight, mini_buckets, promising
+from plogic.inference.exact import cutset, planned
+from plogic.inference.gates import Literal, Or, probability, with_formulas
+from plogic.inference.graph import Factor, FactorGraph, split
 from plogic.inference.marginals import Beliefs, beliefs
-from plogic.inference.minibucket import log_weight, mini_buckets, promising
 from plogic.inference.order import order_along
-from plogic.inference.parts import split
+from plogic.inference.passes import joint
 
 LAW = settings(derandomize=True, deadline=None, max_examples=60)
 FOREVER = Clock(None)
@@ -79,7 +77,7 @@ def test_cases_agree_with_tables(graph, width):
 @given(dense_graphs(), st.integers(0, 300), st.sampled_from((2.0, 3.2)))
 def test_wherever_the_clock_stops_it_the_interval_contains_the_exact_value(graph, checks, width):
     _, (part,) = split(graph)
-    exact = solve(part, FOREVER)
+    exact = joint(part.cards, part.tables)
     stopped = conditioned(part, cutset(part, planned(part, FOREVER)[0], width, 64.0, FOREVER), width, Countdown(checks))
     if exact[0] > -math.inf and stopped.log_z[0] == stopped.log_z[1]:
         assert stopped.log_z[0] == pytest.approx(exact[0], abs=1e-11)
@@ -91,7 +89,7 @@ def test_wherever_the_clock_stops_it_the_interval_contains_the_exact_value(graph
 @given(dense_graphs(), st.sampled_from((0.0, 2.0, 4.0, 30.0)))
 def test_mini_buckets_bound_from_above_and_a_state_from_below(graph, bits):
     _, (part,) = split(graph)
-    log_z, _ = solve(part, FOREVER)
+    log_z, _ = joint(part.cards, part.tables)
     bound = mini_buckets(part.cards, part.tables, planned(part, FOREVER)[0].sequence, bits, FOREVER)
     assert bound.upper >= log_z - 1e-11
     if bound.upper > -math.inf:
@@ -141,10 +139,10 @@ def test_a_clique_past_all_guards_says_its_width():
 def test_an_exact_attempt_that_is_given_up_is_followed_by_cases(graph):
     exact = beliefs(graph)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(bounded, "small", lambda _part, _width: False)
-        patch.setattr(bounded, "ATTEMPT", 0.0)  # share of the time: it is over at its first look at the clock
-        patch.setattr(bounded, "_fair", lambda *_: True)
-        found = bounded.bounded(split(graph)[1][0], 20.0, Clock(60.0))
+        patch.setattr(solving, "small", lambda _part, _width: False)
+        patch.setattr(solving, "ATTEMPT", 0.0)  # share of the time: it is over at its first look at the clock
+        patch.setattr(solving, "_fair", lambda *_: True)
+        found = solving.bounded(split(graph)[1][0], 20.0, Clock(60.0))
     assert found.low is found.high
     assert found.log_z[0] == (
         pytest.approx(exact.log_z[0] - graph.constant, abs=1e-11) if exact.log_z[0] > -math.inf else -math.inf
@@ -166,7 +164,7 @@ def test_effort_decides_what_is_hopeless(monkeypatch):
     table = np.array([[0.0, 0.0], [0.0, -1.0]])
     graph = FactorGraph((2,) * 8, tuple(Factor((a, b), table) for a in range(8) for b in range(a + 1, 8)))
     assert beliefs(graph, width=3).exact
-    monkeypatch.setattr(bounded, "EFFORT", 4.0)
+    monkeypatch.setattr(solving, "EFFORT", 4.0)
     with pytest.raises(WidthError, match=r"tables of 8\.0 bits"):
         beliefs(graph, width=3)
 
@@ -189,7 +187,7 @@ def test_a_cutset_leaves_no_table_too_wide(graph, width):
 def test_where_cases_are_far_too_many_a_glance_bounds_the_sum(graph):
     exact = beliefs(graph)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(bounded, "DEEP", 0.0)
+        patch.setattr(solving, "DEEP", 0.0)
         found = beliefs(graph, width=1.0, seconds=60.0)
     if found.exact:
         assert exact.log_z[0] == -math.inf
@@ -200,7 +198,7 @@ def test_where_cases_are_far_too_many_a_glance_bounds_the_sum(graph):
 
 def test_probabilities_of_formulas_are_intervals_too():
     either = Or((Literal(0, frozenset({1})), Literal(1, frozenset({1}))))
-    graph, literal = with_formula(FactorGraph((3, 2), (Factor((0, 1), np.zeros((3, 2))),)), either)
+    graph, (literal,) = with_formulas(FactorGraph((3, 2), (Factor((0, 1), np.zeros((3, 2))),)), (either,))
     assert probability(beliefs(graph, seconds=0.0), literal) == (0.0, 1.0)
     assert probability(beliefs(graph), literal) == pytest.approx((2 / 3, 2 / 3))
     half = Beliefs((0.0, 1.0), (np.array([0.1, 0.2, 0.3]),), (np.array([0.4, 0.5, 0.6]),))

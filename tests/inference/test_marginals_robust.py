@@ -7,13 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.inference import messages, tree
+from plogic.inference import messages, order
 from plogic.inference.exact import plan
 from plogic.inference.graph import Factor, FactorGraph
 from plogic.inference.marginals import beliefs
-from plogic.inference.order import elimination_order
+from plogic.inference.order import bucket_tree, elimination_order
 from plogic.inference.passes import two_way
-from plogic.inference.tree import bucket_tree
 
 LAW = settings(derandomize=True, deadline=None, max_examples=80)
 
@@ -88,7 +87,7 @@ def _scaled(table, scale):
 
 
 def passes(graph, monkeypatch, large):
-    monkeypatch.setattr(tree, "CELLS", 1)
+    monkeypatch.setattr(order, "CELLS", 1)
     monkeypatch.setattr(messages, "LARGE", large)
     tables = tuple((f.scope, f.table) for f in graph.factors)
     scopes = [scope for scope, _ in tables]

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import pytest
 
 from plogic.base.clock import Clock, OutOfTimeError
-from plogic.inference import cache, marginals
+from plogic.inference import marginals
 
 LONG = 3600.0
 """Seconds: a limit that a test does not reach, so that only ``stopped`` ends what it limits."""
@@ -38,7 +38,7 @@ class _Countdown(Clock):
 def stopped(checks, width):
     """Within, beliefs that have a deadline stop at that check; beliefs without one are exact. Past ``width`` bits both go case by case."""
     with pytest.MonkeyPatch.context() as patch:
-        for module, beliefs in ((marginals, marginals.beliefs), (cache, cache.Remembered.beliefs)):
-            patch.setattr(module, "Clock", lambda seconds: Clock(None) if seconds is None else _Countdown(checks))
+        patch.setattr(marginals, "Clock", lambda seconds: Clock(None) if seconds is None else _Countdown(checks))
+        for beliefs in (marginals.beliefs, marginals.Remembered.beliefs):
             patch.setitem(beliefs.__kwdefaults__, "width", width)
         yield

@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 from enumeration import log_weights
+from factor_graphs import log_weight
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from situations import feature, hypothesis, random_situations, situation, towers
@@ -27,7 +28,7 @@ def by_graph(subject, **options):
     hidden = [range(scene.graph.cards[v]) for v in scene.auxiliary]
     for states in product(*(range(len(v.states)) for v in scene.variables)):
         row = sum(1 << ids.index(name) for name in scene.present(states))
-        logs[row] = np.logaddexp.reduce([scene.graph.log_weight((*states, *rest)) for rest in product(*hidden)])
+        logs[row] = np.logaddexp.reduce([log_weight(scene.graph, (*states, *rest)) for rest in product(*hidden)])
     return logs
 
 
@@ -122,4 +123,4 @@ def test_a_lone_feature_weighs_its_closed_form():
 
 
 def test_no_hypothesis_is_an_empty_graph():
-    assert scene_graph(situation(())).graph.log_weight(()) == 0.0
+    assert log_weight(scene_graph(situation(())).graph, ()) == 0.0

@@ -84,8 +84,8 @@ def _chosen(kb: KnowledgeBase, names: Sequence[str]) -> list[ObjectType]:
 def _fault(kind: ObjectType) -> str | None:
     """Why a type cannot be learned."""
     from sensing.errors import SensingError
-    from sensing.simulated.camera import MAX_TRIANGLES
     from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.stage import MAX_TRIANGLES
 
     if kind.features and kind.learned is None:
         return BY_HAND

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 DECIDES = "plogic/face/authoring/kb_learn_look.py"
 """What makes a cloud, with all that it imports."""
-LIBRARIES = ("numpy", "scipy", "pybullet", "trimesh")
-"""They read, render and compute. OpenCV, which detects, comes under several names, so it is asked itself."""
+LIBRARIES = ("numpy", "scipy", "embreex", "trimesh")
+"""They read, render and compute. OpenCV, which detects, and pybullet, which draws where it is installed, come under several names."""
 
 
 def learned_of(
@@ -85,7 +85,11 @@ def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:
     """SHA-256 over a mesh with its paint, ``how`` it is learned, the source that learns, and the versions of the libraries."""
     import cv2
 
-    total = hashlib.sha256(repr((how, cv2.__version__, [version(name) for name in LIBRARIES])).encode())
+    from sensing.simulated.client import physics_version
+
+    total = hashlib.sha256(
+        repr((how, cv2.__version__, physics_version(), [version(name) for name in LIBRARIES])).encode()
+    )
     total.update(source_digest(ROOT, sources(ROOT, DECIDES)))
     for array in (mesh.vertices, mesh.triangles, mesh.uv, mesh.texture):
         total.update(b"-" if array is None else repr(array.shape).encode() + array.tobytes())

@@ -144,7 +144,7 @@ def _registered(kind: ObjectType, sources: Sources) -> tuple[Registration, Paint
     from kb.learning.photo import painted, registered
     from kb.learning.points import read_points
     from sensing.files.images import read_image
-    from sensing.simulated.camera import MAX_TRIANGLES
+    from sensing.simulated.stage import MAX_TRIANGLES
 
     assert kind.surface is not None  # noqa: S101 - _fault looked
     points = read_points(sources.points)

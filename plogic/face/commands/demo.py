@@ -12,7 +12,7 @@ from plogic.base.errors import InputError
 from plogic.face.commands.perceive_command import picture_of
 from plogic.face.shown import tables
 from plogic.face.shown.printing import text_of_table
-from plogic.face.shown.simulated_scenes import shapes_of
+from plogic.face.shown.simulated_scenes import shapes_of, tell_without_physics
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], Non
     from sensing.simulated.scene import png, random_scene, truth_to_dict
 
     kb = kb_of("towers")
+    tell_without_physics(say)
     say("rendering two towers with the simulated camera ...")
     scene = random_scene(shapes_of(kb), SCENE + seed, placement="hiding")
     image = scene.photograph().image

@@ -13,7 +13,7 @@ from plogic.base.errors import InputError
 from plogic.face.commands.demo import check_folder, json_bytes, write_into
 from plogic.face.shown import tables
 from plogic.face.shown.printing import text_of_table
-from plogic.face.shown.simulated_scenes import shapes_of
+from plogic.face.shown.simulated_scenes import shapes_of, tell_without_physics
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
@@ -77,6 +77,7 @@ def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json:
 
     kb = kb_of("lookalikes")
     robot, perceiver = Robot(random_scene(shapes_of(kb, STANDING), SCENE + seed)), Perceiver(kb)
+    tell_without_physics(say)
     say("the first look ...")
     first = _look("v1", robot, perceiver)
     say("where to look next ...")

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from kb.clouds.cloud import KnowledgeBase
     from plogic.base.stopwatch import Stopwatch
     from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 
@@ -46,6 +47,7 @@ def perceive_command(
     with clock.stage("read"):
         kb = kb_of(kb_folder)
         picture = None if is_gamma(source) else image_of(source, options.get("camera"))
+    tell_unchecked(kb, say)
     gamma, image = gamma_of(source, picture, options.get("camera"), kb, clock)
     with clock.stage("index"):
         perceiver = Perceiver(kb, cache_folder("indices"), processors(), options["generator"])
@@ -57,6 +59,14 @@ def perceive_command(
     for line in _doubts(document):
         say(line)
     return UNFINISHED if document.get("unfinished") else 0
+
+
+def tell_unchecked(kb: KnowledgeBase, say: Callable[[str], None]) -> None:
+    """Say which part of Σ cannot be checked on this machine."""
+    from sensing.simulated.client import INSTALL, NO_PHYSICS, has_physics
+
+    if kb.gravity and not has_physics():
+        say(f"who holds whom is not checked, for {NO_PHYSICS}: {INSTALL}")
 
 
 def places(out: str, options: Mapping[str, Any]) -> list[Path]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.errors import PlogicError
 from plogic.base.errors import InputError
-from plogic.face.commands.perceive_command import UNFINISHED, places
+from plogic.face.commands.perceive_command import UNFINISHED, places, tell_unchecked
 from plogic.facts.stopped import stopped_in
 from plogic.run.gamma_source import gamma_of, image_of, is_gamma
 from plogic.run.sources import kb_of
@@ -54,6 +54,7 @@ def sequence_command(
     _check(options)
     check_places(places(out, options))
     kb = kb_of(kb_folder)
+    tell_unchecked(kb, say)
     poses, foreseen = placed_frames(frames, options.get("poses"))
     if options.get("poses") is None and not all(is_gamma(frame) for frame in frames):
         say("all images are taken to be from the one place that --camera tells; where the camera moved, give --poses")

@@ -6,7 +6,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import InputError
-from plogic.face.commands.perceive_command import UNFINISHED, places, summary, write_all
+from plogic.face.commands.perceive_command import UNFINISHED, places, summary, tell_unchecked, write_all
 from plogic.run.gamma_source import detected, is_gamma
 from plogic.run.sources import kb_of
 
@@ -46,6 +46,7 @@ def stereo_command(
     check_places(places(out, options))
     clock = Stopwatch()
     kb = kb_of(kb_folder)
+    tell_unchecked(kb, say)
     calibration = read_stereo(options["stereo"])
     cameras = calibration.left, calibration.right
     (left, image), (right, _) = (

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from plogic.base.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from sensing.simulated.body import TexturedMesh
@@ -17,6 +17,14 @@ def shapes_of(kb: KnowledgeBase, names: Sequence[str] | None = None) -> list[tup
     """(label, textured mesh) of the named types, or of all that have a mesh. Raises InputError where a type has none."""
     types = kb.types if names is None else [kb.type(name) for name in names]
     return [(t.name, _mesh(t)) for t in types]
+
+
+def tell_without_physics(say: Callable[[str], None]) -> None:
+    """Say how pictures are made on this machine where pybullet is not installed."""
+    from sensing.simulated.client import INSTALL, NO_PHYSICS, has_physics
+
+    if not has_physics():
+        say(f"pictures are drawn by rays, and nothing falls or settles, for {NO_PHYSICS}: {INSTALL}")
 
 
 def _mesh(object_type: ObjectType) -> TexturedMesh:

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.base.errors import ProgramError, SituationError
 from plogic.facts.sanity import check
-from plogic.inference.cache import Remembered
 from plogic.inference.gates import Literal, observed, with_formulas
+from plogic.inference.marginals import Remembered
 from plogic.inference.ranked import best
 from plogic.logic.served.engine import Answer, Limits, Text
 from plogic.scene.factors.asked_formulas import Asked
@@ -32,8 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from plogic.facts.situation import HypothesisFact, Situation
-    from plogic.inference.graph import FactorGraph
-    from plogic.inference.marginals import Beliefs
+    from plogic.inference.graph import Beliefs, FactorGraph
 
     Interval = tuple[float, float]
     Pairs = frozenset[tuple[str, str]]

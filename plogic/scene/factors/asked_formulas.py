@@ -11,7 +11,7 @@ import time
 from typing import TYPE_CHECKING
 
 from plogic.base.errors import InconsistentError
-from plogic.inference.gates import And, Literal, Not, Or, observed, probability, with_formula
+from plogic.inference.gates import And, Literal, Not, Or, observed, probability, with_formulas
 from plogic.inference.graph import Factor, FactorGraph
 from plogic.inference.marginals import beliefs
 from plogic.scene.factors.pieces import pieces
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from plogic.facts.situation import Situation
     from plogic.inference.gates import Formula
-    from plogic.inference.marginals import Beliefs
+    from plogic.inference.graph import Beliefs
 
     Interval = tuple[float, float]
     States = dict[int, frozenset[int]]
@@ -51,7 +51,7 @@ class Asked:
             return self._conjunction(states)
         touched = sorted({self._of[literal.variable] for literal in literals(formula)})
         graph, number = self._part(touched)
-        more, literal = with_formula(graph, renumbered(formula, number))
+        more, (literal,) = with_formulas(graph, (renumbered(formula, number),))
         return probability(self.solve(more), literal)
 
     def _conjunction(self, states: States) -> Interval:

@@ -30,7 +30,7 @@ from plogic.scene.worlds.causes import CauseTable
 
 if TYPE_CHECKING:
     from plogic.facts.situation import Situation
-    from plogic.inference.marginals import Beliefs
+    from plogic.inference.graph import Beliefs
     from plogic.scene.factors.scene_graph import SceneGraph
 
     Interval = tuple[float, float]

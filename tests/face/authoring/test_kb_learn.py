@@ -16,8 +16,8 @@ from geometry.frames import pose_error
 from kb.files.read import read_kb
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn import files_of
-from sensing.simulated.camera import MAX_TRIANGLES
 from sensing.simulated.meshes import read_mesh
+from sensing.simulated.stage import MAX_TRIANGLES
 
 FEWER = """\
 import os

@@ -99,7 +99,7 @@ def test_all_that_renders_looks_and_learns_decides_and_what_only_shows_does_not(
     seeing = {
         "sensing/detectors/keypoints.py",
         "sensing/simulated/turntable.py",
-        "sensing/simulated/camera.py",
+        "sensing/simulated/stage.py",
         "sensing/simulated/meshes.py",
     }
     assert learning | seeing | {"kb/clouds/learned.py", "geometry/cones.py", "geometry/camera.py", DECIDES} <= found
