@@ -9,7 +9,8 @@ from plogic.facts.spatial import SharedFact, shared_of, words_of_shared
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from plogic.facts.document import ExclusionRow, Interpretation
+    from plogic.facts.document import Interpretation
+    from plogic.facts.fact_rows import ExclusionRow
     from plogic.facts.spatial import Space
 
 LISTED = 5

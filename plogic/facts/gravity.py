@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from plogic.facts.document import Fact, FootRow, GravityKey, GravityRow, RestsRow
+    from plogic.facts.fact_rows import Fact, FootRow, GravityKey, GravityRow, RestsRow
 
 GROUND = "ground"
 """Its name in facts and queries; no hypothesis may have it."""

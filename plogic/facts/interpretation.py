@@ -24,17 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from plogic.facts.document import (
-        Case,
-        Fact,
-        FeatureRow,
-        HypothesisFacts,
-        HypothesisRow,
-        PartRelationFact,
-        RelationFact,
-        RocKey,
-        StandsKey,
-    )
+    from plogic.facts.document import Case, FeatureRow, HypothesisFacts, HypothesisRow, StandsKey
+    from plogic.facts.fact_rows import Fact, PartRelationFact, RelationFact, RocKey
 
 FORMAT: Final = "interpretation/1"
 LARGEST = 256 * 2**20

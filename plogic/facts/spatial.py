@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from plogic.facts.document import Fact, OverlapRow, SpaceRow
+    from plogic.facts.fact_rows import Fact, OverlapRow, SpaceRow
 
 View = Literal["inside", "cut", "outside"]
 Pair = tuple[str, str]

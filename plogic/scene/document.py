@@ -2,7 +2,8 @@
 
 from typing import Literal, NotRequired, TypedDict
 
-from plogic.facts.document import ExclusionRow, Interval, Marks, Name, Slightly, WorldRow
+from plogic.facts.document import Marks, WorldRow
+from plogic.facts.fact_rows import ExclusionRow, Interval, Name, Slightly
 from plogic.facts.situation import Reading
 
 

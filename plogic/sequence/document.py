@@ -3,21 +3,8 @@
 from typing import Annotated, Literal, NotRequired, TypedDict
 
 from plogic.base.shapes import Size
-from plogic.facts.document import (
-    Chance,
-    Count,
-    Interpretation,
-    Interval,
-    KBRow,
-    Marks,
-    Name,
-    Pair,
-    Point3,
-    Pose,
-    Positive,
-    Slightly,
-    WorldRow,
-)
+from plogic.facts.document import Interpretation, KBRow, Marks, WorldRow
+from plogic.facts.fact_rows import Chance, Count, Interval, Name, Pair, Point3, Pose, Positive, Slightly
 from plogic.facts.situation import Reading
 
 

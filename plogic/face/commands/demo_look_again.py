@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.face.commands.next_view_table import CandidateRow, NextView
-    from plogic.facts.document import Interpretation, Interval, Pose, WorldRow
+    from plogic.facts.document import Interpretation, WorldRow
+    from plogic.facts.fact_rows import Interval, Pose
     from plogic.facts.situation import Reading
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from plogic.facts.document import Interval, Pose
+    from plogic.facts.fact_rows import Interval, Pose
     from plogic.facts.situation import Reading
     from plogic.sequence.next_view.look import Outlook
     from plogic.sequence.next_view.moves import MovesRow

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plogic.face.commands.asked import Asked
-    from plogic.facts.document import Interpretation, Interval, WorldRow
+    from plogic.facts.document import Interpretation, WorldRow
+    from plogic.facts.fact_rows import Interval
     from plogic.facts.situation import Situation
     from plogic.facts.stopped import Stopped
     from plogic.logic.served.program_worlds import ProgramRanking

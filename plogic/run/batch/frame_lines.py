@@ -25,15 +25,8 @@ from plogic.scene.readings.unfinished import unlisted_beyond
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from plogic.facts.document import (
-        HypothesisRow,
-        Interpretation,
-        Interval,
-        Pose,
-        RejectedRow,
-        Status,
-        WorldRow,
-    )
+    from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow, Status, WorldRow
+    from plogic.facts.fact_rows import Interval, Pose
     from plogic.facts.stopped import Stopped
     from plogic.run.batch.frames import Frame, Settings
 

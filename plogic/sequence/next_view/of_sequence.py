@@ -23,17 +23,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.facts.document import (
-        AssetsRow,
-        CameraRow,
-        Interpretation,
-        Interval,
-        PairRow,
-        Pose,
-        SensingRow,
-        TypeRow,
-        WorldRow,
-    )
+    from plogic.facts.document import AssetsRow, CameraRow, Interpretation, SensingRow, TypeRow, WorldRow
+    from plogic.facts.fact_rows import Interval, PairRow, Pose
     from plogic.facts.situation import Reading
 
 FORMAT = "panorama/1"
