@@ -74,6 +74,7 @@ def test_the_rejected_are_told_and_decide_nothing(parts):
 def test_cases_are_those_of_the_accepted_world(parts):
     """The four cases, told per feature: outside the image none; counted they are the cells beside Δi."""
     delta, _, document = written(parts, Options())
+    assert len(document["hypotheses"]) >= len(delta.beliefs) > 0
     for h in document["hypotheses"][: len(delta.beliefs)]:
         assert h["features"]
         for f in h["features"]:

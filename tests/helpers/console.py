@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import atexit
 import json
 import os
+import select
+import signal
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 BIN = Path(sys.executable).parent
@@ -14,15 +19,73 @@ SECONDS = 120
 """More than any command of these tests takes, so that one that hangs fails."""
 
 
+READ_LATE = frozenset({"XDG_CACHE_HOME", "XDG_STATE_HOME", "NO_COLOR", "PLOGIC_TRACEBACK", "COLUMNS", "TERM", "HOME"})
+"""Variables that are read while a command runs, not while Python starts or packages are imported."""
+
+
 def plogic(
     *args: object, cwd: Path | None = None, stdin: str | None = None, **env: str
 ) -> subprocess.CompletedProcess[str]:
-    """Run the script; stdin is empty unless given."""
+    """Run the script; stdin is empty unless given.
+
+    It runs in a copy of a process that has imported everything (``copied_commands``); in one that starts afresh where a
+    variable is given that may matter before, ``PYTHONHASHSEED`` for one.
+    """
     variables = {key: value for key, value in os.environ.items() if key not in ("NO_COLOR", "PLOGIC_TRACEBACK")} | env
     command = [str(BIN / "plogic"), *map(str, args)]
+    if env.keys() <= READ_LATE:
+        return _copies().run(command, str(cwd or Path.cwd()), stdin or "", variables)
     return subprocess.run(
         command, cwd=cwd, input=stdin or "", capture_output=True, text=True, timeout=SECONDS, check=False, env=variables
     )
+
+
+@cache
+def _copies() -> _Copies:
+    """The process that is copied, started when it is first needed."""
+    return _Copies()
+
+
+class _Copies:
+    """A running ``copied_commands``: one command at a time."""
+
+    def __init__(self) -> None:
+        command = [sys.executable, str(Path(__file__).with_name("copied_commands.py"))]
+        self._server = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        atexit.register(self._end)
+
+    def _end(self) -> None:
+        with self._server:  # which closes its stdin
+            pass
+
+    def run(
+        self, command: list[str], cwd: str, stdin: str, environment: dict[str, str]
+    ) -> subprocess.CompletedProcess[str]:
+        """As ``subprocess.run`` with captured text."""
+        with TemporaryDirectory(prefix="console-") as folder:
+            streams = Path(folder)
+            (streams / "stdin").write_text(stdin)
+            for name in ("stdout", "stderr"):
+                (streams / name).touch()
+            request = {"command": command, "cwd": cwd, "environment": environment, "streams": folder}
+            os.write(self._server.stdin.fileno(), json.dumps(request).encode() + b"\n")
+            copy = int(self._line())
+            if not select.select([self._server.stdout], [], [], SECONDS)[0]:
+                os.killpg(copy, signal.SIGKILL)
+                self._line()
+                raise subprocess.TimeoutExpired(command, SECONDS)
+            status = int(self._line())
+            return subprocess.CompletedProcess(
+                command, status, (streams / "stdout").read_text(), (streams / "stderr").read_text()
+            )
+
+    def _line(self) -> bytes:
+        line = b""
+        while not line.endswith(b"\n"):
+            piece = os.read(self._server.stdout.fileno(), 1)
+            assert piece, "the process that is copied has ended"
+            line += piece
+        return line
 
 
 def good(*args: object, cwd: Path | None = None, stdin: str | None = None, **env: str) -> str:
@@ -32,9 +95,9 @@ def good(*args: object, cwd: Path | None = None, stdin: str | None = None, **env
     return done.stdout
 
 
-def document(*args: object, cwd: Path | None = None, stdin: str | None = None) -> dict[str, Any]:
+def document(*args: object, cwd: Path | None = None, stdin: str | None = None, **env: str) -> dict[str, Any]:
     """The one JSON document on stdout of a command that must succeed."""
-    return json.loads(good(*args, cwd=cwd, stdin=stdin), parse_constant=_no_json)
+    return json.loads(good(*args, cwd=cwd, stdin=stdin, **env), parse_constant=_no_json)
 
 
 def _no_json(constant: str) -> float:

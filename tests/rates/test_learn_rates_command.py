@@ -4,20 +4,12 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
+from console import plogic
 
 from kb.files.read import read_kb
 from kb.files.shipped import shipped
-
-BIN = Path(sys.executable).with_name("plogic")
-
-
-def plogic(*arguments):
-    return subprocess.run([BIN, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=300)
 
 
 @pytest.fixture(scope="module")

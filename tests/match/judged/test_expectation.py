@@ -12,8 +12,9 @@ from synthetic import CAMERA, camera_pose, data, one_before_the_other, perceiver
 
 from geometry.camera import Camera
 from geometry.frames import inverse
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.expectation import Posed, hidden_by, matched, pose_of
+from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from sensing.appearance import Appearance
 
 TOLERANCE = 3.0
@@ -54,6 +55,7 @@ def test_expected_by_brute_force(name, seed):
     pose, kind = camera_pose(np.random.default_rng(seed)), towers().type(name)
     posed = pose_of(kind, pose, data_of([], CAMERA), towers())
     viewpoint = inverse(pose)[:3, 3]
+    assert len(posed.uv) == len(kind.features) > 0
     for f, feature in enumerate(kind.features):
         at = pose[:3, :3] @ feature.at + pose[:3, 3]
         uv = np.array([600 * at[0] / at[2] + 319.5, 600 * at[1] / at[2] + 239.5])
@@ -140,7 +142,7 @@ def small(features, places, expected, right):
     """A posed hypothesis with F features, laid by hand, and Γ with A data."""
     count = len(features)
     nothing = np.zeros(count, dtype=bool)
-    posed = Posed(
+    posed = Hypothesis(
         SimpleNamespace(opaque=True),
         np.eye(4),
         np.zeros((count, 3)),

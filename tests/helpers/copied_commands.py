@@ -1,0 +1,104 @@
+"""Runs commands for ``console``: each in a copy (fork) of this process, which has imported everything and run nothing.
+
+A copy is a process like any other, with its own folder, environment, descriptors and exit status; only the second that
+imports take is spared. Requests come on stdin, one JSON object a line; for each, the copy's id and then its exit status
+(negative: the signal) are written to stdout.
+"""
+
+from __future__ import annotations
+
+import atexit
+import gc
+import importlib
+import json
+import os
+import pkgutil
+import sys
+import threading
+import traceback
+import warnings
+from contextlib import suppress
+from pathlib import Path
+
+PACKAGES = "geometry", "kb", "sensing", "plogic"
+LEFT_OUT = "plogic.logic."
+"""Imported by each command that needs it: ProbLog, which it brings, sets the limit of recursion."""
+
+
+def import_all():
+    """Import whatever a command may; numpy is told first what ``cli`` would tell it."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # pybullet's
+        for package in map(importlib.import_module, PACKAGES):
+            for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+                if not module.name.startswith(LEFT_OUT):
+                    importlib.import_module(module.name)
+        importlib.import_module("cli")
+    assert "problog" not in sys.modules, "it would change what commands do that do without"
+    gc.collect()
+    gc.freeze()  # a copy's collector would write to, and so copy, the memory of what is imported
+
+
+def serve():
+    """Answer requests until there are no more; returns in each copy, which has become what its request says."""
+    requests, answers = os.fdopen(os.dup(0)), os.dup(1)
+    nothing = os.open(os.devnull, os.O_RDWR)
+    os.dup2(nothing, 0)
+    os.dup2(nothing, 1)
+    for line in requests:
+        copy = os.fork()
+        if not copy:
+            become(json.loads(line))
+            return
+        os.write(answers, f"{copy}\n".encode())
+        os.write(answers, f"{os.waitstatus_to_exitcode(os.waitpid(copy, 0)[1])}\n".encode())
+    sys.exit()
+
+
+def become(request):
+    """Take over the folder, the environment, the arguments and the three streams; nothing else stays open."""
+    os.setsid()
+    os.closerange(3, 256)
+    os.chdir(request["cwd"])
+    os.environ.clear()
+    os.environ.update(request["environment"])
+    for number, (name, mode) in enumerate((("stdin", os.O_RDONLY), ("stdout", os.O_WRONLY), ("stderr", os.O_WRONLY))):
+        stream = os.open(Path(request["streams"]) / name, mode)
+        os.dup2(stream, number)
+        os.close(stream)
+    sys.argv = request["command"]
+
+
+def run():
+    """The exit status of the command, as Python would give it."""
+    from cli import main
+
+    try:
+        main()
+    except SystemExit as left:
+        if left.code is None or isinstance(left.code, int):
+            return left.code or 0
+        sys.stderr.write(f"{left.code}\n")
+        return 1
+    except BaseException:  # noqa: BLE001 - as any process does that is not told otherwise
+        traceback.print_exc()
+        return 1
+    return 0
+
+
+def end(status):
+    """Do what Python does at the end, but for taking the imported modules apart, which takes longer than most commands."""
+    threading._shutdown()
+    atexit._run_exitfuncs()
+    with suppress(OSError, ValueError):  # a command may have closed them
+        sys.stdout.flush()
+        sys.stderr.flush()
+    os._exit(status & 0xFF)
+
+
+if __name__ == "__main__":
+    sys.path.pop(0)  # this file's folder: a console script's is no package's either
+    import_all()
+    serve()
+    end(run())
