@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from plogic.facts.situation import OTHERS, FeatureFact, PartFact
+from plogic.facts.hypothesis import FeatureFact, PartFact
+from plogic.facts.situation import OTHERS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import Feature, KnowledgeBase
     from plogic.facts.document import Cells, LeftOut, LookedRow
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.situation import HypothesisFact
 
 Cell = Literal["expected_detected", "expected_missed", "hidden_missed", "hidden_detected"]
 CELLS: dict[str, Cell] = {
@@ -99,7 +99,7 @@ def left_out(posed: Hypothesis) -> LeftOut | None:
     }
 
 
-def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[HypothesisFact]) -> dict[str, float]:
+def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[Hypothesis]) -> dict[str, float]:
     """The table of dv without the visual words that no told feature has."""
     if kb.words is None:
         return dict(dv)

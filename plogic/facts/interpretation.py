@@ -10,13 +10,16 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Final, cast
 
+import numpy as np
+
 from geometry.files.plain_files import JsonError, json_of
 from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
 from plogic.facts.document import Interpretation
 from plogic.facts.gravity import gravity_facts, gravity_of
+from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
 from plogic.facts.sanity import faults
-from plogic.facts.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, PartFact, Situation
+from plogic.facts.situation import AppearanceFact, PairFact, Situation
 from plogic.facts.spatial import overlap_document, space_of
 from plogic.facts.stopped import stopped_in
 
@@ -97,11 +100,11 @@ def _pairs(facts: Sequence[Fact], name: str) -> frozenset[tuple[str, str]]:
     return frozenset((f["args"][0], f["args"][1]) for f in facts if f["fact"] == name)
 
 
-def _hypothesis(h: HypothesisRow) -> HypothesisFact:
-    return HypothesisFact(
+def _hypothesis(h: HypothesisRow) -> Hypothesis:
+    return Hypothesis(
         id=h["id"],
         type=h["type"],
-        camera_from_object=tuple(tuple(float(v) for v in row) for row in h["T_camera_object"]),
+        camera_from_object=np.array(h["T_camera_object"], np.float64),
         opaque=h["opaque"],
         group=h["group"],
         features=tuple(_feature(f) for f in h["features"]),
@@ -130,7 +133,7 @@ def _feature(f: FeatureRow) -> FeatureFact:
     )
 
 
-def hypothesis_document(h: HypothesisFact, cases: Mapping[str, tuple[bool, bool, Case | None]]) -> HypothesisFacts:
+def hypothesis_document(h: Hypothesis, cases: Mapping[str, tuple[bool, bool, Case | None]]) -> HypothesisFacts:
     """One hypothesis as in the file, without its verdict; ``cases`` gives (expected, detected, case) of each feature in Δi."""
     return {
         "id": h.id,
@@ -139,7 +142,7 @@ def hypothesis_document(h: HypothesisFact, cases: Mapping[str, tuple[bool, bool,
         "group": h.group,
         "features": [_feature_document(f, *cases[f.id]) for f in h.features],
         "parts": [{"id": p.id, "parent": p.parent, "kind": p.kind, "type": p.type} for p in h.parts],
-        "T_camera_object": [list(row) for row in h.camera_from_object],
+        "T_camera_object": h.camera_from_object.tolist(),
     }
 
 

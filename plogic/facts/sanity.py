@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from plogic.facts.gravity import Gravity
-    from plogic.facts.situation import FeatureFact, HypothesisFact, PairFact, Situation
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
+    from plogic.facts.situation import PairFact, Situation
     from plogic.facts.spatial import Space
 
     Ids = frozenset[str]
@@ -97,7 +98,7 @@ def _of_relation(fact: PairFact, ids: Ids, nodes: dict[str, Ids]) -> Iterator[st
             yield from _unknown(f"relation {fact.relation}: parts of {name}", (part,), nodes[name])
 
 
-def _of_hypothesis(h: HypothesisFact, ids: Ids, data: Ids) -> Iterator[str]:
+def _of_hypothesis(h: Hypothesis, ids: Ids, data: Ids) -> Iterator[str]:
     yield from _twice(f"hypothesis {h.id}: feature", [f.id for f in h.features])
     matched = [f.match for f in h.features if f.match is not None]
     yield from _twice(f"hypothesis {h.id}: appearance that is matched", matched)

@@ -12,9 +12,8 @@ from plogic.cycle.attention import attend
 from plogic.cycle.delta import Delta, Options, delta_of
 from plogic.cycle.recall import Recall
 from plogic.facts.stopped import SEARCH, WORLDS
-from plogic.match.by_copies import make_ready
 from plogic.match.gamma.data import data_of
-from plogic.match.indices import FAST, GENERATORS, indices_of
+from plogic.match.kinds import FAST, GENERATORS, models_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.run.document import document_of
 from plogic.scene.readings.unfinished import marked
@@ -60,12 +59,13 @@ class Perceiver:
     def __init__(self, kb: KnowledgeBase, cache: Path | None = None, processes: int = 1, generator: str = FAST) -> None:
         if generator not in GENERATORS:
             raise InputError(f"generator: {generator!r} is none of {', '.join(GENERATORS)}")
-        self.kb, self.processes, self.generator = kb, processes, generator
+        self.kb, self.processes = kb, processes
         self.dv = distinctiveness(instance_counts(kb.types))
         self.width = kb.words.centroids.shape[1] if kb.words is not None else 128
-        self.indices, self.shared = indices_of(kb, self.dv, cache, generator)
+        self.models = models_of(kb, self.dv, cache, generator)
         if processes > 1:
-            make_ready(self.indices.values())
+            for kind in self.models.kinds.values():
+                kind.make_ready()
 
     def __call__(
         self,
@@ -144,11 +144,9 @@ class Perceiver:
         """
         data = data_of(gamma.in_order().appearances, gamma.camera, self.width)
         with clock.stage("rank"):
-            attention = attend(list(self.indices.values()), data.types, self.kb)
+            attention = attend(self.models.values(), data.types, self.kb)
         with clock.stage("search"), uncollected():
-            perception = Recall(
-                data, self.kb, self.indices, self.dv, options.end, self.shared, self.processes, self.generator
-            )
+            perception = Recall(data, self.kb, self.models, self.dv, options.end, self.processes)
             cycle = perception.resume(attention, seeds, usual or {})
             if perception.unfinished:
                 cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")

@@ -139,7 +139,7 @@ def _present(scene: Scene, *names: str) -> dict[str, np.ndarray[tuple[int], np.d
 def _hidden(scene: Scene, name: str, other: str) -> list[str]:
     """The features of a hypothesis, expected of it alone, that the other hides (D4)."""
     h = scene.by_id[name]
-    return [f.id for f in h.features if f.in_image and h.candidate(f) and other in scene.hiders(h, f)]
+    return [f.id for f in h.features if f.in_image and h.expects(f) and other in scene.hiders(h, f)]
 
 
 def _same(one: float, other: float) -> bool:
