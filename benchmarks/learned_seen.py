@@ -19,12 +19,12 @@ from geometry.frames import pose_error, transform_points
 from kb.clouds.words import SIDE
 from plogic.match.gamma import side_looks
 from plogic.match.gamma.screen_angles import screen_angle, wrapped
-from plogic.match.judged import crowding
 from plogic.match.judged.evidence import LEAST_HIT, MOST_HIT, clutter_density, hit_rates, kinds, match_density
 from plogic.match.learned import agreement, looks, side_pairs, sides
 from plogic.match.learned import learned_poses as generate
 from plogic.match.learned.held_lobes import lobes_about, lobes_held
 from plogic.match.learned.learned_match import matched, pose_of
+from plogic.measures import crowding
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
     from benchmarks.recognition.score import Truth
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
@@ -76,7 +76,7 @@ def look(seen: Seen, index: LearnedIndex, pose: Floats, data: Data, kb: Knowledg
 
 
 def _off(
-    index: LearnedIndex, posed: Posed, data: Data, lobe: NDArray[np.intp], datum: NDArray[np.intp]
+    index: LearnedIndex, posed: Hypothesis, data: Data, lobe: NDArray[np.intp], datum: NDArray[np.intp]
 ) -> tuple[Floats, Floats]:
     """(N,) radians, and logarithm of a ratio of sizes, by which keypoints differ from what the pose makes of appearances."""
     at = posed.at[index.cloud.feature[lobe]]
@@ -92,7 +92,7 @@ def _near(uv: Floats, which: NDArray[np.bool_], data: Data, reach: float) -> tup
     return pairs.row, datum[pairs.col]
 
 
-def _keypoints(index: LearnedIndex, posed: Posed, data: Data, *, true: bool) -> Floats:
+def _keypoints(index: LearnedIndex, posed: Hypothesis, data: Data, *, true: bool) -> Floats:
     """(3, N) ``turned, grown, apart`` of keypoints that look right, matched or around expected features."""
     features = np.flatnonzero(posed.candidate & ~index.sided)
     pairs = looks.right_pairs(
@@ -102,7 +102,7 @@ def _keypoints(index: LearnedIndex, posed: Posed, data: Data, *, true: bool) -> 
     return np.stack([*_off(index, posed, data, pairs.best, pairs.datum), pairs.apart])[:, kept]
 
 
-def _chance(index: LearnedIndex, posed: Posed, data: Data, kb: KnowledgeBase) -> Floats:
+def _chance(index: LearnedIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase) -> Floats:
     """(4, 1) of appearances and keypoints around them: how many pairs, of right angle and size, of one word, both."""
     assert kb.words is not None  # noqa: S101 - a learned KB has words
     lobes = lobes_held(index, posed.camera_from_object, data.camera.f / kb.f_ref)
@@ -115,7 +115,7 @@ def _chance(index: LearnedIndex, posed: Posed, data: Data, kb: KnowledgeBase) ->
     return np.array([[len(right)], [right.sum()], [word.sum()], [(right & word).sum()]], float)
 
 
-def _sides(index: LearnedIndex, posed: Posed, data: Data, kb: KnowledgeBase, *, true: bool) -> Floats:
+def _sides(index: LearnedIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase, *, true: bool) -> Floats:
     """(7, N) ``turned, colours, contrast, mean, varied, usual, fit`` of sides of edges that face about right, matched or around, of any colours.
 
     ``mean`` and ``varied`` are the contrast of the appearance and its standard deviation, ``usual`` the density of the
@@ -144,7 +144,7 @@ def _sides(index: LearnedIndex, posed: Posed, data: Data, kb: KnowledgeBase, *, 
     return rows[:, order[np.unique(feature[place][order], return_index=True)[1]]]
 
 
-def _gain(posed: Posed, data: Data, kb: KnowledgeBase) -> Floats:
+def _gain(posed: Hypothesis, data: Data, kb: KnowledgeBase) -> Floats:
     """(F,) logarithm of the likelihood ratio of each feature, were it expected, at its measured rate: no clarity."""
     assert posed.hit is not None  # noqa: S101 - of a learned type it was measured
     hit, found = np.clip(posed.hit, LEAST_HIT, MOST_HIT), posed.detected
@@ -153,7 +153,7 @@ def _gain(posed: Posed, data: Data, kb: KnowledgeBase) -> Floats:
     return np.asarray(np.log(ratio))
 
 
-def _linked(posed: Posed, kb: KnowledgeBase, *, true: bool) -> Floats:
+def _linked(posed: Hypothesis, kb: KnowledgeBase, *, true: bool) -> Floats:
     """(8, 1) of pairs of expected features, of keypoints and then with a side: Σ closeness · deviations, Σ closeness², Σ far, number far.
 
     Closeness, up to 1, is as in ``crowding``; deviations are by how much each was found more than it should be, in its

@@ -23,10 +23,10 @@ from geometry.frames import transform_points
 from kb.files.read import read_kb
 from plogic.match.gamma import side_looks
 from plogic.match.gamma.data import data_of
-from plogic.match.judged import crowding
 from plogic.match.learned import agreement, looks, side_pairs, sides
 from plogic.match.learned import learned_poses as generate
 from plogic.match.learned.learned_index import LearnedIndex
+from plogic.measures import crowding
 from plogic.run.perceive import Perceiver
 from sensing.detectors.detector import detect
 from sensing.files.images import read_image

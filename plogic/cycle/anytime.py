@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.cycle.belief import Belief
-    from plogic.match.judged.expectation import Posed
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.oriented.pair_index import PairIndex
 
 
@@ -57,7 +57,7 @@ class Anytime(Beside):
         self.rejected: list[Belief] = []
         self.reach = self.data.camera.f, 2.0 * self.kb.rates.match_tolerance
         self.best = self.last = Stable()
-        self.reconsidered: dict[tuple[int, ...], tuple[tuple[Posed, ...], Belief]] = {}
+        self.reconsidered: dict[tuple[int, ...], tuple[tuple[Hypothesis, ...], Belief]] = {}
 
     @property
     def unfinished(self) -> bool:
@@ -81,7 +81,7 @@ class Anytime(Beside):
         self._keep()
         return True
 
-    def _glance(self, found: Sequence[tuple[float, Posed]]) -> None:
+    def _glance(self, found: Sequence[tuple[float, Hypothesis]]) -> None:
         """Where there is a deadline keep what Δi is with the best of some poses, if that is heavier than what is kept.
 
         So there is an answer before a round is over.
@@ -164,7 +164,7 @@ class Anytime(Beside):
                     "move", "a little, so that it does not reach into what it touches (A4)", of_type=name_of(belief)
                 )
 
-    def _told_of(self, posed: Posed) -> NDArray[np.float64]:
+    def _told_of(self, posed: Hypothesis) -> NDArray[np.float64]:
         """(6, 6) what Γ tells of a pose (``plogic.match.judged.disjoint``)."""
         return pose_information(posed, self.data.camera, self.kb)
 

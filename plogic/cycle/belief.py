@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from plogic.cycle.attention import Attention
     from plogic.cycle.trace import Trace
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.indices import Index
-    from plogic.match.judged.expectation import Posed
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Belief:
     ``worth`` is its log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     """
 
-    posed: Posed
+    posed: Hypothesis
     index: Index
     worth: float
     surplus: float
@@ -48,7 +48,7 @@ class Cycle:
     trace: Trace
 
 
-def same_hypothesis(one: Posed, other: Posed) -> bool:
+def same_hypothesis(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether two hypotheses are near-duplicates: one type, one place up to symmetry (§8)."""
     return one.object_type.name == other.object_type.name and same_place(
         one.object_type, one.camera_from_object, other.camera_from_object

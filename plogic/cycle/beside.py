@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.base.deadline import Deadline
+from plogic.base.clock import Deadline
 from plogic.cycle.belief import Belief, same_hypothesis
 from plogic.match.indices import FAST, search_of, settle, significant
 from plogic.match.judged.evidence import evidence
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.indices import Index
-    from plogic.match.judged.expectation import Posed
     from plogic.match.oriented.oriented_search import Search
     from plogic.match.oriented.pair_index import PairIndex
 
@@ -55,7 +55,7 @@ class Beside:
         self.deadline = Deadline(self.end)
         self.together = search_of(shared, self.data, self.kb, self.deadline.check)
         self.accepted: list[Belief] = []
-        self.refused: list[Posed] = []
+        self.refused: list[Hypothesis] = []
 
     def free(self, without: Belief | None = None) -> NDArray[np.bool_]:
         """(A,) the data that no accepted hypothesis claims, ``without`` aside."""
@@ -65,14 +65,14 @@ class Beside:
                 mask[list(claims(belief.posed))] = False
         return mask
 
-    def _search_for(self, posed: Posed) -> Search | None:
+    def _search_for(self, posed: Hypothesis) -> Search | None:
         """The search for its type together with others, if there is one."""
         return self.together if posed.object_type.learned is None else None
 
-    def _is_accepted(self, posed: Posed) -> bool:
+    def _is_accepted(self, posed: Hypothesis) -> bool:
         return any(same_hypothesis(posed, belief.posed) for belief in self.accepted)
 
-    def _judge(self, posed: Posed, free: NDArray[np.bool_], rounds: int, skip: Belief | None = None) -> Belief:
+    def _judge(self, posed: Hypothesis, free: NDArray[np.bool_], rounds: int, skip: Belief | None = None) -> Belief:
         """A hypothesis beside Δi, matched on ``free`` data; or, by that many ``rounds``, refined, if it is matched so already."""
         index = self.indices[posed.object_type.name]
         hidden = self._hidden(posed, skip)
@@ -81,13 +81,13 @@ class Beside:
             posed = settle(index, start, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
         return self._believed(posed, index, self._hidden(posed, skip) if rounds else hidden)
 
-    def _believed(self, posed: Posed, index: Index, hidden: NDArray[np.bool_]) -> Belief:
+    def _believed(self, posed: Hypothesis, index: Index, hidden: NDArray[np.bool_]) -> Belief:
         """What Γ says of a hypothesis of which the ``hidden`` features (F,) are not expected."""
         ev, again = explanatory_value(posed.support(), self.dv), explanatory_value(posed.support(hidden), self.dv)
         found = evidence(posed, self.data, self.kb, hidden)
         return Belief(posed, index, found.ratio, found.surplus, ev, again)
 
-    def _hidden(self, posed: Posed, skip: Belief | None = None) -> NDArray[np.bool_]:
+    def _hidden(self, posed: Hypothesis, skip: Belief | None = None) -> NDArray[np.bool_]:
         """(F,) what accepted opaque objects hide; those that A4 excludes beside it are rivals and hide nothing (D7)."""
         return hidden_among(posed, [belief.posed for belief in self.accepted if belief is not skip])
 
@@ -112,7 +112,7 @@ class Beside:
             return f"log-likelihood ratio {surplus:.1f} beyond what any pose has; {demanded:.1f} is demanded"
         return None
 
-    def _excluded(self, posed: Posed) -> str | None:
+    def _excluded(self, posed: Hypothesis) -> str | None:
         """Which constraint keeps it out of Δi."""
         if any(same_hypothesis(posed, refused) for refused in self.refused):
             return "was accepted before, and did not hold beside the others"
@@ -123,7 +123,7 @@ class Beside:
                 return "explains the same appearances as an accepted object"
         return None
 
-    def _harm(self, posed: Posed) -> float:
+    def _harm(self, posed: Hypothesis) -> float:
         """What the accepted ones would lose if this stood before them: at most 0, for to hide a detected feature is counter-evidence."""
         if not posed.object_type.opaque:
             return 0.0

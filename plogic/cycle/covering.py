@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
 
 
-def covered_by(posed: Iterable[Posed], data: Data) -> NDArray[np.bool_]:
+def covered_by(posed: Iterable[Hypothesis], data: Data) -> NDArray[np.bool_]:
     """(H, W) where the opaque ones of some objects stand in the ideal image."""
     mask = np.zeros((data.camera.height, data.camera.width), dtype=np.uint8)
     for some in posed:

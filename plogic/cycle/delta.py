@@ -33,12 +33,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.indices import Index
-    from plogic.match.judged.expectation import Posed
 
     Rated = tuple[NDArray[np.float64], NDArray[np.float64]]
-    Fitted = Callable[[Posed, Data, KnowledgeBase, NDArray[np.bool_] | None], Rated]
+    Fitted = Callable[[Hypothesis, Data, KnowledgeBase, NDArray[np.bool_] | None], Rated]
 
 EVERY = 1000
 """Poses a type that ``unpruned`` refines and verifies: more than the search tells apart in one image."""
@@ -136,7 +136,7 @@ def unpruned(
     return delta_of(Cycle((), tuple(best), (), (), Trace()), data, kb, dv, options)
 
 
-def _open_belief(posed: Posed, index: Index, data: Data, kb: KnowledgeBase, dv: Mapping[str, float]) -> Belief:
+def _open_belief(posed: Hypothesis, index: Index, data: Data, kb: KnowledgeBase, dv: Mapping[str, float]) -> Belief:
     found, ev = evidence(posed, data, kb), explanatory_value(posed.support(), dv)
     return Belief(posed, index, found.ratio, found.surplus, ev, ev)
 
@@ -175,7 +175,7 @@ def _hidden(
 
 def _hypothesis(
     name: str,
-    posed: Posed,
+    posed: Hypothesis,
     group: str,
     hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
     rates: tuple[NDArray[np.float64], NDArray[np.float64]],

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from kb.surfaces.surface import Surface
-    from plogic.match.judged.expectation import Posed
+    from plogic.facts.hypothesis import Hypothesis
 
     Floats = NDArray[np.float64]
     Pair = tuple[str, str]
@@ -73,7 +73,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 def gravity_of_view(
-    posed: Mapping[str, Posed],
+    posed: Mapping[str, Hypothesis],
     overlaps: Iterable[Pair],
     camera: Camera,
     kb: KnowledgeBase,
@@ -104,7 +104,7 @@ def gravity_of_view(
     return Gravity(kb.unknown_support, kb.ground, feet, (*grounded, *rests_of(laid, overlaps)))
 
 
-def _laid(name: str, posed: Posed, world_from_camera: Floats, information: Floats) -> Laid | None:
+def _laid(name: str, posed: Hypothesis, world_from_camera: Floats, information: Floats) -> Laid | None:
     surface, turn = posed.object_type.surface, turned_step(world_from_camera[:3, :3])
     if surface is None:
         return None

@@ -6,7 +6,7 @@ to them. To P(ev) they give the sum of their dv, to the posterior nothing; so on
 their sum stands for all of them, and every probability stays. Features outside the image count nowhere and are left
 out. Types written by hand are told in full.
 
-A learned compound is told, and counts, once: by the part that stands for it (``Posed.stands``). Its other parts are told
+A learned compound is told, and counts, once: by the part that stands for it (``Hypothesis.stands``). Its other parts are told
 for the data that they explain, and have no dv.
 """
 
@@ -25,31 +25,31 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import Feature, KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.situation import HypothesisFact
-    from plogic.match.judged.expectation import Posed
 
 CELLS = {"A": "expected_detected", "C": "expected_missed", "B": "hidden_missed", "D": "hidden_detected"}
 
 
-def told(posed: Posed) -> list[int]:
+def told(posed: Hypothesis) -> list[int]:
     """The features that are told one by one: all of a type written by hand; of a learned one what is expected alone, or matched."""
     if posed.object_type.learned is None:
         return list(range(len(posed.object_type.features)))
     return np.flatnonzero(_notable(posed)).tolist()
 
 
-def told_as(posed: Posed, f: int) -> Feature:
+def told_as(posed: Hypothesis, f: int) -> Feature:
     """What the seen feature ``f`` is told as: a learned compound by the part that stands for it, its other parts as themselves."""
     kind = posed.object_type
     return kind.features[kind.whole[f]] if posed.stands[f] else kind.seen_features[f]
 
 
-def counts(posed: Posed, f: int) -> int:
+def counts(posed: Hypothesis, f: int) -> int:
     """For how many maximal features the seen feature ``f`` stands: one, or, as a part of a compound that another part stands for, none."""
     return int(posed.stands[f])
 
 
-def compound_parts(posed: Posed) -> tuple[PartFact, ...]:
+def compound_parts(posed: Hypothesis) -> tuple[PartFact, ...]:
     """The learned compounds of which something is told, as nodes of the part-whole tree (A1)."""
     kind = posed.object_type
     whole = (
@@ -60,7 +60,7 @@ def compound_parts(posed: Posed) -> tuple[PartFact, ...]:
     return tuple(PartFact(f.name, f.name.rpartition("/")[0], "feature", f.type) for f in whole if f.parts)
 
 
-def lumped(posed: Posed, dv: Mapping[str, float]) -> tuple[FeatureFact, ...]:
+def lumped(posed: Hypothesis, dv: Mapping[str, float]) -> tuple[FeatureFact, ...]:
     """The one feature that stands for the others in the image; none where there are none."""
     rest = np.flatnonzero(_rest(posed))
     if not len(rest):
@@ -83,7 +83,7 @@ def lumped(posed: Posed, dv: Mapping[str, float]) -> tuple[FeatureFact, ...]:
     )
 
 
-def left_out(posed: Posed) -> dict[str, int] | None:
+def left_out(posed: Hypothesis) -> dict[str, int] | None:
     """How many features are not told: those that ``OTHERS`` stands for, and those outside the image; None of a type written by hand."""
     if posed.object_type.learned is None:
         return None
@@ -102,10 +102,10 @@ def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[
     return {name: value for name, value in dv.items() if name not in silent}
 
 
-def support_document(posed: Posed, dv: Mapping[str, float]) -> dict[str, Any]:
+def support_document(posed: Hypothesis, dv: Mapping[str, float]) -> dict[str, Any]:
     """The four cells for each feature type; of a learned type one row for all its visual words, with the sums of their dv as ``weights``.
 
-    The rows are those of the hypothesis alone (``Posed.support``): counts and weights give its ev.
+    The rows are those of the hypothesis alone (``Hypothesis.support``): counts and weights give its ev.
     """
     rows = posed.support()
     if posed.object_type.learned is None:
@@ -117,7 +117,7 @@ def support_document(posed: Posed, dv: Mapping[str, float]) -> dict[str, Any]:
     return {"visual words": {**counts, "weights": weights}}
 
 
-def looked_at(posed: Posed, ids: Sequence[str], dv: Mapping[str, float]) -> list[dict[str, Any]]:
+def looked_at(posed: Hypothesis, ids: Sequence[str], dv: Mapping[str, float]) -> list[dict[str, Any]]:
     """Of a rejected hypothesis of a learned type, where its features were expected or found: to be looked at, nothing is computed from them."""
     if posed.object_type.learned is None:
         return []
@@ -139,11 +139,11 @@ def looked_at(posed: Posed, ids: Sequence[str], dv: Mapping[str, float]) -> list
     ] + [asdict(rest) | {"expected": False, "detected": False, "case": "B"} for rest in lumped(posed, dv)]
 
 
-def _notable(posed: Posed) -> NDArray[np.bool_]:
+def _notable(posed: Hypothesis) -> NDArray[np.bool_]:
     return np.asarray(posed.candidate | (posed.matches >= 0))
 
 
-def _rest(posed: Posed) -> NDArray[np.bool_]:
+def _rest(posed: Hypothesis) -> NDArray[np.bool_]:
     if posed.object_type.learned is None:
         return np.zeros(len(posed.uv), dtype=bool)
     return np.asarray(posed.stands & ~_notable(posed) & posed.in_image)

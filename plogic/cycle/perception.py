@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
     from plogic.cycle.attention import Attention
     from plogic.cycle.belief import Belief
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.indices import Index
-    from plogic.match.judged.expectation import Posed
     from plogic.match.oriented.pair_index import PairIndex
 
 POOL = 10
@@ -67,7 +67,7 @@ class Perception(Anytime):
         """
         for row in attention:
             self.trace.add("rank", f"rank {row.rank:.2f}, {row.excess:+.2f} against chance", of_type=row.type)
-        pool: list[Posed] = []
+        pool: list[Hypothesis] = []
         with suppress(OutOfTimeError):
             while self._round(attention, pool) or self._rested(pool) or self._deepened() or self._released():
                 pass
@@ -78,7 +78,7 @@ class Perception(Anytime):
         rivals = map(self._makes_way, considered(self.rivals, self.accepted))
         return Cycle(tuple(self.accepted), tuple(rivals), tuple(self.rejected), tuple(attention), self.trace)
 
-    def _round(self, attention: Sequence[Attention], pool: list[Posed]) -> bool:
+    def _round(self, attention: Sequence[Attention], pool: list[Hypothesis]) -> bool:
         """Accept the best acceptable pose of the pool; where it has none, add to it what the free data give first. True where one was accepted."""
         left = self.data.only(self.free())
         if self._accepts(
@@ -93,7 +93,7 @@ class Perception(Anytime):
         taken = bodies(self.accepted)
         covered = covered_by([b.posed for b in self.accepted], self.data) if by_hand else None
 
-        def search(index: Index) -> list[tuple[float, Posed]]:
+        def search(index: Index) -> list[tuple[float, Hypothesis]]:
             if self.generator != FAST and not isinstance(index, LearnedIndex):
                 return generate_plainly(self.generator, index, left, self.kb, self._hidden, self.deadline.check)
             return generate(index, left, self.kb, covered, taken, self.deadline.check, **self._fewer(index))
@@ -112,7 +112,7 @@ class Perception(Anytime):
         pool[:] = [b.posed for b in judged[: max(POOL, POOL_OF_TYPE * len(self.indices))]]
         return self._accepts(judged, pool, left)
 
-    def _accepts(self, judged: Sequence[Belief], pool: list[Posed], left: Data) -> bool:
+    def _accepts(self, judged: Sequence[Belief], pool: list[Hypothesis], left: Data) -> bool:
         """Accept the best of some that is acceptable, refined beside Δi; the pool loses it. True where there is one."""
         for belief in sorted(judged, key=lambda b: -b.worth)[:POLISHED]:
             self.deadline.check()
@@ -130,7 +130,7 @@ class Perception(Anytime):
                 return True
         return False
 
-    def _together(self, left: Data) -> dict[str, list[tuple[float, Posed]]]:
+    def _together(self, left: Data) -> dict[str, list[tuple[float, Hypothesis]]]:
         """By type, what is found of the types that are searched for together, if there are any."""
         if self.together is None:
             return {}
@@ -148,7 +148,7 @@ class Perception(Anytime):
         again = isinstance(index, LearnedIndex) and index.object_type.name in self.searched
         return {"refined": AGAIN} if again else {}
 
-    def _rested(self, pool: list[Posed]) -> bool:
+    def _rested(self, pool: list[Hypothesis]) -> bool:
         """Add to the pool what may stand where accepted objects do, where gravity holds and more were accepted since. True where something may."""
         if not self.kb.gravity or self.standing == len(self.accepted):
             return False
@@ -192,7 +192,7 @@ class Perception(Anytime):
             name_of(b) == name for b in self.accepted
         )
 
-    def _judged(self, pool: Sequence[Posed]) -> list[Belief]:
+    def _judged(self, pool: Sequence[Hypothesis]) -> list[Belief]:
         """Each pose beside what is accepted: matched on free data, hidden features not expected; as before where nothing near was accepted."""
         free, judged = self.free(), []
         for posed in pool:
@@ -214,7 +214,7 @@ class Perception(Anytime):
         others = [settle(belief.index, pose, self.data, self.kb, free=self.free(), rounds=0) for pose in poses]
         return max([belief, *(self._judge(posed, self.free(), rounds=1) for posed in others)], key=lambda b: b.worth)
 
-    def _compare(self, pool: list[Posed]) -> None:
+    def _compare(self, pool: list[Hypothesis]) -> None:
         """Tell what is left in the pool from rivals of Δi; what is told leaves the pool."""
         judged = self._judged(pool)
         pool[:] = [belief.posed for belief in judged]
@@ -225,7 +225,7 @@ class Perception(Anytime):
             )
             del pool[0]
 
-    def _leave(self, pool: Sequence[Posed]) -> None:
+    def _leave(self, pool: Sequence[Hypothesis]) -> None:
         """Reject what there was no time to tell."""
         for belief in (
             self.known[id(posed)][0] for posed in pool if id(posed) in self.known and not self._is_accepted(posed)
@@ -277,7 +277,7 @@ class Perception(Anytime):
         )
         return replace(self._among(rival, poses[-1], others, rounds=0), status=rival.status, why=rival.why)
 
-    def _among(self, belief: Belief, pose: NDArray[np.float64], others: Sequence[Posed], rounds: int) -> Belief:
+    def _among(self, belief: Belief, pose: NDArray[np.float64], others: Sequence[Hypothesis], rounds: int) -> Belief:
         """The hypothesis near another pose (4, 4), beside these alone, and on the data that they leave."""
         free = np.ones(len(self.data.ids), dtype=bool)
         for other in others:

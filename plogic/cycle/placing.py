@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.belief import Belief
-    from plogic.match.judged.expectation import Posed
+    from plogic.facts.hypothesis import Hypothesis
 
     Floats = NDArray[np.float64]
     Pair = tuple[str, str]
@@ -51,7 +51,7 @@ class _Placed(NamedTuple):
     """A posed body, ``solid`` where it encloses a volume; ``reach``: distance of its middle, m."""
 
     name: str
-    posed: Posed
+    posed: Hypothesis
     surface: PosedSurface | None
     solid: Solid | None
     reach: float
@@ -91,7 +91,7 @@ def upward(beliefs: Iterable[Belief], camera: Camera, *, gravity: bool) -> tuple
     return (None, "") if support is None else (support.plane.up, "support plane")
 
 
-def _placed(name: str, posed: Posed) -> _Placed:
+def _placed(name: str, posed: Hypothesis) -> _Placed:
     surface, reach = posed.object_type.surface, float(np.linalg.norm(posed.middle))
     if surface is None:
         return _Placed(name, posed, None, None, reach)

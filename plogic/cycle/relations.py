@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from geometry.visibility.outline import Area
     from geometry.visibility.roc import Roc
     from kb.surfaces.surface import Surface
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.situation import PairFact
-    from plogic.match.judged.expectation import Posed
 
 MOST_PART_PAIRS = 400
 """Pairs with a part in them that are looked at in one image, those of the first hypotheses first: the nearest to being
@@ -34,7 +34,9 @@ class Drawn(NamedTuple):
     image: Area
 
 
-def relations_of(posed: Mapping[str, Posed], pairs: Sequence[tuple[str, str]], camera: Camera) -> tuple[PairFact, ...]:
+def relations_of(
+    posed: Mapping[str, Hypothesis], pairs: Sequence[tuple[str, str]], camera: Camera
+) -> tuple[PairFact, ...]:
     """The occlusion relation of each pair of hypotheses that have surfaces, of the ordered pair that it is said of (§3.6)."""
     named = dict.fromkeys(name for pair in pairs for name in pair)
     bodies = {
@@ -47,7 +49,7 @@ def relations_of(posed: Mapping[str, Posed], pairs: Sequence[tuple[str, str]], c
 
 
 def part_relations_of(
-    posed: Mapping[str, Posed], pairs: Sequence[tuple[str, str]], camera: Camera
+    posed: Mapping[str, Hypothesis], pairs: Sequence[tuple[str, str]], camera: Camera
 ) -> tuple[PairFact, ...]:
     """The same of the first ``MOST_PART_PAIRS`` pairs of nodes of which one at least is a part."""
     nodes = [(x, y, parts) for x, y in pairs for parts in _nodes(posed[x], posed[y])][:MOST_PART_PAIRS]
@@ -60,17 +62,17 @@ def part_relations_of(
     )
 
 
-def _nodes(x: Posed, y: Posed) -> list[tuple[str, str]]:
+def _nodes(x: Hypothesis, y: Hypothesis) -> list[tuple[str, str]]:
     """The pairs of nodes with bodies, but for that of the wholes."""
     return [(p, q) for p in _bodies(x) for q in _bodies(y) if p or q]
 
 
-def _bodies(posed: Posed) -> dict[str, Surface]:
+def _bodies(posed: Hypothesis) -> dict[str, Surface]:
     kind = posed.object_type
     return ({} if kind.surface is None else {"": kind.surface}) | kind.part_bodies
 
 
-def _drawn(surface: Surface, posed: Posed, camera: Camera) -> Drawn:
+def _drawn(surface: Surface, posed: Hypothesis, camera: Camera) -> Drawn:
     placed = PosedSurface(surface.vertices, surface.triangles, surface.rays, posed.camera_from_object)
     return Drawn(placed, drawn(placed, camera))
 

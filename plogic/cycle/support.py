@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.belief import Belief
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.indices import Index
-    from plogic.match.judged.expectation import Posed
 
     Floats = NDArray[np.float64]
 
@@ -117,7 +117,7 @@ def supported(
     kb: KnowledgeBase,
     processes: int = 1,
     check: Callable[[], None] = unhurried,
-) -> tuple[list[Posed], str | None]:
+) -> tuple[list[Hypothesis], str | None]:
     """What the free data suggest on the plane that accepted objects stand on, and that in words; nothing, and None, where there is no such plane.
 
     Only types are looked for of which none is accepted, by so many ``processes``. ``check`` is called before each type,
@@ -132,7 +132,7 @@ def supported(
     taken = bodies(accepted)
     known = {index.object_type.name for index, _ in learned}
     some = [index for name, index in indices.items() if isinstance(index, LearnedIndex) and name not in known]
-    found: list[Posed] = []
+    found: list[Hypothesis] = []
     with closing(
         searched(lambda index: resting(index, support.plane, left, kb, taken), some, left, processes)
     ) as searches:

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from plogic.base.forked import each
-from plogic.match.judged.expectation import Posed
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.learned.learned_index import LearnedIndex
 
 if TYPE_CHECKING:
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from plogic.match.gamma.data import Data
     from plogic.match.indices import Index
 
-    Found: TypeAlias = list[tuple[float, Posed]]
+    Found: TypeAlias = list[tuple[float, Hypothesis]]
 
 Kind = TypeVar("Kind", bound="Index")
-_SAID = tuple(field.name for field in fields(Posed) if field.name != "object_type")
+_SAID = tuple(field.name for field in fields(Hypothesis) if field.name != "object_type")
 
 
 def searched(search: Callable[[Kind], Found], indices: Sequence[Kind], data: Data, processes: int) -> Generator[Found]:
@@ -44,7 +44,7 @@ def searched(search: Callable[[Kind], Found], indices: Sequence[Kind], data: Dat
 
     with closing(each(said, indices, processes)) as answers:
         for index, answer in zip(indices, answers, strict=True):
-            yield [(ratio, Posed(index.object_type, *arrays)) for ratio, arrays in answer]
+            yield [(ratio, Hypothesis(index.object_type, *arrays)) for ratio, arrays in answer]
 
 
 def make_ready(indices: Iterable[Index]) -> None:

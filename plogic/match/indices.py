@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.match.oriented.pair_index import PairIndex
 
 Index: TypeAlias = TypeIndex | LearnedIndex
@@ -74,7 +74,7 @@ def indices_of(
     return {t.name: known[t.name] if t.name in known else index_of(t, dv, lexicon) for t in types if t.features}, shared
 
 
-def significant(posed: Posed) -> float:
+def significant(posed: Hypothesis) -> float:
     """What a log-likelihood ratio must exceed, beyond what any pose has.
 
     Of a type written by hand the best of so many tries is good by luck: as many as there are pairs of appearances. Of a
@@ -91,7 +91,7 @@ def generate(
     taken: NDArray[np.float64] = NOBODY,
     check: Callable[[], None] = unhurried,
     **most: int,
-) -> list[tuple[float, Posed]]:
+) -> list[tuple[float, Hypothesis]]:
     """The poses that Γ suggests, matched, best first, with their log-likelihood ratios; ``most``: ``refined``, ``verified``.
 
     ``covered`` (H, W): where accepted objects stand, which a type written by hand is told; ``taken`` (N, 4): their
@@ -108,9 +108,9 @@ def generate_plainly(
     index: TypeIndex,
     data: Data,
     kb: KnowledgeBase,
-    hidden_of: Callable[[Posed], NDArray[np.bool_]],
+    hidden_of: Callable[[Hypothesis], NDArray[np.bool_]],
     check: Callable[[], None] = unhurried,
-) -> list[tuple[float, Posed]]:
+) -> list[tuple[float, Hypothesis]]:
     """The poses that a plain ``generator`` (a key of ``PLAIN``) proposes of a type, verified by matching: as ``generate`` gives them.
 
     ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide. ``check`` is called between sets or
@@ -145,9 +145,9 @@ def generate_together(
     search: Search,
     data: Data,
     kb: KnowledgeBase,
-    hidden_of: Callable[[Posed], NDArray[np.bool_]] | None = None,
-    seen: Callable[[list[tuple[float, Posed]]], None] | None = None,
-) -> dict[str, list[tuple[float, Posed]]]:
+    hidden_of: Callable[[Hypothesis], NDArray[np.bool_]] | None = None,
+    seen: Callable[[list[tuple[float, Hypothesis]]], None] | None = None,
+) -> dict[str, list[tuple[float, Hypothesis]]]:
     """By type, the poses that some data of Γ suggest of all types at once, as ``generate`` gives them of one.
 
     ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``seen`` is told each type's as soon
@@ -157,7 +157,7 @@ def generate_together(
     poses: dict[int, list[NDArray[np.float64]]] = {}
     for proposal in search.proposals(data):
         poses.setdefault(proposal.kind, []).append(proposal.pose)
-    result: dict[str, list[tuple[float, Posed]]] = {index.object_type.name: [] for index in indices}
+    result: dict[str, list[tuple[float, Hypothesis]]] = {index.object_type.name: [] for index in indices}
     for kind, some in poses.items():
         found = verified(indices[kind], some, data, kb, hidden_of, search.asked.check)
         result[indices[kind].object_type.name] = found
@@ -168,14 +168,14 @@ def generate_together(
 
 def settle(
     index: Index,
-    pose: NDArray[np.float64] | Posed,
+    pose: NDArray[np.float64] | Hypothesis,
     data: Data,
     kb: KnowledgeBase,
     *,
     free: NDArray[np.bool_] | None = None,
     hidden: NDArray[np.bool_] | None = None,
     rounds: int = 2,
-) -> Posed:
+) -> Hypothesis:
     """The type at a pose, or one that is matched there already: matched, refined, and matched again.
 
     ``free`` (A,) data that nobody else has claimed; ``hidden`` (F,) features that accepted opaque objects hide.

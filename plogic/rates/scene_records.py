@@ -16,7 +16,7 @@ import numpy as np
 from plogic.base.errors import InputError
 from plogic.match.gamma.data import Data, data_of
 from plogic.match.judged.alike import same_place
-from plogic.match.judged.expectation import Posed, hidden_by, matched, pose_of
+from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from plogic.measures.valuation import compatible
 from plogic.rates.records import Record, Sighting, Slot
 from plogic.rates.truth import read_truth
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.rates.truth import Truth
     from sensing.appearance import Gamma
 
@@ -139,7 +140,9 @@ def record_in(
     return Record(tuple(slots), _clutter(looked, data, kb))
 
 
-def _looked(one: Posed, posed: Sequence[Posed], data: Data, kb: KnowledgeBase) -> tuple[Posed, NDArray[np.bool_]]:
+def _looked(
+    one: Hypothesis, posed: Sequence[Hypothesis], data: Data, kb: KnowledgeBase
+) -> tuple[Hypothesis, NDArray[np.bool_]]:
     """A posed type with its matching (D8), and which of its features true objects hide (D7)."""
     hidden = np.zeros(len(one.uv), dtype=bool)
     for other in posed:
@@ -150,7 +153,7 @@ def _looked(one: Posed, posed: Sequence[Posed], data: Data, kb: KnowledgeBase) -
     return found, hidden
 
 
-def _slot(one: Posed, hidden: NDArray[np.bool_], data: Data, kb: KnowledgeBase, *, present: bool | None) -> Slot:
+def _slot(one: Hypothesis, hidden: NDArray[np.bool_], data: Data, kb: KnowledgeBase, *, present: bool | None) -> Slot:
     kind = one.object_type
     expected = np.flatnonzero(one.candidate & ~hidden)
     sightings = tuple(
@@ -167,7 +170,7 @@ def _chance(appearances: Sequence[Any], data: Data, kb: KnowledgeBase) -> float:
     return float(-np.expm1(-rate * np.pi * kb.rates.match_tolerance**2 / area))
 
 
-def _clutter(looked: Sequence[tuple[Posed, NDArray[np.bool_]]], data: Data, kb: KnowledgeBase) -> dict[str, int]:
+def _clutter(looked: Sequence[tuple[Hypothesis, NDArray[np.bool_]]], data: Data, kb: KnowledgeBase) -> dict[str, int]:
     """Per appearance type what no expected feature of a true object takes."""
     used = {int(m) for one, hidden in looked for m in one.matches[one.candidate & ~hidden & one.detected]}
     left = Counter(kind for a, kind in enumerate(data.types) if a not in used)

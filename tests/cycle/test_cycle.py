@@ -23,7 +23,7 @@ from synthetic import (
 )
 
 from geometry.frames import look_at
-from plogic.base import deadline
+from plogic.base import clock as deadline
 from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.attention import attend
 from plogic.cycle.belief import considered

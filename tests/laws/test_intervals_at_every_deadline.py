@@ -19,7 +19,7 @@ from tangles import tangle
 
 from plogic.base.errors import InconsistentError
 from plogic.logic.answers import anytime_answers as anytime
-from plogic.logic.answers import intervals as bounds
+from plogic.logic.answers import anytime_answers as bounds
 from plogic.logic.answers import state_ranking as ranking
 from plogic.logic.served.engine import through
 from plogic.logic.served.serve import serve

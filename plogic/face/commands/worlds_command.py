@@ -113,7 +113,7 @@ def _of_scene_text(
     as_json: bool,
 ) -> tuple[str, int]:
     """By the program text, where the evidence speaks of choices that the graph has summed out: then those are told, and no causes."""
-    from plogic.logic.safety.tokens import quoted
+    from plogic.logic.safety.atoms import quoted
     from plogic.logic.served.program_worlds import program_worlds
     from plogic.scene.asking.query import subject_text
     from plogic.scene.readings.unfinished import marks, proved

@@ -43,16 +43,16 @@ MISSED = 0.4
 
 
 @dataclass(frozen=True)
-class Posed:
+class Candidates:
     """N candidate poses (N, 4, 4); ``matches`` (N, F) datum indices, −1 for none; ``fitted`` (N,) whether to at least ``FEWEST`` of them."""
 
     camera_from_object: NDArray[np.float64]
     matches: NDArray[np.intp]
     fitted: NDArray[np.bool_]
 
-    def take(self, index: NDArray[np.intp]) -> Posed:
+    def take(self, index: NDArray[np.intp]) -> Candidates:
         """The poses at ``index``."""
-        return Posed(self.camera_from_object[index], self.matches[index], self.fitted[index])
+        return Candidates(self.camera_from_object[index], self.matches[index], self.fitted[index])
 
 
 class _Shown(NamedTuple):
@@ -107,7 +107,7 @@ def extend(
     maps: DistanceMaps,
     data: Data,
     tolerance: float,
-) -> Posed:
+) -> Candidates:
     """Match, solve and refine all candidates together, the best first.
 
     Each candidate goes two ways: by sets of four and POSIT, with tolerances that shrink from the cell's width to the
@@ -119,7 +119,7 @@ def extend(
     solved = _from_quadruples(poses, points, weights, matches, data)
     one = _narrowed(solved, ROUNDS, cells, points, weights, maps, data, tolerance)
     other = _narrowed(poses[:TRUSTED], CLOSE, cells, points, weights, maps, data, tolerance)
-    both = Posed(
+    both = Candidates(
         np.concatenate([one.camera_from_object, other.camera_from_object]),
         np.concatenate([one.matches, other.matches]),
         np.concatenate([one.fitted, other.fitted]),
@@ -137,7 +137,7 @@ def _narrowed(
     maps: DistanceMaps,
     data: Data,
     tolerance: float,
-) -> Posed:
+) -> Candidates:
     """Match and refine in rounds of shrinking tolerance, the best going on."""
     poses = rigid(poses)
     size, shown = sizes(poses, cells, data.camera.f), _shown(poses, cells, points, data)
@@ -148,7 +148,7 @@ def _narrowed(
         shown = _shown(poses, cells, points, data)
         best = np.argsort(-_worth(shown, matches, weights, maps), kind="stable")[:most]
         poses, shown, matches, size = poses[best], shown.take(best), matches[best], size[best]
-    return Posed(rigid(poses), matches, _enough(matches))
+    return Candidates(rigid(poses), matches, _enough(matches))
 
 
 def _shown(poses: NDArray[np.float64], cells: ViewCells, points: NDArray[np.float64], data: Data) -> _Shown:

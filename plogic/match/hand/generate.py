@@ -10,8 +10,7 @@ import numpy as np
 from geometry.poses.refine import refined_poses
 from plogic.base.clock import unhurried
 from plogic.match.gamma.ideal_projection import project_ideal
-from plogic.match.hand.extend import Posed as Candidates
-from plogic.match.hand.extend import coarse_poses, extend, firsts
+from plogic.match.hand.extend import Candidates, coarse_poses, extend, firsts
 from plogic.match.hand.links import linked_pairs
 from plogic.match.hand.open_pairs import open_pairs
 from plogic.match.hand.pose_votes import best_apart, pose_votes
@@ -28,10 +27,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.hand.coarse_pairs import Pairs
     from plogic.match.hand.type_index import TypeIndex
-    from plogic.match.judged.expectation import Posed
 
 VOTED = 2000
 """Coarse poses of each kind that all features vote on: the best by the votes of the anchors."""
@@ -53,7 +52,7 @@ def generate(
     refined: int = REFINED,
     verified: int = VERIFIED,
     check: Callable[[], None] = unhurried,
-) -> list[tuple[float, Posed]]:
+) -> list[tuple[float, Hypothesis]]:
     """The best distinct poses of one type as (log-likelihood ratio against clutter, hypothesis), best first.
 
     ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``refined``, ``verified``: how many
@@ -135,7 +134,7 @@ def _verified(
     kb: KnowledgeBase,
     most: int,
     check: Callable[[], None],
-) -> list[tuple[float, Posed]]:
+) -> list[tuple[float, Hypothesis]]:
     """Cast rays for the best refined poses, match, polish once, and keep one of each heap of near-duplicates."""
     poses: list[NDArray[np.float64]] = []
     for pose in found.camera_from_object[found.fitted]:  # they come best first
@@ -161,7 +160,7 @@ def _matched_at(
     maps: DistanceMaps,
     data: Data,
     kb: KnowledgeBase,
-) -> tuple[Posed, NDArray[np.bool_]]:
+) -> tuple[Hypothesis, NDArray[np.bool_]]:
     """The hypothesis at a pose, matched, and its features (F,) that accepted objects cover."""
     posed = pose_of(index.object_type, pose, data, kb)
     hidden = maps.is_covered(project_ideal(pose[None], index.points, data)[0])
@@ -170,13 +169,13 @@ def _matched_at(
 
 def _polished(
     index: TypeIndex,
-    found: list[tuple[Posed, NDArray[np.bool_]]],
+    found: list[tuple[Hypothesis, NDArray[np.bool_]]],
     allowed: NDArray[np.bool_],
     maps: DistanceMaps,
     data: Data,
     kb: KnowledgeBase,
     check: Callable[[], None],
-) -> list[tuple[Posed, NDArray[np.bool_]]]:
+) -> list[tuple[Hypothesis, NDArray[np.bool_]]]:
     """All refined in one batch and matched again; those with fewer than four expected features detected are dropped."""
     used = np.array([p.candidate & p.detected & ~hidden for p, hidden in found]).reshape(len(found), len(index.points))
     some = np.flatnonzero(used.sum(axis=1) >= 4)
@@ -202,22 +201,22 @@ def _plausible(pose: NDArray[np.float64], index: TypeIndex) -> bool:
 
 def settle(
     index: TypeIndex,
-    pose: NDArray[np.float64] | Posed,
+    pose: NDArray[np.float64] | Hypothesis,
     data: Data,
     kb: KnowledgeBase,
     free: NDArray[np.bool_] | None = None,
     hidden: NDArray[np.bool_] | None = None,
     rounds: int = 2,
-) -> Posed:
+) -> Hypothesis:
     """The type at a pose, or one that is matched there already: matched exactly (D7, D8), refined, and matched again."""
     allowed = index.allowed(data)
 
-    def match(pose: NDArray[np.float64]) -> Posed:
+    def match(pose: NDArray[np.float64]) -> Hypothesis:
         return matched(
             pose_of(index.object_type, pose, data, kb), data, allowed, kb.rates.match_tolerance, free, hidden
         )
 
-    def better(posed: Posed) -> NDArray[np.float64] | None:
+    def better(posed: Hypothesis) -> NDArray[np.float64] | None:
         return polished(posed, index.points, _precision(index, kb), data, hidden, ROBUST, kb.rates.sigma)
 
     return settled(pose, match, better, rounds)

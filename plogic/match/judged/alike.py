@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import ObjectType
-    from plogic.match.judged.expectation import Posed
+    from plogic.facts.hypothesis import Hypothesis
 
     Floats = NDArray[np.float64]
 
@@ -30,9 +30,9 @@ def same_place(object_type: ObjectType, one: NDArray[np.float64], other: NDArray
     return bool(rotation < SAME_ROTATION and translation < SAME_PLACE * distance)
 
 
-def distinct(scored: list[tuple[float, Posed]], object_type: ObjectType) -> list[tuple[float, Posed]]:
+def distinct(scored: list[tuple[float, Hypothesis]], object_type: ObjectType) -> list[tuple[float, Hypothesis]]:
     """The first of each heap of near-duplicates (§8)."""
-    kept: list[tuple[float, Posed]] = []
+    kept: list[tuple[float, Hypothesis]] = []
     for worth, posed in scored:
         if not any(same_place(object_type, posed.camera_from_object, old.camera_from_object) for _, old in kept):
             kept.append((worth, posed))

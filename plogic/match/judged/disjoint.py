@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from geometry.bodies.overlap import Reach
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.match.judged.expectation import Posed
+    from plogic.facts.hypothesis import Hypothesis
 
     Floats = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ class Contact(NamedTuple):
 
 
 def moved_apart(
-    posed: Sequence[Posed], information: Callable[[int], Floats], still: int = 0
+    posed: Sequence[Hypothesis], information: Callable[[int], Floats], still: int = 0
 ) -> tuple[list[Floats], list[tuple[int, int]]]:
     """Poses (4, 4), camera_from_object, of N objects, and the pairs that still reach more than ``DEEP`` into each other.
 
@@ -80,17 +80,17 @@ def moved_apart(
     return poses, sorted({(contact.first, contact.second) for contact in deep})
 
 
-def _deep(posed: Sequence[Posed], poses: Sequence[Floats], still: int) -> list[Contact]:
+def _deep(posed: Sequence[Hypothesis], poses: Sequence[Floats], still: int) -> list[Contact]:
     return [contact for contact in contacts(posed, poses, still) if contact.reach.depth > DEEP]
 
 
-def reaches_into(one: Posed, other: Posed) -> bool:
+def reaches_into(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether two reach more than ``DEEP`` into each other."""
     poses = [some.camera_from_object for some in (one, other)]
     return any(contact.reach.depth > DEEP for contact in contacts((one, other), poses))
 
 
-def contacts(posed: Sequence[Posed], poses: Sequence[Floats], still: int = 0) -> list[Contact]:
+def contacts(posed: Sequence[Hypothesis], poses: Sequence[Floats], still: int = 0) -> list[Contact]:
     """Where bodies at some poses reach into each other, once a connected piece of what they share; of one that is no solid nobody knows.
 
     Pairs of the first, which stand ``still``, are left out.
@@ -103,7 +103,7 @@ def contacts(posed: Sequence[Posed], poses: Sequence[Floats], still: int = 0) ->
     return found
 
 
-def pose_information(posed: Posed, camera: Camera, kb: KnowledgeBase) -> Floats:
+def pose_information(posed: Hypothesis, camera: Camera, kb: KnowledgeBase) -> Floats:
     """(6, 6) of turning about the middle, rad, and moving, m: of the matches, and of what is known of any pose (``plogic.match.judged.freedom``)."""
     used = np.flatnonzero(posed.candidate & posed.detected)
     precision = posed.counted[used] / sigmas(posed, kb)[used] ** 2
@@ -115,7 +115,7 @@ def pose_information(posed: Posed, camera: Camera, kb: KnowledgeBase) -> Floats:
 
 
 def _eased(
-    posed: Sequence[Posed], poses: list[Floats], yields: Sequence[Floats], deep: Sequence[Contact]
+    posed: Sequence[Hypothesis], poses: list[Floats], yields: Sequence[Floats], deep: Sequence[Contact]
 ) -> list[Floats]:
     """The poses after the least costly moves that end the contacts, as far as these are flat: a quadratic program, by its dual.
 
@@ -137,13 +137,13 @@ def _eased(
     return [_moved(pose, middle, move) for pose, middle, move in zip(poses, middles, moves, strict=True)]
 
 
-def _middle(posed: Posed, pose: Floats) -> Floats:
+def _middle(posed: Hypothesis, pose: Floats) -> Floats:
     """(3,) m, camera frame: the middle of the object at another pose."""
     moved = pose @ np.linalg.inv(posed.camera_from_object)
     return np.asarray(moved[:3, :3] @ posed.middle + moved[:3, 3])
 
 
-def _cost(posed: Posed, pose: Floats, cost: Floats) -> float:
+def _cost(posed: Hypothesis, pose: Floats, cost: Floats) -> float:
     """Squared standard deviations by which a pose is off the one that the matches gave."""
     turn = Rotation.from_matrix(pose[:3, :3] @ posed.camera_from_object[:3, :3].T).as_rotvec()
     move = np.concatenate([turn, _middle(posed, pose) - posed.middle])

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
 
 
 def density(residual: NDArray[np.float64], sigma: NDArray[np.float64] | float) -> NDArray[np.float64]:
@@ -31,13 +31,13 @@ def clutter_density(kb: KnowledgeBase, data: Data, which: NDArray[np.intp] | Non
     return np.array([kb.rates.clutter.get(name, 1.0) / area for name in types])
 
 
-def match_density(posed: Posed, kb: KnowledgeBase) -> NDArray[np.float64]:
+def match_density(posed: Hypothesis, kb: KnowledgeBase) -> NDArray[np.float64]:
     """N (F,) per pixel² of each feature's match, 0 where it has none; of a learned type against clutter that looks as right, not any."""
     near = density(posed.residual, sigmas(posed, kb))
     return near if posed.likeness is None else near * posed.likeness
 
 
-def hit_rates(posed: Posed, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+def hit_rates(posed: Hypothesis, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
     """h_F (F,) of each feature; of a learned type the measured rates, times the share of them that holds in this image (``clarity``)."""
     if posed.hit is not None:
         return np.asarray(np.clip(posed.hit * clarities(posed, hidden), LEAST_HIT, MOST_HIT))
@@ -51,11 +51,11 @@ LEAST_CLEAR, LEAST_HIT, MOST_HIT = 0.04, 0.005, 0.98
 """Least share of the measured hit rates that an image can keep; bounds of what remains."""
 
 
-def _expected(posed: Posed, hidden: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+def _expected(posed: Hypothesis, hidden: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
     return posed.candidate if hidden is None else posed.candidate & ~hidden
 
 
-def clarity(posed: Posed, hidden: NDArray[np.bool_] | None = None, of: NDArray[np.bool_] | None = None) -> float:
+def clarity(posed: Hypothesis, hidden: NDArray[np.bool_] | None = None, of: NDArray[np.bool_] | None = None) -> float:
     """Which share of the measured hit rates, of features ``of`` (F,) or of all, holds of this instance in this image.
 
     Light, focus, noise and a changed print cost detections.
@@ -68,19 +68,19 @@ def clarity(posed: Posed, hidden: NDArray[np.bool_] | None = None, of: NDArray[n
     return float(np.clip(shares[expected & posed.detected].sum() / hoped, LEAST_CLEAR, 1.0)) if hoped > 0.0 else 1.0
 
 
-def kinds(posed: Posed) -> list[NDArray[np.bool_]]:
+def kinds(posed: Hypothesis) -> list[NDArray[np.bool_]]:
     """Features (F,) that are seen clearly or not apart from the others: what is printed, and the sides of edges, which blur hurts less."""
     sided = np.zeros(len(posed.uv), bool) if posed.sided is None else posed.sided
     return [~sided, sided]
 
 
-def clarities(posed: Posed, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+def clarities(posed: Hypothesis, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
     """(F,) the clarity of each feature's kind."""
     return np.asarray(np.sum([kind * clarity(posed, hidden, kind) for kind in kinds(posed)], axis=0))
 
 
 def as_counted(
-    posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
+    posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Hit rates (F,) and densities (F,) of features that each say as much as they are ``counted``: what the program is told.
 
@@ -114,7 +114,7 @@ class Evidence:
     surplus: float
 
 
-def evidence(posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> Evidence:
+def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> Evidence:
     """Σ over E∧D of ln((h·N + f − h·f) / f), in densities, plus Σ over E∧¬D of ln(1 − h) (§8), each as much as it is ``counted``.
 
     ``hidden`` (F,) are the features that accepted opaque objects hide: not expected.

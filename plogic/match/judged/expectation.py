@@ -1,12 +1,8 @@
-"""Expected and Detected of one posed hypothesis (D7, D8): what should be seen of it, and which appearance each feature takes.
-
-Vocabulary: ``Posed``, one type at one pose with all that geometry and the one assignment say of its features.
-"""
+"""Expected and Detected of one posed hypothesis (D7, D8): what should be seen of it, and which appearance each feature takes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,8 +11,7 @@ from scipy.optimize import linear_sum_assignment
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import behind
 from kb.clouds.lobes import in_lobe
-from plogic.match.judged.crowding import shares
-from plogic.measures.explanatory import Support, tally
+from plogic.facts.hypothesis import Hypothesis
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,95 +21,9 @@ if TYPE_CHECKING:
     from plogic.match.gamma.data import Data
 
 
-@dataclass(frozen=True)
-class Posed:
-    """One type at one pose. F features of the maximal object, the type's ``seen_features`` in their order; A data of Γ.
-
-    ``at`` (F, 3) metres, camera frame; ``uv`` (F, 2) pixels; ``in_image``, ``in_lobe``, ``self_hidden`` (F,); ``right``
-    (F, A) the data of a type whose lobe holds the viewpoint; ``matches`` (F,) datum index or −1; ``residual`` (F,)
-    pixels, NaN where unmatched. Of a learned type ``hit`` (F,) is the measured rate of the lobes that hold the
-    viewpoint, ``turn`` (F,) the screen angle that they make expect, ``sigma`` (F,) the noise of places, pixels,
-    ``likeness`` (F,) how much rarer what looks like the match is than clutter of its type, ``sided`` (F,) which
-    features are sides of edges, and ``across`` (F, 2) unit vectors on the screen across those edges, NaN of other
-    features: what is off along them is not ``residual``. Of any other type these are None, but where angles of data
-    count ``likeness`` tells how much likelier the match's angle is than any, and ``axes`` (F, 3) are the x axes of the
-    features' frames, camera frame, unit: what an angle is of.
-    """
-
-    object_type: ObjectType
-    camera_from_object: NDArray[np.float64]
-    at: NDArray[np.float64]
-    uv: NDArray[np.float64]
-    in_image: NDArray[np.bool_]
-    in_lobe: NDArray[np.bool_]
-    self_hidden: NDArray[np.bool_]
-    right: NDArray[np.bool_]
-    matches: NDArray[np.intp]
-    residual: NDArray[np.float64]
-    hit: NDArray[np.float64] | None = None
-    turn: NDArray[np.float64] | None = None
-    sigma: NDArray[np.float64] | None = None
-    likeness: NDArray[np.float64] | None = None
-    sided: NDArray[np.bool_] | None = None
-    across: NDArray[np.float64] | None = None
-    axes: NDArray[np.float64] | None = None
-
-    @cached_property
-    def candidate(self) -> NDArray[np.bool_]:
-        """(F,) Expected where no other object hides it (D7)."""
-        hidden = self.self_hidden if self.object_type.opaque else np.zeros_like(self.self_hidden)
-        return self.in_image & self.in_lobe & ~hidden
-
-    @cached_property
-    def counted(self) -> NDArray[np.float64]:
-        """(F,) for how much of an independent observation each feature counts: of a learned type, shares of what crowds the expected ones."""
-        result = np.ones(len(self.uv))
-        if self.turn is not None and self.candidate.any():
-            sided = np.zeros(len(self.uv), bool) if self.sided is None else self.sided
-            result[self.candidate] = shares(self.uv[self.candidate], self.turn[self.candidate], sided[self.candidate])
-        return result
-
-    @property
-    def middle(self) -> NDArray[np.float64]:
-        """(3,) middle of the object, camera frame: of its surface, or of its features where it has none."""
-        surface = self.object_type.surface
-        if surface is None:
-            return np.asarray((self.at.min(axis=0) + self.at.max(axis=0)) / 2.0)
-        return transform_points(self.camera_from_object, surface.centre[None])[0]
-
-    @property
-    def detected(self) -> NDArray[np.bool_]:
-        """(F,) D8."""
-        return self.matches >= 0
-
-    @cached_property
-    def stands(self) -> NDArray[np.bool_]:
-        """(F,) which features stand for a maximal one (A1): all but those parts of a learned compound that another part stands for.
-
-        A compound looks like any of its parts and takes one appearance, so it is where its surest part is: one in the
-        image, that is expected and detected, else expected, else detected; of several the one with the greatest hit
-        rate, the first of equals.
-        """
-        whole = self.object_type.whole
-        result = np.ones(len(self.uv), bool)
-        if len(whole) == len(self.object_type.features):
-            return result
-        parts = np.flatnonzero(np.bincount(whole)[whole] > 1)
-        surest = (4 * self.in_image + 2 * self.candidate + self.detected)[parts]
-        hit = np.zeros(len(parts)) if self.hit is None else self.hit[parts]
-        parts = parts[np.lexsort((-hit, -surest, whole[parts]))]
-        result[parts[1:]] = whole[parts[1:]] != whole[parts[:-1]]
-        return result
-
-    def support(self, hidden: NDArray[np.bool_] | None = None) -> Support:
-        """The four cases over the features in the image, a compound once (A1); ``hidden`` (F,): what accepted opaque objects hide (strict D7)."""
-        expected = self.candidate & ~hidden if hidden is not None else self.candidate
-        names, kind = self.object_type.kind_codes
-        inside = self.in_image & self.stands
-        return tally(names, kind[self.object_type.whole[inside]], expected[inside], self.detected[inside])
-
-
-def pose_of(object_type: ObjectType, camera_from_object: NDArray[np.float64], data: Data, kb: KnowledgeBase) -> Posed:
+def pose_of(
+    object_type: ObjectType, camera_from_object: NDArray[np.float64], data: Data, kb: KnowledgeBase
+) -> Hypothesis:
     """What geometry says of a type at a pose: nothing is matched yet. Rays are cast for Behind its own host (§6.4)."""
     camera = data.camera
     positions = np.array([feature.at for feature in object_type.seen_features]).reshape(-1, 3)
@@ -132,7 +41,9 @@ def pose_of(object_type: ObjectType, camera_from_object: NDArray[np.float64], da
     right = _right_types(table, held, data)
     seen = np.bincount(table.feature[held], minlength=len(at)) > 0
     nobody = np.full(len(at), -1, dtype=np.intp)
-    return Posed(object_type, camera_from_object, at, uv, inside, seen, hidden, right, nobody, np.full(len(at), np.nan))
+    return Hypothesis(
+        object_type, camera_from_object, at, uv, inside, seen, hidden, right, nobody, np.full(len(at), np.nan)
+    )
 
 
 def _right_types(table: LobeTable, held: NDArray[np.bool_], data: Data) -> NDArray[np.bool_]:
@@ -150,13 +61,13 @@ def _right_types(table: LobeTable, held: NDArray[np.bool_], data: Data) -> NDArr
 
 
 def matched(
-    posed: Posed,
+    posed: Hypothesis,
     data: Data,
     allowed: NDArray[np.bool_],
     tolerance: float,
     free: NDArray[np.bool_] | None = None,
     hidden: NDArray[np.bool_] | None = None,
-) -> Posed:
+) -> Hypothesis:
     """The hypothesis' one assignment (D8): expected features first, with the types whose lobe holds v; then unexpected ones.
 
     ``allowed`` (F, A) are the types of each feature in any lobe; ``tolerance`` in pixels; ``free`` (A,) the data that
@@ -211,7 +122,7 @@ def _assign(matches: NDArray[np.intp], off: NDArray[np.float64], possible: NDArr
             matches[rows[r]] = columns[c]
 
 
-def hidden_by(posed: Posed, other: Posed) -> NDArray[np.bool_]:
+def hidden_by(posed: Hypothesis, other: Hypothesis) -> NDArray[np.bool_]:
     """(F,) Behind(f, other, v): the line of sight to each feature of ``posed`` meets the other's surface first (§3.4).
 
     Of a learned type's thousands of features it is asked of those alone that are expected or detected: of others nothing

@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
 
     Floats = NDArray[np.float64]
 
 
 def as_fitted(
-    posed: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
+    posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
 ) -> tuple[Floats, Floats]:
     """Hit rates (F,) and densities (F,) per pixel²: of expected matches such that Π (h·N + f − h·f) / f is that at the best pose times the share.
 
@@ -48,7 +48,7 @@ def as_fitted(
     return hit, near
 
 
-def _owed(posed: Posed, found: NDArray[np.bool_], data: Data, kb: KnowledgeBase) -> float:
+def _owed(posed: Hypothesis, found: NDArray[np.bool_], data: Data, kb: KnowledgeBase) -> float:
     """The logarithm of the share of all poses that fit the matches as well as this one."""
     at, precision, middle, across = known(posed, found, data, kb)
     return log_share(at, precision, middle, data.camera, across)

@@ -10,10 +10,10 @@ from geometry.visibility.outline import outline
 
 if TYPE_CHECKING:
     from geometry.camera import Camera
-    from plogic.match.judged.expectation import Posed
+    from plogic.facts.hypothesis import Hypothesis
 
 
-def outline_rings(posed: Posed, camera: Camera) -> list[list[list[float]]]:
+def outline_rings(posed: Hypothesis, camera: Camera) -> list[list[list[float]]]:
     """Exterior rings of the projected outline, pixels to two decimals; empty for a type without a surface."""
     surface = posed.object_type.surface
     if surface is None:

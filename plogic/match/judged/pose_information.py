@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
 
     Floats = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ class Known(NamedTuple):
     across: Floats | None
 
 
-def known(posed: Posed, which: NDArray[np.bool_], data: Data, kb: KnowledgeBase) -> Known:
+def known(posed: Hypothesis, which: NDArray[np.bool_], data: Data, kb: KnowledgeBase) -> Known:
     """Of features ``which`` (F,), all matched: their places, as much as they are counted; and their angles, where these count."""
     at, sigma = posed.at[which], sigmas(posed, kb)[which]
     precision, lines = posed.counted[which] / sigma**2, None if posed.across is None else posed.across[which]
@@ -47,7 +47,7 @@ def known(posed: Posed, which: NDArray[np.bool_], data: Data, kb: KnowledgeBase)
     return Known(at, precision, posed.middle, lines)
 
 
-def sigmas(posed: Posed, kb: KnowledgeBase) -> Floats:
+def sigmas(posed: Hypothesis, kb: KnowledgeBase) -> Floats:
     """Location noise (F,) of each feature, pixels."""
     if posed.sigma is not None:
         return posed.sigma

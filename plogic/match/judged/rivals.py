@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.surfaces.surface import Surface
-    from plogic.match.judged.expectation import Posed
+    from plogic.facts.hypothesis import Hypothesis
 
 SHARED_VOLUME = 0.02
 """Share of the smaller volume that two estimated poses may have in common before A4 counts as violated: what 2 % of
@@ -37,7 +37,7 @@ def solid_of(surface: Surface) -> Solid:
     return Solid(surface.vertices, surface.triangles)
 
 
-def overlap(one: Posed, other: Posed) -> bool:
+def overlap(one: Hypothesis, other: Hypothesis) -> bool:
     """A4: whether the two bodies share volume beyond what pose errors make of touching ones; of one that is no solid nobody knows."""
     a, b = one.object_type.surface, other.object_type.surface
     if a is None or b is None:
@@ -59,7 +59,7 @@ def _shared(first: Surface, pose: bytes, second: Surface, other: bytes) -> float
     return solid_overlap(solid_of(first), next(poses), solid_of(second), next(poses))
 
 
-def hidden_among(posed: Posed, others: Sequence[Posed]) -> NDArray[np.bool_]:
+def hidden_among(posed: Hypothesis, others: Sequence[Hypothesis]) -> NDArray[np.bool_]:
     """(F,) what opaque others hide of a hypothesis; those that A4 excludes beside it hide nothing (D7)."""
     hidden = np.zeros(len(posed.uv), bool)
     for other in others:
@@ -68,7 +68,7 @@ def hidden_among(posed: Posed, others: Sequence[Posed]) -> NDArray[np.bool_]:
     return hidden
 
 
-def apart_on_screen(one: Posed, other: Posed, f: float, margin: float) -> bool:
+def apart_on_screen(one: Hypothesis, other: Hypothesis, f: float, margin: float) -> bool:
     """Whether two bodies are sure to stand more than ``margin`` pixels apart in the image (focal length ``f``), by the balls around them.
 
     Then neither hides anything of the other, shares volume with it, or takes data that it might take.
@@ -88,12 +88,12 @@ def apart_on_screen(one: Posed, other: Posed, f: float, margin: float) -> bool:
     return bool(np.linalg.norm(first - second) > a + b + margin)
 
 
-def _middle(posed: Posed, surface: Surface) -> NDArray[np.float64]:
+def _middle(posed: Hypothesis, surface: Surface) -> NDArray[np.float64]:
     """The middle (3,) of the posed bounding box, camera frame."""
     return np.asarray(posed.camera_from_object[:3, :3] @ surface.centre + posed.camera_from_object[:3, 3])
 
 
-def claims(posed: Posed, beside: Posed | None = None) -> dict[int, float]:
+def claims(posed: Hypothesis, beside: Hypothesis | None = None) -> dict[int, float]:
     """The data that its expected features take, with the residual in pixels; ``beside`` stands in the same world."""
     mine = posed.candidate & posed.detected
     if beside is not None and beside.object_type.opaque:
@@ -101,13 +101,13 @@ def claims(posed: Posed, beside: Posed | None = None) -> dict[int, float]:
     return {int(posed.matches[f]): float(posed.residual[f]) for f in np.flatnonzero(mine)}
 
 
-def shared_claims(one: Posed, other: Posed) -> tuple[set[int], float]:
+def shared_claims(one: Hypothesis, other: Hypothesis) -> tuple[set[int], float]:
     """The data that both claim in their common world, and their share of the smaller claim."""
     mine, theirs = claims(one, other), claims(other, one)
     both = set(mine) & set(theirs)
     return both, len(both) / max(1, min(len(mine), len(theirs)))
 
 
-def excludes(one: Posed, other: Posed) -> bool:
+def excludes(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether no world holds both: A4, or they explain the same data."""
     return overlap(one, other) or shared_claims(one, other)[1] > SHARED_CLAIMS

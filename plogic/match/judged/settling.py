@@ -8,8 +8,8 @@ import numpy as np
 
 from geometry.poses.refine import refined_poses
 from geometry.poses.refine_sights import Sight
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.depths import with_depths
-from plogic.match.judged.expectation import Posed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,19 +25,19 @@ FEWEST = 4
 
 
 def settled(
-    pose: Floats | Posed,
-    match: Callable[[Floats], Posed],
-    better: Callable[[Posed], Floats | None],
+    pose: Floats | Hypothesis,
+    match: Callable[[Floats], Hypothesis],
+    better: Callable[[Hypothesis], Floats | None],
     rounds: int,
-    worth: Callable[[Posed], float] | None = None,
+    worth: Callable[[Hypothesis], float] | None = None,
     as_good: float = 0.0,
-) -> Posed:
+) -> Hypothesis:
     """Match, refine, and match again, until nothing changes or ``rounds``; ``better`` gives a better pose, or None. What is posed is matched already.
 
     With ``worth``, the one of greatest worth on the way: a pose that fits its matches better may still explain less. Of
     those that are less by no more than ``as_good`` it is the last, which depends least on where it began.
     """
-    posed = best = pose if isinstance(pose, Posed) else match(pose)
+    posed = best = pose if isinstance(pose, Hypothesis) else match(pose)
     most = -np.inf if worth is None or not rounds else worth(posed)
     for _ in range(rounds):
         refined = better(posed)
@@ -54,7 +54,7 @@ def settled(
 
 
 def polished(
-    posed: Posed,
+    posed: Hypothesis,
     points: Floats,
     precision: Floats,
     data: Data,

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.frames import transform_points
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.screen_angles import screen_angle
 from plogic.match.judged.evidence import evidence
-from plogic.match.judged.expectation import Posed, assigned
+from plogic.match.judged.expectation import assigned
 from plogic.match.judged.settling import FEWEST, polished, settled
 from plogic.match.learned.held_lobes import lobes_about, lobes_held
 from plogic.match.learned.looks import likeness, right_pairs
@@ -45,25 +46,25 @@ NOISE = (0.3, 2.0)
 
 def settle(
     index: LearnedIndex,
-    pose: Floats | Posed,
+    pose: Floats | Hypothesis,
     data: Data,
     kb: KnowledgeBase,
     free: NDArray[np.bool_] | None = None,
     hidden: NDArray[np.bool_] | None = None,
     rounds: int = 2,
-) -> Posed:
+) -> Hypothesis:
     """The type at a pose, or one that is matched there already: matched (D7, D8), refined, and matched again."""
 
-    def match(pose: Floats) -> Posed:
+    def match(pose: Floats) -> Hypothesis:
         return matched(index, pose_of(index, pose, data, kb), data, kb, free, hidden)
 
-    def better(posed: Posed) -> Floats | None:
+    def better(posed: Hypothesis) -> Floats | None:
         return polished(posed, index.points, precision(posed), data, hidden, ROBUST)
 
     return settled(pose, match, better, rounds, lambda posed: evidence(posed, data, kb, hidden).ratio)
 
 
-def pose_of(index: LearnedIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> Posed:
+def pose_of(index: LearnedIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> Hypothesis:
     """What geometry says of the type at a pose; nothing is matched yet."""
     camera, cloud = data.camera, index.cloud
     at = transform_points(pose, index.points)
@@ -80,7 +81,7 @@ def pose_of(index: LearnedIndex, pose: Floats, data: Data, kb: KnowledgeBase) ->
     hit, turn = np.zeros(count), np.zeros(count)
     hit[cloud.feature[best]] = cloud.hit[best]
     turn[cloud.feature[best]] = screen_angle(cloud.up[best] @ pose[:3, :3].T, at[cloud.feature[best]])
-    return Posed(
+    return Hypothesis(
         object_type=index.object_type,
         camera_from_object=pose,
         at=at,
@@ -99,12 +100,12 @@ def pose_of(index: LearnedIndex, pose: Floats, data: Data, kb: KnowledgeBase) ->
 
 def matched(
     index: LearnedIndex,
-    posed: Posed,
+    posed: Hypothesis,
     data: Data,
     kb: KnowledgeBase,
     free: NDArray[np.bool_] | None = None,
     hidden: NDArray[np.bool_] | None = None,
-) -> Posed:
+) -> Hypothesis:
     """The hypothesis' one assignment (D8): expected features first, then unexpected ones; one keypoint a feature, one feature a keypoint.
 
     Sides of edges are looked for where they are expected alone: edges are everywhere, and those of a hidden feature
@@ -150,8 +151,13 @@ def matched(
 
 
 def _with_sides(
-    index: LearnedIndex, posed: Posed, data: Data, kb: KnowledgeBase, lobes: NDArray[np.intp], free: NDArray[np.bool_]
-) -> Posed:
+    index: LearnedIndex,
+    posed: Hypothesis,
+    data: Data,
+    kb: KnowledgeBase,
+    lobes: NDArray[np.intp],
+    free: NDArray[np.bool_],
+) -> Hypothesis:
     """What is matched so far, and the sides of edges that are those of ``lobes``, which are expected; of data that are ``free`` (A,)."""
     spread = index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)
     found = side_matches(index, posed, data, lobes, free, np.clip(WIDE * spread, *SIDES_REACH))
@@ -167,7 +173,7 @@ def _with_sides(
     return replace(posed, matches=matches, residual=residual, sigma=sigma, likeness=like, across=across)
 
 
-def precision(posed: Posed) -> Floats:
+def precision(posed: Hypothesis) -> Floats:
     """(F,) 1/pixel² of each match's place, as much as it is counted; what lies far off for this noise is likely another's."""
     assert posed.sigma is not None  # noqa: S101 - of a learned type it was measured
     return np.nan_to_num(posed.counted / (posed.sigma**2 + 0.25 * posed.residual**2))

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.match.learned.keypoint_pairs import Pairs
     from plogic.match.learned.learned_index import LearnedIndex
 
@@ -52,7 +52,7 @@ def generate(
     *,
     refined: int = REFINED,
     verified: int = VERIFIED,
-) -> list[tuple[float, Posed]]:
+) -> list[tuple[float, Hypothesis]]:
     """The settled poses with their log-likelihood ratios, best first; ``refined``, ``verified``: how many poses go that far.
 
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that are there already, m: poses that overlap
@@ -73,7 +73,7 @@ def clear_of(taken: Floats, index: LearnedIndex, poses: Floats) -> NDArray[np.bo
 
 def settled_best(
     index: LearnedIndex, best: Floats, data: Data, kb: KnowledgeBase, verified: int
-) -> list[tuple[float, Posed]]:
+) -> list[tuple[float, Hypothesis]]:
     """Of refined poses (N, 4, 4), best first, the first ``verified`` that are apart, settled, with their log-likelihood ratios, best first."""
     seen = [settle(index, pose, data, kb, rounds=0) for pose in distinct_poses(index, best, verified)]
     hopeful = [posed for posed in seen if _enough(posed) and evidence(posed, data, kb).surplus > HOPELESS]
@@ -115,7 +115,7 @@ def proposed(
     return best[order], worth[order]
 
 
-def _enough(posed: Posed) -> bool:
+def _enough(posed: Hypothesis) -> bool:
     return int((posed.candidate & posed.detected).sum()) >= FEWEST
 
 

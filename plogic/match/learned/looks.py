@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
@@ -76,7 +76,7 @@ class RightPairs:
 
 def right_pairs(
     index: LearnedIndex,
-    posed: Posed,
+    posed: Hypothesis,
     data: Data,
     lobes: Indices,
     features: Indices,
@@ -122,7 +122,7 @@ def _within(places: Floats, reach: Floats, data: Data, free: NDArray[np.bool_]) 
 
 
 def _right(
-    index: LearnedIndex, posed: Posed, data: Data, lobes: Indices, size: Floats, place: Indices, datum: Indices
+    index: LearnedIndex, posed: Hypothesis, data: Data, lobes: Indices, size: Floats, place: Indices, datum: Indices
 ) -> tuple[Indices, Floats, Floats]:
     """Which of N pairs look right, how far apart, and their fit: of an appearance of this pose, ``place`` in ``lobes``, and a keypoint ``datum``.
 
@@ -157,7 +157,7 @@ def _against_even(off: Floats, sigma: float, most: float) -> Floats:
 
 
 def likeness(
-    index: LearnedIndex, posed: Posed, lobes: Indices, matches: Indices, data: Data, kb: KnowledgeBase
+    index: LearnedIndex, posed: Hypothesis, lobes: Indices, matches: Indices, data: Data, kb: KnowledgeBase
 ) -> Floats:
     """(F,) of each match, how much rarer a keypoint that looks as right is there than clutter of its word is in an image; 1 where unmatched.
 

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
     from geometry.bodies.resting import Plane
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.match.learned.keypoint_pairs import Pairs
     from plogic.match.learned.learned_index import LearnedIndex
 
@@ -51,7 +51,7 @@ ROUNDS = (
 
 def resting(
     index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats
-) -> list[tuple[float, Posed]]:
+) -> list[tuple[float, Hypothesis]]:
     """The poses that Γ suggests on the plane, settled, which are free to leave it then, with their log-likelihood ratios, best first.
 
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that stand there already, m.

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.match.learned.learned_index import LearnedIndex
 
     Floats = NDArray[np.float64]
@@ -64,7 +64,7 @@ class SideMatches:
 
 
 def side_matches(
-    index: LearnedIndex, posed: Posed, data: Data, lobes: Indices, free: NDArray[np.bool_], reach: Floats
+    index: LearnedIndex, posed: Hypothesis, data: Data, lobes: Indices, free: NDArray[np.bool_], reach: Floats
 ) -> SideMatches:
     """Of the appearances ``lobes``, which hold the viewpoint, those of sides in the image; of data that are ``free`` (A,).
 

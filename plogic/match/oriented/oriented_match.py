@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.hand.type_index import TypeIndex
-    from plogic.match.judged.expectation import Posed
 
     Floats = NDArray[np.float64]
     Flags = NDArray[np.bool_]
@@ -41,23 +41,23 @@ ROBUST = 3.0
 
 def settle(
     index: TypeIndex,
-    pose: Floats | Posed,
+    pose: Floats | Hypothesis,
     data: Data,
     kb: KnowledgeBase,
     free: Flags | None = None,
     hidden: Flags | None = None,
     rounds: int = 2,
-) -> Posed:
+) -> Hypothesis:
     """The type at a pose, or one that is matched there already: matched, refined on places and angles, and matched again."""
     allowed = index.allowed(data)
 
-    def match(pose: Floats) -> Posed:
+    def match(pose: Floats) -> Hypothesis:
         return matched_at(index, pose, data, kb, allowed, free, hidden)
 
-    def better(posed: Posed) -> Floats | None:
+    def better(posed: Hypothesis) -> Floats | None:
         return polished(index, posed, data, kb, hidden)
 
-    def worth(posed: Posed) -> float:
+    def worth(posed: Hypothesis) -> float:
         return evidence(posed, data, kb, hidden).surplus
 
     return settled(pose, match, better, rounds, worth, AS_GOOD)
@@ -71,7 +71,7 @@ def matched_at(
     allowed: Flags,
     free: Flags | None = None,
     hidden: Flags | None = None,
-) -> Posed:
+) -> Hypothesis:
     """Matched with what is near, of a right type and at a right angle; a datum without an angle is right at any.
 
     ``likeness``: how much likelier the match's angle is than any.
@@ -98,7 +98,7 @@ def matched_at(
     return replace(posed, likeness=np.where(posed.detected & np.isfinite(own), bell, 1.0), axes=axes if count else None)
 
 
-def polished(index: TypeIndex, posed: Posed, data: Data, kb: KnowledgeBase, hidden: Flags | None) -> Floats | None:
+def polished(index: TypeIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Flags | None) -> Floats | None:
     """Least squares (4, 4) on places and angles of the expected features that were detected, or None where they are fewer than ``FEWEST``."""
     used = posed.candidate & posed.detected
     used = used if hidden is None else used & ~hidden
@@ -124,9 +124,9 @@ def verified(
     poses: Sequence[Floats],
     data: Data,
     kb: KnowledgeBase,
-    hidden_of: Callable[[Posed], Flags] | None = None,
+    hidden_of: Callable[[Hypothesis], Flags] | None = None,
     check: Callable[[], None] = unhurried,
-) -> list[tuple[float, Posed]]:
+) -> list[tuple[float, Hypothesis]]:
     """Rays cast, matched and settled: the distinct ones as (log-likelihood ratio against clutter, hypothesis), best first.
 
     ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``check`` is called before each, and

@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.delta import Options
     from plogic.facts.gravity import Gravity
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.situation import FeatureFact, HypothesisFact, Situation
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
 
@@ -60,7 +60,7 @@ class Joint:
 
     standing: tuple[Standing, ...]
     first: int
-    posed: tuple[tuple[Posed, ...], ...]
+    posed: tuple[tuple[Hypothesis, ...], ...]
     situation: Situation
 
 
@@ -111,8 +111,8 @@ def _judged(
 
 
 def _apart(
-    ordered: Sequence[Standing], first: int, posed: list[list[Posed]], seen: Sequence[Seen], kb: KnowledgeBase
-) -> tuple[Sequence[Standing], list[list[Posed]]]:
+    ordered: Sequence[Standing], first: int, posed: list[list[Hypothesis]], seen: Sequence[Seen], kb: KnowledgeBase
+) -> tuple[Sequence[Standing], list[list[Hypothesis]]]:
     """Hypotheses, and how views show them, moved out of each other (A4): Δi all together, each rival out of those that it does not exclude."""
     last, world_from_camera = posed[-1], seen[-1].view.world_from_camera
     columns, there = list(zip(*posed, strict=True)), list(last)
@@ -137,7 +137,7 @@ def _apart(
 
 
 def _gravity(
-    situation: Situation, posed: Sequence[Sequence[Posed]], seen: Sequence[Seen], kb: KnowledgeBase
+    situation: Situation, posed: Sequence[Sequence[Hypothesis]], seen: Sequence[Seen], kb: KnowledgeBase
 ) -> Gravity | None:
     """Who holds whom in the world, with what all views tell of the poses, in the axes of the last."""
     ids = [h.id for h in situation.hypotheses]
@@ -146,7 +146,7 @@ def _gravity(
     return gravity_of_view(dict(zip(ids, posed[-1], strict=True)), situation.overlaps, there, kb, known)
 
 
-def _together(posed: Sequence[Posed], seen: Sequence[Seen], kb: KnowledgeBase) -> Floats:
+def _together(posed: Sequence[Hypothesis], seen: Sequence[Seen], kb: KnowledgeBase) -> Floats:
     """What all views together tell of one pose (6, 6), in the axes of the last view's camera."""
     last = seen[-1].view.world_from_camera[:3, :3]
     turns = [turned_step(last.T @ one.view.world_from_camera[:3, :3]) for one in seen]
@@ -169,12 +169,12 @@ def _ordered(standing: Sequence[Standing], seen: Sequence[Seen], kb: KnowledgeBa
     return [standing[i] for i in [*kept, *(i for i in order if i not in kept)]], len(kept)
 
 
-def _excludes(one: Sequence[Posed], other: Sequence[Posed]) -> bool:
+def _excludes(one: Sequence[Hypothesis], other: Sequence[Hypothesis]) -> bool:
     """A4, or claims on the same data in some view."""
     return any(excludes(a, b) for a, b in zip(one, other, strict=True))
 
 
-def _posed(standing: Sequence[Standing], first: int, seen: Sequence[Seen], kb: KnowledgeBase) -> list[list[Posed]]:
+def _posed(standing: Sequence[Standing], first: int, seen: Sequence[Seen], kb: KnowledgeBase) -> list[list[Hypothesis]]:
     """All hypotheses in each view."""
     return [seen_beside(standing, [seen_alone(some, one, kb) for some in standing], first, one, kb) for one in seen]
 
@@ -186,10 +186,12 @@ class _Told(NamedTuple):
     known: tuple[_Known | None, ...]
 
 
-def _told(posed: Sequence[Posed], first: int, seen: Seen, perceiver: Perceiver, options: Options) -> _Told:
+def _told(posed: Sequence[Hypothesis], first: int, seen: Seen, perceiver: Perceiver, options: Options) -> _Told:
     kb, known = perceiver.kb, list[_Known | None]()
 
-    def counted(one: Posed, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None) -> tuple[Floats, Floats]:
+    def counted(
+        one: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None
+    ) -> tuple[Floats, Floats]:
         known.append(_known(one, hidden, seen, kb))
         return as_counted(one, data, kb, hidden)
 
@@ -202,16 +204,16 @@ def _told(posed: Sequence[Posed], first: int, seen: Seen, perceiver: Perceiver, 
     return _Told(situation, tuple(known))
 
 
-def _parted(posed: Sequence[Posed], first: int) -> tuple[tuple[Sequence[Posed], str], ...]:
+def _parted(posed: Sequence[Hypothesis], first: int) -> tuple[tuple[Sequence[Hypothesis], str], ...]:
     return (posed[:first], "accepted"), (posed[first:], "rival")
 
 
-def _belief(posed: Posed, status: str, seen: Seen, perceiver: Perceiver) -> Belief:
+def _belief(posed: Hypothesis, status: str, seen: Seen, perceiver: Perceiver) -> Belief:
     found, ev = evidence(posed, seen.data, perceiver.kb), explanatory_value(posed.support(), perceiver.dv)
     return Belief(posed, perceiver.indices[posed.object_type.name], found.ratio, found.surplus, ev, ev, status)
 
 
-def _known(posed: Posed, hidden: NDArray[np.bool_] | None, seen: Seen, kb: KnowledgeBase) -> _Known | None:
+def _known(posed: Hypothesis, hidden: NDArray[np.bool_] | None, seen: Seen, kb: KnowledgeBase) -> _Known | None:
     """What a view's matches tell of a pose; None where there are none."""
     found = posed.candidate & posed.detected
     found = found if hidden is None else found & ~hidden

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.belief import Belief
-    from plogic.match.judged.expectation import Posed
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.sequence.views.standing import Seen
 
 
@@ -30,7 +30,7 @@ class Found(NamedTuple):
 class _Member(NamedTuple):
     standing: Standing
     view: int
-    posed: Posed
+    posed: Hypothesis
 
 
 def merged(found: Sequence[Found], kb: KnowledgeBase) -> list[Standing]:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from plogic.cycle.belief import Cycle
     from plogic.cycle.delta import Options
-    from plogic.match.judged.expectation import Posed
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
     from plogic.sequence.views.joint import Joint
@@ -116,10 +116,10 @@ class Panorama:
         """What anticipated motion leads to expect: of each object of Δp that should be seen from there, as ``panorama/1`` says it."""
         return self._foreseen(self.expected(view))
 
-    def _foreseen(self, expected: Sequence[tuple[Known, Posed]]) -> tuple[dict[str, Any], ...]:
+    def _foreseen(self, expected: Sequence[tuple[Known, Hypothesis]]) -> tuple[dict[str, Any], ...]:
         return tuple(_told(known, posed, self.perceiver) for known, posed in expected)
 
-    def expected(self, view: View) -> list[tuple[Known, Posed]]:
+    def expected(self, view: View) -> list[tuple[Known, Hypothesis]]:
         """What of Δp should be seen from here, the surest first: of which ``FEWEST`` features or more are expected (D7). Γ is not looked at."""
         blank = Seen(view, data_of((), view.gamma.camera, self.perceiver.width))
         posed = [(known, seen_alone(known.standing, blank, self.perceiver.kb)) for known in self.known]
@@ -129,7 +129,7 @@ class Panorama:
             if _awaited(one, posed).sum() >= FEWEST
         ]
 
-    def _forget(self, expected: Sequence[tuple[Known, Posed]], cycle: Cycle, seen: Seen) -> tuple[str, ...]:
+    def _forget(self, expected: Sequence[tuple[Known, Hypothesis]], cycle: Cycle, seen: Seen) -> tuple[str, ...]:
         """Drop from Δp what is expected here, was not found, and is plainly not there. Its ids."""
         gone = []
         for known, _ in expected:
@@ -201,7 +201,7 @@ def _left(cycle: Cycle, seen: Seen) -> tuple[str, ...]:
     return tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
 
 
-def _awaited(posed: Posed, others: Sequence[tuple[Known, Posed]]) -> NDArray[np.bool_]:
+def _awaited(posed: Hypothesis, others: Sequence[tuple[Known, Hypothesis]]) -> NDArray[np.bool_]:
     """(F,) the features that are expected where all of Δp stands as it is remembered."""
     mask = posed.candidate.copy()
     for _, other in others:
@@ -210,7 +210,7 @@ def _awaited(posed: Posed, others: Sequence[tuple[Known, Posed]]) -> NDArray[np.
     return mask
 
 
-def _told(known: Known, posed: Posed, perceiver: Perceiver) -> dict[str, Any]:
+def _told(known: Known, posed: Hypothesis, perceiver: Perceiver) -> dict[str, Any]:
     """What anticipated motion leads to expect of one object, as ``panorama/1`` says it."""
     expected = posed.candidate
     return {

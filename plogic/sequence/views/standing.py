@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from plogic.cycle.belief import Belief
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.indices import Index
-    from plogic.match.judged.expectation import Posed
     from plogic.sequence.views.view import View
 
     Floats = NDArray[np.float64]
@@ -70,19 +70,19 @@ def standing_of(belief: Belief, view: View) -> Standing:
     return Standing(belief.index, np.asarray(view.world_from_camera @ belief.posed.camera_from_object))
 
 
-def seen_alone(standing: Standing, seen: Seen, kb: KnowledgeBase) -> Posed:
+def seen_alone(standing: Standing, seen: Seen, kb: KnowledgeBase) -> Hypothesis:
     """The hypothesis at its place, matched on all of a view's Γ as if nothing else were there."""
     return settle(standing.index, standing.before(seen.view), seen.data, kb, rounds=0)
 
 
 def seen_beside(
-    standing: Sequence[Standing], alone: Sequence[Posed], first: int, seen: Seen, kb: KnowledgeBase
-) -> list[Posed]:
+    standing: Sequence[Standing], alone: Sequence[Hypothesis], first: int, seen: Seen, kb: KnowledgeBase
+) -> list[Hypothesis]:
     """All hypotheses in one view, where the ``first`` of them are in Δi: none of these takes a datum of another, and what one hides is not expected.
 
     A rival is matched as if those that it excludes were not there. ``alone``: the same, as ``seen_alone`` gives them.
     """
-    posed: list[Posed] = []
+    posed: list[Hypothesis] = []
     for i, (some, lone) in enumerate(zip(standing, alone, strict=True)):
         others = [j for j in range(first) if j != i and (i < first or not excludes(lone, alone[j]))]
         hidden = hidden_among(lone, [alone[j] for j in others])
@@ -96,11 +96,11 @@ def seen_beside(
 
 def _settled(
     standing: Standing, seen: Seen, kb: KnowledgeBase, free: NDArray[np.bool_], hidden: NDArray[np.bool_]
-) -> Posed:
+) -> Hypothesis:
     return settle(standing.index, standing.before(seen.view), seen.data, kb, free=free, hidden=hidden, rounds=0)
 
 
-def refined(standing: Standing, posed: Sequence[Posed], seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:
+def refined(standing: Standing, posed: Sequence[Hypothesis], seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:
     """The hypothesis at the pose that fits its expected, detected features best in all views together; as it was where they are too few."""
     sights = [_sight(one, some, kb) for one, some in zip(posed, seen, strict=True)]
     if sum(len(sight.uv) for sight in sights) < FEWEST:
@@ -109,7 +109,7 @@ def refined(standing: Standing, posed: Sequence[Posed], seen: Sequence[Seen], kb
     return Standing(standing.index, pose)
 
 
-def _sight(posed: Posed, seen: Seen, kb: KnowledgeBase) -> Sight:
+def _sight(posed: Hypothesis, seen: Seen, kb: KnowledgeBase) -> Sight:
     used = posed.candidate & posed.detected
     points = transform_points(inverse(posed.camera_from_object), posed.at[used])
     weights = posed.counted[used] / sigmas(posed, kb)[used] ** 2

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plogic.cycle.belief import Belief, Cycle
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.expectation import Posed
     from plogic.run.perceive import Perceiver
     from sensing.appearance import Gamma
     from sensing.files.stereo import Pair
@@ -53,13 +53,15 @@ def sharpened(cycle: Cycle, left: Gamma, data: Data, right: Gamma, pair: Pair, p
     )
 
 
-def _posed(standing: Sequence[Standing], seen: Seen, perceiver: Perceiver) -> list[Posed]:
+def _posed(standing: Sequence[Standing], seen: Seen, perceiver: Perceiver) -> list[Hypothesis]:
     """All of them in one image, beside each other."""
     alone = [seen_alone(some, seen, perceiver.kb) for some in standing]
     return seen_beside(standing, alone, len(standing), seen, perceiver.kb)
 
 
-def _judged(belief: Belief, posed: Posed, others: Sequence[Posed], data: Data, perceiver: Perceiver) -> Belief:
+def _judged(
+    belief: Belief, posed: Hypothesis, others: Sequence[Hypothesis], data: Data, perceiver: Perceiver
+) -> Belief:
     hidden = hidden_among(posed, others)
     found = evidence(posed, data, perceiver.kb, hidden)
     ev, again = (explanatory_value(posed.support(mask), perceiver.dv) for mask in (None, hidden))

@@ -13,8 +13,8 @@ from learned_scenes import gamma_at, one_sided, pose_before, ready
 from synthetic import camera_pose, data, posed_at, scene, towers
 
 from plogic.match.indices import settle
-from plogic.match.judged.crowding import ALONG, BENT, CROWDED
 from plogic.match.judged.evidence import as_counted, clutter_density, hit_rates, match_density
+from plogic.measures.crowding import ALONG, BENT, CROWDED
 
 COUNT = 30
 CROWDS = st.tuples(st.integers(0, 9999), st.sampled_from([0.0, 1.0, 4.0, 12.0, 60.0]))

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_counted import COUNT, CROWDS, crowded, together
 
-from plogic.match.judged.crowding import ALONG, LINKED, shares
+from plogic.measures.crowding import ALONG, LINKED, shares
 
 SIDED = st.integers(0, 2**COUNT - 1).map(lambda bits: np.array([bits >> f & 1 for f in range(COUNT)], bool))
 

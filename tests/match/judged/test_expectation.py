@@ -12,8 +12,9 @@ from synthetic import CAMERA, camera_pose, data, one_before_the_other, perceiver
 
 from geometry.camera import Camera
 from geometry.frames import inverse
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.expectation import Posed, hidden_by, matched, pose_of
+from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from sensing.appearance import Appearance
 
 TOLERANCE = 3.0
@@ -141,7 +142,7 @@ def small(features, places, expected, right):
     """A posed hypothesis with F features, laid by hand, and Γ with A data."""
     count = len(features)
     nothing = np.zeros(count, dtype=bool)
-    posed = Posed(
+    posed = Hypothesis(
         SimpleNamespace(opaque=True),
         np.eye(4),
         np.zeros((count, 3)),
