@@ -82,8 +82,10 @@ def pose_of(index: LearnedIndex, pose: Floats, data: Data, kb: KnowledgeBase) ->
     hit[cloud.feature[best]] = cloud.hit[best]
     turn[cloud.feature[best]] = screen_angle(cloud.up[best] @ pose[:3, :3].T, at[cloud.feature[best]])
     return Hypothesis(
-        object_type=index.object_type,
+        type=index.object_type.name,
         camera_from_object=pose,
+        opaque=index.object_type.opaque,
+        known_type=index.object_type,
         at=at,
         uv=uv,
         in_image=camera.contains(uv),

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.facts.situation import HypothesisFact
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.scene.factors.alternatives import Cast
 
     Cell = tuple[int, float, bool]
@@ -49,7 +49,7 @@ class Linear(NamedTuple):
         return [epsilon + spread * _snapped(x + fixed) for x in changing]
 
 
-def linear(cast: Cast, h: HypothesisFact) -> Linear:
+def linear(cast: Cast, h: Hypothesis) -> Linear:
     """One look at the features of a hypothesis."""
     opaque, unhiding, solid = cast.opaque, cast.unhiding[h.id], h.opaque
     weights: list[float] = []

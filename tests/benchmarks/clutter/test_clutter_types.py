@@ -76,7 +76,7 @@ def test_the_knowledge_base_is_one_that_can_be_perceived_with():
     assert sum(kb.rates.clutter.values()) == pytest.approx(1000)
     assert sum(kb.rates.prior.values()) == pytest.approx(1)
     assert set(kb.rates.hit.values()) == {EASY.hit}
-    assert set(Perceiver(kb).indices) == {"r0000", "r0001", "r0002"}
+    assert set(Perceiver(kb).models) == {"r0000", "r0001", "r0002"}
 
 
 def test_the_tree_says_what_the_features_say():
@@ -146,7 +146,7 @@ def test_learned_types_stand_for_as_many_random_ones():
     assert mixed.appearance_types == kb.appearance_types
     assert set(mixed.rates.prior) == {"cube", "r0000", "r0001"}
     assert mixed.digest != kb.digest
-    assert len(Perceiver(mixed).indices["cube"].points) == 6
+    assert len(Perceiver(mixed).models["cube"].points) == 6
 
 
 def test_a_wider_tolerance_goes_with_more_noise():

@@ -13,7 +13,7 @@ NAMES = ("t1", "t2")
 
 
 def cells_of(name):
-    return perceiver().indices[name].cells
+    return perceiver().models[name].cells
 
 
 @pytest.mark.parametrize("number", [2, 42, 162])
