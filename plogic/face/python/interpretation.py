@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, get_args
+from typing import TYPE_CHECKING, Self, get_args
 
 import numpy as np
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from plogic.face.python.measures import Measures
     from plogic.face.python.pictures import Camera
     from plogic.face.session.blocks import Block
+    from plogic.facts import document as rows
     from plogic.facts.situation import Situation
     from plogic.scene.worlds.ranked_worlds import Ranking
 
@@ -124,9 +125,9 @@ class Picture(np.ndarray[tuple[int, ...], np.dtype[np.uint8]]):
 class Interpretation(Asked):
     """What one picture shows: hypotheses, possible worlds, relations; self-contained, so that no image or KB has to be at hand."""
 
-    def __init__(self, document: Mapping[str, Any], *, image: NDArray[np.uint8] | None = None) -> None:
+    def __init__(self, document: rows.Interpretation, *, image: NDArray[np.uint8] | None = None) -> None:
         """Take an ``interpretation/1`` document, and the image (H, W, 3) uint8, blue first, that it is of, if it is at hand."""
-        self._document, self._image = dict(document), image
+        self._document, self._image = document, image
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
@@ -136,21 +137,20 @@ class Interpretation(Asked):
         return cls(read_interpretation(path))
 
     @property
-    def document(self) -> dict[str, Any]:
+    def document(self) -> rows.Interpretation:
         """The ``interpretation/1`` document."""
         return self._document
 
     @property
     def reading(self) -> Reading:
         """The reading that probabilities are of: score or posterior."""
-        reading: Reading = self._document["reading"]
-        return reading
+        return self._document["reading"]
 
     def read_as(self, reading: Reading) -> Self:
         """Return the same hypotheses and facts in the other reading, for ``worlds``, ``query``, ``explain`` and ``program``."""
         if reading not in get_args(Reading):
             raise InputError(f"reading: {reading!r:.60} should be one of {', '.join(get_args(Reading))}")
-        return type(self)(self._document | {"reading": reading}, image=self._image)
+        return type(self)({**self._document, "reading": reading}, image=self._image)
 
     @property
     def unfinished(self) -> bool:
@@ -176,7 +176,7 @@ class Interpretation(Asked):
         return Relations(
             tuple(
                 Relation(r["relation"], (r["args"][0], r["args"][1]), r["probability"], _interval(r))
-                for r in self._document["relations"]
+                for r in self._document.get("relations", [])
             )
         )
 
@@ -240,8 +240,8 @@ class Interpretation(Asked):
         """Return ev in each mode, Shanahan's value, the posterior, dv and rank: a row each hypothesis that is not rejected."""
         from plogic.face.python.measures import measures_of
 
-        rows = self._document["hypotheses"]
-        return measures_of(self.subject, {h["id"]: h["ev"] for h in rows}, {h["id"]: h["status"] for h in rows})
+        found = self._document["hypotheses"]
+        return measures_of(self.subject, {h["id"]: h.get("ev") for h in found}, {h["id"]: h["status"] for h in found})
 
     def program(self) -> Program:
         """Return the ProbLog program with its queries: it runs unchanged in a stock ``problog``, with the same numbers."""
@@ -260,7 +260,7 @@ class Interpretation(Asked):
         """The image (H, W, 3) uint8, blue first: the one that was perceived, else the one that is carried along, maybe smaller; or None."""
         from sensing.files.images import image_from
 
-        carried = self._document["assets"].get("image")
+        carried = self._document.get("assets", {}).get("image")
         if self._image is not None or carried is None:
             return self._image
         return image_from(base64.b64decode(carried["base64"]), "the carried image")
@@ -284,12 +284,12 @@ class Interpretation(Asked):
     def blocks(self) -> tuple[Block, ...]:
         """The hypotheses and the worlds that are listed."""
         types = {h["id"]: h["type"] for h in self._document["hypotheses"]}
-        rows = tuple(
-            World(w["probability"], tuple(w["present"]), self._causes(w["causes"]), _interval(w))
-            for w in self._document["worlds"][:10]
+        listed = tuple(
+            World(w["probability"], tuple(w["present"]), self._causes(w.get("causes", {})), _interval(w))
+            for w in self._document.get("worlds", [])[:10]
         )
-        low, high = self._document["unlisted_mass"]
-        return (*self.hypotheses.blocks(), *Worlds(rows, (low, high), (), types, self.subject.stopped).blocks())
+        low, high = self._document.get("unlisted_mass", (0.0, 0.0))
+        return (*self.hypotheses.blocks(), *Worlds(listed, (low, high), (), types, self.subject.stopped).blocks())
 
     def _causes(self, listed: Mapping[str, str]) -> dict[str, str]:
         """The cause of every appearance; where only some are listed, the others are noise."""
@@ -306,7 +306,7 @@ class Interpretation(Asked):
         return self._document == other.document if isinstance(other, Interpretation) else NotImplemented
 
     def __hash__(self) -> int:
-        return hash((self._document["kb"]["digest"], len(self._document["hypotheses"])))
+        return hash((self.reading, tuple(h["id"] for h in self._document["hypotheses"])))
 
 
 def _ranking(situation: Situation, n: int, given: Sequence[str], seconds: float | None) -> Ranking:
@@ -327,22 +327,23 @@ def _left(end: float | None) -> float | None:
     return None if end is None else max(end - time.monotonic(), 0.0)
 
 
-def _hypothesis(row: Mapping[str, Any]) -> Hypothesis:
+def _hypothesis(row: rows.HypothesisRow | rows.RejectedRow) -> Hypothesis:
     return Hypothesis(
         row["id"],
         row["type"],
         np.array(row["T_camera_object"], dtype=float),
-        row["ev"],
-        row["p_ev"],
-        row["probability"],
+        row.get("ev"),
+        row.get("p_ev"),
+        row.get("probability", 0.0),
         _interval(row),
         row["status"],
-        {f["id"]: f["case"] for f in row["features"]},
+        {f["id"]: f.get("case") for f in row["features"]},
     )
 
 
-def _interval(row: Mapping[str, Any]) -> tuple[float, float]:
-    low, high = row.get("interval") or (row["probability"],) * 2
+def _interval(row: rows.Verdict | rows.WorldRow | rows.RelationRow) -> tuple[float, float]:
+    """The bounds that are told, else the probability twice."""
+    low, high = row.get("interval") or (row.get("probability", 0.0),) * 2
     return low, high
 
 
