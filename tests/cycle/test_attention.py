@@ -8,14 +8,13 @@ import pytest
 from synthetic import camera_pose, perceiver, scene, towers
 
 from benchmarks.clutter.types import random_types, type_names
-from plogic.cycle import attention
 from plogic.cycle.attention import attend, chance_types
 from plogic.match.hand.type_index import type_index
 from plogic.measures.valuation import compatible, rank
 
 
 def order_of(types):
-    return attend(list(perceiver().indices.values()), types, towers())
+    return attend(list(perceiver().models.values()), types, towers())
 
 
 def test_the_type_whose_every_feature_is_there_comes_first():
@@ -81,4 +80,4 @@ def test_counting_is_the_best_matching_where_features_have_one_appearance_type_e
     looks = [frozenset(a.type for a in feature.appearances) for feature in kind.features]
     allowed = compatible(looks, there)
     best = [rank(index.weights[row], allowed[row]) for row in [np.ones(12, bool), *shown]]
-    assert attention._counted(index, Counter(there)) == pytest.approx(best, abs=1e-9)
+    assert index._counted(Counter(there)) == pytest.approx(best, abs=1e-9)

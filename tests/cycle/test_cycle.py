@@ -29,7 +29,6 @@ from plogic.cycle.attention import attend
 from plogic.cycle.belief import considered
 from plogic.cycle.delta import Options
 from plogic.cycle.perception import FEWEST
-from plogic.match.indices import significant
 from plogic.match.judged.alike import same_place
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import claims, overlap
@@ -117,7 +116,7 @@ def test_accepted_hypotheses_meet_their_conditions(hiding, apart):
         for belief in cycle.accepted:
             assert (belief.posed.candidate & belief.posed.detected).sum() >= FEWEST
             assert belief.ev_reconsidered > 0.0
-            assert belief.worth > significant(belief.posed)
+            assert belief.worth > belief.index.significance(belief.posed)
 
 
 def test_the_trace_names_every_step(hiding):
@@ -240,7 +239,7 @@ def test_b_a_fully_hidden_phantom_is_never_accepted(seed):
 
 
 def attend_to(gamma):
-    return attend(list(perceiver().indices.values()), [a.type for a in gamma.appearances], perceiver().kb)
+    return attend(list(perceiver().models.values()), [a.type for a in gamma.appearances], perceiver().kb)
 
 
 # --- deadlines ---

@@ -57,7 +57,7 @@ def test_features_say_what_geometry_says(rich):
         assert len(h.features) == len(posed.uv)
         for f, fact in enumerate(h.features):
             assert fact.in_image == posed.in_image[f]
-            assert h.candidate(fact) == posed.candidate[f]
+            assert h.expects(fact) == posed.candidate[f]
             assert fact.match == (ids[posed.matches[f]] if posed.matches[f] >= 0 else None)
             assert (fact.residual is None) == (fact.match is None) == (fact.density == 0.0)
             assert fact.dv == perceiver().dv[fact.type]

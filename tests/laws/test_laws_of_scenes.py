@@ -15,12 +15,11 @@ from many_objects import accepted_rows, alike, few_kb, few_types, scene_of_seed,
 from synthetic import one_before_the_other, perceiver, scene, towers
 
 from geometry.frames import pose_error
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.match.gamma.data import data_of
-from plogic.match.indices import settle
 from plogic.match.judged.disjoint import DEEP
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import claims
@@ -276,7 +275,7 @@ def test_what_is_rejected_releases_its_data(subject):
         free, posed = np.ones(len(data.ids), bool), belief.posed
         free[list(everybodys - mine)] = False
         hidden = np.any([hidden_by(posed, other.posed) for other in beliefs if other is not belief], axis=0)
-        alone = settle(belief.index, posed.camera_from_object, data, perceiving.kb, free=free, hidden=hidden, rounds=0)
+        alone = belief.index.settle(posed.camera_from_object, data, perceiving.kb, free=free, hidden=hidden, rounds=0)
         assert np.array_equal(alone.matches, posed.matches)
 
 
@@ -285,9 +284,7 @@ def test_what_rejected_ones_would_explain_is_explained_by_accepted_ones():
     perceiving, gamma = SUBJECTS["towers"]()
     beliefs, rejected = judged("towers")
     data = data_of(gamma.appearances, gamma.camera, perceiving.width)
-    tried = [
-        settle(belief.index, belief.posed.camera_from_object, data, perceiving.kb, rounds=0) for belief in rejected
-    ]
+    tried = [belief.index.settle(belief.posed.camera_from_object, data, perceiving.kb, rounds=0) for belief in rejected]
     claimed = set().union(*(claims(belief.posed) for belief in beliefs))
     assert len(tried) > 3
     assert sum(bool(set(claims(posed)) & claimed) for posed in tried) > 3

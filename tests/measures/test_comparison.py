@@ -201,9 +201,7 @@ def test_partial_occlusion_raises_the_posteriors_log_odds_by_exactly_the_waived_
     alone, beside = (situation_with(beliefs, of, shot) for beliefs in ([back], [back, front]))
     assert not beside.rivals
     waived = [
-        f
-        for f in beside.hypotheses[0].features
-        if beside.hypotheses[0].candidate(f) and f.hidden_by and f.match is None
+        f for f in beside.hypotheses[0].features if beside.hypotheses[0].expects(f) and f.hidden_by and f.match is None
     ]
     assert waived
     assert ratio_of_t2(beside) - ratio_of_t2(alone) == pytest.approx(

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from plogic.facts.dependence import Scene
-    from plogic.facts.situation import FeatureFact, HypothesisFact
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.inference.gates import Formula
     from plogic.scene.factors.alternatives import Cast
     from plogic.scene.factors.weight_tables import Tables
 
 
-def add_pick(tables: Tables, cast: Cast, scene: Scene, h: HypothesisFact, epsilon: float) -> None:
+def add_pick(tables: Tables, cast: Cast, scene: Scene, h: Hypothesis, epsilon: float) -> None:
     """Modes `to_B` and `reassign`: state 0 and 1 of the pick are luck, good and bad (ε each); state i > 1 is the i-th feature in the image."""
     seen = [f for f in h.features if f.in_image]
     shares = alternative([f.dv for f in seen])
@@ -51,23 +51,23 @@ def _any_of(cast: Cast, names: Iterable[str]) -> Formula:
     return Or(tuple(Literal(v, frozenset(states)) for v, states in cast.literals(names)))
 
 
-def _in_view(cast: Cast, h: HypothesisFact, f: FeatureFact) -> Formula:
+def _in_view(cast: Cast, h: Hypothesis, f: FeatureFact) -> Formula:
     """D7, given that ``h`` is in the world."""
-    return Not(_any_of(cast, cast.hiders(h, f))) if h.candidate(f) else Or(())
+    return Not(_any_of(cast, cast.hiders(h, f))) if h.expects(f) else Or(())
 
 
-def _robbed(cast: Cast, scene: Scene, h: HypothesisFact, f: FeatureFact) -> Formula:
+def _robbed(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:
     """Mode `reassign`: another present object's expected feature claims the appearance (§5.5)."""
     robbers = scene.robbers(h, f) if cast.situation.reconsider == "reassign" else []
     return Or(tuple(And((_present(cast, g.id), _in_view(cast, g, e))) for g, e in robbers))
 
 
-def _found(cast: Cast, scene: Scene, h: HypothesisFact, f: FeatureFact) -> Formula:
+def _found(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:
     """D8."""
     return Or(()) if f.match is None else Or((_in_view(cast, h, f), Not(_robbed(cast, scene, h, f))))
 
 
-def _concordant(cast: Cast, scene: Scene, h: HypothesisFact, f: FeatureFact) -> Formula:
+def _concordant(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:
     """Expected ⇔ Detected: what is matched is in view or lost to another; what is not is out of view."""
     in_view = _in_view(cast, h, f)
     return Not(in_view) if f.match is None else Or((in_view, _robbed(cast, scene, h, f)))

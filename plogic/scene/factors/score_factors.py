@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.facts.dependence import Dependence
-    from plogic.facts.situation import HypothesisFact
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.scene.factors.alternatives import Cast
     from plogic.scene.factors.linear import Linear
     from plogic.scene.factors.weight_tables import Tables
@@ -82,7 +82,7 @@ def _literals(cast: Cast, names: tuple[str, ...]) -> list[tuple[int, tuple[int, 
     return [(place[name][0], place[name][1:]) for name in names]
 
 
-def chances(seen: Seen, h: HypothesisFact, names: tuple[str, ...]) -> Chances:
+def chances(seen: Seen, h: Hypothesis, names: tuple[str, ...]) -> Chances:
     """P(present(h) | which of ``names`` are present), a bit table (2^n,)."""
     rows = np.arange(2 ** len(names))
     nobody = np.zeros(len(rows), np.bool_)

@@ -22,7 +22,7 @@ def choices(w: Writer) -> Iterator[str]:
         yield disjunction([(p, f"present({w.names.atom(name)})") for name, p in shares])
     yield "% Each expected feature is detected with its hit rate."
     for h in w.scene.situation.hypotheses:
-        for f in (f for f in h.features if h.candidate(f)):
+        for f in (f for f in h.features if h.expects(f)):
             yield f"{number(bounded(f.hit_rate))}::hit({w.feature(h, f)})."
     yield "% Each claimed appearance has one cause: densities over their sum (bounded, so that ProbLog can read them)."
     for appearance in w.scene.claimants:

@@ -12,7 +12,7 @@ from plogic.scene.text.layout import disjunction, number
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plogic.facts.situation import HypothesisFact
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.scene.text.layout import Writer
 
 FALLBACKS = """alone(_) :- fail. ok(_, _) :- fail. pick(_, _) :- fail. luck(_, _) :- fail.
@@ -30,13 +30,13 @@ def choices(w: Writer) -> Iterator[str]:
             yield from _alone(w, h)
 
 
-def _alone(w: Writer, h: HypothesisFact) -> Iterator[str]:
+def _alone(w: Writer, h: Hypothesis) -> Iterator[str]:
     yield ""
     yield w.fact("alone", h.id)
     yield from _dropping(w, h) if w.scene.situation.reconsider == "drop" else _picking(w, h)
 
 
-def _picking(w: Writer, h: HypothesisFact) -> Iterator[str]:
+def _picking(w: Writer, h: Hypothesis) -> Iterator[str]:
     """``dv_F/Σdv::pick(H, F)`` over the features in the image."""
     seen = [f for f in h.features if f.in_image]
     shares = alternative([f.dv for f in seen])
@@ -53,7 +53,7 @@ def _picking(w: Writer, h: HypothesisFact) -> Iterator[str]:
         )
 
 
-def _dropping(w: Writer, h: HypothesisFact) -> Iterator[str]:
+def _dropping(w: Writer, h: Hypothesis) -> Iterator[str]:
     """``P(ev)::ok(H, Context)`` for each set of accepted occluders."""
     for context in contexts(listed(w, h)):
         yield f"{number(accepted_given(w, h, context))}::ok({w.names.atom(h.id)}, {w.list(context)})."

@@ -16,7 +16,7 @@ from plogic.scene.text.support_text import holds
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plogic.facts.situation import HypothesisFact
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.scene.text.layout import Writer
 
 VIEWS = {"inside": "inside_image", "cut": "cut_by_image"}
@@ -43,8 +43,8 @@ def whereabouts(w: Writer) -> Iterator[str]:
     yield from holds(w)
 
 
-def _point(h: HypothesisFact) -> BodyFact:
-    x, y, z = (row[3] for row in h.camera_from_object[:3])
+def _point(h: Hypothesis) -> BodyFact:
+    x, y, z = h.camera_from_object[:3, 3].tolist()
     return BodyFact(h.id, (x, y, z), math.hypot(x, y, z), "outside")
 
 

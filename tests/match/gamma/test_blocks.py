@@ -13,9 +13,9 @@ from plogic.match.gamma import row_blocks as blocks
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import wrapped
 from plogic.match.hand import links, open_pairs
+from plogic.match.hand.generate import generate
 from plogic.match.hand.links import ALONG_ONE_ARM, POINTING, data_links, linked_pairs
 from plogic.match.hand.triples import NEIGHBOURS, image_triples
-from plogic.match.indices import generate
 from sensing.appearance import Appearance
 
 SCALES = (10.0, 2000.0)
@@ -69,7 +69,7 @@ def test_links_are_those_that_each_arm_has_alone(seed, entries, monkeypatch):
 
 @pytest.mark.parametrize(("number", "most"), [(0, 60_000), (1, 60_000), (2, 60_000), (60, 60_000), (60, 50)])
 def test_pairs_by_links_are_the_same_in_any_blocks(number, most, monkeypatch):
-    index, data = perceiver().indices["t2"], clutter(number, 9)
+    index, data = perceiver().models["t2"], clutter(number, 9)
     monkeypatch.setattr(links, "MOST_PAIRS", most)
     whole = linked_pairs(index.cells, index.links, index.allowed(data), data, SCALES)
     assert len(whole.cell) == most or number < 3 or most > 1000
@@ -90,7 +90,7 @@ def test_triples_are_the_same_in_any_blocks(number, step, monkeypatch):
 
 @pytest.mark.parametrize("most", [40, 10**9])
 def test_pairs_of_places_are_the_same_in_any_blocks(most, monkeypatch):
-    index, data = perceiver().indices["t1"], clutter(400, 3, arms=0)
+    index, data = perceiver().models["t1"], clutter(400, 3, arms=0)
     monkeypatch.setattr(open_pairs, "MOST_OF_CELL", most)
     given = index.cells, 7, index.anchors, index.allowed(data), data, SCALES, lambda: None
     whole = open_pairs._of_cell(*given)
@@ -120,7 +120,7 @@ def test_blocks_are_bounded_and_cover_every_row_once():
 @pytest.mark.parametrize("arms", [0, 3])
 def test_the_search_for_a_type_can_be_stopped_at_every_look(arms, monkeypatch):
     """Between blocks too: the more there are the oftener it looks, and it finds the same."""
-    index, data, kb = perceiver().indices["t2"], clutter(40, 2, arms), perceiver().kb
+    index, data, kb = perceiver().models["t2"], clutter(40, 2, arms), perceiver().kb
 
     def looks(most):
         count = 0

@@ -13,7 +13,7 @@ TOLERANCE = 3.0
 
 
 def view(name, seed):
-    index, rng = perceiver().indices[name], np.random.default_rng(seed)
+    index, rng = perceiver().models[name], np.random.default_rng(seed)
     pose = camera_pose(rng, (3.0, 5.0))
     data = data_of(scene(rng, {name: pose}, clutter=8).gamma.appearances, CAMERA)
     return index, pose, data, distance_maps(index.allowed(data), data), rng

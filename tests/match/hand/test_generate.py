@@ -18,7 +18,7 @@ SEEDS = range(5000, 5012)
 
 
 def found(name, gamma):
-    return generate(perceiver().indices[name], data_of(gamma.appearances, gamma.camera), towers())
+    return generate(perceiver().models[name], data_of(gamma.appearances, gamma.camera), towers())
 
 
 def best(name, gamma):
@@ -39,7 +39,7 @@ def shots():
 
 def ratio_at(name, pose, gamma):
     """The evidence for a pose once it is settled, as the cycle settles it."""
-    data, index = data_of(gamma.appearances, CAMERA), perceiver().indices[name]
+    data, index = data_of(gamma.appearances, CAMERA), perceiver().models[name]
     return evidence(settle(index, pose, data, towers()), data, towers()).ratio
 
 

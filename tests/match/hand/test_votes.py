@@ -25,7 +25,7 @@ def data_at(places, kinds=None):
 
 @pytest.fixture(scope="module")
 def view():
-    index, rng = perceiver().indices["t1"], np.random.default_rng(5030)
+    index, rng = perceiver().models["t1"], np.random.default_rng(5030)
     pose = camera_pose(rng, (4.0, 5.0))
     data = data_of(scene(rng, {"t1": pose}, clutter=8).gamma.appearances, CAMERA)
     return index, pose, data, distance_maps(index.allowed(data), data)

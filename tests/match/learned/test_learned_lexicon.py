@@ -12,7 +12,7 @@ from learned_scenes import CAMERA, ready
 from random_cloud import random_cloud, random_words
 
 from plogic.match.gamma.data import data_of
-from plogic.match.indices import indices_of
+from plogic.match.kinds import models_of
 from plogic.match.learned.lexicon import FARTHEST, FARTHEST_BITS, NTH, WORDS, lexicon_of, spread
 from sensing.appearance import Appearance
 
@@ -206,7 +206,7 @@ def test_all_learned_types_of_a_knowledge_base_share_one():
     words = random_words(1)
     things = [ready(random_cloud(i), name=f"t{i}", words=words) for i in range(3)]
     kb = replace(things[0].kb, types=tuple(thing.kind for thing in things))
-    indices, _ = indices_of(kb, dict.fromkeys(words.names, 0.5))
+    indices = models_of(kb, dict.fromkeys(words.names, 0.5))
     assert list(indices) == ["t0", "t1", "t2"]
     assert len({id(index.lexicon) for index in indices.values()}) == 1
     assert indices["t0"].lexicon.names == ("t0", "t1", "t2")

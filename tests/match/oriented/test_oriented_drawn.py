@@ -11,7 +11,6 @@ from geometry.frames import inverse, transform_points
 from kb.clouds.lobes import in_lobe
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import screen_angle
-from plogic.match.indices import settle
 from plogic.match.judged.evidence import evidence
 from plogic.match.oriented.asked import chances_of
 from plogic.match.oriented.climb import AS_GOOD, climbed
@@ -102,7 +101,7 @@ def test_at_the_noise_of_the_detector_it_is_the_evidence_of_the_cycle(detector):
     close = []
     for seed in range(12):
         asked, which, pose = posed(seed, detector)
-        found = settle(asked.index.indices[which], pose, asked.data, clouds(detector=detector).kb, rounds=2)
+        found = asked.index.indices[which].settle(pose, asked.data, clouds(detector=detector).kb, rounds=2)
         exact = evidence(found, asked.data, clouds(detector=detector).kb).surplus
         close.append(abs(drawn(asked, np.array([which]), found.camera_from_object[None], 0.0).worth[0] - exact))
     assert np.median(close) < 0.05, close

@@ -19,7 +19,7 @@ CELLS = (0, 17, 60, 99, 161)
 
 def indices(which):
     if which == "towers":
-        return list(perceiver().indices.values())
+        return list(perceiver().models.values())
     if which == "two looks":
         return kb_of(with_other_look(clouds().kb.types[0], "a007")).rows
     if which == "glass":
