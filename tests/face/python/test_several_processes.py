@@ -11,7 +11,7 @@ import pytest
 from sent import sent
 
 import plogic
-from kb.files.shipped import shipped
+from kb.files.folder import shipped
 from plogic import KnowledgeBase, perceive
 from plogic.run.perceive import Perceiver
 
