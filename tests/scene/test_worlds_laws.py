@@ -16,8 +16,8 @@ from tangles import tangle
 from plogic.base.clock import Clock
 from plogic.base.errors import InconsistentError, LimitError
 from plogic.facts.situation import AppearanceFact
-from plogic.scene.factors import summed_ranking as ranking
 from plogic.scene.factors.scene_graph import scene_graph
+from plogic.scene.worlds import ranked_worlds as ranking
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 QUICK = settings(max_examples=80, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))

@@ -28,11 +28,10 @@ from plogic.base.clock import Clock, OutOfTimeError
 from plogic.base.errors import InconsistentError, LimitError, WidthError
 from plogic.facts.sanity import check
 from plogic.inference.gates import Literal, observed
-from plogic.inference.graph import FactorGraph
+from plogic.inference.graph import FactorGraph, connected
 from plogic.inference.marginals import beliefs, summed_out
 from plogic.inference.ranked import Ranked
 from plogic.scene.factors.alternatives import cast_of
-from plogic.scene.factors.pieces import pieces
 from plogic.scene.factors.scene_graph import scene_graph
 from plogic.scene.worlds.causes import CauseTable
 
@@ -223,7 +222,7 @@ def _log_sum(logs: list[float]) -> float:
 
 def _reason(scene: SceneGraph) -> str:
     """Which hypotheses cannot be reconciled: those of the first piece of the graph without a possible joint state."""
-    for piece in pieces(scene.graph):
+    for piece in connected(scene.graph):
         factors = tuple(f for f in scene.graph.factors if f.scope and f.scope[0] in piece)
         if beliefs(FactorGraph(scene.graph.cards, factors)).log_z[1] == -math.inf:
             names = [name for name, (v, _) in scene.place.items() if v in piece]
