@@ -62,7 +62,7 @@ def support_evidence(w: Writer) -> Iterator[str]:
     """Nothing floats without an excuse."""
     gravity = w.scene.situation.gravity
     if gravity is not None:
-        yield from (f"support_evidence(\\+ violated(floats({w.names.atom(name)})))." for name in may_float(gravity))
+        yield from (f"evidence(\\+ violated(floats({w.names.atom(name)})))." for name in may_float(gravity))
 
 
 def may_float(gravity: Gravity) -> list[str]:

@@ -57,9 +57,9 @@ def _causes(w: Writer, appearance: str) -> Iterator[str]:
 
 def posterior_evidence(w: Writer) -> Iterator[str]:
     """Γ, and what is not in Γ."""
-    yield from (f"posterior_evidence(explained({w.names.atom(appearance)}))." for appearance in w.scene.claimants)
+    yield from (f"evidence(explained({w.names.atom(appearance)}))." for appearance in w.scene.claimants)
     for h in w.scene.situation.hypotheses:
-        yield from (f"posterior_evidence(\\+ missed({w.feature(h, f)}))." for f in unmatched(h))
+        yield from (f"evidence(\\+ missed({w.feature(h, f)}))." for f in unmatched(h))
 
 
 SCORE_FALLBACKS = """alone(_) :- fail. ok(_, _) :- fail. pick(_, _) :- fail. luck(_, _) :- fail.
