@@ -12,7 +12,7 @@ import argparse
 import tempfile
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from plogic.match.gamma import side_looks
 from plogic.match.gamma.data import data_of
 from plogic.match.learned import agreement, looks, side_pairs, sides
 from plogic.match.learned import learned_poses as generate
-from plogic.match.learned.learned_index import LearnedIndex
 from plogic.measures import crowding
 from plogic.run.perceive import Perceiver
 from sensing.detectors.detector import detect
@@ -41,6 +40,8 @@ if TYPE_CHECKING:
     from benchmarks.recognition.scenes import Case
     from benchmarks.recognition.score import Truth
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.match.learned.learned_index import LearnedIndex
+    from plogic.match.learned.learned_models import LearnedModels
 
     Floats = NDArray[np.float64]
 
@@ -62,7 +63,7 @@ def main(folder: str, first: int, last: int) -> None:
     kb = read_kb(folder)
     perceiver, right, wrong = Perceiver(kb), Seen(), Seen()
     worth: dict[bool, list[float]] = {True: [], False: []}
-    indices = {name: index for name, index in perceiver.indices.items() if isinstance(index, LearnedIndex)}
+    indices = cast("LearnedModels", perceiver.models.kinds["learned"]).models
     for case in shown(kb, first, last):
         gamma = detect(read_image(case.image), case.camera, kb.sought, kb.words)
         data, rng = data_of(gamma.appearances, case.camera, perceiver.width), np.random.default_rng(case.seed)

@@ -11,7 +11,10 @@ by what it explains. ``cycle``: Δh of the perceptual cycle, what it accepted an
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from benchmarks.calibration.truth import true_ones
 from plogic.base.errors import InconsistentError
@@ -20,8 +23,8 @@ from plogic.cycle.belief import Belief, Cycle
 from plogic.cycle.delta import Delta, Options, delta_of
 from plogic.cycle.trace import Trace
 from plogic.match.gamma.data import data_of
-from plogic.match.indices import generate_together, search_of
 from plogic.match.judged.evidence import as_counted, evidence
+from plogic.match.judged.type_models import Given, Request
 from plogic.measures.explanatory import explanatory_value, probability_of_ev
 from plogic.run.perceive import SMOOTHED
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
@@ -65,13 +68,13 @@ def forecasts_of(perceiver: Perceiver, scene: CalibrationScene, number: int) -> 
 
 def gated(perceiver: Perceiver, data: Data) -> Delta:
     """Δh of all types before anything is accepted or rejected."""
-    search = search_of(perceiver.shared, data, perceiver.kb)
-    found = {} if search is None else generate_together(search, data, perceiver.kb)
+    nothing = Given((), lambda posed: np.zeros(len(posed.uv), bool), lambda _: None, lambda _: None)
     beliefs: list[Belief] = []
-    for name, poses in found.items():
-        for _, posed in poses:
+    for kind in perceiver.models.kinds.values():
+        proposed = kind.search(Request(data, perceiver.kb)).propose(list(kind.models), data, nothing)
+        for _, posed in chain.from_iterable(proposed):
             told, ev = evidence(posed, data, perceiver.kb), explanatory_value(posed.support(), perceiver.dv)
-            beliefs.append(Belief(posed, perceiver.indices[name], told.ratio, told.surplus, ev, ev))
+            beliefs.append(Belief(posed, kind.models[posed.object_type.name], told.ratio, told.surplus, ev, ev))
     best = sorted(beliefs, key=lambda b: -b.worth)
     return delta_of(
         Cycle((), tuple(best), (), (), Trace()), data, perceiver.kb, perceiver.dv, Options(reading="posterior")

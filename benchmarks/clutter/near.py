@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -22,9 +22,8 @@ from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
 from geometry.poses.softposit import Annealing, SoftPositResult, softposit
 from plogic.match.gamma.data import data_of
-from plogic.match.indices import search_of, settle
-from plogic.match.learned.learned_index import LearnedIndex
 from plogic.match.oriented.climb import climbed
+from plogic.match.oriented.oriented_models import search_of
 from plogic.match.oriented.oriented_search import USUAL
 from plogic.match.oriented.upright import poses_turned
 from plogic.match.plain.typed_pairs import pairs_of
@@ -36,6 +35,7 @@ if TYPE_CHECKING:
 
     from benchmarks.clutter.scenes import Case, Trial
     from plogic.match.gamma.data import Data
+    from plogic.match.oriented.oriented_models import OrientedModels
     from plogic.run.perceive import Perceiver
 
     Floats = NDArray[np.float64]
@@ -102,12 +102,16 @@ def _off(posed: Trial, turned: float, moved: float) -> float:
 
 
 def _settled(posed: Trial, perceiver: Perceiver, data: Data, start: Floats, _: float) -> Floats:
-    return settle(perceiver.indices[posed.truth.type], start, data, perceiver.kb).camera_from_object
+    return perceiver.models[posed.truth.type].settle(start, data, perceiver.kb).camera_from_object
+
+
+def _hand_modelled(perceiver: Perceiver) -> OrientedModels:
+    return cast("OrientedModels", perceiver.models.kinds["oriented"])
 
 
 def _climbed(posed: Trial, perceiver: Perceiver, data: Data, start: Floats, _: float) -> Floats | None:
     """As of a vote of the fast search, all rounds."""
-    search = search_of(perceiver.shared, data, perceiver.kb)
+    search = search_of(_hand_modelled(perceiver).shared, data, perceiver.kb)
     if search is None:
         return None
     asked = search.asked
@@ -122,8 +126,8 @@ def _climbed(posed: Trial, perceiver: Perceiver, data: Data, start: Floats, _: f
 
 def _soft(posed: Trial, perceiver: Perceiver, data: Data, start: Floats, off: float) -> Floats | None:
     """None where it does not converge."""
-    type_index = perceiver.indices[posed.truth.type]
-    if isinstance(type_index, LearnedIndex):
+    type_index = _hand_modelled(perceiver).models.get(posed.truth.type)
+    if type_index is None:
         return None
     camera, kb, pairs = data.camera, perceiver.kb, pairs_of(type_index, data)
     allowed, xy = pairs.mask(len(data.ids)), camera.normalised(data.uv)

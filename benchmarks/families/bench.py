@@ -13,14 +13,18 @@ from math import exp, pi
 from random import Random
 from typing import TYPE_CHECKING
 
-from plogic.facts.situation import AppearanceFact, FeatureFact, HypothesisFact, Situation
+import numpy as np
+
+from geometry.frames import from_rotation_translation
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.facts.situation import AppearanceFact, Situation
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from plogic.facts.situation import Reading
 
-POSE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 5.0), (0.0, 0.0, 0.0, 1.0))
+POSE = from_rotation_translation(np.eye(3), [0.0, 0.0, 5.0])
 SIGMA, TOLERANCE, CLUTTER = 0.5, 3.0, 8.0 / (640 * 480)
 """Location noise and match tolerance in pixels; clutter per pixel²."""
 KINDS = (("apex", 0.95, 0.99), ("corner", 0.8, 0.86), ("patch", 0.95, 0.15))
@@ -79,10 +83,10 @@ class _Draft:
     def situation(self, reading: Reading, appearances: int) -> Situation:
         """The whole. In the score reading, pairs that exclude each other do so by their shared data too."""
         hypotheses = tuple(
-            HypothesisFact(
-                name,
+            Hypothesis(
                 "t1" if int(name[1:]) % 2 else "t2",
                 POSE,
+                id=name,
                 opaque=True,
                 group=self.group[name],
                 features=tuple(features),

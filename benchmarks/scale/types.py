@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.clutter.types import EASY, HALF_ANGLE, knowledge_base, made, random_types, type_names
-from plogic.match.hand.type_index import type_index
 from plogic.match.hand.view_cells import view_cells
+from plogic.match.oriented.oriented_index import oriented_index
 from plogic.match.oriented.pair_index import PairIndex, pair_index
 from plogic.match.oriented.sights import Sights
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
@@ -72,7 +72,7 @@ def made_ready(types: Sequence[ObjectType], cells: Sequence[ViewCells], looks: i
     kb = knowledge_base(types, type_names(looks), EASY)
     dv = distinctiveness(instance_counts(types))
     start = process_time()
-    indices = [type_index(kind, dv, of_kind) for kind, of_kind in zip(types, cells, strict=True)]
+    indices = [oriented_index(kind, dv, of_kind) for kind, of_kind in zip(types, cells, strict=True)]
     shared = pair_index(indices)
     return Ready(kb, dv, {index.object_type.name: index for index in indices}, shared, process_time() - start)
 
@@ -81,7 +81,7 @@ def first(ready: Ready, count: int) -> Ready:
     """The first so many types alone: what would be made of them, taken from what was made of all."""
     kb = knowledge_base(ready.kb.types[:count], ready.kb.appearance_types, EASY)
     dv = distinctiveness(instance_counts(kb.types))
-    indices = [type_index(kind, dv, ready.indices[kind.name].cells) for kind in kb.types]
+    indices = [oriented_index(kind, dv, ready.indices[kind.name].cells) for kind in kb.types]
     whole = ready.shared
     some = whole.entry < np.uint64(count) << np.uint64(40)
     sights = Sights(*(getattr(whole.sights, field.name)[:count] for field in fields(Sights)))

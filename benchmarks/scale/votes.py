@@ -21,7 +21,8 @@ from geometry.frames import pose_error
 from plogic.cycle.attention import attend
 from plogic.cycle.perception import Perception
 from plogic.match.gamma.data import data_of
-from plogic.match.indices import search_of
+from plogic.match.kinds import Models
+from plogic.match.oriented.oriented_models import OrientedModels, search_of
 from plogic.match.oriented.oriented_search import USUAL, coarse_poses
 from plogic.match.oriented.pair_index import MOST, PairIndex
 from plogic.match.oriented.pair_votes import counted, raw_votes
@@ -100,7 +101,7 @@ def seen(ready: Ready, trial: Trial) -> Seen:
     with uncollected():
         data = data_of(trial.gamma.appearances, trial.gamma.camera, WIDTH)
         times = [process_time()]
-        attention = attend(list(ready.indices.values()), data.types, ready.kb)
+        attention = attend(ready.indices.values(), data.types, ready.kb)
         times.append(process_time())
         search = _search(ready, data)
         raw = search.raw
@@ -109,7 +110,7 @@ def seen(ready: Ready, trial: Trial) -> Seen:
         times.append(process_time())
         search.proposals(data)
         times.append(process_time())
-        cycle = Perception(data, ready.kb, ready.indices, ready.dv, None, ready.shared).run(attention)
+        cycle = Perception(data, ready.kb, _models(ready), ready.dv).run(attention)
         times.append(process_time())
     first, voting, counting, proposing, whole = np.diff(times).tolist()
     laying = max(0.0, proposing - counting)
@@ -186,9 +187,13 @@ def falsely_accepted(ready: Ready, gamma: Gamma, rng: np.random.Generator) -> in
         gamma.camera, tuple(replace(datum, type=new.get(datum.type, datum.type)) for datum in gamma.appearances)
     )
     data = data_of(exchanged.appearances, exchanged.camera, WIDTH)
-    attention = attend(list(ready.indices.values()), data.types, ready.kb)
+    attention = attend(ready.indices.values(), data.types, ready.kb)
     with uncollected():
-        return len(Perception(data, ready.kb, ready.indices, ready.dv, None, ready.shared).run(attention).accepted)
+        return len(Perception(data, ready.kb, _models(ready), ready.dv).run(attention).accepted)
+
+
+def _models(ready: Ready) -> Models:
+    return Models({"oriented": OrientedModels(ready.indices, ready.shared)})
 
 
 def _votes(ready: Ready, index: PairIndex, data: Data) -> Votes:

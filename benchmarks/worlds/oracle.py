@@ -20,11 +20,12 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.facts.situation import FeatureFact, HypothesisFact, Situation
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
+    from plogic.facts.situation import Situation
 
     Table = NDArray[np.float64]
     Term = tuple[tuple[str, ...], Table]
-    Claim = tuple[HypothesisFact, FeatureFact]
+    Claim = tuple[Hypothesis, FeatureFact]
 
 MOST = 14
 """Hypotheses up to which every world is enumerated."""
@@ -98,11 +99,11 @@ def terms(situation: Situation) -> Iterator[Term]:
 
 def _posterior(situation: Situation) -> Iterator[Term]:
     """One alternative an instance; 1 − h for what is missed; one cause for what is claimed."""
-    groups: dict[str, list[HypothesisFact]] = {}
+    groups: dict[str, list[Hypothesis]] = {}
     claims: dict[str, list[Claim]] = {}
     for h in situation.hypotheses:
         groups.setdefault(h.group, []).append(h)
-        for f in (f for f in h.features if h.candidate(f)):
+        for f in (f for f in h.features if h.expects(f)):
             if f.match is None:
                 yield _missed(situation, h, f)
             else:
@@ -112,7 +113,7 @@ def _posterior(situation: Situation) -> Iterator[Term]:
     yield from (_cause(situation, claimants, clutter[a]) for a, claimants in claims.items())
 
 
-def _instance(situation: Situation, members: list[HypothesisFact]) -> Term:
+def _instance(situation: Situation, members: list[Hypothesis]) -> Term:
     table = np.zeros((2,) * len(members))
     shares = [bounded(situation.priors.get(h.type, 0.5) / len(members)) for h in members]
     table[(0,) * len(members)] = max(0.0, 1.0 - sum(shares))
@@ -121,7 +122,7 @@ def _instance(situation: Situation, members: list[HypothesisFact]) -> Term:
     return tuple(h.id for h in members), table
 
 
-def _missed(situation: Situation, h: HypothesisFact, f: FeatureFact) -> Term:
+def _missed(situation: Situation, h: Hypothesis, f: FeatureFact) -> Term:
     scope = _looked_at(situation, [(h, f)])
     return scope, 1.0 - bounded(f.hit_rate) * _expected(situation, h, f, scope)
 
@@ -154,9 +155,9 @@ def _looked_at(situation: Situation, claims: list[Claim]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for h, f in claims for name in (h.id, *_hiders(situation, h, f))))
 
 
-def _hiders(situation: Situation, h: HypothesisFact, f: FeatureFact) -> list[str]:
+def _hiders(situation: Situation, h: Hypothesis, f: FeatureFact) -> list[str]:
     """The opaque hypotheses, no rivals, that lie before the feature (D4, D7)."""
-    if not h.candidate(f):
+    if not h.expects(f):
         return []
     opaque = {g.id for g in situation.hypotheses if g.opaque}
     rivals = situation.rivals
@@ -164,10 +165,10 @@ def _hiders(situation: Situation, h: HypothesisFact, f: FeatureFact) -> list[str
 
 
 def _expected(
-    situation: Situation, h: HypothesisFact, f: FeatureFact, scope: tuple[str, ...], *, alone: bool = False
+    situation: Situation, h: Hypothesis, f: FeatureFact, scope: tuple[str, ...], *, alone: bool = False
 ) -> Table:
     """1.0 in the worlds of the scope where the feature is expected (D7); ``alone`` takes its host as present."""
-    result = np.full((2,) * len(scope), float(h.candidate(f)))
+    result = np.full((2,) * len(scope), float(h.expects(f)))
     if not alone:
         result = result * _axis(scope, h.id)
     for g in _hiders(situation, h, f):

@@ -10,7 +10,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.situation import HypothesisFact, Situation
+    from plogic.facts.hypothesis import Hypothesis
+    from plogic.facts.situation import Situation
     from plogic.run.perceive import Perceiver
     from sensing.simulated.scene import Scene
 
@@ -50,8 +51,7 @@ def photographed(perceiver: Perceiver, objects: int, most: int, seed: int) -> Si
     scene = _scene(kb, objects, seed)
     gamma = detect(scene.photograph().image, scene.camera, kb.appearance_types)
     data = data_of(gamma.appearances, gamma.camera)
-    indices = list(perceiver.indices.values())
-    return unpruned(data, kb, indices, perceiver.dv, Options(reading="posterior"), most).situation
+    return unpruned(data, kb, perceiver.models.values(), perceiver.dv, Options(reading="posterior"), most).situation
 
 
 def _scene(kb: KnowledgeBase, objects: int, seed: int) -> Scene:
@@ -99,7 +99,7 @@ def _renamed(view: Situation, prefix: str) -> Situation:
     )
 
 
-def _renamed_hypothesis(h: HypothesisFact, prefix: str) -> HypothesisFact:
+def _renamed_hypothesis(h: Hypothesis, prefix: str) -> Hypothesis:
     features = tuple(
         replace(
             f, hidden_by=tuple(prefix + g for g in f.hidden_by), match=None if f.match is None else prefix + f.match

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.cycle.beside import Beside, name_of, rounded
 from plogic.cycle.trace import Step, Trace
-from plogic.match.indices import settle
 from plogic.match.judged.disjoint import moved_apart, pose_information
 from plogic.match.judged.rivals import apart_on_screen
 
@@ -26,8 +25,6 @@ if TYPE_CHECKING:
 
     from plogic.cycle.belief import Belief
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.oriented.pair_index import PairIndex
-
 
 HEAVIER = 1e-6
 """By how much a glance must be heavier than what is kept: two that only rounding tells apart are the same, whether
@@ -51,8 +48,8 @@ class Stable(NamedTuple):
 class Anytime(Beside):
     """Δi as it grows, and the heaviest stable one that it has been."""
 
-    def __post_init__(self, shared: PairIndex | None) -> None:
-        super().__post_init__(shared)
+    def __post_init__(self) -> None:
+        super().__post_init__()
         self.trace = Trace()
         self.rejected: list[Belief] = []
         self.reach = self.data.camera.f, 2.0 * self.kb.rates.match_tolerance
@@ -150,8 +147,7 @@ class Anytime(Beside):
             )
         for k, (belief, pose) in enumerate(zip(list(self.accepted), poses, strict=True)):
             if pose is not belief.posed.camera_from_object:
-                posed = settle(
-                    belief.index,
+                posed = belief.index.settle(
                     pose,
                     self.data,
                     self.kb,

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from plogic.cycle.attention import Attention
     from plogic.cycle.trace import Trace
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.indices import Index
+    from plogic.match.judged.type_models import TypeModel
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Belief:
     """
 
     posed: Hypothesis
-    index: Index
+    index: TypeModel
     worth: float
     surplus: float
     ev: float | None

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import InitVar, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from plogic.base.clock import Deadline
 from plogic.cycle.belief import Belief, same_hypothesis
-from plogic.match.indices import FAST, search_of, settle, significant
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import SHARED_CLAIMS, claims, hidden_among, overlap, shared_claims
-from plogic.match.learned.learned_index import LearnedIndex
+from plogic.match.judged.type_models import Request
 from plogic.measures.explanatory import explanatory_value
 
 if TYPE_CHECKING:
@@ -24,9 +23,8 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.indices import Index
-    from plogic.match.oriented.oriented_search import Search
-    from plogic.match.oriented.pair_index import PairIndex
+    from plogic.match.judged.type_models import Search, TypeModel
+    from plogic.match.kinds import Models
 
 FEWEST = 4
 """Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8,
@@ -37,23 +35,21 @@ trap b)."""
 class Beside:
     """Δi over one Γ, and what can be said of a hypothesis beside it.
 
-    ``end``: a moment of ``time.monotonic`` at which a search stops, None for never; ``shared``: the index of the types
-    that are searched for together, if there is one; ``processes``: how many search for the others, this one and copies
-    of it; ``generator``: who proposes poses of types written by hand, one of ``plogic.match.indices.GENERATORS``.
+    ``end``: a moment of ``time.monotonic`` at which a search stops, None for never; ``processes``: how many search,
+    this one and copies of it.
     """
 
     data: Data
     kb: KnowledgeBase
-    indices: Mapping[str, Index]
+    models: Models
     dv: Mapping[str, float]
     end: float | None = None
-    shared: InitVar[PairIndex | None] = None
     processes: int = 1
-    generator: str = FAST
 
-    def __post_init__(self, shared: PairIndex | None) -> None:
+    def __post_init__(self) -> None:
         self.deadline = Deadline(self.end)
-        self.together = search_of(shared, self.data, self.kb, self.deadline.check)
+        self.request = Request(self.data, self.kb, self.deadline.check, self.processes)
+        self.searches = [(kind.models, kind.search(self.request)) for kind in self.models.kinds.values()]
         self.accepted: list[Belief] = []
         self.refused: list[Hypothesis] = []
 
@@ -66,22 +62,22 @@ class Beside:
         return mask
 
     def _search_for(self, posed: Hypothesis) -> Search | None:
-        """The search for its type together with others, if there is one."""
-        return self.together if posed.object_type.learned is None else None
+        """The search for its type, while there is one."""
+        return next((search for models, search in self.searches if posed.object_type.name in models), None)
 
     def _is_accepted(self, posed: Hypothesis) -> bool:
         return any(same_hypothesis(posed, belief.posed) for belief in self.accepted)
 
     def _judge(self, posed: Hypothesis, free: NDArray[np.bool_], rounds: int, skip: Belief | None = None) -> Belief:
         """A hypothesis beside Δi, matched on ``free`` data; or, by that many ``rounds``, refined, if it is matched so already."""
-        index = self.indices[posed.object_type.name]
+        index = self.models[posed.object_type.name]
         hidden = self._hidden(posed, skip)
-        if rounds or self.accepted or not isinstance(index, LearnedIndex):  # else it was matched so when it was found
+        if rounds or self.accepted or not index.settled_when_found:  # else it was matched so when it was found
             start = posed if rounds else posed.camera_from_object
-            posed = settle(index, start, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
+            posed = index.settle(start, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
         return self._believed(posed, index, self._hidden(posed, skip) if rounds else hidden)
 
-    def _believed(self, posed: Hypothesis, index: Index, hidden: NDArray[np.bool_]) -> Belief:
+    def _believed(self, posed: Hypothesis, index: TypeModel, hidden: NDArray[np.bool_]) -> Belief:
         """What Γ says of a hypothesis of which the ``hidden`` features (F,) are not expected."""
         ev, again = explanatory_value(posed.support(), self.dv), explanatory_value(posed.support(hidden), self.dv)
         found = evidence(posed, self.data, self.kb, hidden)
@@ -107,7 +103,7 @@ class Beside:
         if belief.ev_reconsidered is None or belief.ev_reconsidered <= 0.0:
             return f"ev {rounded(belief.ev_reconsidered)} is not above 0"
         surplus = belief.surplus + self._harm(posed)
-        demanded = significant(posed)
+        demanded = belief.index.significance(posed)
         if surplus <= demanded:
             return f"log-likelihood ratio {surplus:.1f} beyond what any pose has; {demanded:.1f} is demanded"
         return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -15,10 +15,10 @@ from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, t
 from plogic.cycle.placing import space_of_view
 from plogic.cycle.relations import part_relations_of, relations_of
 from plogic.cycle.trace import Trace
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.part_facts import part_facts
-from plogic.facts.situation import AppearanceFact, FeatureFact, HypothesisFact, Reading, Reconsider, Situation
+from plogic.facts.situation import AppearanceFact, Reading, Reconsider, Situation
 from plogic.facts.spatial import Space
-from plogic.match.indices import generate
 from plogic.match.judged.disjoint import reaches_into
 from plogic.match.judged.evidence import clutter_density, evidence
 from plogic.match.judged.expectation import hidden_by
@@ -28,14 +28,13 @@ from plogic.measures.explanatory import explanatory_value
 from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping
 
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.indices import Index
+    from plogic.match.judged.type_models import TypeModel
 
     Rated = tuple[NDArray[np.float64], NDArray[np.float64]]
     Fitted = Callable[[Hypothesis, Data, KnowledgeBase, NDArray[np.bool_] | None], Rated]
@@ -124,21 +123,19 @@ def _share_volume(one: Belief, other: Belief) -> bool:
 
 
 def unpruned(
-    data: Data, kb: KnowledgeBase, indices: Sequence[Index], dv: Mapping[str, float], options: Options, most: int
+    data: Data, kb: KnowledgeBase, models: Iterable[TypeModel], dv: Mapping[str, float], options: Options, most: int
 ) -> Delta:
     """Δh before anything is accepted or rejected: every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth."""
     found = [
-        _open_belief(posed, index, data, kb, dv)
-        for index in indices
-        for _, posed in generate(index, data, kb, refined=EVERY, verified=EVERY)
+        _open_belief(posed, model, data, kb, dv) for model in models for _, posed in model.proposals(data, kb, EVERY)
     ]
     best = sorted(found, key=lambda b: -b.worth)[:most]
     return delta_of(Cycle((), tuple(best), (), (), Trace()), data, kb, dv, options)
 
 
-def _open_belief(posed: Hypothesis, index: Index, data: Data, kb: KnowledgeBase, dv: Mapping[str, float]) -> Belief:
+def _open_belief(posed: Hypothesis, model: TypeModel, data: Data, kb: KnowledgeBase, dv: Mapping[str, float]) -> Belief:
     found, ev = evidence(posed, data, kb), explanatory_value(posed.support(), dv)
-    return Belief(posed, index, found.ratio, found.surplus, ev, ev)
+    return Belief(posed, model, found.ratio, found.surplus, ev, ev)
 
 
 def _appearances(data: Data, kb: KnowledgeBase) -> tuple[AppearanceFact, ...]:
@@ -181,7 +178,7 @@ def _hypothesis(
     rates: tuple[NDArray[np.float64], NDArray[np.float64]],
     data: Data,
     dv: Mapping[str, float],
-) -> HypothesisFact:
+) -> Hypothesis:
     others = [y for x, y in hiding if x == name]
     hits, near = rates
     features = tuple(
@@ -203,11 +200,9 @@ def _hypothesis(
         )
         for f, feature in ((f, told_as(posed, f)) for f in told(posed))
     )
-    return HypothesisFact(
+    return replace(
+        posed,
         id=name,
-        type=posed.object_type.name,
-        camera_from_object=tuple(tuple(float(v) for v in row) for row in posed.camera_from_object),
-        opaque=posed.object_type.opaque,
         group=group,
         features=features + lumped(posed, dv),
         parts=part_facts(posed.object_type) + compound_parts(posed),

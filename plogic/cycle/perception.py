@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import closing, suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -12,13 +12,10 @@ from plogic.base.clock import OutOfTimeError
 from plogic.cycle.anytime import Anytime
 from plogic.cycle.belief import Cycle, considered
 from plogic.cycle.beside import FEWEST, name_of
-from plogic.cycle.covering import covered_by
-from plogic.cycle.support import bodies, supported
-from plogic.match.by_copies import searched
-from plogic.match.indices import FAST, generate, generate_plainly, generate_together, settle, significant
+from plogic.cycle.support import supported
 from plogic.match.judged.disjoint import moved_apart
 from plogic.match.judged.rivals import apart_on_screen, claims, excludes, hidden_among
-from plogic.match.learned.learned_index import LearnedIndex
+from plogic.match.judged.type_models import Given
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,8 +26,6 @@ if TYPE_CHECKING:
     from plogic.cycle.belief import Belief
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.indices import Index
-    from plogic.match.oriented.pair_index import PairIndex
 
 POOL = 10
 """Poses that are carried from one round to the next, the best."""
@@ -41,20 +36,14 @@ POLISHED = 6
 POLISH = 10.0
 """What refinement beside Δi may add to the evidence of a learned type, which was refined when it was found: one that
 lacks more is not refined."""
-FEW_LEFT = 100
-"""Matches of a feature and a datum that looks like it: where no more are left, single data are asked beside what is
-accepted, too."""
-AGAIN = 40
-"""Poses of a learned type whose sides are looked at where it is searched for again, after one of it was accepted."""
 
 
 class Perception(Anytime):
     """One run of the cycle over one Γ: the state that its steps share."""
 
-    def __post_init__(self, shared: PairIndex | None) -> None:
-        super().__post_init__(shared)
+    def __post_init__(self) -> None:
+        super().__post_init__()
         self.rivals: list[Belief] = []
-        self.searched: dict[str, int] = {}
         self.standing = 0
         self.known: dict[int, tuple[Belief, int]] = {}
 
@@ -82,45 +71,32 @@ class Perception(Anytime):
         """Accept the best acceptable pose of the pool; where it has none, add to it what the free data give first. True where one was accepted."""
         left = self.data.only(self.free())
         if self._accepts(
-            [b for b in self._judged(pool) if self._search_for(b.posed) and self._refusal(b) is None], pool, left
+            [b for b in self._judged(pool) if self._keeps(b.posed) and self._refusal(b) is None], pool, left
         ):
             return True
-        together = self._together(left)
-        alone = [
-            self.indices[row.type] for row in attention if row.type not in together and not self._exhausted(row.type)
-        ]
-        by_hand = any(not isinstance(index, LearnedIndex) for index in alone)
-        taken = bodies(self.accepted)
-        covered = covered_by([b.posed for b in self.accepted], self.data) if by_hand else None
-
-        def search(index: Index) -> list[tuple[float, Hypothesis]]:
-            if self.generator != FAST and not isinstance(index, LearnedIndex):
-                return generate_plainly(self.generator, index, left, self.kb, self._hidden, self.deadline.check)
-            return generate(index, left, self.kb, covered, taken, self.deadline.check, **self._fewer(index))
-
-        with closing(searched(search, alone, left, self.processes)) as searches:
+        given = self._given()
+        with ExitStack() as stack:
+            found = {}
+            for models, search in self.searches:
+                names = [row.type for row in attention if row.type in models]
+                proposals = stack.enter_context(closing(search.propose(names, left, given)))
+                found.update(dict.fromkeys(names, proposals))
             for row in attention:
                 self.deadline.check()
-                if row.type in together:
-                    pool += [posed for _, posed in together[row.type]]
-                elif not self._exhausted(row.type):
-                    found = next(searches)
-                    self._glance(found)
-                    pool += [posed for _, posed in found]
-                    self.searched[row.type] = sum(name_of(b) == row.type for b in self.accepted)
+                pool += [posed for _, posed in next(found[row.type])]
         judged = sorted(self._judged(pool), key=lambda b: -b.worth)
-        pool[:] = [b.posed for b in judged[: max(POOL, POOL_OF_TYPE * len(self.indices))]]
+        pool[:] = [b.posed for b in judged[: max(POOL, POOL_OF_TYPE * len(self.models))]]
         return self._accepts(judged, pool, left)
 
     def _accepts(self, judged: Sequence[Belief], pool: list[Hypothesis], left: Data) -> bool:
         """Accept the best of some that is acceptable, refined beside Δi; the pool loses it. True where there is one."""
         for belief in sorted(judged, key=lambda b: -b.worth)[:POLISHED]:
             self.deadline.check()
-            if isinstance(belief.index, LearnedIndex) and belief.surplus < significant(belief.posed) - POLISH:
+            if belief.index.settled_when_found and not self._hopeful(belief):
                 continue
             better = self._tilted(self._judge(belief.posed, self.free(), rounds=2), left)
             either = (
-                [better] if isinstance(belief.index, LearnedIndex) else [better, belief]
+                [better] if belief.index.settled_when_found else [better, belief]
             )  # places alone may fit better and lose a match
             holds = next((b for b in either if self._refusal(b) is None), None)
             if holds is not None:
@@ -130,54 +106,40 @@ class Perception(Anytime):
                 return True
         return False
 
-    def _together(self, left: Data) -> dict[str, list[tuple[float, Hypothesis]]]:
-        """By type, what is found of the types that are searched for together, if there are any."""
-        if self.together is None:
-            return {}
-        known = self.together.unasked
-        found = generate_together(self.together, left, self.kb, self._hidden, self._glance)
-        if self.together.unasked > known:
-            self.trace.add(
-                "deepen",
-                f"{self.together.unasked} types were left out, those that pairs vote for least: too many data look alike",
-            )
-        return found
+    def _given(self) -> Given:
+        """What searches are given besides the free data."""
+        return Given(
+            [b.posed for b in self.accepted], self._hidden, self._glance, lambda why: self.trace.add("deepen", why)
+        )
 
-    def _fewer(self, index: Index) -> dict[str, int]:
-        """How far to search for a type: less far again, for what stood out most of it is claimed."""
-        again = isinstance(index, LearnedIndex) and index.object_type.name in self.searched
-        return {"refined": AGAIN} if again else {}
+    def _keeps(self, posed: Hypothesis) -> bool:
+        """Whether it is accepted, if it can be, before more is searched for."""
+        search = self._search_for(posed)
+        return search is not None and search.keeps
+
+    def _hopeful(self, belief: Belief) -> bool:
+        """Whether refinement may add to its evidence what it lacks."""
+        return belief.surplus >= belief.index.significance(belief.posed) - POLISH
 
     def _rested(self, pool: list[Hypothesis]) -> bool:
         """Add to the pool what may stand where accepted objects do, where gravity holds and more were accepted since. True where something may."""
         if not self.kb.gravity or self.standing == len(self.accepted):
             return False
         self.standing = len(self.accepted)
-        found, why = supported(
-            self.accepted, self.indices, self.data.only(self.free()), self.kb, self.processes, self.deadline.check
-        )
+        found, why = supported(self.accepted, self.models, self.data.only(self.free()), self._given(), self.request)
         if why is not None:
             self.trace.add("support", why)
         pool += found
         return bool(found)
 
     def _deepened(self) -> bool:
-        """Ask single data for the types that are searched for together, once, where nothing at all was accepted, or little is left to ask."""
-        if self.together is None or self.together.deepened or (self.accepted and not self._little_left()):
-            return False
-        self.together.deepen()
-        why = "so little is left that it can be asked" if self.accepted else "nothing is acceptable"
-        self.trace.add("deepen", f"{why}: every datum votes by itself")
-        return True
-
-    def _little_left(self) -> bool:
-        """Whether all types written by hand together have at most ``FEW_LEFT`` matches of a feature and a free datum that looks like it."""
-        left, matches = self.data.only(self.free()), 0
-        for index in self.indices.values():
-            matches += 0 if isinstance(index, LearnedIndex) else int(index.allowed(left).sum())
-            if matches > FEW_LEFT:
-                return False
-        return True
+        """Search further the next time, for the types that can be. True where any can."""
+        left = self.data.only(self.free())
+        reasons = [search.deepen(left, accepted=bool(self.accepted)) for _, search in self.searches]
+        for why in reasons:
+            if why is not None:
+                self.trace.add("deepen", why)
+        return any(why is not None for why in reasons)
 
     def _released(self) -> bool:
         """Drop from Δi, for good, what does not hold in it when it is stable, so that its data are searched again. True where there was any."""
@@ -185,12 +147,6 @@ class Perception(Anytime):
             return False
         self.known, self.standing = {}, 0
         return True
-
-    def _exhausted(self, name: str) -> bool:
-        """Whether another search would find nothing new: of a learned type all poses are in the pool, unless one of it was accepted since."""
-        return isinstance(self.indices[name], LearnedIndex) and self.searched.get(name) == sum(
-            name_of(b) == name for b in self.accepted
-        )
 
     def _judged(self, pool: Sequence[Hypothesis]) -> list[Belief]:
         """Each pose beside what is accepted: matched on free data, hidden features not expected; as before where nothing near was accepted."""
@@ -208,10 +164,10 @@ class Perception(Anytime):
     def _tilted(self, belief: Belief, left: Data) -> Belief:
         """The best of a hypothesis and of itself at other tilts, where it was searched for with others: in one place it may fit in several ways."""
         search = self._search_for(belief.posed)
-        if search is None or belief.surplus < significant(belief.posed) - POLISH:
+        if search is None or not self._hopeful(belief):
             return belief
-        poses = search.tilted(name_of(belief), belief.posed.camera_from_object, left)
-        others = [settle(belief.index, pose, self.data, self.kb, free=self.free(), rounds=0) for pose in poses]
+        poses = search.tilted(belief.posed, left)
+        others = [belief.index.settle(pose, self.data, self.kb, free=self.free(), rounds=0) for pose in poses]
         return max([belief, *(self._judge(posed, self.free(), rounds=1) for posed in others)], key=lambda b: b.worth)
 
     def _compare(self, pool: list[Hypothesis]) -> None:
@@ -258,7 +214,7 @@ class Perception(Anytime):
             return None
         posed, hidden = found.posed, hidden_among(found.posed, others)
         enough = int((posed.candidate & posed.detected & ~hidden).sum()) >= FEWEST
-        near = found.worth > sum(b.worth for b in replaced) - significant(belief.posed)
+        near = found.worth > sum(b.worth for b in replaced) - belief.index.significance(belief.posed)
         return found if enough and found.ev_reconsidered is not None and near else None
 
     def _makes_way(self, rival: Belief) -> Belief:
@@ -283,5 +239,5 @@ class Perception(Anytime):
         for other in others:
             free[list(claims(other))] = False
         hidden = hidden_among(belief.posed, others)
-        posed = settle(belief.index, pose, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
+        posed = belief.index.settle(pose, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
         return self._believed(posed, belief.index, hidden_among(posed, others))

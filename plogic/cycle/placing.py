@@ -22,7 +22,6 @@ from geometry.visibility.outline import image_area, outline
 from plogic.cycle.support import support_of
 from plogic.facts.spatial import BodyFact, SharedFact, Space, View
 from plogic.match.judged.rivals import solid_of
-from plogic.match.learned.learned_index import LearnedIndex
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -87,7 +86,7 @@ def upward(beliefs: Iterable[Belief], camera: Camera, *, gravity: bool) -> tuple
     if not gravity:
         return None, ""
     accepted = [belief for belief in beliefs if belief.status == "accepted"]
-    support = support_of([(b.index, b.posed.camera_from_object) for b in accepted if isinstance(b.index, LearnedIndex)])
+    support = support_of([(b.index, b.posed.camera_from_object) for b in accepted])
     return (None, "") if support is None else (support.plane.up, "support plane")
 
 

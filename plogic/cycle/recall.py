@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from plogic.base.clock import OutOfTimeError
 from plogic.cycle.beside import name_of
 from plogic.cycle.perception import Perception
-from plogic.match.indices import settle
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.attention import Attention
     from plogic.cycle.belief import Belief, Cycle
-    from plogic.match.indices import Index
+    from plogic.match.judged.type_models import TypeModel
 
 RARE = 0.001
 """Data that nobody explains are searched where clutter alone gives so many, of a type or of all, in less than this
@@ -35,7 +34,7 @@ share of images."""
 class Seed(NamedTuple):
     """A type, by its index, and ``camera_from_object`` (4, 4), where it is expected."""
 
-    of: Index
+    of: TypeModel
     camera_from_object: NDArray[np.float64]
 
 
@@ -57,12 +56,12 @@ class Recall(Perception):
             self.trace.add("search", why)
             return self._with(refused, self.run(attention))
         self.trace.add("no search", "what is left is no more than clutter")
-        self.together = None
+        self.searches = []
         return self._with(refused, replace(self.run(()), attention=tuple(attention)))
 
     def _recalled(self, seed: Seed) -> Belief | None:
         """Accept a seed that holds here; give it back where it does not."""
-        posed = settle(seed.of, seed.camera_from_object, self.data, self.kb, free=self.free(), rounds=0)
+        posed = seed.of.settle(seed.camera_from_object, self.data, self.kb, free=self.free(), rounds=0)
         belief = self._judge(posed, self.free(), rounds=2)
         refusal = self._refusal(belief)
         if refusal is not None:

@@ -15,21 +15,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.bodies.resting import Plane
-from plogic.base.clock import unhurried
-from plogic.match.by_copies import searched
-from plogic.match.learned.learned_index import LearnedIndex
-from plogic.match.learned.resting_poses import resting
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.belief import Belief
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.indices import Index
+    from plogic.match.judged.type_models import Given, Request, TypeModel
+    from plogic.match.kinds import Models
 
     Floats = NDArray[np.float64]
 
@@ -56,7 +52,7 @@ class _Stand(NamedTuple):
     height: float
 
 
-def support_of(posed: Sequence[tuple[LearnedIndex, Floats]]) -> Support | None:
+def support_of(posed: Sequence[tuple[TypeModel, Floats]]) -> Support | None:
     """The plane below the camera on which most of these objects, of known poses (4, 4), can stand; of equals the one they agree on best.
 
     None where no two agree. Its normal and its height are the means of theirs.
@@ -72,7 +68,7 @@ def support_of(posed: Sequence[tuple[LearnedIndex, Floats]]) -> Support | None:
     return Support(Plane(up, offset), tuple(sorted(stand.owner for stand in best)))
 
 
-def _stands(owner: int, index: LearnedIndex, pose: Floats) -> list[_Stand]:
+def _stands(owner: int, index: TypeModel, pose: Floats) -> list[_Stand]:
     middle = pose[:3, :3] @ index.centre + pose[:3, 3]
     ups, offsets = index.resting.planes(pose)
     return [
@@ -111,46 +107,24 @@ def _spread(some: Sequence[_Stand]) -> float:
 
 
 def supported(
-    accepted: Sequence[Belief],
-    indices: Mapping[str, Index],
-    left: Data,
-    kb: KnowledgeBase,
-    processes: int = 1,
-    check: Callable[[], None] = unhurried,
+    accepted: Sequence[Belief], models: Models, left: Data, given: Given, request: Request
 ) -> tuple[list[Hypothesis], str | None]:
-    """What the free data suggest on the plane that accepted objects stand on, and that in words; nothing, and None, where there is no such plane.
+    """The hypotheses that the free data suggest on the plane that accepted objects stand on, and that in words; nothing, and None, without a plane.
 
-    Only types are looked for of which none is accepted, by so many ``processes``. ``check`` is called before each type,
-    and may raise to end it.
+    Only types are looked for of which none is accepted.
     """
-    learned = [
-        (belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearnedIndex)
-    ]
-    support = support_of(learned)
+    support = support_of([(belief.index, belief.posed.camera_from_object) for belief in accepted])
     if support is None:
         return [], None
-    taken = bodies(accepted)
-    known = {index.object_type.name for index, _ in learned}
-    some = [index for name, index in indices.items() if isinstance(index, LearnedIndex) and name not in known]
     found: list[Hypothesis] = []
-    with closing(
-        searched(lambda index: resting(index, support.plane, left, kb, taken), some, left, processes)
-    ) as searches:
-        for _ in some:
-            check()
-            found += [posed for _, posed in next(searches)]
-    who = ", ".join(learned[i][0].object_type.name for i in support.by)
+    for kind in models.kinds.values():
+        with closing(kind.resting(support.plane, left, given, request)) as searches:
+            request.check()
+            for some in searches:
+                found += [posed for _, posed in some]
+                request.check()
+    who = ", ".join(accepted[i].posed.object_type.name for i in support.by)
     return (
         found,
         f"{who} stand on one plane, {support.plane.offset:.2f} m below the camera: {len(found)} poses that stand there are tried",
     )
-
-
-def bodies(accepted: Sequence[Belief]) -> Floats:
-    """(N, 4) middles, camera frame, and inner radii of accepted objects of learned types, m: what reaches nearer than that is in them (A4)."""
-    learned = [
-        (belief.index, belief.posed.camera_from_object) for belief in accepted if isinstance(belief.index, LearnedIndex)
-    ]
-    return np.array(
-        [(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in learned]
-    ).reshape(-1, 4)

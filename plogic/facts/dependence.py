@@ -20,7 +20,8 @@ from plogic.base.errors import TooManyHypothesesError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from plogic.facts.situation import FeatureFact, HypothesisFact, Reconsider, Situation
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
+    from plogic.facts.situation import Reconsider, Situation
 
 MOST_OCCLUDERS = 6
 """Occluders per hypothesis that a context lists (§8, mode `drop`)."""
@@ -35,7 +36,7 @@ class Scene:
     situation: Situation
 
     @cached_property
-    def by_id(self) -> dict[str, HypothesisFact]:
+    def by_id(self) -> dict[str, Hypothesis]:
         """Each hypothesis under its id."""
         return {h.id: h for h in self.situation.hypotheses}
 
@@ -45,12 +46,12 @@ class Scene:
         return self.situation.rivals | {(y, x) for x, y in self.situation.rivals}
 
     @cached_property
-    def claimants(self) -> dict[str, list[tuple[HypothesisFact, FeatureFact]]]:
+    def claimants(self) -> dict[str, list[tuple[Hypothesis, FeatureFact]]]:
         """Appearance id → the candidate features that are matched to it, in the order of Δh."""
-        found: dict[str, list[tuple[HypothesisFact, FeatureFact]]] = {}
+        found: dict[str, list[tuple[Hypothesis, FeatureFact]]] = {}
         for h in self.situation.hypotheses:
             for f in h.features:
-                if f.match is not None and h.candidate(f):
+                if f.match is not None and h.expects(f):
                     found.setdefault(f.match, []).append((h, f))
         return found
 
@@ -58,11 +59,11 @@ class Scene:
         """Whether the two never hide each other (§4.1)."""
         return (x, y) in self._rivals
 
-    def hiders(self, h: HypothesisFact, f: FeatureFact) -> tuple[str, ...]:
+    def hiders(self, h: Hypothesis, f: FeatureFact) -> tuple[str, ...]:
         """The hypotheses that hide the feature in every world in which they are present (D4, D7)."""
         return tuple(g for g in f.hidden_by if g != h.id and self.by_id[g].opaque and not self.rival(g, h.id))
 
-    def robbers(self, h: HypothesisFact, f: FeatureFact) -> list[tuple[HypothesisFact, FeatureFact]]:
+    def robbers(self, h: Hypothesis, f: FeatureFact) -> list[tuple[Hypothesis, FeatureFact]]:
         """Features of others that claim this feature's appearance (mode `reassign`, §5.5)."""
         others = self.claimants.get(f.match, ()) if f.match is not None else ()
         return [(g, e) for g, e in others if g.id != h.id and not self.rival(g.id, h.id)]
@@ -104,7 +105,7 @@ def ordered(cells: dict[str, int]) -> list[str]:
     return sorted(cells, key=lambda g: (-cells[g], g)) if len(cells) > 1 else list(cells)
 
 
-def _ordered_influences(scene: Scene, h: HypothesisFact) -> list[str]:
+def _ordered_influences(scene: Scene, h: Hypothesis) -> list[str]:
     """What can change a cell of ``h``: most cells first, then by id."""
     cells: dict[str, int] = {}
     for f in h.features:
@@ -113,8 +114,8 @@ def _ordered_influences(scene: Scene, h: HypothesisFact) -> list[str]:
     return ordered(cells)
 
 
-def _influences(scene: Scene, h: HypothesisFact, f: FeatureFact) -> set[str]:
-    mode, candidate = scene.situation.reconsider, h.candidate(f)
+def _influences(scene: Scene, h: Hypothesis, f: FeatureFact) -> set[str]:
+    mode, candidate = scene.situation.reconsider, h.expects(f)
     if mode == "drop":
         return set(scene.hiders(h, f)) if candidate and f.match is None else set()
     hidden = set(scene.hiders(h, f)) if candidate else set()

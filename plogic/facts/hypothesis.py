@@ -1,17 +1,26 @@
-"""One hypothesis: an object type at a pose, with what geometry, the data and the judgement say of it (D7, D8, §5).
+"""The hypothesis: one object type at one pose, from its proposal to the document.
 
-Vocabulary: ``Hypothesis``, from its proposal on.
+Vocabulary, each with an example value:
+
+* ``Hypothesis``: one element of Δh, ``Hypothesis("t2", camera_from_object, opaque=True, id="h1", ...)``
+* ``FeatureFact``: one feature of it as the geometry sees it, ``FeatureFact(id="roof/apex", type="apex", ...)``
+* ``PartFact``: one node of its part-whole tree, ``PartFact("roof", parent="", kind="object", type="roof")``
+
+A hypothesis grows on its way. Matching gives it the arrays over its features (D7, D8), the cycle its evidence, its ev
+and its verdict (§5.4, §7), and Δh its id, its group and its features as facts, one by one: these go into
+``interpretation.json`` and come back.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from geometry.frames import transform_points
+from plogic.facts.expected import expected
 from plogic.measures.crowding import shares
 from plogic.measures.explanatory import Support, tally
 
@@ -20,11 +29,54 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import ObjectType
 
+Status = Literal["open", "accepted", "rival", "rejected"]
+
 
 @dataclass(frozen=True)
-class Hypothesis:
-    """One object type at one pose. Its arrays are read-only.
+class FeatureFact:
+    """One feature of a posed hypothesis, seen from the camera (D7, D8).
 
+    ``id`` is the path of the feature in its type's tree, unique within a hypothesis. ``at`` is in metres in the camera
+    frame, ``uv`` its projection in pixels. ``in_image``, ``in_lobe`` and ``self_hidden`` (Behind its own host) are what
+    geometry says of the hypothesis alone; ``hidden_by`` names the *other* hypotheses whose surface the line of sight
+    meets first, transparent ones and rivals included (the rules sort these out). ``match`` is the appearance that the
+    hypothesis' one fixed assignment gives it, with its ``residual`` in pixels and ``density``, N(u; û, Σ) per pixel².
+    ``hit_rate`` is h_F. ``stands_for`` > 1: it sums up so many features in the image that are neither expected nor
+    detected in any world (case B), and ``dv`` is their sum; 0: it is a part of a compound that another part stands for,
+    and its ``dv`` is 0 (``plogic.cycle.lumped``).
+    """
+
+    id: str
+    type: str
+    at: tuple[float, float, float]
+    uv: tuple[float, float]
+    dv: float
+    in_image: bool
+    in_lobe: bool
+    self_hidden: bool
+    hidden_by: tuple[str, ...] = ()
+    match: str | None = None
+    residual: float | None = None
+    density: float = 0.0
+    hit_rate: float = 0.8
+    stands_for: int = 1
+
+
+@dataclass(frozen=True)
+class PartFact:
+    """One node of the part-whole tree: ``PartFact("roof", parent="", kind="object")``; the parent of the maximal object's parts is ''."""
+
+    id: str
+    parent: str
+    kind: Literal["object", "feature"]
+    type: str
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """One object type at one pose; ``camera_from_object`` (4, 4) metres. Its arrays are read-only.
+
+    ``known_type`` is the type as Σo describes it: None in a hypothesis that comes from a document, which has no arrays.
     F are the features of the maximal object, the type's ``seen_features`` in their order; A are the data.
 
     * ``at`` (F, 3) metres, camera frame; ``uv`` (F, 2) pixels; ``in_image``, ``in_lobe``, ``self_hidden`` (F,).
@@ -38,37 +90,80 @@ class Hypothesis:
       others, where angles of data count, how much likelier the match's angle is than any; else None.
     * ``axes`` (F, 3): where angles of data count, the x axes of the features' frames, camera frame, unit: what an angle
       is of.
+
+    ``worth`` is the log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
+    ``ev`` is that of the hypothesis alone, ``ev_reconsidered`` that beside Δi; None where it is 0/0 or was not asked.
+
+    ``group`` names the instance that it and its rivals of the same type compete for (one alternative, §8).
+    ``features`` and ``parts`` are facts. Two hypotheses are equal where their facts are.
     """
 
-    object_type: ObjectType
+    type: str
     camera_from_object: NDArray[np.float64]
-    at: NDArray[np.float64]
-    uv: NDArray[np.float64]
-    in_image: NDArray[np.bool_]
-    in_lobe: NDArray[np.bool_]
-    self_hidden: NDArray[np.bool_]
-    right: NDArray[np.bool_]
-    matches: NDArray[np.intp]
-    residual: NDArray[np.float64]
-    hit: NDArray[np.float64] | None = None
-    turn: NDArray[np.float64] | None = None
-    sigma: NDArray[np.float64] | None = None
-    likeness: NDArray[np.float64] | None = None
-    sided: NDArray[np.bool_] | None = None
-    across: NDArray[np.float64] | None = None
-    axes: NDArray[np.float64] | None = None
+    opaque: bool
+    id: str = ""
+    group: str = ""
+    features: tuple[FeatureFact, ...] = ()
+    parts: tuple[PartFact, ...] = ()
+    status: Status = "open"
+    why: str = ""
+    worth: float = 0.0
+    surplus: float = 0.0
+    ev: float | None = None
+    ev_reconsidered: float | None = None
+    known_type: ObjectType | None = field(default=None, repr=False)
+    at: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)), repr=False)
+    uv: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+    in_image: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool), repr=False)
+    in_lobe: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool), repr=False)
+    self_hidden: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool), repr=False)
+    right: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), bool), repr=False)
+    matches: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, np.intp), repr=False)
+    residual: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0), repr=False)
+    hit: NDArray[np.float64] | None = field(default=None, repr=False)
+    turn: NDArray[np.float64] | None = field(default=None, repr=False)
+    sigma: NDArray[np.float64] | None = field(default=None, repr=False)
+    likeness: NDArray[np.float64] | None = field(default=None, repr=False)
+    sided: NDArray[np.bool_] | None = field(default=None, repr=False)
+    across: NDArray[np.float64] | None = field(default=None, repr=False)
+    axes: NDArray[np.float64] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        for name in _FIELDS:
-            value = getattr(self, name)
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
+        object.__setattr__(self, "camera_from_object", np.asarray(self.camera_from_object, np.float64))
+        for name in ARRAYS:
+            array = getattr(self, name)
+            if array is not None:
+                array.setflags(write=False)
+
+    def __eq__(self, other: object) -> bool:
+        return self._facts() == other._facts() if isinstance(other, Hypothesis) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._facts())
+
+    def _facts(self) -> tuple[object, ...]:
+        pose = tuple(self.camera_from_object.ravel().tolist())
+        return self.id, self.type, pose, self.opaque, self.group, self.features, self.parts
+
+    @property
+    def object_type(self) -> ObjectType:
+        """The type as Σo describes it. Raises LookupError of a hypothesis that comes from a document."""
+        if self.known_type is None:
+            raise LookupError(f"hypothesis {self.id}: a document does not hold the whole type {self.type}")
+        return self.known_type
+
+    def expects(self, feature: FeatureFact) -> bool:
+        """Return whether the feature is Expected where no other object of the world hides it (D7)."""
+        return expected(feature, self.opaque)
 
     @cached_property
     def candidate(self) -> NDArray[np.bool_]:
         """(F,) Expected where no other object hides it (D7)."""
-        hidden = self.self_hidden if self.object_type.opaque else np.zeros_like(self.self_hidden)
-        return self.in_image & self.in_lobe & ~hidden
+        return expected(self, self.opaque)
+
+    def expected(self, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
+        """(F,) Expected where opaque objects of the world hide the ``hidden`` features (F,) (D7); None: where there are none."""
+        return self.candidate if hidden is None else expected(self, self.opaque, hidden)
 
     @cached_property
     def counted(self) -> NDArray[np.float64]:
@@ -113,10 +208,10 @@ class Hypothesis:
 
     def support(self, hidden: NDArray[np.bool_] | None = None) -> Support:
         """The four cases over the features in the image, a compound once (A1); ``hidden`` (F,): what accepted opaque objects hide (strict D7)."""
-        expected = self.candidate & ~hidden if hidden is not None else self.candidate
         names, kind = self.object_type.kind_codes
         inside = self.in_image & self.stands
-        return tally(names, kind[self.object_type.whole[inside]], expected[inside], self.detected[inside])
+        return tally(names, kind[self.object_type.whole[inside]], self.expected(hidden)[inside], self.detected[inside])
 
 
-_FIELDS = tuple(field.name for field in fields(Hypothesis))
+ARRAYS = tuple(row.name for row in fields(Hypothesis) if "NDArray" in str(row.type))
+"""The fields that are arrays."""

@@ -13,7 +13,8 @@ from plogic.logic.safety.atoms import Names, own_atom
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from plogic.facts.situation import HypothesisFact, Situation
+    from plogic.facts.hypothesis import Hypothesis
+    from plogic.facts.situation import Situation
 
 
 def names_of(situation: Situation) -> Names:
@@ -48,7 +49,7 @@ def _labels(situation: Situation) -> Iterator[tuple[str, str]]:
         yield from _each((fact.relation, *both_ways(fact)))
 
 
-def _inner_labels(hypothesis: HypothesisFact) -> Iterator[tuple[str, str]]:
+def _inner_labels(hypothesis: Hypothesis) -> Iterator[tuple[str, str]]:
     for part in hypothesis.parts:
         yield part.id, "f"
         yield part.type, "n"

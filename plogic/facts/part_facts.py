@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from plogic.facts.situation import PartFact
+from plogic.facts.hypothesis import PartFact
 
 if TYPE_CHECKING:
     from kb.clouds.cloud import ObjectType

@@ -2,9 +2,6 @@
 
 Vocabulary, each with an example value:
 
-* ``FeatureFact``: one feature of one hypothesis as the geometry sees it, ``FeatureFact(id="roof/apex", type="apex",
-  ...)``
-* ``HypothesisFact``: one element of Δh, ``HypothesisFact(id="h1", type="t2", features=(...), ...)``
 * ``AppearanceFact``: one datum of Γ, ``AppearanceFact(id="a1", type="l_junction", uv=(312.4, 201.9), clutter=2e-5)``
 * ``PairFact``: a relation that geometry computed of two posed objects, ``PairFact("partially_occludes", "h1", "h2",
   "partially_occludes_po")``
@@ -23,6 +20,7 @@ from plogic.facts.spatial import Space
 
 if TYPE_CHECKING:
     from plogic.facts.gravity import Gravity
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.stopped import Stopped
 
 Reading = Literal["score", "posterior"]
@@ -41,63 +39,6 @@ class AppearanceFact:
     type: str
     uv: tuple[float, float]
     clutter: float
-
-
-@dataclass(frozen=True)
-class FeatureFact:
-    """One feature of a posed hypothesis, seen from the camera (D7, D8).
-
-    ``id`` is the path of the feature in its type's tree, unique within a hypothesis. ``at`` is in metres in the camera
-    frame, ``uv`` its projection in pixels. ``in_image``, ``in_lobe`` and ``self_hidden`` (Behind its own host) are what
-    geometry says of the hypothesis alone; ``hidden_by`` names the *other* hypotheses whose surface the line of sight
-    meets first, transparent ones and rivals included (the rules sort these out). ``match`` is the appearance that the
-    hypothesis' one fixed assignment gives it, with its ``residual`` in pixels and ``density``, N(u; û, Σ) per pixel².
-    ``hit_rate`` is h_F. ``stands_for`` > 1: it sums up so many features in the image that are neither expected nor
-    detected in any world (case B), and ``dv`` is their sum; 0: it is a part of a compound that another part stands for,
-    and its ``dv`` is 0 (``plogic.cycle.lumped``).
-    """
-
-    id: str
-    type: str
-    at: tuple[float, float, float]
-    uv: tuple[float, float]
-    dv: float
-    in_image: bool
-    in_lobe: bool
-    self_hidden: bool
-    hidden_by: tuple[str, ...] = ()
-    match: str | None = None
-    residual: float | None = None
-    density: float = 0.0
-    hit_rate: float = 0.8
-    stands_for: int = 1
-
-
-@dataclass(frozen=True)
-class PartFact:
-    """One node of the part-whole tree: ``PartFact("roof", parent="", kind="object")``; the parent of the maximal object's parts is ''."""
-
-    id: str
-    parent: str
-    kind: Literal["object", "feature"]
-    type: str
-
-
-@dataclass(frozen=True)
-class HypothesisFact:
-    """One hypothesis of Δh. ``group`` names the instance that it and its rivals of the same type compete for (one alternative, §8)."""
-
-    id: str
-    type: str
-    camera_from_object: tuple[tuple[float, ...], ...]
-    opaque: bool
-    group: str
-    features: tuple[FeatureFact, ...]
-    parts: tuple[PartFact, ...] = ()
-
-    def candidate(self, feature: FeatureFact) -> bool:
-        """Whether the feature is Expected where no other object of the world hides it (D7 within the hypothesis alone)."""
-        return feature.in_image and feature.in_lobe and not (feature.self_hidden and self.opaque)
 
 
 @dataclass(frozen=True)
@@ -132,7 +73,7 @@ class Situation:
     """
 
     reading: Reading
-    hypotheses: tuple[HypothesisFact, ...]
+    hypotheses: tuple[Hypothesis, ...]
     appearances: tuple[AppearanceFact, ...]
     reconsider: Reconsider = "to_B"
     overlaps: frozenset[tuple[str, str]] = frozenset()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from plogic.base.errors import InconsistentError, InputError
 from plogic.base.stopwatch import Stopwatch
@@ -12,9 +12,8 @@ from plogic.cycle.attention import attend
 from plogic.cycle.delta import Delta, Options, delta_of
 from plogic.cycle.recall import Recall
 from plogic.facts.stopped import SEARCH, WORLDS
-from plogic.match.by_copies import make_ready
 from plogic.match.gamma.data import data_of
-from plogic.match.indices import FAST, GENERATORS, indices_of
+from plogic.match.kinds import FAST, GENERATORS, models_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.run.document import document_of
 from plogic.scene.readings.unfinished import marked
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.belief import Belief, Cycle
     from plogic.cycle.recall import Seed
+    from plogic.facts.document import Interpretation, StepRow
     from plogic.facts.stopped import Stopped
     from plogic.match.gamma.data import Data
     from sensing.appearance import Gamma
@@ -59,12 +59,13 @@ class Perceiver:
     def __init__(self, kb: KnowledgeBase, cache: Path | None = None, processes: int = 1, generator: str = FAST) -> None:
         if generator not in GENERATORS:
             raise InputError(f"generator: {generator!r} is none of {', '.join(GENERATORS)}")
-        self.kb, self.processes, self.generator = kb, processes, generator
+        self.kb, self.processes = kb, processes
         self.dv = distinctiveness(instance_counts(kb.types))
         self.width = kb.words.centroids.shape[1] if kb.words is not None else 128
-        self.indices, self.shared = indices_of(kb, self.dv, cache, generator)
+        self.models = models_of(kb, self.dv, cache, generator)
         if processes > 1:
-            make_ready(self.indices.values())
+            for kind in self.models.kinds.values():
+                kind.make_ready()
 
     def __call__(
         self,
@@ -72,7 +73,7 @@ class Perceiver:
         options: Options | None = None,
         image: NDArray[np.uint8] | None = None,
         clock: Stopwatch | None = None,
-    ) -> dict[str, Any]:
+    ) -> Interpretation:
         """The interpretation document of one Γ; ``image`` (H, W, 3) is only carried along. An empty Γ gives the empty world."""
         options, clock = options or Options(), clock or Stopwatch()
         return self.document(gamma, *self.cycle(gamma, options, clock), options, image, clock)
@@ -85,7 +86,7 @@ class Perceiver:
         options: Options,
         image: NDArray[np.uint8] | None,
         clock: Stopwatch,
-    ) -> dict[str, Any]:
+    ) -> Interpretation:
         """The interpretation document of what the cycle came to."""
         gamma, (delta, rejected, trace) = gamma.in_order(), self._facts(data, cycle, options, clock)
         with clock.stage("worlds"):
@@ -117,13 +118,13 @@ class Perceiver:
 
     def delta(
         self, gamma: Gamma, options: Options, clock: Stopwatch
-    ) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
+    ) -> tuple[Delta, tuple[Belief, ...], list[StepRow]]:
         """Δh with its facts, what was rejected, and the trace."""
         return self._facts(*self.cycle(gamma, options, clock), options, clock)
 
     def _facts(
         self, data: Data, cycle: Cycle, options: Options, clock: Stopwatch
-    ) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
+    ) -> tuple[Delta, tuple[Belief, ...], list[StepRow]]:
         with clock.stage("facts"):
             delta = delta_of(cycle, data, self.kb, self.dv, options)
         return delta, cycle.rejected, cycle.trace.document()
@@ -143,18 +144,16 @@ class Perceiver:
         """
         data = data_of(gamma.in_order().appearances, gamma.camera, self.width)
         with clock.stage("rank"):
-            attention = attend(list(self.indices.values()), data.types, self.kb)
+            attention = attend(self.models.values(), data.types, self.kb)
         with clock.stage("search"), uncollected():
-            perception = Recall(
-                data, self.kb, self.indices, self.dv, options.end, self.shared, self.processes, self.generator
-            )
+            perception = Recall(data, self.kb, self.models, self.dv, options.end, self.processes)
             cycle = perception.resume(attention, seeds, usual or {})
             if perception.unfinished:
                 cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")
         return data, cycle
 
 
-def ranked(delta: Delta, trace: list[dict[str, object]], seconds: float | None = None) -> tuple[Delta, Ranking]:
+def ranked(delta: Delta, trace: list[StepRow], seconds: float | None = None) -> tuple[Delta, Ranking]:
     """The worlds of Δh; with ``seconds``, what is known of them by then.
 
     Where dogmatic P(ev) of 0 and 1 leave none (§8, trap c), the program is smoothed, and the trace says so.
@@ -167,6 +166,6 @@ def ranked(delta: Delta, trace: list[dict[str, object]], seconds: float | None =
         return softer, ranked_worlds(softer.situation, LISTED_WORLDS, seconds=seconds)
 
 
-def _step(number: int, event: str, why: str) -> dict[str, object]:
+def _step(number: int, event: str, why: str) -> StepRow:
     """One more of a trace that is written already."""
     return {"step": number, "event": event, "hypothesis": None, "type": None, "ev": None, "why": why}

@@ -8,14 +8,13 @@ import pytest
 from synthetic import camera_pose, perceiver, scene, towers
 
 from benchmarks.clutter.types import random_types, type_names
-from plogic.cycle import attention
 from plogic.cycle.attention import attend, chance_types
 from plogic.match.hand.type_index import type_index
 from plogic.measures.valuation import compatible, rank
 
 
 def order_of(types):
-    return attend(list(perceiver().indices.values()), types, towers())
+    return attend(list(perceiver().models.values()), types, towers())
 
 
 def test_the_type_whose_every_feature_is_there_comes_first():
@@ -27,7 +26,9 @@ def test_the_type_whose_every_feature_is_there_comes_first():
 
 
 def test_an_empty_gamma_ranks_everything_zero():
-    for row in order_of([]):
+    rows = order_of([])
+    assert {row.type for row in rows} == {"t1", "t2"}
+    for row in rows:
         assert (row.rank, row.within_cell) == (0.0, 0.0)
         assert row.excess <= 0.0
 
@@ -47,6 +48,7 @@ def test_every_number_lies_in_its_range_and_order_follows_rank():
 def test_in_saturating_clutter_excess_tells_what_rank_cannot():
     """Hundreds of appearances of every kind: rank is 1 for all, and excess over chance is 0."""
     rows = order_of(list(towers().appearance_types) * 100)
+    assert {row.type for row in rows} == {"t1", "t2"}
     assert all(row.rank > 0.999 for row in rows)
     assert all(row.excess < 0.3 for row in rows)
 
@@ -78,4 +80,4 @@ def test_counting_is_the_best_matching_where_features_have_one_appearance_type_e
     looks = [frozenset(a.type for a in feature.appearances) for feature in kind.features]
     allowed = compatible(looks, there)
     best = [rank(index.weights[row], allowed[row]) for row in [np.ones(12, bool), *shown]]
-    assert attention._counted(index, Counter(there)) == pytest.approx(best, abs=1e-9)
+    assert index._counted(Counter(there)) == pytest.approx(best, abs=1e-9)

@@ -23,7 +23,6 @@ from plogic.cycle.delta import Options
 from plogic.cycle.lumped import looked_at, told
 from plogic.facts.interpretation import situation_of, text_of
 from plogic.facts.situation import OTHERS
-from plogic.match.indices import settle
 from plogic.measures.explanatory import case_of, explanatory_value
 from plogic.run.perceive import Perceiver
 from plogic.scene.text.program_text import program_text
@@ -44,7 +43,7 @@ def posed_of(cloud, seed, found=12):
     """A hypothesis of a type of this cloud, some of whose features are not expected, some of them found."""
     rng, pose = np.random.default_rng(seed), pose_before(np.random.default_rng(5))
     thing = ready(cloud)
-    posed = settle(thing.index, pose, gamma_at(cloud, range(found), pose), thing.kb, rounds=0)
+    posed = thing.index.settle(pose, gamma_at(cloud, range(found), pose), thing.kb, rounds=0)
     count = len(posed.uv)
     matches = np.where(rng.random(count) < 0.5, np.arange(count), -1)
     arrays = {name: rng.random(count) < 0.7 for name in ("in_image", "in_lobe")}
@@ -79,6 +78,7 @@ def test_the_cells_are_those_of_a_loop_over_maximal_features(seed, number):
 def test_a_compound_is_expected_or_detected_with_any_of_its_parts(seed):
     posed, _ = posed_of(with_groups(one_sided(1, COUNT), np.random.default_rng(seed).integers(0, 6, COUNT)), seed)
     whole = posed.object_type.whole
+    assert posed.stands.any()
     for f in np.flatnonzero(posed.stands):
         parts = whole == whole[f]
         assert posed.in_image[f] == posed.in_image[parts].any()
@@ -108,7 +108,7 @@ def test_doubling_the_parts_of_a_compound_leaves_ev_and_valuation_alone(seed):
         for name in ("at", "uv", "in_image", "in_lobe", "self_hidden", "hit", "matches")
     }
     other = ready(doubled(cloud, parts))
-    twice = replace(posed, object_type=other.kind, **arrays)
+    twice = replace(posed, known_type=other.kind, **arrays)
     dv = dict(zip(thing.kb.words.names, rng.random(len(thing.kb.words.names)), strict=True))
     assert twice.support() == posed.support()
     assert explanatory_value(twice.support(), dv) == explanatory_value(posed.support(), dv)

@@ -51,12 +51,13 @@ def test_names_go_in_order_accepted_first(rich):
 def test_features_say_what_geometry_says(rich):
     shot, delta = rich
     ids = data(shot).ids
+    assert delta.situation.hypotheses
     for h in delta.situation.hypotheses:
         posed = delta.beliefs[h.id].posed
         assert len(h.features) == len(posed.uv)
         for f, fact in enumerate(h.features):
             assert fact.in_image == posed.in_image[f]
-            assert h.candidate(fact) == posed.candidate[f]
+            assert h.expects(fact) == posed.candidate[f]
             assert fact.match == (ids[posed.matches[f]] if posed.matches[f] >= 0 else None)
             assert (fact.residual is None) == (fact.match is None) == (fact.density == 0.0)
             assert fact.dv == perceiver().dv[fact.type]

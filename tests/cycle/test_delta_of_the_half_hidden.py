@@ -17,8 +17,9 @@ from plogic.cycle.belief import Belief, Cycle
 from plogic.cycle.delta import Options, delta_of
 from plogic.cycle.perception import Perception
 from plogic.cycle.trace import Trace
-from plogic.match.indices import settle
 from plogic.match.judged.evidence import LEAST_HIT, MOST_HIT, as_counted, clarity
+from plogic.match.kinds import Models
+from plogic.match.learned.learned_models import LearnedModels
 
 
 def behind_a_plate(hidden, status="accepted", *, opaque=True, away=0.4):
@@ -36,12 +37,18 @@ def behind_a_plate(hidden, status="accepted", *, opaque=True, away=0.4):
     of = gamma_at(mine.cloud, np.flatnonzero(at[:, 0] / at[:, 2] * away > edge), pose)
     place = from_rotation_translation(np.eye(3), [edge - 2.0, -1.0, away])
     beside = Belief(
-        replace(settle(wall.index, place, of, kb, rounds=0), object_type=plate), wall.index, 1.0, 1.0, 0.5, 0.5, status
+        replace(wall.index.settle(place, of, kb, rounds=0), known_type=plate, opaque=plate.opaque),
+        wall.index,
+        1.0,
+        1.0,
+        0.5,
+        0.5,
+        status,
     )
     dv = dict.fromkeys(kb.words.names, 0.5)
-    perception = Perception(of, kb, {"thing": mine.index, "plate": wall.index}, dv)
+    perception = Perception(of, kb, Models({"learned": LearnedModels({"thing": mine.index, "plate": wall.index})}), dv)
     perception.accepted = [
-        Belief(settle(mine.index, pose, of, kb, rounds=0), mine.index, 1.0, 1.0, 0.5, 0.5, "accepted")
+        Belief(mine.index.settle(pose, of, kb, rounds=0), mine.index, 1.0, 1.0, 0.5, 0.5, "accepted")
     ]
     perception.accepted += [beside] if status == "accepted" else []
     belief = perception._again(perception.accepted[0])
@@ -96,7 +103,7 @@ def test_what_cannot_be_there_together_takes_nothing_out_of_clarity():
     perception, belief, _ = behind_a_plate(20)
     plate = perception.accepted[1]
     body = Surface((CORNERS - 0.5) * (0.5, 0.5, 1.6), box_triangles())
-    within = replace(belief, posed=replace(belief.posed, object_type=replace(belief.posed.object_type, surface=body)))
+    within = replace(belief, posed=replace(belief.posed, known_type=replace(belief.posed.object_type, surface=body)))
     delta = delta_of(
         Cycle((plate,), (replace(within, status="rival"),), (), (), Trace()),
         perception.data,

@@ -18,7 +18,6 @@ from plogic.cycle.belief import Belief, Cycle
 from plogic.cycle.delta import Options, delta_of
 from plogic.cycle.trace import Trace
 from plogic.logic.safety.author import load_problog
-from plogic.match.indices import settle
 from plogic.match.judged.evidence import CLEAR, clarity, evidence, hit_rates
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.freedom import log_share
@@ -39,7 +38,7 @@ def stand(seed, wide, found):
     thing, pose = ready(cloud), pose_before(rng)
     of = gamma_at(cloud, rng.permutation(FEATURES)[:found], pose)
     of.uv[:] += rng.normal(0, 1.0, of.uv.shape)
-    return thing, believed(settle(thing.index, pose, of, thing.kb, rounds=0), thing, of), of
+    return thing, believed(thing.index.settle(pose, of, thing.kb, rounds=0), thing, of), of
 
 
 def believed(posed, thing, of):
@@ -106,8 +105,7 @@ def test_behind_an_accepted_plate_they_are_those_of_what_is_to_be_seen():
     edge = float(np.median(0.3 * at[:, 0] / at[:, 2]))
     wall = ready(one_sided(2, 12), Surface(CORNERS * (2.0, 2.0, 0.001), box_triangles()), name="plate")
     kb = replace(thing.kb, types=(thing.kind, wall.kind))
-    plate = settle(
-        wall.index,
+    plate = wall.index.settle(
         from_rotation_translation(np.eye(3), [edge - 2.0, -1.0, 0.3]),
         of.only(np.zeros(12, bool)),
         kb,
@@ -116,7 +114,7 @@ def test_behind_an_accepted_plate_they_are_those_of_what_is_to_be_seen():
     hidden = hidden_by(belief.posed, plate)
     left = ~np.isin(np.arange(12), belief.posed.matches[hidden])
     of = of.only(left)
-    posed = settle(thing.index, belief.posed.camera_from_object, of, kb, rounds=0)
+    posed = thing.index.settle(belief.posed.camera_from_object, of, kb, rounds=0)
     assert 5 < hidden.sum() < FEATURES - 5
     assert not (hidden & posed.detected).any()
     situation = situation_of([believed(posed, thing, of), believed(plate, wall, of)], of, kb)

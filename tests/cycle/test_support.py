@@ -46,7 +46,7 @@ def perceiver(knowledge):
 
 @pytest.fixture(scope="module")
 def index(perceiver):
-    return perceiver.indices["cube"]
+    return perceiver.models["cube"]
 
 
 def looked(perceiver, poses, seed=0):

@@ -15,7 +15,7 @@ from kb.files.learned_reading import learned_features, learned_lobes, with_compo
 from kb.learning.sides import LOOKS, VARIED
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import screen_angle
-from plogic.match.indices import index_of
+from plogic.match.learned.learned_index import learned_index
 from sensing.appearance import Appearance
 
 CAMERA = Camera(
@@ -51,7 +51,7 @@ def ready(cloud=None, surface=None, name="thing", words=None):
     }
     kind = ObjectType(name, nx.DiGraph(), *with_compounds(seen, cloud, words), surface, opaque=True, **arrays)
     kb = KnowledgeBase("some", (kind,), words.names, Rates({}, {}, {}), 600.0, "", "", words=words)
-    return Ready(kb, kind, index_of(kind, dict.fromkeys(words.names, 0.5)))
+    return Ready(kb, kind, learned_index(kind, dict.fromkeys(words.names, 0.5)))
 
 
 def pose_on_axis(rng, cloud, lobe, distance):

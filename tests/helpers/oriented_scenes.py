@@ -12,12 +12,13 @@ from benchmarks.clutter.types import Detector, knowledge_base, made, random_type
 from benchmarks.recognition.score import Found, errors_of
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, transform_points
-from kb.clouds.cloud import Feature, FeatureAppearance, Lobe
+from kb.clouds.lobes import Feature, FeatureAppearance, Lobe
 from plogic.match.gamma.data import data_of
 from plogic.match.hand.view_cells import DISTANCE
-from plogic.match.indices import generate_together, indices_of, search_of
+from plogic.match.kinds import models_of
 from plogic.match.oriented.angle_refinement import Noise
 from plogic.match.oriented.asked import Asked, chances_of
+from plogic.match.oriented.oriented_models import generate_together, search_of
 from plogic.match.oriented.oriented_search import Search
 from plogic.match.oriented.pair_index import pair_index
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
@@ -38,7 +39,7 @@ class Ready:
     @cached_property
     def indices(self):
         """Of each type by name, in the order of the types."""
-        return indices_of(self.kb, distinctiveness(instance_counts(self.kb.types)))[0]
+        return models_of(self.kb, distinctiveness(instance_counts(self.kb.types)))
 
     @cached_property
     def rows(self):

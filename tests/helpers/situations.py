@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from geometry.visibility.roc import ROC20
 from plogic.facts.gravity import Foot, Gravity
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.pair_facts import pair_facts
-from plogic.facts.situation import AppearanceFact, FeatureFact, HypothesisFact, PairFact, Situation
+from plogic.facts.situation import AppearanceFact, PairFact, Situation
 
 POSE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 5.0), (0.0, 0.0, 0.0, 1.0))
 INSTANCES = {"apex": 1, "corner": 16, "other": 95}
@@ -59,7 +60,7 @@ def from_table(name, cells):
 
 def hypothesis(name, features, **changes):
     return replace(
-        HypothesisFact(name, "box", POSE, opaque=True, group=f"g_{name}", features=tuple(features)), **changes
+        Hypothesis("box", POSE, opaque=True, id=name, group=f"g_{name}", features=tuple(features)), **changes
     )
 
 
@@ -128,10 +129,10 @@ def _random_situation(rng, most, readings, modes):
     pairs = [(x, y) for i, x in enumerate(names) for y in names[i + 1 :]]
     exclusive = _some(rng, pairs)
     hypotheses = tuple(
-        HypothesisFact(
-            name,
+        Hypothesis(
             rng.choice(["t1", "t2", "A Box"]),
             POSE,
+            id=name,
             opaque=rng.random() < 0.8,
             group=rng.choice(["g1", "g2", "g3"]),
             features=_features(rng, names, name),

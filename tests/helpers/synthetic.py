@@ -14,8 +14,8 @@ from geometry.camera import Camera
 from geometry.frames import inverse, look_at, pose_error, transform_points
 from geometry.visibility.rays import behind
 from kb.clouds.lobes import in_lobe
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from plogic.cycle.attention import attend
 from plogic.cycle.belief import Belief
 from plogic.cycle.perception import Perception
@@ -160,24 +160,24 @@ def data(shot):
 
 def perception(gamma, end=None):
     ready = perceiver()
-    return Perception(data_of(gamma.appearances, gamma.camera), ready.kb, ready.indices, ready.dv, end)
+    return Perception(data_of(gamma.appearances, gamma.camera), ready.kb, ready.models, ready.dv, end)
 
 
 def cycle_of(gamma, end=None):
     """One run of the perceptual cycle."""
     ready = perceiver()
     return perception(gamma, end).run(
-        attend(list(ready.indices.values()), [a.type for a in gamma.appearances], ready.kb)
+        attend(list(ready.models.values()), [a.type for a in gamma.appearances], ready.kb)
     )
 
 
 def posed_at(name, pose, of):
     """The hypothesis that a type stands at a pose, with its own matching, no polish."""
-    index = perceiver().indices[name]
+    index = perceiver().models[name]
     return settle(index, pose, of, towers(), rounds=0)
 
 
 def belief_at(name, pose, of, status="accepted"):
     posed = posed_at(name, pose, of)
     found, ev = evidence(posed, of, towers()), explanatory_value(posed.support(), perceiver().dv)
-    return Belief(posed, perceiver().indices[name], found.ratio, found.surplus, ev, ev, status)
+    return Belief(posed, perceiver().models[name], found.ratio, found.surplus, ev, ev, status)

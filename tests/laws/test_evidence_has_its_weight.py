@@ -41,7 +41,7 @@ def log_scale(subject):
     densities = {a.id: [a.clutter] for a in subject.appearances}
     for h in subject.hypotheses:
         for f in h.features:
-            if f.match is not None and h.candidate(f):
+            if f.match is not None and h.expects(f):
                 densities[f.match].append(f.density)
     return math.fsum(math.log(math.fsum(found)) for found in densities.values() if len(found) > 1)
 

@@ -77,6 +77,7 @@ def wide():
 @pytest.mark.parametrize("checks", [0, 40, 150, 200, 300, 400, 600, 1000, 10**9])
 @pytest.mark.parametrize("width", [2.0, 4.0])
 def test_wide_scenes_wherever_inference_stops(wide, checks, width):
+    assert len(wide) > 0
     for subject, exact in wide:
         with stopped(checks, width):
             hurried = ranked_worlds(subject, 7, seconds=LONG)

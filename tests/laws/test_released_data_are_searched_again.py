@@ -7,8 +7,8 @@ import pytest
 from synthetic import cycle_of, scene, side_by_side
 
 from plogic.cycle import anytime
-from plogic.cycle import perception as cycle
 from plogic.cycle.belief import same_hypothesis
+from plogic.match.hand import hand_models
 from plogic.match.judged.rivals import claims
 
 
@@ -20,16 +20,16 @@ def test_the_data_of_one_that_had_to_go_are_searched_again(monkeypatch, seed):
     both = cycle_of(gamma).accepted
     assert len(both) == 2
     stronger, weaker = sorted(both, key=lambda belief: -belief.worth)
-    searched, generate, moved_apart = [], cycle.generate, anytime.moved_apart
+    searched, generate, moved_apart = [], hand_models.generate, anytime.moved_apart
 
-    def looked_at(index, left, kb, covered, taken, check):
+    def looked_at(index, left, kb, covered, *, check):
         searched.append(set(left.ids))
-        return generate(index, left, kb, covered, taken, check)
+        return generate(index, left, kb, covered, check=check)
 
     def never_apart(posed, information):
         return moved_apart(posed, information)[0], [(0, 1)] if len(posed) > 1 else []
 
-    monkeypatch.setattr(cycle, "generate", looked_at)
+    monkeypatch.setattr(hand_models, "generate", looked_at)
     monkeypatch.setattr(anytime, "moved_apart", never_apart)
     found = cycle_of(gamma)
     assert [same_hypothesis(belief.posed, stronger.posed) for belief in found.accepted] == [True]

@@ -15,7 +15,8 @@ import pytest
 from situations import feature, hypothesis, situation
 
 from plogic.base.errors import SituationError
-from plogic.facts.situation import AppearanceFact, PairFact, PartFact
+from plogic.facts.hypothesis import PartFact
+from plogic.facts.situation import AppearanceFact, PairFact
 from plogic.facts.spatial import BodyFact, SharedFact, Space
 from plogic.scene.text.program_text import left_out, program_text, query_lines
 from plogic.scene.worlds.ranked_worlds import ranked_worlds

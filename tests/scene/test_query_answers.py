@@ -13,7 +13,8 @@ from plogic.base.errors import (
     ProgramError,
     UnknownPredicateError,
 )
-from plogic.facts.situation import PairFact, PartFact
+from plogic.facts.hypothesis import PartFact
+from plogic.facts.situation import PairFact
 from plogic.facts.vocabulary import VOCABULARY, entries, table
 from plogic.logic.served.engine import Text, run
 from plogic.scene.asking.query import answers, answers_to_all

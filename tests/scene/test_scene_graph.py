@@ -58,7 +58,7 @@ def test_every_joint_state_weighs_what_the_definitions_say(subject):
 @settings(QUICK, max_examples=60)
 @given(random_situations(most=4, readings=("posterior",)))
 def test_causes_as_variables_change_no_weight(subject):
-    claimed = sorted({f.match for h in subject.hypotheses for f in h.features if f.match and h.candidate(f)})[:2]
+    claimed = sorted({f.match for h in subject.hypotheses for f in h.features if f.match and h.expects(f)})[:2]
     assert set(scene_graph(subject, explicit=claimed).causes) == set(claimed)
     assert_equal(by_graph(subject, explicit=claimed), log_weights(subject))
 
@@ -96,10 +96,10 @@ def test_one_feature_changes_exactly_its_own_factor(subject, random):
     touched = {scope for scope in old.keys() | new.keys() if not np.array_equal(old.get(scope), new.get(scope))}
     if subject.reading == "posterior":
         allowed = {scope for scope in touched if before.place[h.id][0] in scope}
-        claim = changed.match if h.candidate(changed) else None
+        claim = changed.match if h.expects(changed) else None
         rest = touched - allowed
         assert not rest or claim is not None
-        assert len(touched) <= (1 if h.candidate(changed) else 0)
+        assert len(touched) <= (1 if h.expects(changed) else 0)
     else:
         assert all(before.place[h.id][0] in scope for scope in touched)
         assert len(touched) <= 1

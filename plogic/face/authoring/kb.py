@@ -74,11 +74,11 @@ def _words_in_one_row(rows: list[dict[str, Any]], kb: KnowledgeBase) -> list[dic
 
 def _ranks(kb: KnowledgeBase, gamma: str, dv: dict[str, float]) -> list[dict[str, Any]]:
     from plogic.cycle.attention import attend
-    from plogic.match.indices import indices_of
+    from plogic.match.kinds import models_of
     from sensing.files.gamma_files import read_gamma
 
     types = [a.type for a in read_gamma(gamma, kb.appearance_types).appearances]
-    rows = attend(list(indices_of(kb, dv)[0].values()), types, kb)
+    rows = attend(models_of(kb, dv).values(), types, kb)
     return [{"type": r.type, "rank": r.rank, "excess": r.excess, "within_cell": r.within_cell} for r in rows]
 
 

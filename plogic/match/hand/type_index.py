@@ -1,29 +1,37 @@
 """A type that was written by hand, made ready for search.
 
-* ``TypeIndex``: what is computed once a type: its view cells, its features' places and dv
+* ``TypeIndex``: what is computed once a type: its view cells, its features' places and dv. A ``plogic.match.judged.type_models.TypeModel``
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from math import log
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 import numpy as np
 
+from geometry.bodies.resting import RestingFaces, resting_faces
+from plogic.match.hand.coarse_pairs import MOST_PAIRS
+from plogic.match.hand.generate import generate, settle
 from plogic.match.hand.links import feature_links
 from plogic.match.hand.symmetry import permutations, unique_sets
 from plogic.match.hand.triples import PlaneTriples, plane_triples
 from plogic.match.hand.view_cells import ViewCells, view_cells
-from plogic.measures.valuation import compatible
+from plogic.match.judged.type_models import SURE, Ranks
+from plogic.measures.valuation import compatible, rank
 
 if TYPE_CHECKING:
+    from collections import Counter
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
-    from kb.clouds.cloud import ObjectType
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import Found
 
 CELLS_TRIED = 24
 """View cells whose rank is taken for the tie-break of attention, about: every so many-th of them."""
@@ -39,12 +47,23 @@ class TypeIndex:
     joined by edges.
     """
 
+    settled_when_found: ClassVar[bool] = False
     object_type: ObjectType
     cells: ViewCells
     points: NDArray[np.float64]
     weights: NDArray[np.float64]
     anchors: NDArray[np.intp]
     links: NDArray[np.intp]
+
+    @property
+    def centre(self) -> NDArray[np.float64]:
+        """(3,) m, the middle of the features, object frame."""
+        return self.cells.centre
+
+    @cached_property
+    def resting(self) -> RestingFaces:
+        """None: how a hand-modelled type stands is not asked."""
+        return resting_faces(np.zeros((0, 3)))
 
     @cached_property
     def triples(self) -> PlaneTriples:
@@ -83,6 +102,44 @@ class TypeIndex:
             flat,
         )
 
+    def ranks(self, here: Counter[str], by_chance: Counter[str]) -> Ranks:
+        """The ranks among so many data of each type: where each feature has one appearance type counting finds the best θ, else it is a matching."""
+        if self.in_line is not None:
+            counted, chance = self._counted(here), self._counted(by_chance, neighbourhoods=1)
+            return Ranks(float(counted[0]), float(chance[0]), float(counted[1:].max(initial=0.0)))
+        looks = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.features]
+        allowed, usual = (compatible(looks, list(some.elements())) for some in (here, by_chance))
+        some = (rank(self.weights[seen], allowed[seen]) for seen in self.neighbourhoods[1:] if seen.any())
+        return Ranks(rank(self.weights, allowed), rank(self.weights, usual), max(some, default=0.0))
+
+    def _counted(self, there: Counter[str], neighbourhoods: int | None = None) -> NDArray[np.float64]:
+        """The rank within each of the first ``neighbourhoods`` where each feature has one appearance type: of a type the heaviest that are there."""
+        assert self.in_line is not None  # noqa: S101 - the caller looks
+        number, whole, names = self.in_line
+        number, whole, shown = number[:neighbourhoods], whole[:neighbourhoods], self.neighbourhoods[:neighbourhoods]
+        matched = shown & (number <= np.array([there.get(name, 0) for name in names]))
+        return np.asarray(np.minimum(1.0, matched @ self.weights / np.where(whole > 0.0, whole, 1.0)))
+
+    def proposals(self, data: Data, kb: KnowledgeBase, most: int) -> Found:
+        """The hypotheses that the whole of Γ suggests, at most ``most`` of them refined."""
+        return generate(self, data, kb, refined=most, verified=most)
+
+    def settle(
+        self,
+        pose: NDArray[np.float64] | Hypothesis,
+        data: Data,
+        kb: KnowledgeBase,
+        free: NDArray[np.bool_] | None = None,
+        hidden: NDArray[np.bool_] | None = None,
+        rounds: int = 2,
+    ) -> Hypothesis:
+        """The type at a pose, matched and refined on places (``plogic.match.hand.generate``)."""
+        return settle(self, pose, data, kb, free, hidden, rounds)
+
+    def significance(self, posed: Hypothesis) -> float:
+        """By places alone the best of so many tries is good by luck: as many as there are pairs of data. Where angles count all poses are counted."""
+        return SURE if posed.axes is not None else log(MOST_PAIRS)
+
     def allowed(self, data: Data) -> NDArray[np.bool_]:
         """(F, A) the data of a type that the feature has in any of its lobes."""
         names, which = data.by_look
@@ -104,7 +161,15 @@ class TypeIndex:
         return dict(zip(names, compatible(types, names).T, strict=True))
 
 
-def type_index(object_type: ObjectType, dv: Mapping[str, float], cells: ViewCells | None = None) -> TypeIndex:
+Made = TypeVar("Made", bound=TypeIndex)
+
+
+def type_index(
+    object_type: ObjectType,
+    dv: Mapping[str, float],
+    cells: ViewCells | None = None,
+    made: type[Made] = TypeIndex,  # type: ignore[assignment]
+) -> Made:
     """Build the index of one type; dv 0 throughout (one feature type in all of Σo) counts every feature alike. ``cells``, where they are known."""
     features = object_type.features
     weights = np.array([dv[feature.type] for feature in features])
@@ -113,7 +178,7 @@ def type_index(object_type: ObjectType, dv: Mapping[str, float], cells: ViewCell
     points = np.array([feature.at for feature in features]).reshape(-1, 3)
     links = feature_links(points, [feature.arms for feature in features])
     moves = permutations(points, object_type.symmetries)
-    return TypeIndex(
+    return made(
         object_type,
         cells or view_cells(object_type),
         points,

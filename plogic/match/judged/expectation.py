@@ -40,9 +40,19 @@ def pose_of(
         hidden = behind(at, surface.rays, camera_from_object, 0.004 * surface.diameter)
     right = _right_types(table, held, data)
     seen = np.bincount(table.feature[held], minlength=len(at)) > 0
-    nobody = np.full(len(at), -1, dtype=np.intp)
     return Hypothesis(
-        object_type, camera_from_object, at, uv, inside, seen, hidden, right, nobody, np.full(len(at), np.nan)
+        type=object_type.name,
+        camera_from_object=camera_from_object,
+        opaque=object_type.opaque,
+        known_type=object_type,
+        at=at,
+        uv=uv,
+        in_image=inside,
+        in_lobe=seen,
+        self_hidden=hidden,
+        right=right,
+        matches=np.full(len(at), -1, dtype=np.intp),
+        residual=np.full(len(at), np.nan),
     )
 
 
@@ -75,7 +85,7 @@ def matched(
     feature; a feature takes one.
     """
     free = np.ones(len(data.ids), dtype=bool) if free is None else free
-    expected = posed.candidate if hidden is None else posed.candidate & ~hidden
+    expected = posed.expected(hidden)
     off = np.linalg.norm(np.nan_to_num(posed.uv, nan=1e9)[:, None] - data.uv[None], axis=2)
     near = off <= tolerance
     matches = np.full(len(posed.uv), -1, dtype=np.intp)

@@ -1,30 +1,37 @@
 """A learned type made ready for search: its appearances as arrays in single precision.
 
-* ``LearnedIndex``: what ``TypeIndex`` is to a type that was written by hand; the cycle asks both the same questions
+* ``LearnedIndex``: a ``plogic.match.judged.type_models.TypeModel``
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from geometry.bodies.resting import resting_faces
 from kb.clouds.words import POINT, SIDE
+from plogic.match.judged.type_models import SURE, Ranks
 from plogic.match.learned.held_lobes import Lobes, lobes_of
+from plogic.match.learned.learned_match import settle
+from plogic.match.learned.learned_poses import NOBODY, generate
 from plogic.match.learned.lexicon import Lexicon, lexicon_of
-from plogic.measures.valuation import kinds_of
+from plogic.measures.valuation import kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:
+    from collections import Counter
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
     from geometry.bodies.resting import RestingFaces
-    from kb.clouds.cloud import ObjectType
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
     from kb.clouds.learned import LearnedCloud
+    from plogic.facts.hypothesis import Hypothesis
+    from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import Found
     from plogic.measures.valuation import Kinds
 
     Floats = NDArray[np.float64]
@@ -33,6 +40,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, eq=False)
 class LearnedIndex:
     """``points`` (F, 3) metres; ``weights`` (F,) dv; ``cloud`` with its L appearances; ``lexicon`` where they are looked up."""
+
+    settled_when_found: ClassVar[bool] = True
 
     object_type: ObjectType
     cloud: LearnedCloud
@@ -115,6 +124,31 @@ class LearnedIndex:
         """Metres across."""
         surface = self.object_type.surface
         return float(surface.diameter if surface is not None else np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    def ranks(self, here: Counter[str], by_chance: Counter[str]) -> Ranks:
+        """The ranks by counting words; a learned type has no neighbourhoods."""
+        of_here, of_chance = (rank_of_kinds(self.weights, self.kinds, some) for some in (here, by_chance))
+        return Ranks(of_here, of_chance, of_here)
+
+    def proposals(self, data: Data, kb: KnowledgeBase, most: int) -> Found:
+        """The hypotheses that the whole of Γ suggests, at most ``most`` of them refined."""
+        return generate(self, data, kb, NOBODY, refined=most, verified=most)
+
+    def settle(
+        self,
+        pose: Floats | Hypothesis,
+        data: Data,
+        kb: KnowledgeBase,
+        free: NDArray[np.bool_] | None = None,
+        hidden: NDArray[np.bool_] | None = None,
+        rounds: int = 2,
+    ) -> Hypothesis:
+        """The type at a pose, matched and refined (``plogic.match.learned.learned_match``)."""
+        return settle(self, pose, data, kb, free, hidden, rounds)
+
+    def significance(self, posed: Hypothesis) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
+        """All poses of a learned type are counted in its evidence."""
+        return SURE
 
 
 def learned_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> LearnedIndex:

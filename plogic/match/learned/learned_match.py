@@ -82,8 +82,10 @@ def pose_of(index: LearnedIndex, pose: Floats, data: Data, kb: KnowledgeBase) ->
     hit[cloud.feature[best]] = cloud.hit[best]
     turn[cloud.feature[best]] = screen_angle(cloud.up[best] @ pose[:3, :3].T, at[cloud.feature[best]])
     return Hypothesis(
-        object_type=index.object_type,
+        type=index.object_type.name,
         camera_from_object=pose,
+        opaque=index.object_type.opaque,
+        known_type=index.object_type,
         at=at,
         uv=uv,
         in_image=camera.contains(uv),
@@ -111,7 +113,7 @@ def matched(
     Sides of edges are looked for where they are expected alone: edges are everywhere, and those of a hidden feature
     would be found by chance.
     """
-    expected = posed.candidate if hidden is None else posed.candidate & ~hidden
+    expected = posed.expected(hidden)
     described = data.described if free is None else data.described & free
     about = lobes_about(index, posed.camera_from_object)
     features, tolerance = np.flatnonzero(posed.in_image & ~index.sided), kb.rates.match_tolerance

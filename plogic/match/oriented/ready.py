@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plogic.base.remembered import arrays_of
-from plogic.match.hand.type_index import type_index
 from plogic.match.hand.view_cells import remade
+from plogic.match.oriented.oriented_index import oriented_index
 from plogic.match.oriented.pair_index import PairIndex, looks_of, pair_index
 from plogic.match.oriented.ready_key import key_of
 from plogic.match.oriented.sights import Sights
@@ -39,13 +39,13 @@ _NAMES = [*(f"cells_{name}" for name in _CELLS), *(f"sights_{name}" for name in 
 def ready(types: Sequence[ObjectType], dv: Mapping[str, float], folder: Path | None = None) -> PairIndex:
     """The index over some types; ``folder``: where indices are kept."""
     if folder is None or len(types) < MANY:
-        return pair_index([type_index(kind, dv) for kind in types])
+        return pair_index([oriented_index(kind, dv) for kind in types])
     arrays = arrays_of(
-        folder / key_of(types), _NAMES, lambda: _arrays(pair_index([type_index(kind, dv) for kind in types]))
+        folder / key_of(types), _NAMES, lambda: _arrays(pair_index([oriented_index(kind, dv) for kind in types]))
     )
     ends = np.cumsum([0, *(len(kind.features) for kind in types)])
     indices = [
-        type_index(kind, dv, remade(kind, *_of_type(arrays, low, high)))
+        oriented_index(kind, dv, remade(kind, *_of_type(arrays, low, high)))
         for kind, low, high in zip(types, ends[:-1], ends[1:], strict=True)
     ]
     sights = Sights(*(arrays[f"sights_{name}"] for name in _SIGHTS))

@@ -32,7 +32,8 @@ from plogic.scene.worlds.ranked_worlds import Ranking, listed_worlds, ranking_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from plogic.facts.situation import HypothesisFact, Situation
+    from plogic.facts.hypothesis import Hypothesis
+    from plogic.facts.situation import Situation
     from plogic.inference.graph import Beliefs, FactorGraph
 
     Interval = tuple[float, float]
@@ -83,7 +84,7 @@ class LiveScene:
 
     def add(
         self,
-        hypothesis: HypothesisFact,
+        hypothesis: Hypothesis,
         *,
         overlaps: Pairs = frozenset(),
         rivals: Pairs = frozenset(),

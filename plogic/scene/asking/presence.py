@@ -26,7 +26,8 @@ from plogic.scene.readings.score_reading import cells, p_ev
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from plogic.facts.situation import FeatureFact, HypothesisFact, Situation
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
+    from plogic.facts.situation import Situation
     from plogic.scene.readings.score_reading import Present
 
 
@@ -82,7 +83,7 @@ class View(NamedTuple):
     """A hypothesis in a world: ``present`` as ``plogic.scene.readings.score_reading`` wants it."""
 
     scene: Scene
-    h: HypothesisFact
+    h: Hypothesis
     world: tuple[str, ...]
     present: Present
 
@@ -144,7 +145,7 @@ def _hiding(view: View, features: Iterable[FeatureFact]) -> Iterator[str]:
     hidden: dict[str, list[str]] = {}
     for f in features:
         for g in view.scene.hiders(view.h, f):
-            if view.h.candidate(f) and g in view.world:
+            if view.h.expects(f) and g in view.world:
                 hidden.setdefault(g, []).append(f.id)
     for g, names in hidden.items():
         yield f"  hidden by {g}, so not expected: {len(names)} features ({_listed(names)})"

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from plogic.facts.situation import FeatureFact, HypothesisFact, Situation
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
+    from plogic.facts.situation import Situation
 
     Literal = tuple[int, tuple[int, ...]]
 
@@ -37,7 +38,7 @@ class Cast:
     opaque: frozenset[str]
     unhiding: dict[str, set[str]]
 
-    def hiders(self, h: HypothesisFact, f: FeatureFact) -> list[str]:
+    def hiders(self, h: Hypothesis, f: FeatureFact) -> list[str]:
         """The hypotheses that hide the feature in every world in which they are present (D4, D7), each once."""
         opaque, unhiding = self.opaque, self.unhiding[h.id]
         found = [g for g in f.hidden_by if g in opaque and g not in unhiding]

@@ -20,6 +20,7 @@ import numpy as np
 
 from plogic.base.bounds import LEAST, alternative
 from plogic.facts.dependence import Scene, arranged, dependence, ordered
+from plogic.facts.expected import expected
 from plogic.inference.gates import And, Literal, Not, Or
 from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, log, logs_of
 from plogic.scene.readings.score_reading import acceptance, lifted_smoothing
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.facts.dependence import Dependence
-    from plogic.facts.situation import FeatureFact, HypothesisFact
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.inference.gates import Formula
     from plogic.scene.factors.alternatives import Cast
     from plogic.scene.factors.weight_tables import Tables
@@ -60,7 +61,7 @@ class Linear(NamedTuple):
         return [epsilon + spread * _snapped(x + fixed) for x in changing]
 
 
-def linear(cast: Cast, h: HypothesisFact) -> Linear:
+def linear(cast: Cast, h: Hypothesis) -> Linear:
     """One look at the features of a hypothesis."""
     opaque, unhiding, solid = cast.opaque, cast.unhiding[h.id], h.opaque
     weights: list[float] = []
@@ -73,13 +74,13 @@ def linear(cast: Cast, h: HypothesisFact) -> Linear:
             continue
         found = f.match is not None
         detected = detected or found
-        candidate = f.in_lobe and not (f.self_hidden and solid)
-        hiders = {g for g in f.hidden_by if g in opaque and g not in unhiding} if candidate and f.hidden_by else None
+        awaited = expected(f, solid)
+        hiders = {g for g in f.hidden_by if g in opaque and g not in unhiding} if awaited and f.hidden_by else None
         if hiders:
             for g in hiders:
                 cells[g] = cells.get(g, 0) + 1
             changing.append((len(weights), hiders, found))
-        elif candidate == found:
+        elif awaited == found:
             same.append(len(weights))
         weights.append(f.dv)
     names = ordered(cells)
@@ -105,7 +106,7 @@ def _array(size: int, fixed: float, cells: Sequence[Cell], epsilon: float) -> ND
     return epsilon + (1.0 - 2.0 * epsilon) * total
 
 
-def add_pick(tables: Tables, cast: Cast, scene: Scene, h: HypothesisFact, epsilon: float) -> None:
+def add_pick(tables: Tables, cast: Cast, scene: Scene, h: Hypothesis, epsilon: float) -> None:
     """Modes `to_B` and `reassign`: state 0 and 1 of the pick are luck, good and bad (ε each); state i > 1 is the i-th feature in the image."""
     seen = [f for f in h.features if f.in_image]
     shares = alternative([f.dv for f in seen])
@@ -134,23 +135,23 @@ def _any_of(cast: Cast, names: Iterable[str]) -> Formula:
     return Or(tuple(Literal(v, frozenset(states)) for v, states in cast.literals(names)))
 
 
-def _in_view(cast: Cast, h: HypothesisFact, f: FeatureFact) -> Formula:
+def _in_view(cast: Cast, h: Hypothesis, f: FeatureFact) -> Formula:
     """D7, given that ``h`` is in the world."""
-    return Not(_any_of(cast, cast.hiders(h, f))) if h.candidate(f) else Or(())
+    return Not(_any_of(cast, cast.hiders(h, f))) if h.expects(f) else Or(())
 
 
-def _robbed(cast: Cast, scene: Scene, h: HypothesisFact, f: FeatureFact) -> Formula:
+def _robbed(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:
     """Mode `reassign`: another present object's expected feature claims the appearance (§5.5)."""
     robbers = scene.robbers(h, f) if cast.situation.reconsider == "reassign" else []
     return Or(tuple(And((_is_present(cast, g.id), _in_view(cast, g, e))) for g, e in robbers))
 
 
-def _is_found(cast: Cast, scene: Scene, h: HypothesisFact, f: FeatureFact) -> Formula:
+def _is_found(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:
     """D8."""
     return Or(()) if f.match is None else Or((_in_view(cast, h, f), Not(_robbed(cast, scene, h, f))))
 
 
-def _concordant(cast: Cast, scene: Scene, h: HypothesisFact, f: FeatureFact) -> Formula:
+def _concordant(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:
     """Expected ⇔ Detected: what is matched is in view or lost to another; what is not is out of view."""
     in_view = _in_view(cast, h, f)
     return Not(in_view) if f.match is None else Or((in_view, _robbed(cast, scene, h, f)))
@@ -211,7 +212,7 @@ def _literals(cast: Cast, names: tuple[str, ...]) -> list[tuple[int, tuple[int, 
     return [(place[name][0], place[name][1:]) for name in names]
 
 
-def chances(seen: Seen, h: HypothesisFact, names: tuple[str, ...]) -> Chances:
+def chances(seen: Seen, h: Hypothesis, names: tuple[str, ...]) -> Chances:
     """P(present(h) | which of ``names`` are present), a bit table (2^n,)."""
     rows = np.arange(2 ** len(names))
     nobody = np.zeros(len(rows), np.bool_)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.facts.dependence import Scene
-    from plogic.facts.situation import FeatureFact, HypothesisFact
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.scene.readings.score_reading import Flags, Present
 
 DEFAULT_PRIOR = 0.5
@@ -25,7 +25,7 @@ DEFAULT_PRIOR = 0.5
 class Causes(NamedTuple):
     """The alternative of one appearance: each claimant's share, the share of noise, and the density that a share of 1 stands for."""
 
-    claimants: list[tuple[HypothesisFact, FeatureFact]]
+    claimants: list[tuple[Hypothesis, FeatureFact]]
     shares: list[float]
     noise: float
     scale: float
@@ -33,7 +33,7 @@ class Causes(NamedTuple):
 
 def group_shares(scene: Scene) -> dict[str, list[tuple[str, float]]]:
     """Group → (hypothesis, its share of the prior): rivals for one instance share prior(Type) evenly."""
-    groups: dict[str, list[HypothesisFact]] = {}
+    groups: dict[str, list[Hypothesis]] = {}
     for h in scene.situation.hypotheses:
         groups.setdefault(h.group, []).append(h)
     priors = scene.situation.priors
@@ -65,17 +65,17 @@ def appearance_weight(scene: Scene, appearance: str, present: Present) -> NDArra
     return weight * causes.scale
 
 
-def miss_weight(scene: Scene, h: HypothesisFact, f: FeatureFact, present: Present) -> NDArray[np.float64]:
+def miss_weight(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> NDArray[np.float64]:
     """1 − h_F where the feature is expected, (M,); it has no appearance."""
     return 1.0 - _hit(scene, h, f, present)
 
 
-def unmatched(h: HypothesisFact) -> Iterable[FeatureFact]:
+def unmatched(h: Hypothesis) -> Iterable[FeatureFact]:
     """The candidate features that no appearance was found for."""
-    return (f for f in h.features if f.match is None and h.candidate(f))
+    return (f for f in h.features if f.match is None and h.expects(f))
 
 
-def _hit(scene: Scene, h: HypothesisFact, f: FeatureFact, present: Present) -> NDArray[np.float64]:
+def _hit(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> NDArray[np.float64]:
     live: Flags = present[h.id] & expected(scene, h, f, present)
     return bounded(f.hit_rate) * live.astype(np.float64)
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.base.bounds import LEAST, alternative
+from plogic.facts import expected as d7
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.facts.dependence import Scene
-    from plogic.facts.situation import FeatureFact, HypothesisFact
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
 
     Flags = NDArray[np.bool_]
     Present = Mapping[str, Flags]
@@ -32,7 +33,7 @@ class Cells(NamedTuple):
     detected: Flags
 
 
-def hidden(scene: Scene, h: HypothesisFact, f: FeatureFact, present: Present) -> Flags:
+def hidden(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Flags:
     """Where some present opaque hypothesis, no rival, lies before the feature (D4)."""
     result = np.zeros_like(next(iter(present.values())))
     for g in scene.hiders(h, f):
@@ -40,14 +41,12 @@ def hidden(scene: Scene, h: HypothesisFact, f: FeatureFact, present: Present) ->
     return result
 
 
-def expected(scene: Scene, h: HypothesisFact, f: FeatureFact, present: Present) -> Flags:
-    """D7, given that ``h`` is in the world."""
-    if not h.candidate(f):
-        return np.zeros_like(next(iter(present.values())))
-    return ~hidden(scene, h, f, present)
+def expected(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Flags:
+    """D7 in every world, given that ``h`` is in it."""
+    return d7.expected(f, h.opaque, hidden(scene, h, f, present))
 
 
-def cells(scene: Scene, h: HypothesisFact, f: FeatureFact, present: Present) -> Cells:
+def cells(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Cells:
     """D7 and D8; in mode `reassign` an unexpected feature loses an appearance that another object's expected feature claims."""
     awaited = expected(scene, h, f, present)
     found = np.full_like(awaited, f.match is not None and f.in_image)
@@ -57,7 +56,7 @@ def cells(scene: Scene, h: HypothesisFact, f: FeatureFact, present: Present) -> 
     return Cells(awaited, found)
 
 
-def supported(scene: Scene, h: HypothesisFact, present: Present) -> Flags:
+def supported(scene: Scene, h: Hypothesis, present: Present) -> Flags:
     """Where at least one feature of ``h`` is detected (trap b: a fully hidden phantom would have ev = +1)."""
     result = np.zeros_like(next(iter(present.values())))
     for f in h.features:
@@ -65,7 +64,7 @@ def supported(scene: Scene, h: HypothesisFact, present: Present) -> Flags:
     return result
 
 
-def p_ev(scene: Scene, h: HypothesisFact, present: Present) -> NDArray[np.float64]:
+def p_ev(scene: Scene, h: Hypothesis, present: Present) -> NDArray[np.float64]:
     """P(ev) of ``h`` after reconsideration in every world, (M,); NaN where it is 0/0."""
     if scene.situation.reconsider == "drop":
         return _dropped(scene, h, present)
@@ -83,12 +82,12 @@ def _snapped(total: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(total > 1.0 - 1e-12, 1.0, np.where(total < 1e-12, 0.0, total))
 
 
-def _dropped(scene: Scene, h: HypothesisFact, present: Present) -> NDArray[np.float64]:
+def _dropped(scene: Scene, h: Hypothesis, present: Present) -> NDArray[np.float64]:
     """The cells of the hypothesis alone, without the C cells that a present occluder explains."""
     good = np.zeros(len(next(iter(present.values()))))
     bad = np.zeros_like(good)
     for f in (f for f in h.features if f.in_image):
-        awaited, found = h.candidate(f), f.match is not None
+        awaited, found = h.expects(f), f.match is not None
         if awaited == found:
             good += f.dv
         elif found:
@@ -99,7 +98,7 @@ def _dropped(scene: Scene, h: HypothesisFact, present: Present) -> NDArray[np.fl
     return np.divide(good, total, out=np.full_like(good, np.nan), where=total > 0)
 
 
-def acceptance(scene: Scene, h: HypothesisFact, present: Present, influences: tuple[str, ...]) -> NDArray[np.float64]:
+def acceptance(scene: Scene, h: Hypothesis, present: Present, influences: tuple[str, ...]) -> NDArray[np.float64]:
     """P(present(h) | the others) in every world, (M,): P(ev), smoothed; 0 where ev is undefined or nothing is detected.
 
     Only the presence of ``influences`` is looked at; ``h`` itself is taken as present.

@@ -13,7 +13,7 @@ from plogic.scene.text.layout import number
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plogic.facts.situation import HypothesisFact
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.scene.text.layout import Writer
 
 
@@ -23,7 +23,7 @@ def contexts(names: tuple[str, ...]) -> list[tuple[str, ...]]:
     return sorted(rows, key=len)
 
 
-def listed(w: Writer, h: HypothesisFact) -> tuple[str, ...]:
+def listed(w: Writer, h: Hypothesis) -> tuple[str, ...]:
     """The occluders that the contexts of ``h`` are made of: at most six, those that change most cells."""
     return w.graph.of[h.id][:MOST_OCCLUDERS]
 
@@ -36,13 +36,13 @@ def context_clauses(w: Writer, key: str, names: tuple[str, ...]) -> Iterator[str
         yield f"context({key}, {w.list(context)}){body}."
 
 
-def p_given(w: Writer, h: HypothesisFact, context: tuple[str, ...]) -> float | None:
+def p_given(w: Writer, h: Hypothesis, context: tuple[str, ...]) -> float | None:
     """P(ev) of ``h`` with exactly the context present; None where it is 0/0."""
     p = float(p_ev(w.scene, h, _columns(w, (*context, h.id)))[0])
     return None if np.isnan(p) else p
 
 
-def accepted_given(w: Writer, h: HypothesisFact, context: tuple[str, ...]) -> float:
+def accepted_given(w: Writer, h: Hypothesis, context: tuple[str, ...]) -> float:
     """The label of ok(h, context): smoothed, and 0 where ev is undefined or nothing of ``h`` is detected."""
     return float(acceptance(w.scene, h, _columns(w, context), w.graph.of[h.id])[0])
 

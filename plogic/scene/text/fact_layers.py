@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from plogic.facts.gravity import Gravity
-    from plogic.facts.situation import FeatureFact, HypothesisFact, PairFact
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
+    from plogic.facts.situation import PairFact
     from plogic.scene.text.layout import Writer
 
 
@@ -98,8 +99,8 @@ def whereabouts(w: Writer) -> Iterator[str]:
     yield from holds(w)
 
 
-def _point(h: HypothesisFact) -> BodyFact:
-    x, y, z = (row[3] for row in h.camera_from_object[:3])
+def _point(h: Hypothesis) -> BodyFact:
+    x, y, z = h.camera_from_object[:3, 3].tolist()
     return BodyFact(h.id, (x, y, z), math.hypot(x, y, z), "outside")
 
 
@@ -134,7 +135,7 @@ def trees(w: Writer) -> Iterator[str]:
         yield from (w.fact("feature_of", h.id, f.id, f.type) for f in h.features)
 
 
-def _parts(w: Writer, h: HypothesisFact) -> Iterator[str]:
+def _parts(w: Writer, h: Hypothesis) -> Iterator[str]:
     known = {part.id for part in h.parts}
     for part in h.parts:
         parent = w.node(h, part.parent) if part.parent in known else w.names.atom(h.id)
@@ -144,7 +145,7 @@ def _parts(w: Writer, h: HypothesisFact) -> Iterator[str]:
             yield f"part_of({w.node(h, f.id)}, {_host(w, h, f, known)})."
 
 
-def _host(w: Writer, h: HypothesisFact, f: FeatureFact, known: set[str]) -> str:
+def _host(w: Writer, h: Hypothesis, f: FeatureFact, known: set[str]) -> str:
     """The nearest part on the feature's path; the hypothesis itself where there is none."""
     steps = f.id.split("/")[:-1]
     paths = ("/".join(steps[:n]) for n in range(len(steps), 0, -1))
@@ -163,13 +164,13 @@ def geometry(w: Writer) -> Iterator[str]:
     yield from _measures(w)
 
 
-def _position(w: Writer, h: HypothesisFact) -> str:
-    origin = [row[3] for row in h.camera_from_object[:3]]
+def _position(w: Writer, h: Hypothesis) -> str:
+    origin = h.camera_from_object[:3, 3].tolist()
     at = ", ".join(coordinate(x) for x in origin)
     return f"at({w.names.atom(h.id)}, {at}). distance({w.names.atom(h.id)}, {coordinate(math.hypot(*origin))})."
 
 
-def _feature(w: Writer, h: HypothesisFact, f: FeatureFact) -> str:
+def _feature(w: Writer, h: Hypothesis, f: FeatureFact) -> str:
     facts = [f"at({w.node(h, f.id)}, {', '.join(coordinate(x) for x in f.at)})."]
     flags = (("in_image", f.in_image), ("in_lobe", f.in_lobe), ("self_hidden", f.self_hidden))
     facts += [w.fact(name, h.id, f.id) for name, holds in flags if holds]

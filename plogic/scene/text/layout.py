@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from plogic.facts.dependence import Dependence, Scene
-    from plogic.facts.situation import FeatureFact, HypothesisFact
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.logic.safety.atoms import Names
 
 
@@ -30,11 +30,11 @@ class Writer:
         """A fact about labels: ``in_image(h1, f3).``."""
         return f"{predicate}({self.atoms(*labels)})."
 
-    def node(self, h: HypothesisFact, inner: str) -> str:
+    def node(self, h: Hypothesis, inner: str) -> str:
         """``h1/f3``: a part or a feature of a hypothesis."""
         return f"{self.names.atom(h.id)}/{self.names.atom(inner)}"
 
-    def feature(self, h: HypothesisFact, f: FeatureFact) -> str:
+    def feature(self, h: Hypothesis, f: FeatureFact) -> str:
         """``h1, f3``."""
         return self.atoms(h.id, f.id)
 

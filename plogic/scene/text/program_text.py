@@ -25,7 +25,8 @@ from plogic.scene.text.rules import defined, fallbacks, rules, vocabulary_rules
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plogic.facts.situation import HypothesisFact, Situation
+    from plogic.facts.hypothesis import Hypothesis
+    from plogic.facts.situation import Situation
 
 
 def posterior_choices(w: Writer) -> Iterator[str]:
@@ -36,7 +37,7 @@ def posterior_choices(w: Writer) -> Iterator[str]:
         yield disjunction([(p, f"present({w.names.atom(name)})") for name, p in shares])
     yield "% Each expected feature is detected with its hit rate."
     for h in w.scene.situation.hypotheses:
-        for f in (f for f in h.features if h.candidate(f)):
+        for f in (f for f in h.features if h.expects(f)):
             yield f"{number(bounded(f.hit_rate))}::hit({w.feature(h, f)})."
     yield "% Each claimed appearance has one cause: densities over their sum (bounded, so that ProbLog can read them)."
     for appearance in w.scene.claimants:
@@ -77,13 +78,13 @@ def score_choices(w: Writer) -> Iterator[str]:
             yield from _alone(w, h)
 
 
-def _alone(w: Writer, h: HypothesisFact) -> Iterator[str]:
+def _alone(w: Writer, h: Hypothesis) -> Iterator[str]:
     yield ""
     yield w.fact("alone", h.id)
     yield from _dropping(w, h) if w.scene.situation.reconsider == "drop" else _picking(w, h)
 
 
-def _picking(w: Writer, h: HypothesisFact) -> Iterator[str]:
+def _picking(w: Writer, h: Hypothesis) -> Iterator[str]:
     """``dv_F/Σdv::pick(H, F)`` over the features in the image."""
     seen = [f for f in h.features if f.in_image]
     shares = alternative([f.dv for f in seen])
@@ -100,7 +101,7 @@ def _picking(w: Writer, h: HypothesisFact) -> Iterator[str]:
         )
 
 
-def _dropping(w: Writer, h: HypothesisFact) -> Iterator[str]:
+def _dropping(w: Writer, h: Hypothesis) -> Iterator[str]:
     """``P(ev)::ok(H, Context)`` for each set of accepted occluders."""
     for context in contexts(listed(w, h)):
         yield f"{number(accepted_given(w, h, context))}::ok({w.names.atom(h.id)}, {w.list(context)})."

@@ -13,7 +13,7 @@ from plogic.base.bounds import alternative, bounded
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plogic.facts.situation import HypothesisFact
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.scene.factors.alternatives import Cast
 
 NOISE = "noise"
@@ -46,11 +46,11 @@ class CauseTable:
         for h in situation.hypotheses:
             self._add_claims(cast, h)
 
-    def _add_claims(self, cast: Cast, h: HypothesisFact) -> None:
+    def _add_claims(self, cast: Cast, h: Hypothesis) -> None:
         name, mine, bit = h.id, self._bit[h.id], self._bit
         for f in h.features:
             match = f.match
-            if match is None or not h.candidate(f):
+            if match is None or not h.expects(f):
                 continue
             hiders = 0
             for g in cast.hiders(h, f) if f.hidden_by else ():

@@ -19,7 +19,7 @@ other, and a transparent object hides nothing.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from plogic.scene.readings.score_reading import cells, p_ev
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from plogic.facts.document import DoubtRow
     from plogic.facts.situation import PairFact, Situation
 
 SAME = 1e-9
@@ -46,9 +47,15 @@ class Doubt(NamedTuple):
     found: str
     why: str
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> DoubtRow:
         """As in ``interpretation.json``."""
-        return self._asdict() | {"args": list(self.args)}
+        return {
+            "relation": self.relation,
+            "args": list(self.args),
+            "expected": self.expected,
+            "found": self.found,
+            "why": self.why,
+        }
 
 
 def doubts(situation: Situation) -> tuple[Doubt, ...]:
@@ -132,7 +139,7 @@ def _present(scene: Scene, *names: str) -> dict[str, np.ndarray[tuple[int], np.d
 def _hidden(scene: Scene, name: str, other: str) -> list[str]:
     """The features of a hypothesis, expected of it alone, that the other hides (D4)."""
     h = scene.by_id[name]
-    return [f.id for f in h.features if f.in_image and h.candidate(f) and other in scene.hiders(h, f)]
+    return [f.id for f in h.features if f.in_image and h.expects(f) and other in scene.hiders(h, f)]
 
 
 def _same(one: float, other: float) -> bool:

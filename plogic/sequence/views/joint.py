@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.delta import Options
     from plogic.facts.gravity import Gravity
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.situation import FeatureFact, HypothesisFact, Situation
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
+    from plogic.facts.situation import Situation
     from plogic.match.gamma.data import Data
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
@@ -210,7 +210,7 @@ def _parted(posed: Sequence[Hypothesis], first: int) -> tuple[tuple[Sequence[Hyp
 
 def _belief(posed: Hypothesis, status: str, seen: Seen, perceiver: Perceiver) -> Belief:
     found, ev = evidence(posed, seen.data, perceiver.kb), explanatory_value(posed.support(), perceiver.dv)
-    return Belief(posed, perceiver.indices[posed.object_type.name], found.ratio, found.surplus, ev, ev, status)
+    return Belief(posed, perceiver.models[posed.object_type.name], found.ratio, found.surplus, ev, ev, status)
 
 
 def _known(posed: Hypothesis, hidden: NDArray[np.bool_] | None, seen: Seen, kb: KnowledgeBase) -> _Known | None:
@@ -249,7 +249,7 @@ def _merged(told: Sequence[_Told], seen: Sequence[Seen], standing: Sequence[Stan
 
 def _hypothesis(
     i: int, told: Sequence[_Told], seen: Sequence[Seen], groups: Mapping[str, str], clutter: Mapping[str, float]
-) -> HypothesisFact:
+) -> Hypothesis:
     """Hypothesis ``i`` with its features in every view: those of view v1 as 'v1:roof/apex'."""
     last = told[-1].situation.hypotheses[i]
     features = [
@@ -273,13 +273,13 @@ def _of_view(feature: FeatureFact, view: str) -> FeatureFact:
 
 
 def owing(
-    h: HypothesisFact, features: Sequence[FeatureFact], clutter: Mapping[str, float], owed: float
+    h: Hypothesis, features: Sequence[FeatureFact], clutter: Mapping[str, float], owed: float
 ) -> list[FeatureFact]:
     """Return the features; expected ones that are matched give up what the pose owes, in proportion.
 
     ``owed``: a logarithm, at most 0 (``plogic.match.judged.fitted``); ``clutter``: density of each datum, per pixel².
     """
-    paying = [f for f in features if f.match is not None and f.density > 0.0 and h.candidate(f)]
+    paying = [f for f in features if f.match is not None and f.density > 0.0 and h.expects(f)]
     rates = {f.id: (min(max(f.hit_rate, LEAST), 1.0 - LEAST), clutter[str(f.match)]) for f in paying}
     better = {
         f.id: float(np.log1p(rates[f.id][0] * f.density / ((1.0 - rates[f.id][0]) * rates[f.id][1]))) for f in paying

@@ -13,7 +13,6 @@ import numpy as np
 
 from geometry.frames import inverse, transform_points
 from geometry.poses.refine_sights import Sight, refine_sights
-from plogic.match.indices import settle
 from plogic.match.judged.alike import same_place
 from plogic.match.judged.pose_information import sigmas
 from plogic.match.judged.rivals import claims, excludes, hidden_among
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
     from plogic.cycle.belief import Belief
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.indices import Index
+    from plogic.match.judged.type_models import TypeModel
     from plogic.sequence.views.view import View
 
     Floats = NDArray[np.float64]
@@ -47,7 +46,7 @@ class Seen(NamedTuple):
 class Standing:
     """One hypothesis of Δh: a type, by its index, at a place in the world."""
 
-    index: Index
+    index: TypeModel
     world_from_object: NDArray[np.float64]
 
     @property
@@ -72,7 +71,7 @@ def standing_of(belief: Belief, view: View) -> Standing:
 
 def seen_alone(standing: Standing, seen: Seen, kb: KnowledgeBase) -> Hypothesis:
     """The hypothesis at its place, matched on all of a view's Γ as if nothing else were there."""
-    return settle(standing.index, standing.before(seen.view), seen.data, kb, rounds=0)
+    return standing.index.settle(standing.before(seen.view), seen.data, kb, rounds=0)
 
 
 def seen_beside(
@@ -97,7 +96,7 @@ def seen_beside(
 def _settled(
     standing: Standing, seen: Seen, kb: KnowledgeBase, free: NDArray[np.bool_], hidden: NDArray[np.bool_]
 ) -> Hypothesis:
-    return settle(standing.index, standing.before(seen.view), seen.data, kb, free=free, hidden=hidden, rounds=0)
+    return standing.index.settle(standing.before(seen.view), seen.data, kb, free=free, hidden=hidden, rounds=0)
 
 
 def refined(standing: Standing, posed: Sequence[Hypothesis], seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:

@@ -45,8 +45,8 @@ def test_clusters_have_what_was_asked_for(number, seed, reading):
     check(situation)
     assert len(situation.hypotheses) == number
     assert len(situation.appearances) == 2 * number
-    assert {sum(h.candidate(f) for f in h.features) for h in situation.hypotheses} == {CANDIDATES}
-    assert all(any(f.match is None for f in h.features if h.candidate(f)) for h in situation.hypotheses)
+    assert {sum(h.expects(f) for f in h.features) for h in situation.hypotheses} == {CANDIDATES}
+    assert all(any(f.match is None for f in h.features if h.expects(f)) for h in situation.hypotheses)
 
 
 @settings(derandomize=True, deadline=None, max_examples=25)

@@ -43,7 +43,7 @@ def delta(perceiver, gamma):
 def cut_to(most, perceiver, gamma):
     data = data_of(gamma.appearances, gamma.camera)
     return unpruned(
-        data, perceiver.kb, list(perceiver.indices.values()), perceiver.dv, Options(reading="posterior"), most
+        data, perceiver.kb, list(perceiver.models.values()), perceiver.dv, Options(reading="posterior"), most
     )
 
 

@@ -10,8 +10,7 @@ from geometry.cones import even_directions, spacing
 from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of, reaches
 from kb.learning.observations import EDGE, OFTEN, joined
-from kb.learning.variants import variants
-from kb.learning.views import AWAY, MARGIN, distance
+from kb.learning.views import AWAY, MARGIN, distance, variants
 from sensing.simulated.turntable import turned
 
 FEW = facing(CORNER, 25.0)
@@ -119,6 +118,7 @@ def test_views_can_be_looked_at_apart():
     """What is seen from one direction does not depend on which others a process has."""
     with sizes():
         whole, apart = seen_of(cube(), FEW), joined([seen_of(cube(), [number]) for number in FEW])
+    assert len(whole.at) > 0
     for f in fields(whole):
         assert np.array_equal(getattr(whole, f.name), getattr(apart, f.name)), f.name
 
@@ -128,6 +128,7 @@ def test_millimetres_read_as_metres_scale_lengths_and_nothing_else():
         small, large = seen_of(cube(), FEW), seen_of(cube(1000 * SIDE), FEW)
     one, other = cloud(small), cloud(large, 1000 * SIDE * 3**0.5)
     lengths = {"at", "sigma", "r_min", "r_max", "size"}
+    assert len(one.at) > 0
     for f in fields(one):
         mine, its = getattr(one, f.name), getattr(other, f.name)
         expected = mine * (1000 if f.name in lengths else 1)

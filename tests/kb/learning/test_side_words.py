@@ -10,9 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_cloud import random_cloud, random_words
 
-from kb.clouds.words import PER_WORD, POINT, SIDE, Words, learn_words, read_words, words_bytes
+from kb.clouds.words import PER_WORD, POINT, SIDE, Words, learn_words, read_words, worded, words_bytes
 from kb.learning.sides import BYTES, LOOKS, descriptors
-from kb.learning.words import worded
 
 SEEDS = st.integers(0, 9999)
 
@@ -108,6 +107,7 @@ def test_lobes_of_sides_are_given_words_of_sides_and_others_others(seed):
         size, descriptor = np.where(sided, 0.0, plain.size), np.where(sided[:, None], edges, plain.descriptor)
         clouds[name] = replace(plain, size=size, descriptor=descriptor)
     words, named = worded(clouds)
+    assert set(named) == {"a", "b"}
     for cloud in named.values():
         assert 0 < cloud.sided.sum() < len(cloud.sided)
         assert np.array_equal(words.sided[cloud.lobe_word], cloud.sided)

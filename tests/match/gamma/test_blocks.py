@@ -13,9 +13,9 @@ from plogic.match.gamma import row_blocks as blocks
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import wrapped
 from plogic.match.hand import links, open_pairs
+from plogic.match.hand.generate import generate
 from plogic.match.hand.links import ALONG_ONE_ARM, POINTING, data_links, linked_pairs
 from plogic.match.hand.triples import NEIGHBOURS, image_triples
-from plogic.match.indices import generate
 from sensing.appearance import Appearance
 
 SCALES = (10.0, 2000.0)
@@ -37,10 +37,11 @@ def clutter(number, seed, arms=4, step=1.0):
     return data_of(rows, CAMERA)
 
 
-def same(one, other):
-    for name in one.__dataclass_fields__:
-        a, b = getattr(one, name), getattr(other, name)
-        assert (a.dtype, a.shape, a.tobytes()) == (b.dtype, b.shape, b.tobytes()), name
+def assert_same(one, other):
+    bytes_of_one, bytes_of_other = (
+        {name: (a.dtype, a.shape, a.tobytes()) for name, a in vars(each).items()} for each in (one, other)
+    )
+    assert bytes_of_one == bytes_of_other
 
 
 def links_one_by_one(data):
@@ -68,12 +69,12 @@ def test_links_are_those_that_each_arm_has_alone(seed, entries, monkeypatch):
 
 @pytest.mark.parametrize(("number", "most"), [(0, 60_000), (1, 60_000), (2, 60_000), (60, 60_000), (60, 50)])
 def test_pairs_by_links_are_the_same_in_any_blocks(number, most, monkeypatch):
-    index, data = perceiver().indices["t2"], clutter(number, 9)
+    index, data = perceiver().models["t2"], clutter(number, 9)
     monkeypatch.setattr(links, "MOST_PAIRS", most)
     whole = linked_pairs(index.cells, index.links, index.allowed(data), data, SCALES)
     assert len(whole.cell) == most or number < 3 or most > 1000
     monkeypatch.setattr(blocks, "ENTRIES", 3000)
-    same(linked_pairs(index.cells, index.links, index.allowed(data), data, SCALES), whole)
+    assert_same(linked_pairs(index.cells, index.links, index.allowed(data), data, SCALES), whole)
 
 
 @pytest.mark.parametrize(("number", "step"), [(0, 1e-9), (1, 1e-9), (2, 1e-9), (80, 1e-9), (80, 20.0)])
@@ -81,7 +82,7 @@ def test_triples_are_the_same_in_any_blocks(number, step, monkeypatch):
     data = clutter(number, 5, step=step)
     whole = image_triples(data, np.arange(number))
     monkeypatch.setattr(blocks, "ENTRIES", 100)
-    same(image_triples(data, np.arange(number)), whole)
+    assert_same(image_triples(data, np.arange(number)), whole)
     for first, *others in whole.data.tolist():
         nearest = np.sort(np.hypot(*(data.ideal - data.ideal[first]).T))[: NEIGHBOURS + 1]
         assert all(np.hypot(*(data.ideal[i] - data.ideal[first])) <= nearest[-1] for i in others)
@@ -89,13 +90,13 @@ def test_triples_are_the_same_in_any_blocks(number, step, monkeypatch):
 
 @pytest.mark.parametrize("most", [40, 10**9])
 def test_pairs_of_places_are_the_same_in_any_blocks(most, monkeypatch):
-    index, data = perceiver().indices["t1"], clutter(400, 3, arms=0)
+    index, data = perceiver().models["t1"], clutter(400, 3, arms=0)
     monkeypatch.setattr(open_pairs, "MOST_OF_CELL", most)
     given = index.cells, 7, index.anchors, index.allowed(data), data, SCALES, lambda: None
     whole = open_pairs._of_cell(*given)
     assert 0 < len(whole.cell) <= most
     monkeypatch.setattr(blocks, "ENTRIES", 4000)
-    same(open_pairs._of_cell(*given), whole)
+    assert_same(open_pairs._of_cell(*given), whole)
 
 
 def test_bits_are_thinned_as_their_places_would_be(monkeypatch):
@@ -119,7 +120,7 @@ def test_blocks_are_bounded_and_cover_every_row_once():
 @pytest.mark.parametrize("arms", [0, 3])
 def test_the_search_for_a_type_can_be_stopped_at_every_look(arms, monkeypatch):
     """Between blocks too: the more there are the oftener it looks, and it finds the same."""
-    index, data, kb = perceiver().indices["t2"], clutter(40, 2, arms), perceiver().kb
+    index, data, kb = perceiver().models["t2"], clutter(40, 2, arms), perceiver().kb
 
     def looks(most):
         count = 0

@@ -13,7 +13,7 @@ TOLERANCE = 3.0
 
 
 def view(name, seed):
-    index, rng = perceiver().indices[name], np.random.default_rng(seed)
+    index, rng = perceiver().models[name], np.random.default_rng(seed)
     pose = camera_pose(rng, (3.0, 5.0))
     data = data_of(scene(rng, {name: pose}, clutter=8).gamma.appearances, CAMERA)
     return index, pose, data, distance_maps(index.allowed(data), data), rng
@@ -84,6 +84,7 @@ def test_a_datum_serves_one_feature_and_lies_within_the_tolerance():
     index, pose, data, maps, rng = view("t1", 5046)
     starts = np.stack([pose, *(perturbed(rng, pose, index.cells.centre, 5.0, 0.02) for _ in range(10))])
     matches = rematch(starts, index.cells, index.points, maps, data, np.full(11, 12.0))
+    assert len(matches) == 11
     for start, row in zip(starts, matches, strict=True):
         used = row[row >= 0]
         assert len(used) >= 4

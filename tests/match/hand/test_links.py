@@ -59,7 +59,7 @@ def test_a_gamma_without_arms_has_no_links():
 @pytest.mark.parametrize("name", ["t1", "t2"])
 def test_every_view_has_a_pair_near_the_true_pose(name):
     """Some link of the cloud on some link of Γ gives the pose to a cell's width, in clutter and with misses."""
-    index = perceiver().indices[name]
+    index = perceiver().models[name]
     for seed in range(5000, 5006):
         rng = np.random.default_rng(seed)
         pose = camera_pose(rng, (3.0, 6.0))
@@ -76,7 +76,7 @@ def test_every_view_has_a_pair_near_the_true_pose(name):
 
 def test_arms_that_do_not_fit_refuse_a_pair():
     """The same junctions with their arms turned by 45° beside the link lose their pairs."""
-    index, rng = perceiver().indices["t1"], np.random.default_rng(5010)
+    index, rng = perceiver().models["t1"], np.random.default_rng(5010)
     pose = camera_pose(rng, (3.0, 5.0))
     shot = scene(rng, {"t1": pose}, hit=1.0, clutter=0, noise=0.0)
     data = data_of(shot.gamma.appearances, CAMERA)
@@ -93,7 +93,7 @@ def test_arms_that_do_not_fit_refuse_a_pair():
 
 
 def test_scales_bound_the_pairs():
-    index, rng = perceiver().indices["t2"], np.random.default_rng(5011)
+    index, rng = perceiver().models["t2"], np.random.default_rng(5011)
     data = data_of(scene(rng, {"t2": camera_pose(rng, (3.0, 5.0))}).gamma.appearances, CAMERA)
     pairs = linked_pairs(index.cells, index.links, index.allowed(data), data, (100.0, 200.0))
     assert len(pairs.scale) > 0
@@ -102,7 +102,7 @@ def test_scales_bound_the_pairs():
 
 def test_a_coarse_pose_lays_its_two_features_on_their_two_data():
     """Weak perspective about the object's ray: within a tenth of the object's size in true perspective."""
-    index, rng = perceiver().indices["t1"], np.random.default_rng(5012)
+    index, rng = perceiver().models["t1"], np.random.default_rng(5012)
     data = data_of(scene(rng, {"t1": camera_pose(rng, (6.0, 9.0))}).gamma.appearances, CAMERA)
     pairs = linked_pairs(index.cells, index.links, index.allowed(data), data, (10.0, 300.0))
     poses = coarse_poses(pairs, index.cells, data)

@@ -21,7 +21,7 @@ def view(name, seed, clutter=6, distance=(3.0, 6.0), **options):
 
 
 def pairs_of(name, data, scales=(10.0, 2000.0)):
-    index = perceiver().indices[name]
+    index = perceiver().models[name]
     return open_pairs(index.cells, index.anchors, index.allowed(data), data, scales)
 
 
@@ -31,7 +31,7 @@ def test_a_gamma_without_arms_still_gives_the_right_pose_from_pairs_alone():
     for seed in range(5100, 5106):
         for name in ("t1", "t2"):
             pose, data = view(name, seed, hit=0.95, distance=(3.0, 5.0))
-            index = replace(perceiver().indices[name])
+            index = replace(perceiver().models[name])
             vars(index)["triples"] = plane_triples([])
             rows = generate(index, data, towers())
             right.append(bool(rows) and is_right(name, rows[0][1].camera_from_object, pose))
@@ -41,7 +41,7 @@ def test_a_gamma_without_arms_still_gives_the_right_pose_from_pairs_alone():
 def test_some_pair_is_near_the_true_pose():
     for seed in range(5110, 5114):
         pose, data = view("t2", seed)
-        index = perceiver().indices["t2"]
+        index = perceiver().models["t2"]
         poses = coarse_poses(pairs_of("t2", data), index.cells, data)
         turned = pose_error(poses, np.broadcast_to(pose, poses.shape), index.object_type.symmetries)[0]
         assert np.degrees(turned).min() < 20.0
@@ -49,7 +49,7 @@ def test_some_pair_is_near_the_true_pose():
 
 def test_pairs_are_legal_and_bounded():
     _, data = view("t1", 5115, clutter=60)
-    index, allowed = perceiver().indices["t1"], perceiver().indices["t1"].allowed(data)
+    index, allowed = perceiver().models["t1"], perceiver().models["t1"].allowed(data)
     pairs = pairs_of("t1", data, (50.0, 400.0))
     assert 0 < len(pairs.cell) <= MOST_PAIRS
     assert allowed[pairs.feature, pairs.datum].all()
@@ -73,6 +73,6 @@ def test_nothing_gives_no_pair():
     data = data_of([], CAMERA)
     assert len(pairs_of("t1", data).cell) == 0
     _, data = view("t1", 5117)
-    index = perceiver().indices["t1"]
+    index = perceiver().models["t1"]
     nothing = np.zeros((len(index.points), len(data.ids)), dtype=bool)
     assert len(open_pairs(index.cells, index.anchors, nothing, data, (10.0, 2000.0)).cell) == 0

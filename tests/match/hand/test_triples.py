@@ -122,7 +122,7 @@ def test_fewer_than_three_data_make_no_triple():
 
 @pytest.mark.parametrize("name", ["t1", "t2"])
 def test_some_triple_of_a_real_view_is_near_the_true_pose(name):
-    index, rng = perceiver().indices[name], np.random.default_rng(5020)
+    index, rng = perceiver().models[name], np.random.default_rng(5020)
     pose = camera_pose(rng, (3.0, 6.0))
     data = data_of(scene(rng, {name: pose}).gamma.appearances, CAMERA)
     patches = np.flatnonzero(np.array(data.types) == "patch")

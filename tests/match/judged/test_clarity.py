@@ -13,7 +13,6 @@ from learned_scenes import gamma_at, one_sided, pose_before, ready
 from synthetic import camera_pose, data, posed_at, scene
 
 from plogic.cycle.attention import attend
-from plogic.match.indices import settle
 from plogic.match.judged.evidence import (
     CLEAR,
     LEAST_CLEAR,
@@ -50,7 +49,7 @@ def settled(thing, pose, shown, noise=0.3):
     """A hypothesis whose appearances ``shown`` were detected."""
     of = gamma_at(thing.cloud, shown, pose)
     of.uv[:] += np.random.default_rng(0).normal(0, noise, of.uv.shape)
-    return settle(thing.index, pose, of, thing.kb, rounds=0), of
+    return thing.index.settle(pose, of, thing.kb, rounds=0), of
 
 
 @settings(max_examples=20, deadline=None, derandomize=True)
@@ -121,7 +120,7 @@ def test_what_is_everywhere_around_says_little(thing, pose):
         crowd = gamma_at(thing.cloud, rows, pose)
         crowd.uv[:20] = of.uv
         crowd.uv[20:] += AROUND / 2 * np.column_stack([np.cos(np.arange(copies)), np.sin(np.arange(copies))])
-        posed = settle(thing.index, pose, crowd, thing.kb, rounds=0)
+        posed = thing.index.settle(pose, crowd, thing.kb, rounds=0)
         assert posed.matches.tolist() == before.matches.tolist()
         counts.append(posed.likeness[0])
         here = max(usual, crowd.namesakes[first] / (crowd.camera.width * crowd.camera.height))

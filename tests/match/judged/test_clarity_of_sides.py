@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from learned_scenes import gamma_at, one_sided, pose_before, ready, with_sides
 
-from plogic.match.indices import settle
 from plogic.match.judged.evidence import (
     CLEAR,
     LEAST_CLEAR,
@@ -45,7 +44,7 @@ def seen(shown):
     pose = pose_before(np.random.default_rng(5))
     data = gamma_at(thing().cloud, [*np.flatnonzero(shown).tolist(), 0], pose)
     data.uv[-1] = 3.0
-    return settle(thing().index, pose, data, thing().kb, rounds=0), data
+    return thing().index.settle(pose, data, thing().kb, rounds=0), data
 
 
 def by_hand(posed, hidden, of):

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from learned_scenes import gamma_at, one_sided, pose_before, ready
 from synthetic import camera_pose, data, posed_at, scene, towers
 
-from plogic.match.indices import settle
 from plogic.match.judged.evidence import as_counted, clutter_density, hit_rates, match_density
 from plogic.measures.crowding import ALONG, BENT, CROWDED
 
@@ -26,7 +25,7 @@ def crowded(seed, spread, found=20):
     thing, pose = ready(one_sided(1, COUNT)), pose_before(np.random.default_rng(5))
     of = gamma_at(thing.cloud, range(found), pose)
     of.uv[:] += rng.normal(0, 0.3, of.uv.shape)
-    posed = settle(thing.index, pose, of, thing.kb, rounds=0)
+    posed = thing.index.settle(pose, of, thing.kb, rounds=0)
     uv = np.array([320.0, 240.0]) + rng.uniform(-spread, spread, (COUNT, 2))
     turn = rng.choice([0.3, 1.7], COUNT) + rng.choice([0.0, pi], COUNT) + rng.normal(0, 0.15, COUNT)
     return replace(posed, uv=uv, turn=turn, in_lobe=rng.random(COUNT) < 0.8), of, thing.kb

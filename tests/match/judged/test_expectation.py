@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from itertools import product
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -55,6 +54,7 @@ def test_expected_by_brute_force(name, seed):
     pose, kind = camera_pose(np.random.default_rng(seed)), towers().type(name)
     posed = pose_of(kind, pose, data_of([], CAMERA), towers())
     viewpoint = inverse(pose)[:3, 3]
+    assert len(posed.uv) == len(kind.features) > 0
     for f, feature in enumerate(kind.features):
         at = pose[:3, :3] @ feature.at + pose[:3, 3]
         uv = np.array([600 * at[0] / at[2] + 319.5, 600 * at[1] / at[2] + 239.5])
@@ -100,7 +100,7 @@ def test_outside_the_image_is_none_of_the_four_cases():
     rng = np.random.default_rng(7020)
     pose = camera_pose(rng, (4.0, 4.5))
     whole = scene(rng, {"t1": pose}, hit=1.0, clutter=0)
-    at = perceiver().indices["t1"].points @ pose[:3, :3].T + pose[:3, 3]
+    at = perceiver().models["t1"].points @ pose[:3, :3].T + pose[:3, 3]
     cut = Camera(int(np.median(CAMERA.project(at)[:, 0])), 480, CAMERA.K)
     of = data_of(whole.gamma.appearances, cut)
     posed = posed_at("t1", pose, of)
@@ -142,16 +142,17 @@ def small(features, places, expected, right):
     count = len(features)
     nothing = np.zeros(count, dtype=bool)
     posed = Hypothesis(
-        SimpleNamespace(opaque=True),
+        "drawn",
         np.eye(4),
-        np.zeros((count, 3)),
-        np.array(features, float).reshape(-1, 2),
-        ~nothing,
-        np.array(expected, dtype=bool),
-        nothing,
-        np.array(right, dtype=bool).reshape(count, len(places)),
-        np.full(count, -1),
-        np.full(count, np.nan),
+        opaque=True,
+        at=np.zeros((count, 3)),
+        uv=np.array(features, float).reshape(-1, 2),
+        in_image=~nothing,
+        in_lobe=np.array(expected, dtype=bool),
+        self_hidden=nothing,
+        right=np.array(right, dtype=bool).reshape(count, len(places)),
+        matches=np.full(count, -1),
+        residual=np.full(count, np.nan),
     )
     return posed, data_of(
         [Appearance(f"a{i}", "patch", tuple(map(float, uv)), "drawn") for i, uv in enumerate(places)], CAMERA
@@ -234,7 +235,7 @@ def test_the_four_cases_of_support():
     posed, of = small(
         [(100, 100), (200, 100), (300, 100), (400, 100)], [(100, 100), (300, 100)], [1, 1, 0, 0], np.ones((4, 2))
     )
-    posed = replace(matched(posed, of, np.ones((4, 2), dtype=bool), TOLERANCE), object_type=kind)
+    posed = replace(matched(posed, of, np.ones((4, 2), dtype=bool), TOLERANCE), known_type=kind)
     total = {case: sum(getattr(c, case) for c in posed.support().values()) for case in "ACBD"}
     assert total == {"A": 1, "C": 1, "B": 1, "D": 1}
     hidden = posed.support(np.array([False, True, False, False]))

@@ -12,9 +12,9 @@ from random_cloud import random_cloud
 from geometry.frames import transform_points
 from plogic.match.gamma.data import centre_of, data_of
 from plogic.match.gamma.screen_angles import screen_angle
-from plogic.match.indices import generate
 from plogic.match.learned.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, held_by, votes
 from plogic.match.learned.keypoint_pairs import Pairs, pairs_of
+from plogic.match.learned.learned_poses import generate
 
 SINGLE = 5e-4
 """Pixels: a place in the image, of some hundred pixels, in single precision after a rotation and a division."""
@@ -64,6 +64,7 @@ def test_agreement_is_what_a_loop_over_poses_and_pairs_says(seed, share, pixels)
     lobes = np.concatenate([rng.integers(0, 16, 30), np.arange(16)])
     some = pairs(rng.integers(0, 20, 46), lobes)
     found = agreement(thing.index, poses, some, data, share, pixels)
+    assert residuals(found, len(some)).shape == (5, 46)
     for h, pose in enumerate(poses):
         depth = transform_points(pose, thing.index.centre[None])[0, 2]
         assert found.tolerance[h] == pytest.approx(share * thing.index.diameter * data.camera.f / depth + pixels)

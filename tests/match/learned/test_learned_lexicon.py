@@ -12,7 +12,7 @@ from learned_scenes import CAMERA, ready
 from random_cloud import random_cloud, random_words
 
 from plogic.match.gamma.data import data_of
-from plogic.match.indices import indices_of
+from plogic.match.kinds import models_of
 from plogic.match.learned.lexicon import FARTHEST, FARTHEST_BITS, NTH, WORDS, lexicon_of, spread
 from sensing.appearance import Appearance
 
@@ -147,6 +147,7 @@ def test_of_a_part_of_the_data_they_are_the_pairs_of_that_part(width, seed, bits
     keep = np.array([bits >> i & 1 for i in range(23)], bool)
     again = np.array([more >> i & 1 for i in range(int(keep.sum()))], bool)
     parts = [data, data.only(keep), data.only(keep).only(again)]
+    assert clouds
     for name in clouds:
         whole = rows_of(lexicon_of(clouds, words).alike(name, data))
         for i in rng.permutation(3):
@@ -205,7 +206,7 @@ def test_all_learned_types_of_a_knowledge_base_share_one():
     words = random_words(1)
     things = [ready(random_cloud(i), name=f"t{i}", words=words) for i in range(3)]
     kb = replace(things[0].kb, types=tuple(thing.kind for thing in things))
-    indices, _ = indices_of(kb, dict.fromkeys(words.names, 0.5))
+    indices = models_of(kb, dict.fromkeys(words.names, 0.5))
     assert list(indices) == ["t0", "t1", "t2"]
     assert len({id(index.lexicon) for index in indices.values()}) == 1
     assert indices["t0"].lexicon.names == ("t0", "t1", "t2")

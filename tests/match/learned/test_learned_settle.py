@@ -14,10 +14,10 @@ from geometry.frames import pose_error, transform_points
 from kb.clouds.lobes import in_lobe
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import screen_angle
-from plogic.match.indices import generate, settle
 from plogic.match.learned.agreement import ANGLES, ASIDE, SIZES
 from plogic.match.learned.held_lobes import lobes_held
 from plogic.match.learned.learned_match import FEWEST, NOISE, WIDE, blur, matched, pose_of
+from plogic.match.learned.learned_poses import generate
 from plogic.match.learned.lexicon import FARTHEST
 from plogic.match.learned.looks import LOOSER
 
@@ -142,7 +142,7 @@ def test_settling_moves_a_pose_to_where_its_features_are():
         data.uv[:] += rng.normal(0, 0.2, data.uv.shape)
         start = truth.copy()
         start[:3, 3] += rng.normal(0, 0.001, 3)
-        posed = settle(thing.index, start, data, thing.kb)
+        posed = thing.index.settle(start, data, thing.kb)
         assert (posed.matches == np.arange(30)).mean() > 0.9
         rotation, translation = pose_error(posed.camera_from_object, truth)
         errors.append((np.degrees(rotation), translation))
@@ -162,11 +162,11 @@ def test_what_is_claimed_already_is_not_taken_again():
     thing, pose = ready(one_sided()), pose_before(np.random.default_rng(8))
     data = gamma_at(thing.cloud, range(24), pose)
     free = np.arange(24) % 3 > 0
-    posed = settle(thing.index, pose, data, thing.kb, free=free)
+    posed = thing.index.settle(pose, data, thing.kb, free=free)
     assert set(posed.matches.tolist()) == {-1, *np.flatnonzero(free).tolist()}
-    nothing = settle(thing.index, pose, data, thing.kb, free=np.zeros(24, bool))
+    nothing = thing.index.settle(pose, data, thing.kb, free=np.zeros(24, bool))
     assert (nothing.matches == -1).all()
-    assert (settle(thing.index, pose, data.only(np.zeros(24, bool)), thing.kb).matches == -1).all()
+    assert (thing.index.settle(pose, data.only(np.zeros(24, bool)), thing.kb).matches == -1).all()
 
 
 def test_the_pose_is_found_among_clutter_and_the_evidence_says_so():

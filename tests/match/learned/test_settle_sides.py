@@ -13,7 +13,6 @@ from learned_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before
 
 from geometry.frames import from_rotation_translation, pose_error
 from plogic.match.gamma.data import data_of
-from plogic.match.indices import settle
 from plogic.match.learned.held_lobes import lobes_held
 from plogic.match.learned.learned_match import matched, pose_of
 
@@ -103,7 +102,7 @@ def test_settling_on_sides_alone_moves_a_pose_to_where_their_edges_are():
             for a in rows
         ]
         start = from_rotation_translation(truth[:3, :3], truth[:3, 3] + rng.normal(0, 0.001, 3))
-        posed = settle(thing.index, start, data_of(slid, CAMERA), thing.kb, rounds=4)
+        posed = thing.index.settle(start, data_of(slid, CAMERA), thing.kb, rounds=4)
         assert (posed.matches == np.arange(60)).mean() > 0.8
         rotation, translation = pose_error(posed.camera_from_object, truth)
         errors.append((np.degrees(rotation), translation))
@@ -114,6 +113,6 @@ def test_settling_on_sides_alone_moves_a_pose_to_where_their_edges_are():
 @pytest.mark.parametrize("shown", [[], [0], list(range(COUNT))])
 def test_any_data_settle(shown):
     thing, pose = both(), pose_of_seed(3)
-    posed = settle(thing.index, pose, gamma_at(thing.cloud, shown, pose), thing.kb)
+    posed = thing.index.settle(pose, gamma_at(thing.cloud, shown, pose), thing.kb)
     assert posed.detected.sum() <= len(shown)
     assert np.isfinite(posed.camera_from_object).all()

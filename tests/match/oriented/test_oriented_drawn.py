@@ -11,7 +11,6 @@ from geometry.frames import inverse, transform_points
 from kb.clouds.lobes import in_lobe
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import screen_angle
-from plogic.match.indices import settle
 from plogic.match.judged.evidence import evidence
 from plogic.match.oriented.asked import chances_of
 from plogic.match.oriented.climb import AS_GOOD, climbed
@@ -89,6 +88,7 @@ def test_the_evidence_is_that_of_all_sights_one_by_one(seed, share, monkeypatch)
     monkeypatch.setattr("plogic.match.oriented.drawn._freedom", lambda *_: 0.0)
     poses = np.concatenate([pose[None], turned_about(asked.index, np.array([which]), pose[None], 0.1)[:2]])
     got = drawn(asked, np.full(3, which), poses, share)
+    assert len(got.worth) == len(poses) == 3
     for row, one in enumerate(poses):
         worth, likely = one_by_one(asked, which, one, share)
         assert got.worth[row] == pytest.approx(worth, abs=1e-6)
@@ -101,7 +101,7 @@ def test_at_the_noise_of_the_detector_it_is_the_evidence_of_the_cycle(detector):
     close = []
     for seed in range(12):
         asked, which, pose = posed(seed, detector)
-        found = settle(asked.index.indices[which], pose, asked.data, clouds(detector=detector).kb, rounds=2)
+        found = asked.index.indices[which].settle(pose, asked.data, clouds(detector=detector).kb, rounds=2)
         exact = evidence(found, asked.data, clouds(detector=detector).kb).surplus
         close.append(abs(drawn(asked, np.array([which]), found.camera_from_object[None], 0.0).worth[0] - exact))
     assert np.median(close) < 0.05, close

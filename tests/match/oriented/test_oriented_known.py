@@ -13,18 +13,21 @@ from scipy.spatial.transform import Rotation
 from geometry.poses.reprojection import information
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import screen_angle
-from plogic.match.indices import SURE, search_of, settle, significant
+from plogic.match.hand.type_index import type_index
 from plogic.match.judged.evidence import as_counted, clutter_density, evidence
 from plogic.match.judged.fitted import as_fitted
 from plogic.match.judged.freedom import DEPTHS, log_share, share_of
 from plogic.match.judged.pose_information import known, sigmas
+from plogic.match.judged.type_models import SURE
+from plogic.match.oriented.oriented_models import search_of
+from plogic.measures.distinctiveness import distinctiveness, instance_counts
 
 
 def stood(seed, detector=EASY):
     """The true hypothesis of a trial, its data and KB."""
     ready = clouds(detector=detector)
     which, case, data = a_trial(ready, seed, detector)
-    return settle(ready.rows[which], case.truth.camera_from_object, data, ready.kb), data, ready.kb
+    return ready.rows[which].settle(case.truth.camera_from_object, data, ready.kb), data, ready.kb
 
 
 def matched(posed):
@@ -104,20 +107,19 @@ def test_where_no_datum_has_an_angle_it_is_judged_as_without():
     silent = data_of([replace(a, angle=None) for a in case.gamma.appearances], case.gamma.camera)
     plain = replace(ready.kb, rates=replace(ready.kb.rates, sigma_angle=None))
     pose = case.truth.camera_from_object
-    found = evidence(settle(ready.rows[which], pose, silent, ready.kb, rounds=0), silent, ready.kb)
-    assert found == evidence(settle(ready.rows[which], pose, silent, plain, rounds=0), silent, plain)
+    without = type_index(ready.rows[which].object_type, distinctiveness(instance_counts(ready.kb.types)))
+    found = evidence(ready.rows[which].settle(pose, silent, ready.kb, rounds=0), silent, ready.kb)
+    assert found == evidence(without.settle(pose, silent, plain, rounds=0), silent, plain)
     assert search_of(ready.shared, silent, ready.kb) is None
-    assert found.surplus != evidence(settle(ready.rows[which], pose, data, ready.kb, rounds=0), data, ready.kb).surplus
+    assert found.surplus != evidence(ready.rows[which].settle(pose, data, ready.kb, rounds=0), data, ready.kb).surplus
 
 
 def test_what_is_searched_for_together_must_be_as_sure_as_a_learned_type():
     which, case, data = a_trial(clouds(), 1)
-    pose, plain = (
-        case.truth.camera_from_object,
-        replace(clouds().kb, rates=replace(clouds().kb.rates, sigma_angle=None)),
-    )
-    assert significant(settle(clouds().rows[which], pose, data, clouds().kb, rounds=0)) == SURE
-    assert significant(settle(clouds().rows[which], pose, data, plain, rounds=0)) > SURE
+    pose, index = case.truth.camera_from_object, clouds().rows[which]
+    silent = data_of([replace(a, angle=None) for a in case.gamma.appearances], case.gamma.camera)
+    assert index.significance(index.settle(pose, data, clouds().kb, rounds=0)) == SURE
+    assert index.significance(index.settle(pose, silent, clouds().kb, rounds=0)) > SURE
 
 
 def test_of_many_poses_at_once_the_share_is_that_of_each():

@@ -11,7 +11,6 @@ from oriented_scenes import EASY, STRAIGHT, clouds, datum, flat_cap, picture_of,
 from geometry.frames import from_rotation_translation, is_rigid, pose_error, rotation_angle, rotation_from_quat_xyzw
 from geometry.poses.refine import refine_poses
 from plogic.match.gamma.data import data_of
-from plogic.match.indices import settle as settle_any
 from plogic.match.judged.expectation import pose_of
 from plogic.match.oriented.angle_refinement import Held, Noise, refined
 from plogic.match.oriented.oriented_match import DEVIATIONS, matched_at, polished, settle, verified
@@ -145,7 +144,7 @@ def test_the_cycle_settles_this_way_where_angles_count_and_the_old_way_where_not
     index, pose, _, appearances = scene()
     data, kb = data_of(turned(appearances, 2.0), STRAIGHT), clouds().kb
     old = replace(kb, rates=replace(kb.rates, sigma_angle=None))
-    strict, lax = settle_any(index, pose, data, kb, rounds=0), settle_any(index, pose, data, old, rounds=0)
+    strict, lax = index.settle(pose, data, kb, rounds=0), index.settle(pose, data, old, rounds=0)
     assert lax.likeness is None
     assert lax.detected.sum() == len(appearances) > 2 * strict.detected.sum()
 
@@ -235,6 +234,7 @@ def test_many_poses_are_refined_as_each_alone():
     one = held(index, data, data.angle)
     three = Held(*(np.repeat(row, 3, axis=0) for row in one))
     together = refined(starts, three, Noise(NOISE, SIGMA), STRAIGHT, steps=10, robust=2.0)
+    assert len(together) == 3
     for pose, mine in zip(starts, together, strict=True):
         assert np.allclose(
             refined(pose[None], one, Noise(NOISE, SIGMA), STRAIGHT, steps=10, robust=2.0)[0], mine, atol=1e-6

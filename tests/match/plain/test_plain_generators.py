@@ -12,9 +12,9 @@ from plogic.base.clock import OutOfTimeError
 from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
 from plogic.match.gamma.data import data_of
-from plogic.match.indices import PLAIN, generate_plainly
 from plogic.match.plain import quadruples
 from plogic.match.plain.extended import scene_of
+from plogic.match.plain.plain_models import PLAIN, generate_plainly
 from plogic.match.plain.sets_of_four import drawn, every, how_many
 from plogic.match.plain.typed_pairs import off, pairs_of
 from plogic.run.perceive import Perceiver
@@ -27,7 +27,7 @@ def asked():
     """The index of the type that is there, the data, the knowledge base and the true pose."""
     kb, gamma, (truth,) = world(*SCENE)
     ready = Perceiver(kb, generator="quadruples")
-    return ready.indices[truth.type], data_of(gamma.appearances, gamma.camera), kb, truth.camera_from_object
+    return ready.models[truth.type], data_of(gamma.appearances, gamma.camera), kb, truth.camera_from_object
 
 
 def nothing_hidden(posed):
@@ -145,8 +145,8 @@ def test_softposit_in_the_cycle_accepts_what_the_others_do():
 
 def test_a_plain_generator_needs_no_index_over_all_types():
     kb, _, _ = world(*SCENE)
-    assert Perceiver(kb).shared is not None
-    assert Perceiver(kb, generator="quadruples").shared is None
+    assert list(Perceiver(kb).models.kinds) == ["oriented"]
+    assert list(Perceiver(kb, generator="quadruples").models.kinds) == ["quadruples"]
 
 
 def test_who_is_no_generator_is_said():

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from console import bytes_in, document, good
+from written_kb import write_kb
 
 from benchmarks.constancy.scenes import constancy_kb, sequence
 from geometry.camera import camera_to_dict
 from geometry.errors import PlogicError
 from kb.files.read import read_kb
-from kb.files.write import write_kb
 from plogic.cycle.delta import Options
 from plogic.face.authoring.kb import check_command
 from plogic.face.authoring.kb_assimilate import assimilate_command
@@ -100,6 +100,7 @@ def explained(document, kind):
 def test_a_draft_is_found_again_and_explains_what_was_unexplained(kb, moved, constancy):
     kind = draft_type("draft", seen_features(constancy.unknown[0], moved.views), kb.f_ref)
     perceiver = Perceiver(replace(kb, types=(*kb.types, kind)))
+    assert len(moved.views) > 2
     for view in moved.views[1:3]:
         seen = perceiver(view.gamma, Options(reading="posterior"))
         mine, truth = explained(seen, "draft"), own(moved, constancy, view)

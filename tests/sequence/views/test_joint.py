@@ -20,7 +20,7 @@ def seen(*views):
 
 
 def standing(name, pose):
-    return Standing(perceiver().indices[name], pose)
+    return Standing(perceiver().models[name], pose)
 
 
 def there():
