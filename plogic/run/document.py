@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.belief import Belief
     from plogic.cycle.delta import Delta
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.situation import Situation
     from plogic.scene.worlds.ranked_worlds import Ranking
     from sensing.appearance import Gamma
@@ -55,7 +55,7 @@ def document_of(
     kb: KnowledgeBase,
     gamma: Gamma,
     delta: Delta,
-    rejected: Sequence[Belief],
+    rejected: Sequence[Hypothesis],
     trace: list[dict[str, object]],
     ranking: Ranking,
     image: NDArray[np.uint8] | None,
@@ -66,7 +66,7 @@ def document_of(
     situation = delta.situation
     counts = instance_counts(kb.types)
     dv = distinctiveness(counts)
-    kinds = {b.posed.object_type.name: b.posed.object_type for b in delta.beliefs.values()}
+    kinds = {b.object_type.name: b.object_type for b in delta.beliefs.values()}
     return {
         "format": FORMAT,
         "reading": situation.reading,
@@ -154,7 +154,7 @@ def _reconsidered(name: str, delta: Delta) -> float | None:
     return None if np.isnan(share) else 2.0 * share - 1.0
 
 
-def _beside(name: str, delta: Delta) -> list[Belief]:
+def _beside(name: str, delta: Delta) -> list[Hypothesis]:
     """The accepted opaque objects that may hide features of a hypothesis: its rivals hide nothing (D7)."""
     rivals = {frozenset(pair) for pair in delta.situation.rivals}
     return [
@@ -162,21 +162,21 @@ def _beside(name: str, delta: Delta) -> list[Belief]:
         for key, other in delta.beliefs.items()
         if key != name
         and other.status == "accepted"
-        and other.posed.object_type.opaque
+        and other.object_type.opaque
         and frozenset((name, key)) not in rivals
     ]
 
 
-def _hidden(belief: Belief, beside: Sequence[Belief]) -> NDArray[np.bool_]:
-    mask = np.zeros(len(belief.posed.uv), dtype=bool)
+def _hidden(belief: Hypothesis, beside: Sequence[Hypothesis]) -> NDArray[np.bool_]:
+    mask = np.zeros(len(belief.uv), dtype=bool)
     for other in beside:
-        mask |= hidden_by(belief.posed, other.posed)
+        mask |= hidden_by(belief, other)
     return mask
 
 
-def _cases(belief: Belief, beside: Sequence[Belief]) -> Cases:
+def _cases(belief: Hypothesis, beside: Sequence[Hypothesis]) -> Cases:
     """(expected, detected, case) of each feature that is told, beside Δi; outside the image, no case."""
-    posed = belief.posed
+    posed = belief
     expected = posed.candidate & ~_hidden(belief, beside)
     some = told(posed)
     rows = zip(some, *(mask[some].tolist() for mask in (expected, posed.detected, posed.in_image)), strict=True)
@@ -186,9 +186,9 @@ def _cases(belief: Belief, beside: Sequence[Belief]) -> Cases:
     return cases | {OTHERS: (False, False, "B")}
 
 
-def _verdict(belief: Belief, gamma: Gamma, dv: Mapping[str, float]) -> dict[str, Any]:
+def _verdict(belief: Hypothesis, gamma: Gamma, dv: Mapping[str, float]) -> dict[str, Any]:
     """What the cycle decided of one hypothesis, with its measures and outline."""
-    posed, ev = belief.posed, belief.ev
+    posed, ev = belief, belief.ev
     missing = left_out(posed)
     return {
         "label": posed.object_type.name,
@@ -204,19 +204,19 @@ def _verdict(belief: Belief, gamma: Gamma, dv: Mapping[str, float]) -> dict[str,
     }
 
 
-def _rejected(rejected: Sequence[Belief], gamma: Gamma, dv: Mapping[str, float]) -> list[dict[str, Any]]:
+def _rejected(rejected: Sequence[Hypothesis], gamma: Gamma, dv: Mapping[str, float]) -> list[dict[str, Any]]:
     best = sorted(rejected, key=lambda b: -b.worth)[:LISTED_REJECTED]
     ids = [a.id for a in gamma.appearances]
     return [
         {
             "id": f"r{i}",
-            "type": b.posed.object_type.name,
-            "T_camera_object": b.posed.camera_from_object.tolist(),
-            "opaque": b.posed.object_type.opaque,
+            "type": b.object_type.name,
+            "T_camera_object": b.camera_from_object.tolist(),
+            "opaque": b.object_type.opaque,
             "group": None,
             "probability": 0.0,
             "parts": [],
-            "features": looked_at(b.posed, ids, dv),
+            "features": looked_at(b, ids, dv),
             **_verdict(b, gamma, dv),
         }
         for i, b in enumerate(best, 1)
