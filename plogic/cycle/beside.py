@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.base.deadline import Deadline
+from plogic.base.clock import Deadline
 from plogic.cycle.belief import same_hypothesis
 from plogic.match.judged.evidence import evidence, judged
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import SHARED_CLAIMS, claims, hidden_among, overlap, shared_claims
-from plogic.match.type_models import Request
+from plogic.match.judged.type_models import Request
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import Search
     from plogic.match.kinds import Models
-    from plogic.match.type_models import Search
 
 FEWEST = 4
 """Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8,

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
-    from plogic.match.type_models import TypeModel
+    from plogic.match.judged.type_models import TypeModel
 
     Rated = tuple[NDArray[np.float64], NDArray[np.float64]]
     Fitted = Callable[[Hypothesis, Data, KnowledgeBase, NDArray[np.bool_] | None], Rated]

@@ -14,7 +14,7 @@ from plogic.cycle.beside import FEWEST, name_of
 from plogic.cycle.support import supported
 from plogic.match.judged.disjoint import moved_apart
 from plogic.match.judged.rivals import apart_on_screen, claims, excludes, hidden_among
-from plogic.match.type_models import Given
+from plogic.match.judged.type_models import Given
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from plogic.cycle.attention import Attention
     from plogic.cycle.belief import Cycle
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.type_models import TypeModel
+    from plogic.match.judged.type_models import TypeModel
 
 RARE = 0.001
 """Data that nobody explains are searched where clutter alone gives so many, of a type or of all, in less than this

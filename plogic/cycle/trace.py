@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from plogic.facts.document import StepRow
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,7 @@ class Trace:
         """Record one step."""
         self.steps.append(Step(event, why, of_type, hypothesis, ev))
 
-    def document(self) -> list[dict[str, object]]:
+    def document(self) -> list[StepRow]:
         """As in ``interpretation.json``."""
         return [
             {"step": i, "event": s.event, "hypothesis": s.hypothesis, "type": s.type, "ev": s.ev, "why": s.why}

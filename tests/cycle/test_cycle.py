@@ -23,7 +23,7 @@ from synthetic import (
 )
 
 from geometry.frames import look_at
-from plogic.base import deadline
+from plogic.base import clock as deadline
 from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.attention import attend
 from plogic.cycle.belief import considered
@@ -58,6 +58,7 @@ def by_type(cycle):
 
 
 def test_both_towers_are_accepted_where_they_stand(hiding, apart):
+    assert min(len(hiding), len(apart)) > 0
     for shot, cycle in (*hiding, *apart):
         assert sorted(b.object_type.name for b in cycle.accepted) == ["t1", "t2"]
         for name, belief in by_type(cycle).items():
@@ -68,6 +69,7 @@ def test_both_towers_are_accepted_where_they_stand(hiding, apart):
 
 def test_hidden_misses_are_waived_and_ev_rises(hiding):
     """§3.8, Partial(x, y): ev(x) unchanged; ev(y | x) >= ev(y), and > where x hides what was missed."""
+    assert len(hiding) > 0
     for _, cycle in hiding:
         front, back = by_type(cycle)["t1"], by_type(cycle)["t2"]
         hidden = hidden_by(back, front)
@@ -78,12 +80,15 @@ def test_hidden_misses_are_waived_and_ev_rises(hiding):
 
 
 def test_where_nothing_is_hidden_both_ev_stay(apart):
+    assert all(cycle.accepted for _, cycle in apart)
+    assert len(apart) > 0
     for _, cycle in apart:
         for belief in cycle.accepted:
             assert belief.ev == belief.ev_reconsidered
 
 
 def test_no_two_accepted_share_volume_or_a_datum(hiding, apart):
+    assert min(len(hiding), len(apart)) > 0
     for _, cycle in (*hiding, *apart):
         pairs = list(combinations(cycle.accepted, 2))
         assert pairs
@@ -105,7 +110,9 @@ def test_every_world_satisfies_a4(reading, hiding):
 
 
 def test_accepted_hypotheses_meet_their_conditions(hiding, apart):
+    assert min(len(hiding), len(apart)) > 0
     for _, cycle in (*hiding, *apart):
+        assert cycle.accepted
         for belief in cycle.accepted:
             assert (belief.candidate & belief.detected).sum() >= FEWEST
             assert belief.ev_reconsidered > 0.0
@@ -113,6 +120,7 @@ def test_accepted_hypotheses_meet_their_conditions(hiding, apart):
 
 
 def test_the_trace_names_every_step(hiding):
+    assert len(hiding) > 0
     for _, cycle in hiding:
         events = [step.event for step in cycle.trace.steps]
         assert set(events) <= {"rank", "accept", "reject", "reconsider", "release", "stable"}
@@ -130,10 +138,10 @@ def test_the_trace_names_every_step(hiding):
 
 
 def test_what_is_rejected_has_a_reason_and_releases_its_data(hiding):
-    for _, cycle in hiding:
-        for belief in cycle.rejected:
-            assert belief.status == "rejected"
-            assert belief.why
+    rejected = [belief for _, cycle in hiding for belief in cycle.rejected]
+    assert rejected
+    assert {belief.status for belief in rejected} == {"rejected"}
+    assert all(belief.why for belief in rejected)
 
 
 def test_a_permuted_gamma_gives_the_same_objects(hiding):
