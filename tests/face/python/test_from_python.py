@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-import json
 import subprocess
 import sys
 import time
@@ -17,51 +15,10 @@ from console import document, good
 from sent import sent
 
 import plogic
-from geometry.camera import camera_to_dict
 from plogic import Camera, Gamma, Interpretation, KnowledgeBase, Program, Session, detect, perceive
 from plogic.facts.interpretation import text_of
 
 ALARM = Path(__file__).parents[3] / "examples" / "alarm.pl"
-
-
-# -- names -----------------------------------------------------------------------------------------------------------
-
-
-def test_every_public_name_loads_and_is_listed():
-    assert {"Camera", "Gamma", "Interpretation", "KnowledgeBase", "Program", "Session", "detect", "perceive"} <= set(
-        plogic.__all__
-    )
-    assert [name for name in plogic.__all__ if getattr(plogic, name) is None] == []
-    assert set(plogic.__all__) <= set(dir(plogic))
-
-
-def test_the_type_checker_sees_the_names_that_load():
-    tree = ast.parse(Path(plogic.__file__).read_text(encoding="utf-8"))
-    (branch,) = (node for node in tree.body if isinstance(node, ast.If))
-    shown = {alias.asname or alias.name: f"{node.module}:{alias.name}" for node in branch.body for alias in node.names}
-    loaded = {name: place if ":" in place else f"{place}:{name}" for name, place in plogic._PLACES.items()}
-    assert shown == loaded
-    assert sorted(loaded) == sorted(plogic.__all__)
-
-
-def test_an_unknown_name_is_an_attribute_error():
-    with pytest.raises(AttributeError, match="has no attribute 'percieve'"):
-        _ = plogic.percieve
-
-
-def test_import_alone_loads_nothing():
-    code = "import sys; before = set(sys.modules); import plogic; print(sorted(set(sys.modules) - before))"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
-    assert ast.literal_eval(run.stdout) == ["plogic"]
-
-
-def test_import_alone_takes_no_time():
-    code = "import time; t = time.perf_counter(); import plogic; print(time.perf_counter() - t)"
-    times = [
-        float(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout)
-        for _ in range(3)
-    ]
-    assert min(times) <= 0.05
 
 
 # -- knowledge bases -------------------------------------------------------------------------------------------------
@@ -83,45 +40,6 @@ def test_a_folder_with_mistakes_tells_them_with_their_places(tmp_path):
         KnowledgeBase.load(tmp_path)
     assert "kb.yaml:1" in str(error.value)
     assert str(error.value) == told
-
-
-# -- cameras ---------------------------------------------------------------------------------------------------------
-
-
-def test_a_camera_of_any_format_loads(tmp_path):
-    ours = Camera(640, 480, [[600, 0, 320], [0, 600, 240], [0, 0, 1]])
-    (tmp_path / "ours.json").write_text(json.dumps(camera_to_dict(ours)))
-    (tmp_path / "cameras.txt").write_text("1 PINHOLE 640 480 600 600 320.5 240.5\n")
-    (tmp_path / "ros.yaml").write_text(
-        "image_width: 640\nimage_height: 480\ncamera_matrix: {rows: 3, cols: 3, data: [600, 0, 320, 0, 600, 240, 0, 0, 1]}\n"
-    )
-    assert [Camera.load(tmp_path / name) == ours for name in ("ours.json", "cameras.txt", "ros.yaml")] == [True] * 3
-
-
-def test_a_camera_takes_its_lens_and_its_place():
-    pose = np.eye(4)
-    camera = Camera(640, 480, [[600, 0, 320], [0, 600, 240], [0, 0, 1]], [0.1, 0, 0, 0], pose)
-    assert camera.dist.tolist() == [0.1, 0, 0, 0]
-    assert camera.world_from_camera.tolist() == pose.tolist()
-    assert camera != Camera(640, 480, [[600, 0, 320], [0, 600, 240], [0, 0, 1]])
-    with pytest.raises(plogic.Error, match=r"camera\.K"):
-        Camera(640, 480, [[600, 0], [0, 600]])
-
-
-@pytest.mark.parametrize(("name", "half", "side"), [("horizontal", 30.0, 640), ("vertical", 20.0, 480)])
-def test_a_field_of_view_reaches_the_edges_of_the_image(name, half, side):
-    camera = Camera.from_fov(640, 480, **{name: 2 * half})
-    axis = int(name == "vertical")
-    uv = [319.5, 239.5]
-    uv[axis] = side - 0.5
-    assert np.degrees(np.arctan(camera.normalised(uv)[axis])) == pytest.approx(half)
-    assert camera.K[0, 0] == camera.K[1, 1]
-
-
-@pytest.mark.parametrize("wrong", [{}, {"horizontal": 60, "vertical": 40}, {"horizontal": 0}, {"vertical": 180}])
-def test_a_field_of_view_that_is_none(wrong):
-    with pytest.raises(plogic.Error, match="from_fov"):
-        Camera.from_fov(640, 480, **wrong)
 
 
 # -- Γ and perceive --------------------------------------------------------------------------------------------------
