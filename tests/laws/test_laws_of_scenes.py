@@ -15,8 +15,8 @@ from many_objects import accepted_rows, alike, few_kb, few_types, scene_of_seed,
 from synthetic import one_before_the_other, perceiver, scene, towers
 
 from geometry.frames import pose_error
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.match.gamma.data import data_of

@@ -5,8 +5,8 @@ import pytest
 from small_kb import KB, MESH, OBJECT, write_small
 
 from kb.errors import KBError, KBErrors
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from kb.files.yaml_text import load
 
 OBJECT_FILE = "objects/tent/object.yaml"
