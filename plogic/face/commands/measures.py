@@ -60,8 +60,7 @@ def _tables(found: Measures) -> str:
     from rich import box
     from rich.table import Table
 
-    from plogic.face.shown.printing import text_of_table
-    from plogic.face.shown.tables import chance
+    from plogic.face.shown.tables import chance, text_of_table
 
     rows = Table(title="hypotheses", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for title in ("hypothesis", "status"):
