@@ -93,6 +93,7 @@ class Hypothesis:
 
     ``worth`` is the log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     ``ev`` is that of the hypothesis alone, ``ev_reconsidered`` that beside Δi; None where it is 0/0 or was not asked.
+    ``hidden`` (F,): what accepted opaque objects hide of it, where it was judged beside any.
 
     ``group`` names the instance that it and its rivals of the same type compete for (one alternative, §8).
     ``features`` and ``parts`` are facts. Two hypotheses are equal where their facts are.
@@ -111,6 +112,7 @@ class Hypothesis:
     surplus: float = 0.0
     ev: float | None = None
     ev_reconsidered: float | None = None
+    hidden: NDArray[np.bool_] | None = field(default=None, repr=False)
     known_type: ObjectType | None = field(default=None, repr=False)
     at: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)), repr=False)
     uv: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
@@ -156,6 +158,8 @@ class Hypothesis:
         """The same hypothesis with another id, verdict or facts: nothing that its arrays give changes."""
         result = copy(self)
         for name, value in said.items():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
             object.__setattr__(result, name, value)
         return result
 
@@ -189,6 +193,11 @@ class Hypothesis:
         if surface is None:
             return np.asarray((self.at.min(axis=0) + self.at.max(axis=0)) / 2.0)
         return transform_points(self.camera_from_object, surface.centre[None])[0]
+
+    @property
+    def expected(self) -> NDArray[np.bool_]:
+        """(F,) Expected beside Δi: what accepted opaque objects hide is not (D7)."""
+        return self.candidate if self.hidden is None else self.candidate & ~self.hidden
 
     @property
     def detected(self) -> NDArray[np.bool_]:
