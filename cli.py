@@ -124,10 +124,11 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) 
 @AS_JSON
 def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """List the possible worlds, most probable first, with the mass that is not listed."""
+    from plogic.face.commands.asked import Asked
     from plogic.face.commands.worlds_command import worlds_command
 
     _warn(source, trust=options["trust"])
-    text, status = worlds_command(source, number, given, options, as_json=as_json)
+    text, status = worlds_command(source, number, given, Asked(**options), as_json=as_json)
     _out(text)
     sys.exit(status)
 
@@ -143,10 +144,11 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
 @AS_JSON
 def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """Give P(goal) with every answer substitution, most probable first; without a goal, the program's own queries."""
+    from plogic.face.commands.asked import Asked
     from plogic.face.commands.query_command import query_command
 
     _warn(source, trust=options["trust"])
-    text, status = query_command(source, goal, given, options, as_json=as_json)
+    text, status = query_command(source, goal, given, Asked(**options), as_json=as_json)
     _out(text)
     sys.exit(status)
 
@@ -163,10 +165,11 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 @AS_JSON
 def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, as_json: bool, **options: Any) -> None:
     """Say why, and why not: ranked explanations of the goal as trees down to the data."""
+    from plogic.face.commands.asked import Asked
     from plogic.face.commands.explain import explain_command
 
     _warn(source, trust=options["trust"])
-    _out(explain_command(source, goal, given, number, options, as_json=as_json))
+    _out(explain_command(source, goal, given, number, Asked(**options), as_json=as_json))
 
 
 @cli.command()
@@ -175,9 +178,10 @@ def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, 
 @TRUST
 def shell(source: str, **options: Any) -> None:
     """Ask, observe, predict, rank worlds and ask why, at a prompt or from lines on stdin."""
+    from plogic.face.commands.asked import Asked
     from plogic.face.commands.shell import shell_command
 
-    sys.exit(shell_command(source, options, write=_out, say=_say))
+    sys.exit(shell_command(source, Asked(**options), write=_out, say=_say))
 
 
 @cli.command()

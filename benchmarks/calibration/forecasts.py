@@ -19,12 +19,11 @@ import numpy as np
 from benchmarks.calibration.truth import true_ones
 from plogic.base.errors import InconsistentError
 from plogic.base.stopwatch import Stopwatch
-from plogic.cycle.belief import Cycle
 from plogic.cycle.delta import Delta, Options, delta_of
-from plogic.cycle.trace import Trace
+from plogic.cycle.state import Cycle, Trace
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import as_counted, judged
-from plogic.match.type_models import Given, Request
+from plogic.match.judged.type_models import Given, Request
 from plogic.measures.explanatory import probability_of_ev
 from plogic.run.perceive import SMOOTHED
 from plogic.scene.worlds.ranked_worlds import ranked_worlds

@@ -1,9 +1,13 @@
-"""The time that an answer may take; without a limit it reads no clock, so that the answer depends on nothing but the question."""
+"""The time that an answer may take, and the moment at which a search stops: both are asked between steps.
+
+Without a limit no clock is read, so that the answer depends on nothing but the question.
+"""
 
 from __future__ import annotations
 
 import math
 import time
+from time import monotonic
 
 
 class OutOfTimeError(Exception):
@@ -36,3 +40,16 @@ class Clock:
     def share(self, count: int) -> Clock:
         """A clock for the first of ``count`` jobs that are to share what is left."""
         return Clock(None if self.end is None else self.left() / count)
+
+
+class Deadline:
+    """``end``: a moment of ``time.monotonic``, or None for never; ``passed``: whether somebody has asked since."""
+
+    def __init__(self, end: float | None) -> None:
+        self.end, self.passed = end, False
+
+    def check(self) -> None:
+        """Raises OutOfTimeError when the time is over."""
+        self.passed = self.passed or (self.end is not None and monotonic() >= self.end)
+        if self.passed:
+            raise OutOfTimeError

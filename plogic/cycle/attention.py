@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.match.type_models import TypeModel
+    from plogic.match.judged.type_models import TypeModel
 
 
 @dataclass(frozen=True)

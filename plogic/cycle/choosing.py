@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -11,6 +10,8 @@ from plogic.cycle.stability import acceptance, accepted, kept
 from plogic.cycle.state import State, Task, among, free
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
 

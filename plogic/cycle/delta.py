@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 import networkx as nx
 import numpy as np
 
-from plogic.cycle.belief import Cycle
 from plogic.cycle.holding import gravity_of_view
 from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.cycle.placing import space_of_view
 from plogic.cycle.relations import part_relations_of, relations_of
-from plogic.cycle.trace import Trace
+from plogic.cycle.state import Cycle, Trace
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.part_facts import part_facts
 from plogic.facts.situation import AppearanceFact, Reading, Reconsider, Situation
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
-    from plogic.match.type_models import TypeModel
+    from plogic.match.judged.type_models import TypeModel
 
     Rated = tuple[NDArray[np.float64], NDArray[np.float64]]
     Fitted = Callable[[Hypothesis, Data, KnowledgeBase, NDArray[np.bool_] | None], Rated]

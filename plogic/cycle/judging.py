@@ -42,9 +42,7 @@ def judge(
     if rounds or anew:
         left = free(task, beside) if left is None else left
         start = proposed if rounds else proposed.camera_from_object
-        proposed = task.models[proposed.type].settle(
-            start, task.data, task.kb, free=left, hidden=hidden, rounds=rounds
-        )
+        proposed = task.models[proposed.type].settle(start, task.data, task.kb, free=left, hidden=hidden, rounds=rounds)
     return believed(task, proposed, hidden_among(proposed, beside) if rounds else hidden)
 
 

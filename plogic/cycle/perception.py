@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -10,16 +9,16 @@ from typing import TYPE_CHECKING
 from plogic.base.clock import OutOfTimeError
 from plogic.cycle.choosing import Choice, best_first, chosen
 from plogic.cycle.judging import judged, refusal
-from plogic.cycle.recall import recalled, unexplained
+from plogic.cycle.recall import more_to_see, recalled
 from plogic.cycle.rivals import compared, left_over, making_way, set_aside
 from plogic.cycle.stability import concluded, glance, kept
-from plogic.cycle.state import Cycle, State, Step, Task, Trace, considered, free
+from plogic.cycle.state import Cycle, State, Step, Task, Trace, among, considered, free
 from plogic.cycle.support import supported
 from plogic.match.judged.rivals import hidden_among
 from plogic.match.judged.type_models import Given
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from plogic.cycle.attention import Attention
     from plogic.cycle.recall import Seed
@@ -45,27 +44,16 @@ def perceive(
     only where what is left is more than clutter, or than ``usual``.
     """
     state, unheld = recalled(task, State(), seeds)
-    state, attended = _more_to_see(task, state, attention, usual or {})
-    state = state.tells(*map(_ranked, attended))
+    state, attended = more_to_see(task, state, attention, usual or {})
+    state = last = replace(state, attention=attended).tells(*map(_ranked, attended))
     with suppress(OutOfTimeError):
-        for state in rounds(task, replace(state, attention=attended), choose):  # noqa: B007 - the last one stands
-            pass
-    state = left_over(concluded(task, state))
-    noise = int(free(task, state.accepted).sum())
-    state = state.tells(Step("stable", f"{len(state.accepted)} accepted; {noise} appearances left as noise"))
-    state, rivals = making_way(task, state, considered(state.rivals, state.accepted))
-    told = len(state.rivals)
-    for seed in unheld:
-        state = set_aside(task, state, seed, f"remembered here, but: {seed.why}")
-    state, more = making_way(task, state, state.rivals[told:])
-    trace = Trace([*state.steps, *_late(task)])
-    return Cycle(
-        state.accepted, (*rivals, *more), state.rejected, tuple(attention), trace, unfinished=task.deadline.passed
-    )
+        for after in rounds(task, state, choose):
+            last = after
+    return _outcome(task, left_over(concluded(task, last)), unheld, attention)
 
 
 def rounds(task: Task, state: State, choose: Choice = best_first) -> Iterator[State]:
-    """Figure 1. Yields every state, so that the last one stands whenever the time is over.
+    """Figure 1. Yield every state, so that the last one stands whenever the time is over.
 
     A round begins again as soon as something was accepted, or there is more to judge. Every round but the last claims
     data, or comes after one in which something was released for good, so that the cycle ends on every finite Γ.
@@ -74,8 +62,8 @@ def rounds(task: Task, state: State, choose: Choice = best_first) -> Iterator[St
     while turns < state.turns:
         turns = state.turns
         for step in (choose_of_before, match_and_choose, stand_on_planes, deepen, release):
-            for state in step(task, state, choose):
-                yield state
+            for after in step(task, state, choose):
+                yield (state := after)
             if turns < state.turns:
                 break
     yield from compared(task, state)
@@ -148,19 +136,21 @@ def matched(task: Task, state: State) -> State:
     return state.proposes(found).tells(*(Step("deepen", why) for why in said))
 
 
-def _more_to_see(
-    task: Task, state: State, attention: Sequence[Attention], usual: Mapping[str, int]
-) -> tuple[State, tuple[Attention, ...]]:
-    """The types to search for: all, but none where what is remembered explains all but clutter."""
-    if not state.accepted:
-        return state, tuple(attention)
-    with suppress(OutOfTimeError):  # what is remembered is accepted only when it is stable here
-        state = kept(task, state)
-    why = unexplained([task.data.types[i] for i in free(task, state.accepted).nonzero()[0]], task.kb, usual)
-    if why is not None:
-        return state.tells(Step("search", why)), tuple(attention)
-    task.searches.clear()
-    return state.tells(Step("no search", "what is left is no more than clutter")), ()
+def _outcome(task: Task, state: State, unheld: Sequence[Hypothesis], attention: Sequence[Attention]) -> Cycle:
+    """What the run came to: Δi, the rivals that it has, and what is remembered and did not hold, told from them."""
+    noise = int(free(task, state.accepted).sum())
+    state = state.tells(Step("stable", f"{len(state.accepted)} accepted; {noise} appearances left as noise"))
+    state, rivals = making_way(task, state, considered(state.rivals, state.accepted))
+    told = len(state.rivals)
+    for hypothesis in unheld:
+        if not among(hypothesis, state.accepted):
+            state = set_aside(task, state, hypothesis, f"remembered here, but: {hypothesis.why}")
+    state, more = making_way(task, state, state.rivals[told:])
+    late = task.deadline.passed
+    if late:
+        state = state.tells(Step("deadline", "the deadline was reached: the search is unfinished"))
+    trace = Trace(list(state.steps))
+    return Cycle(state.accepted, (*rivals, *more), state.rejected, tuple(attention), trace, unfinished=late)
 
 
 def _given(task: Task, state: State, said: list[str]) -> Given:
@@ -185,8 +175,3 @@ def _under_consideration(state: State) -> list[Hypothesis]:
 
 def _ranked(row: Attention) -> Step:
     return Step("rank", f"rank {row.rank:.2f}, {row.excess:+.2f} against chance", row.type)
-
-
-def _late(task: Task) -> list[Step]:
-    late = "the deadline was reached: the search is unfinished"
-    return [Step("deadline", late)] if task.deadline.passed else []

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.type_models import TypeModel
+    from plogic.match.judged.type_models import TypeModel
 
     Floats = NDArray[np.float64]
     Pair = tuple[str, str]

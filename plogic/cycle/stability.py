@@ -76,16 +76,12 @@ def separated(task: Task, start: Stable) -> Stable:
             break
         worst = some.pop(min({k for pair in deep for k in pair}, key=lambda k: some[k].worth))
         rejected.append(worst.told(status="rejected", why="shares volume with an accepted object (A4)"))
-        steps.append(
-            Step("release", "no poses near keep it out of the others (A4); its data are released", worst.type)
-        )
+        steps.append(Step("release", "no poses near keep it out of the others (A4); its data are released", worst.type))
     for k, (hypothesis, pose) in enumerate(zip(list(some), poses, strict=True)):
         if pose is not hypothesis.camera_from_object:
             others = [other for other in some if other is not hypothesis]
             hidden, left = hidden_among(hypothesis, others), free(task, others)
-            moved = task.models[hypothesis.type].settle(
-                pose, task.data, task.kb, free=left, hidden=hidden, rounds=0
-            )
+            moved = task.models[hypothesis.type].settle(pose, task.data, task.kb, free=left, hidden=hidden, rounds=0)
             some[k] = moved.told(**hypothesis.verdict())
             why = "a little, so that it does not reach into what it touches (A4)"
             steps.append(Step("move", why, hypothesis.type))

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from plogic.base.deadline import Deadline
+from plogic.base.clock import Deadline
 from plogic.match.judged.alike import same_place
 from plogic.match.judged.rivals import claims
 from plogic.match.judged.type_models import Request
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.attention import Attention
+    from plogic.facts.document import StepRow
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import Search
@@ -58,7 +59,7 @@ class Trace:
 
     steps: list[Step] = field(default_factory=list)
 
-    def document(self) -> list[dict[str, object]]:
+    def document(self) -> list[StepRow]:
         """As in ``interpretation.json``."""
         return [
             {"step": i, "event": s.event, "hypothesis": s.hypothesis, "type": s.type, "ev": s.ev, "why": s.why}
@@ -160,7 +161,7 @@ class State:
     rivals: tuple[Hypothesis, ...] = ()
     rejected: tuple[Hypothesis, ...] = ()
     refused: tuple[Hypothesis, ...] = ()
-    stable: Stable = Stable()
+    stable: Stable = field(default_factory=Stable)
     stood_on: int = 0
     turns: int = 0
     steps: tuple[Step, ...] = ()

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import Given, Request, TypeModel
     from plogic.match.kinds import Models
-    from plogic.match.type_models import Given, Request, TypeModel
 
     Floats = NDArray[np.float64]
 

@@ -167,6 +167,11 @@ class Hypothesis:
         """What was judged of it: another hypothesis can be ``told`` the same."""
         return {name: getattr(self, name) for name in VERDICT}
 
+    def bare(self) -> Hypothesis:
+        """The same hypothesis without its arrays: type, pose and verdict."""
+        pose = self.camera_from_object
+        return Hypothesis(self.type, pose, self.opaque, known_type=self.known_type).told(**self.verdict())
+
     def expects(self, feature: FeatureFact) -> bool:
         """Whether the feature is Expected where no other object of the world hides it (D7 within the hypothesis alone)."""
         return feature.in_image and feature.in_lobe and not (feature.self_hidden and self.opaque)

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from plogic.inference.graph import Part
 
     Arrays = tuple[NDArray[np.float64], ...]
-    Node = tuple[float, tuple[int, ...]]
+    Node = tuple[float, tuple[int, ...]]  # −bound, states of the first variables of the cutset
 
 
 class Bound(NamedTuple):

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from plogic.inference.graph import Part
 
-    Table = NDArray[Any]
+    Table = NDArray[Any]  # int64, or Python's integers as objects
 
 _CELLS = attrgetter("size")
 DIGITS = 42  # binary digits behind the point

@@ -10,17 +10,17 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.match.hand.hand_models import HandModels
+from plogic.match.judged.type_models import Setup
 from plogic.match.learned.learned_models import LearnedModels
 from plogic.match.oriented.oriented_models import OrientedModels
 from plogic.match.plain.plain_models import Quadruples, SoftPosit
-from plogic.match.type_models import Setup
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.match.type_models import TypeModel, TypeModels
+    from plogic.match.judged.type_models import TypeModel, TypeModels
 
 FAST = "index"
 """The generator of every day, of the kinds that need not be asked for."""

@@ -27,11 +27,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.document import Interpretation
     from plogic.facts.hypothesis import Hypothesis
     from plogic.rates.truth import Truth
     from sensing.appearance import Gamma
 
-    Perceive = Callable[[Gamma], dict[str, Any]]
+    Perceive = Callable[[Gamma], Interpretation]
 
 SOURCES = ("interpretation.json", "gamma.json", "image.png", "image.jpg", "image.jpeg")
 
@@ -88,7 +89,7 @@ def _interpreted(path: Path, kb: KnowledgeBase) -> Found:
     return Found(gamma, accepted_in(document))
 
 
-def accepted_in(document: dict[str, Any]) -> tuple[tuple[str, NDArray[np.float64]], ...]:
+def accepted_in(document: Interpretation) -> tuple[tuple[str, NDArray[np.float64]], ...]:
     """(type, pose) of Δi."""
     return tuple(
         (h["type"], np.array(h["T_camera_object"])) for h in document["hypotheses"] if h["status"] == "accepted"

@@ -119,6 +119,7 @@ def test_who_may_have_no_children_does_all_alone():
 def test_large_results_do_not_stop_a_copy():
     """Each is more than a pipe holds."""
     arrays = list(each(lambda n: np.full(300_000, n), range(8), 2))
+    assert len(arrays) == 8
     assert all((array == n).all() and len(array) == 300_000 for n, array in enumerate(arrays))
 
 

@@ -8,8 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from plogic.base.forgotten import ABANDONED, FOLDERS, forget_beside
-from plogic.base.remembered import MANIFEST, arrays_of
+from plogic.base.remembered import ABANDONED, FOLDERS, MANIFEST, arrays_of, forget_beside
 
 KEY, OTHER = "ab" * 32, "cd" * 32
 ARRAYS = {"one": np.arange(600.0).reshape(200, 3), "two": np.arange(50, dtype=np.uint8), "none": np.zeros((3, 0))}

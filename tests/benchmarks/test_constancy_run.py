@@ -47,6 +47,7 @@ def test_the_same_seed_gives_the_same_sequence(kb, moved):
 
 def test_what_is_seen_can_be_seen(kb, moved):
     """Causes are visible features; no cause has two data in a view (§3.3); misses and clutter are there."""
+    assert len(moved.views) > 1
     for view in moved.views:
         causes = list(moved.causes[view.id].values())
         assert len(causes) > 10
@@ -100,6 +101,7 @@ def test_nothing_called_scores_nothing_and_a_mixture_is_wrong(moved):
 def test_the_peer_uses_a_datum_once_a_pair(kb, moved):
     views = moved.views[:2]
     called = epipolar(views, {v.id: [a.id for a in v.gamma.appearances] for v in views}, kb.rates)
+    assert len(views) == 2
     for view in views:
         used = [row[view.id] for row in called.physical]
         assert len(used) > 10

@@ -26,7 +26,9 @@ def test_the_type_whose_every_feature_is_there_comes_first():
 
 
 def test_an_empty_gamma_ranks_everything_zero():
-    for row in order_of([]):
+    rows = order_of([])
+    assert {row.type for row in rows} == {"t1", "t2"}
+    for row in rows:
         assert (row.rank, row.within_cell) == (0.0, 0.0)
         assert row.excess <= 0.0
 
@@ -46,6 +48,7 @@ def test_every_number_lies_in_its_range_and_order_follows_rank():
 def test_in_saturating_clutter_excess_tells_what_rank_cannot():
     """Hundreds of appearances of every kind: rank is 1 for all, and excess over chance is 0."""
     rows = order_of(list(towers().appearance_types) * 100)
+    assert {row.type for row in rows} == {"t1", "t2"}
     assert all(row.rank > 0.999 for row in rows)
     assert all(row.excess < 0.3 for row in rows)
 

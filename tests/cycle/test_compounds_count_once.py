@@ -78,6 +78,7 @@ def test_the_cells_are_those_of_a_loop_over_maximal_features(seed, number):
 def test_a_compound_is_expected_or_detected_with_any_of_its_parts(seed):
     posed, _ = posed_of(with_groups(one_sided(1, COUNT), np.random.default_rng(seed).integers(0, 6, COUNT)), seed)
     whole = posed.object_type.whole
+    assert posed.stands.any()
     for f in np.flatnonzero(posed.stands):
         parts = whole == whole[f]
         assert posed.in_image[f] == posed.in_image[parts].any()

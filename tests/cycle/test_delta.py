@@ -51,6 +51,7 @@ def test_names_go_in_order_accepted_first(rich):
 def test_features_say_what_geometry_says(rich):
     shot, delta = rich
     ids = data(shot).ids
+    assert delta.situation.hypotheses
     for h in delta.situation.hypotheses:
         posed = delta.beliefs[h.id]
         assert len(h.features) == len(posed.uv)

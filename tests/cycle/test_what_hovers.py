@@ -112,6 +112,7 @@ def test_the_document_has_the_facts_and_gives_them_back():
 def test_why_says_who_is_held_and_who_floats():
     held = told(gravity=True)
     world, false = tuple(h.id for h in held.hypotheses), false_one(held)
+    assert set(world) > {false}
     for name in world:
         lines = presence(held, name, world)
         assert any("held by the ground" in line for line in lines) == (name != false)

@@ -56,6 +56,7 @@ def test_rests_width_and_work_are_those_of_the_sequence(drawn):
 def test_min_fill_takes_the_least_fill_then_the_smaller_table_then_the_lower_number(drawn):
     cards, scopes = drawn
     sequence, _ = min_fill(neighbours(len(cards), scopes), cards, range(len(cards)))
+    assert sorted(sequence) == list(range(len(cards)))
     graph = neighbours(len(cards), scopes)
     left = set(range(len(cards)))
     for v in sequence:

@@ -144,6 +144,7 @@ def test_a_chain_of_many_variables_against_matrix_products():
         forward.append(_scaled(forward[-1] @ np.exp(table)))
     for table in reversed(tables):
         backward.append(_scaled(np.exp(table) @ backward[-1]))
+    assert len(found.low) == 121
     for low, f, b in zip(found.low, forward, reversed(backward), strict=True):
         np.testing.assert_allclose(low, f * b / (f * b).sum(), rtol=1e-11)
 

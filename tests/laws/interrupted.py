@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from plogic.base import deadline
+from plogic.base import clock as deadline
 
 LATE = 1e9
 """A moment of a clock that only a test ends."""

@@ -69,6 +69,7 @@ def assert_never_together(subject, worlds):
     same = [
         (g.id, h.id) for i, g in enumerate(subject.hypotheses) for h in subject.hypotheses[:i] if g.group == h.group
     ]
+    assert worlds
     for w in worlds:
         assert not any(
             x in w.present and y in w.present for x, y in (*pairs, *(same if subject.reading == "posterior" else ()))

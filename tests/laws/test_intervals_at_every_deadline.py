@@ -19,7 +19,7 @@ from tangles import tangle
 
 from plogic.base.errors import InconsistentError
 from plogic.logic.answers import anytime_answers as anytime
-from plogic.logic.answers import intervals as bounds
+from plogic.logic.answers import anytime_answers as bounds
 from plogic.logic.answers import state_ranking as ranking
 from plogic.logic.served.engine import through
 from plogic.logic.served.serve import serve
@@ -77,6 +77,7 @@ def wide():
 @pytest.mark.parametrize("checks", [0, 40, 150, 200, 300, 400, 600, 1000, 10**9])
 @pytest.mark.parametrize("width", [2.0, 4.0])
 def test_wide_scenes_wherever_inference_stops(wide, checks, width):
+    assert len(wide) > 0
     for subject, exact in wide:
         with stopped(checks, width):
             hurried = ranked_worlds(subject, 7, seconds=LONG)

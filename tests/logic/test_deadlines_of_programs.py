@@ -7,9 +7,8 @@ from drawn_programs import programs
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from plogic.logic.answers import intervals as bounding
-from plogic.logic.answers.anytime_answers import answers_by
-from plogic.logic.answers.intervals import Bounds
+from plogic.logic.answers import anytime_answers as bounding
+from plogic.logic.answers.anytime_answers import Bounds, answers_by
 from plogic.logic.grounding.load import ground, request_from
 from plogic.logic.served.engine import Text, run, run_until
 from plogic.logic.served.program_worlds import program_worlds

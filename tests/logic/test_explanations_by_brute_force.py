@@ -106,6 +106,8 @@ def test_every_tree_ends_in_the_choices_of_its_explanation(clauses, goal, wanted
     teller = accountant(text, f"a{goal}", [], 3)
     chances = teller.numbers.probabilities(teller.numbers.literals)[:-1]
     found, _ = teller.why(chances) if wanted else teller.search(None, wanted=False)
+    expected = explanations(clauses, goal, wanted=wanted, evidence=())
+    assert bool(found) == any(p > 1e-13 for p in expected.values())
     for data in map(teller.data, found):
         nodes = list(flattened(data["tree"]))
         assert not any("plogic" in node["goal"] for node in nodes)

@@ -47,7 +47,9 @@ def test_worlds_equal_those_of_every_total_choice(drawn):
 @given(programs())
 def test_the_choices_of_a_world_are_possible_and_lead_to_it(drawn):
     assume(drawn.held())
-    for world in worlds(drawn.text):
+    found = worlds(drawn.text)
+    assert found
+    for world in found:
         chosen = set(world["choices"])
         fitting = [
             p

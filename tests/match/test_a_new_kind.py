@@ -12,8 +12,8 @@ from plogic.cycle.delta import Options
 from plogic.match import kinds
 from plogic.match.hand.type_index import type_index
 from plogic.match.judged.evidence import evidence
+from plogic.match.judged.type_models import Search, TypeModels
 from plogic.match.kinds import Kind
-from plogic.match.type_models import Search, TypeModels
 from plogic.run.perceive import Perceiver
 
 SEEN = []

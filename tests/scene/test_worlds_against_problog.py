@@ -51,6 +51,7 @@ def test_marginals_and_causes_equal_problog(subject):
         program_text(subject) + "\nquery(present(_)). query(cause(_, _, _)). query(noise(_)). query(case(_, _, _)).\n"
     )
     theirs = stock(text)
+    assert set(ranking.marginals) == {h.id for h in subject.hypotheses}
     for h in subject.hypotheses:
         assert theirs.get(f"present({names.atom(h.id)})", 0.0) == pytest.approx(ranking.marginals[h.id], abs=1e-9)
     for a in subject.appearances:
@@ -66,12 +67,13 @@ def test_marginals_and_causes_equal_problog(subject):
 
 def assert_one_case_per_feature(subject, names, theirs, ranking):
     """A present feature in the image is in exactly one of the four cases (§4); one that projects outside it is in none."""
+    totals, due = {}, {}
     for h in subject.hypotheses:
         for f in h.features:
-            total = math.fsum(
-                p for goal, p in theirs.items() if goal.startswith(f"case({names.atom(h.id)},{names.atom(f.id)},")
-            )
-            assert total == pytest.approx(ranking.marginals[h.id] if f.in_image else 0.0, abs=1e-8)
+            case = f"case({names.atom(h.id)},{names.atom(f.id)},"
+            totals[h.id, f.id] = math.fsum(p for goal, p in theirs.items() if goal.startswith(case))
+            due[h.id, f.id] = ranking.marginals[h.id] if f.in_image else 0.0
+    assert totals == pytest.approx(due, abs=1e-8)
 
 
 @pytest.mark.parametrize(

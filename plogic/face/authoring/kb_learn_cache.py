@@ -12,8 +12,7 @@ from contextlib import suppress
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
-from plogic.base.forgotten import forget_files_beside
-from plogic.base.remembered import ROOT, cache_folder, source_digest, sources
+from plogic.base.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

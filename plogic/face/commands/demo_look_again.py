@@ -7,7 +7,7 @@ which the first view does not show; the robot goes where looking tells most, and
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypedDict, cast
 
 from plogic.base.errors import InputError
 from plogic.face.commands.demo import check_folder, json_bytes, write_into
@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.face.commands.next_view_table import CandidateRow, NextView
+    from plogic.facts.document import Interpretation, WorldRow
+    from plogic.facts.fact_rows import Interval, Pose
+    from plogic.facts.situation import Reading
     from plogic.match.kinds import Models
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
@@ -38,18 +42,36 @@ SHOWN = 4
 """Candidates in the table."""
 
 
+class TogetherRow(TypedDict):
+    """One hypothesis of both views."""
+
+    id: str
+    type: str
+    T_world_object: Pose
+
+
+class Together(TypedDict):
+    """What both views say, as ``worlds`` has it, so that the same table shows it."""
+
+    format: Literal["worlds/1"]
+    reading: Reading
+    worlds: list[WorldRow]
+    unlisted_mass: Interval
+    hypotheses: list[TogetherRow]
+
+
 class _Look(NamedTuple):
     """One look: what was found in it, its interpretation, and the image (H, W, 3)."""
 
     found: Found
-    document: dict[str, Any]
+    document: Interpretation
     image: NDArray[np.uint8]
 
 
 def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json: bool = False) -> str:
     """Look, ask where to look next, go there, look again; write the folder ``out`` and return the text to print."""
     check_folder(out)
-    from plogic.face.commands.next_view import looked
+    from plogic.face.commands.next_view import Moves, looked
     from plogic.face.commands.next_view_table import table_of
     from plogic.run.perceive import Perceiver
     from sensing.simulated.robot import Robot
@@ -60,9 +82,8 @@ def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json:
     tell_without_physics(say)
     say("the first look ...")
     first = _look("v1", robot, perceiver)
-    asked = {"about": None, "ring": None, "moves": None, "within": None, "reading": None}
     say("where to look next ...")
-    ahead = looked(first.document, 100, 0, asked)
+    ahead = looked(first.document, 100, 0, Moves())
     chosen = _reachable(ahead["candidates"], robot)
     say(f"{chosen['name']}: {chosen['gain_bits']:.2f} bits expected; the second look ...")
     second = _look("v2", robot, perceiver)
@@ -72,7 +93,9 @@ def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json:
     if as_json:
         told = {"worlds": first.document["worlds"], "next_view": ahead, "after": after["worlds"]}
         return json.dumps({"format": "demo/1", "folder": str(out), **told})
-    before, later = (text_of_table(tables.worlds(some, 5)) for some in (_held(first.document), after))
+    before, later = (
+        text_of_table(tables.worlds(some, 5)) for some in (_held(first.document), cast("Interpretation", after))
+    )
     parts = [
         "after the first view",
         before,
@@ -87,7 +110,7 @@ def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json:
     return "\n".join(parts)
 
 
-def _held(document: dict[str, Any]) -> dict[str, Any]:
+def _held(document: Interpretation) -> Interpretation:
     return {**document, "hypotheses": [h for h in document["hypotheses"] if h["status"] != "rejected"]}
 
 
@@ -120,7 +143,7 @@ def _look(name: str, robot: Robot, perceiver: Perceiver) -> _Look:
     return _Look(Found(seen, tuple(delta.beliefs.values())), document, image)
 
 
-def _reachable(candidates: Sequence[dict[str, Any]], robot: Robot) -> dict[str, Any]:
+def _reachable(candidates: Sequence[CandidateRow], robot: Robot) -> CandidateRow:
     """Go to the first candidate where a camera can be, the best first. Raises InputError where there is none."""
     import numpy as np
 
@@ -132,7 +155,7 @@ def _reachable(candidates: Sequence[dict[str, Any]], robot: Robot) -> dict[str, 
     raise InputError("no candidate is where a camera can be")
 
 
-def _together(looks: Sequence[_Look], perceiver: Perceiver) -> dict[str, Any]:
+def _together(looks: Sequence[_Look], perceiver: Perceiver) -> Together:
     """What both views say: worlds and hypotheses, by the first view's names where it had them."""
     from plogic.cycle.delta import Options
     from plogic.sequence.views.joint import joint
@@ -148,7 +171,7 @@ def _together(looks: Sequence[_Look], perceiver: Perceiver) -> dict[str, Any]:
     return _told(both.standing, ranking, looks[0], perceiver.models)
 
 
-def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look, models: Models) -> dict[str, Any]:
+def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look, models: Models) -> Together:
     """As ``worlds`` has it, so that the same table shows it."""
     from plogic.sequence.views.standing import standing_of
 
@@ -163,11 +186,11 @@ def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look, models: 
             if name not in names.values() and some.same(other, first.found.seen.view)
         ]
         names[f"h{i}"] = known[0] if known else f"n{i}"
-    rows = [
+    rows: list[WorldRow] = [
         {"probability": w.probability, "present": sorted(names[h] for h in w.present), "causes": dict(w.causes)}
         for w in ranking.worlds
     ]
-    hypotheses = [
+    hypotheses: list[TogetherRow] = [
         {"id": names[f"h{i}"], "type": some.object_type.name, "T_world_object": some.world_from_object.tolist()}
         for i, some in enumerate(standing, 1)
     ]
@@ -181,7 +204,7 @@ def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look, models: 
 
 
 def _write(
-    out: Path, kb: KnowledgeBase, robot: Robot, looks: Sequence[_Look], ahead: dict[str, Any], after: dict[str, Any]
+    out: Path, kb: KnowledgeBase, robot: Robot, looks: Sequence[_Look], ahead: NextView, after: Together
 ) -> None:
     """The pictures, the interpretation of the first view, the candidates, and what both views say."""
     from geometry.camera import camera_to_dict

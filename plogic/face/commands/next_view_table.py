@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
+
+from plogic.facts.document import Marks
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import NDArray
 
+    from plogic.facts.fact_rows import Interval, Pose
+    from plogic.facts.situation import Reading
     from plogic.sequence.next_view.look import Outlook
+    from plogic.sequence.next_view.moves import MovesRow
 
 SHOWN = 0.0005
 """Least standard error that the table shows."""
@@ -18,10 +21,53 @@ DIGITS = 6
 """Of bits and masses in the document."""
 
 
-def outlook_document(look: Outlook, world_from_reference: NDArray[np.float64] | None) -> dict[str, Any]:
+class WhyRow(TypedDict):
+    """One reason in words, with the mass that it tells apart and its bits."""
+
+    text: str
+    mass: float
+    sites: int
+    bits: float
+
+
+class WorldPoseKey(TypedDict):
+    """Where the camera's pose in the world is known."""
+
+    T_world_camera: NotRequired[Pose]
+
+
+class CandidateRow(WorldPoseKey):
+    """One candidate: where, how much it would tell, and why."""
+
+    name: str
+    T_present_candidate: Pose
+    gain_bits: float
+    standard_error: float
+    sites: int
+    why: list[WhyRow]
+
+
+class NextView(Marks):
+    """The document ``next-view/1``; ``of``: how many candidates there were."""
+
+    format: Literal["next-view/1"]
+    about: str | None
+    reading: Reading
+    entropy_bits: float
+    worlds: int
+    unlisted_mass: Interval
+    moves: MovesRow
+    seed: int
+    of: int
+    candidates: list[CandidateRow]
+
+
+def outlook_document(look: Outlook, world_from_reference: NDArray[np.float64] | None) -> CandidateRow:
     """One candidate: where, how much it would tell, and why."""
     pose = look.candidate.reference_from_camera
-    world = {} if world_from_reference is None else {"T_world_camera": (world_from_reference @ pose).tolist()}
+    world: WorldPoseKey = {}
+    if world_from_reference is not None:
+        world = {"T_world_camera": (world_from_reference @ pose).tolist()}
     return {
         "name": look.candidate.name,
         "T_present_candidate": pose.tolist(),
@@ -36,7 +82,7 @@ def outlook_document(look: Outlook, world_from_reference: NDArray[np.float64] | 
     }
 
 
-def table_of(document: dict[str, Any]) -> str:
+def table_of(document: NextView) -> str:
     """The candidates with their gains and reasons, under what would be told."""
     from rich import box
     from rich.table import Table
@@ -60,7 +106,7 @@ def table_of(document: dict[str, Any]) -> str:
     return "\n".join([_open(document), *[unfinished] * bool(unfinished), text_of_table(table)])
 
 
-def _nothing(row: dict[str, Any]) -> str:
+def _nothing(row: CandidateRow) -> str:
     return (
         "no feature that would tell the worlds apart"
         if row["sites"] == 0
@@ -68,7 +114,7 @@ def _nothing(row: dict[str, Any]) -> str:
     )
 
 
-def _open(document: dict[str, Any]) -> str:
+def _open(document: NextView) -> str:
     """What is uncertain, and of how much of the mass that is said."""
     low, high = document["unlisted_mass"]
     about = "the worlds" if document["about"] is None else document["about"]
@@ -76,11 +122,3 @@ def _open(document: dict[str, Any]) -> str:
     worlds = f"{document['worlds']} world{'s' * (document['worlds'] != 1)}"
     listed = f"{len(document['candidates'])} of {document['of']} candidates" if document["of"] else "no candidates"
     return f"uncertain of {about}: {document['entropy_bits']:.3f} bits over {worlds}{missing}; {listed}"
-
-
-def next_view_document(
-    looks: Sequence[Outlook], stated: dict[str, Any], world_from_reference: NDArray[np.float64] | None, shown: int
-) -> dict[str, Any]:
-    """``stated``: about, reading, entropy, worlds, unlisted mass and how the candidates were made."""
-    rows = [outlook_document(look, world_from_reference) for look in looks[:shown]]
-    return {"format": "next-view/1", **stated, "of": len(looks), "candidates": rows}

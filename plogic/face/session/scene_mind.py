@@ -10,7 +10,7 @@ from plogic.face.session.minds import Asked
 from plogic.face.session.program_mind import clauses_of, rest
 from plogic.face.session.results import WorldRow
 from plogic.facts.vocabulary import entries
-from plogic.logic.safety.tokens import quoted
+from plogic.logic.safety.atoms import quoted
 from plogic.logic.served.outline import Predicate
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Self, TypeVar
 from plogic.base.errors import InconsistentError, InputError, ProgramError
 from plogic.face.session import results
 from plogic.face.session.minds import mind_of
-from plogic.logic.safety.tokens import is_ground, one_line, tokens
+from plogic.logic.safety.atoms import is_ground, one_line, tokens
 from plogic.scene.readings.unfinished import REASONS, opened, proved, stopped_of
 
 if TYPE_CHECKING:

@@ -18,14 +18,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.logic.dnnf.circuit import circuit_of
+from plogic.logic.dnnf.compiled import circuit_of
 from plogic.logic.dnnf.nnf import AND, LITERAL, nodes_under
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plogic.logic.dnnf.circuit import Circuit, Floats
-    from plogic.logic.dnnf.compiled import Compiled
+    from plogic.logic.dnnf.compiled import Circuit, Compiled, Floats
     from plogic.logic.dnnf.nnf import Nnf
 
 State = tuple[bool, ...]

@@ -1,4 +1,12 @@
-"""A program compiled once: P(any literal | any conditions) from one circuit."""
+"""A program compiled once: P(any literal | any conditions) from one arithmetic circuit.
+
+The circuit is a smooth d-DNNF as levels of numpy arrays, evaluated in log space. One upward pass weighs any number of
+assignments at once (columns); one downward pass then gives the probability of every node, so of every query, given the
+evidence. Upwards are logarithms, so nothing underflows: every label counts that ProbLog's parser keeps (it rounds
+numbers to 15 decimals), and evidence may be as improbable as it likes. Stock ProbLog turns labels below 1e-9 into 0 and
+refuses evidence below 1e-12: there our numbers are those that the text means. Downwards are probabilities given the
+evidence, plain floats: below 1e-308 they are 0.
+"""
 
 from __future__ import annotations
 
@@ -6,22 +14,155 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plogic.base.errors import InconsistentError, LimitError
-from plogic.logic.dnnf.circuit import circuit_of
 from plogic.logic.dnnf.cnf import residue
 from plogic.logic.dnnf.compilers import compiled as nnf_of
+from plogic.logic.dnnf.nnf import AND, LITERAL, nodes_under
 from plogic.logic.dnnf.nnf import FALSE as NEVER
 from plogic.logic.dnnf.nnf import TRUE as ALWAYS
 from plogic.logic.grounding.ground_program import FALSE, TRUE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Container, Iterable, Sequence
 
-    from plogic.logic.dnnf.circuit import Circuit, Floats
     from plogic.logic.dnnf.cnf import Residue
     from plogic.logic.dnnf.nnf import Nnf
     from plogic.logic.grounding.ground_program import Ground, Literal
+
+BEST = 3
+"""The kind of a gate that takes the greatest of its children."""
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Level:
+    """The gates of one kind in one level: nodes ``start`` to ``stop``, the children of the i-th from ``first[i]`` on in ``children``.
+
+    ``owner[j]``: the gate, from 0, whose child ``children[j]`` is; ``targets[target[j]]`` is ``children[j]``, each node
+    once in ``targets``.
+    """
+
+    kind: int
+    start: int
+    stop: int
+    children: Ints
+    first: Ints
+    owner: Ints
+    targets: Ints
+    target: Ints
+
+
+@dataclass(frozen=True)
+class Circuit:
+    """``literals``: the leaves' literals in the order of their nodes, which come first; then each level's gates.
+
+    ``place``: literal → its leaf. ``levels`` from the leaves up; the root is the last node. ``number``: node of the
+    d-DNNF → node here.
+    """
+
+    size: int
+    literals: Ints
+    place: dict[int, int]
+    levels: tuple[Level, ...]
+    number: dict[int, int]
+
+    def up(self, leaves: Floats, *, most: bool = False) -> Floats:
+        """Log weight of each node, ``(size, columns)``, from those of the leaves, ``(leaves, columns)``.
+
+        With ``most``, an OR takes the greatest of its children and not their sum: the weight of the best completion.
+        """
+        values = np.empty((self.size, leaves.shape[1]))
+        values[: len(self.literals)] = leaves
+        for level in self.levels:
+            inputs = values[level.children]
+            if level.kind == AND:
+                values[level.start : level.stop] = np.add.reduceat(inputs, level.first, axis=0)
+            elif most or level.kind == BEST:
+                values[level.start : level.stop] = np.maximum.reduceat(inputs, level.first, axis=0)
+            else:
+                values[level.start : level.stop] = _log_sums(inputs, level)
+        return values
+
+    def down(self, values: Floats) -> Floats:
+        """P(node | what the columns condition on), ``(size,)``, of one column of ``up``; the root's must be finite."""
+        flow = np.zeros(self.size)
+        flow[-1] = 1.0
+        for level in reversed(self.levels):
+            given = flow[level.start : level.stop][level.owner]
+            if level.kind != AND:
+                above = values[level.start : level.stop][level.owner]
+                below = values[level.children]
+                given = given * np.exp(
+                    np.where(np.isneginf(below), -np.inf, below - np.where(np.isneginf(above), 0.0, above))
+                )
+            flow[level.targets] += np.bincount(level.target, given)
+        return flow
+
+    def best(self, values: Floats) -> list[int]:
+        """The literals of the best completion, from one column of ``up(most=True)``: ties go to the first child."""
+        found, stack = [], [self.size - 1]
+        starts = np.array([level.start for level in self.levels], dtype=np.int64)
+        while stack:
+            node = stack.pop()
+            if node < len(self.literals):
+                found.append(int(self.literals[node]))
+                continue
+            level = self.levels[int(np.searchsorted(starts, node, side="right")) - 1]
+            i = node - level.start
+            stop = level.first[i + 1] if i + 1 < len(level.first) else len(level.children)
+            children = level.children[level.first[i] : stop]
+            stack.extend(children.tolist() if level.kind == AND else [int(children[int(np.argmax(values[children]))])])
+        return found
+
+
+def _log_sums(inputs: Floats, level: Level) -> Floats:
+    top = np.maximum.reduceat(inputs, level.first, axis=0)
+    finite = np.where(np.isneginf(top), 0.0, top)
+    with np.errstate(divide="ignore"):
+        sums: Floats = np.log(np.add.reduceat(np.exp(inputs - finite[level.owner]), level.first, axis=0)) + finite
+    return sums
+
+
+def circuit_of(nnf: Nnf, root: int | None = None, best_of: Container[int] = ()) -> Circuit:
+    """The nodes under a root, in levels: leaves first, then each gate above its highest child; the root must not be a constant.
+
+    The nodes ``best_of`` are ORs that take the greatest of their children and not their sum.
+    """
+    top = nnf.root if root is None else root
+    depth = _depths(nnf, top)
+    kinds = {node: BEST if node in best_of else nnf.kinds[node] for node in depth}
+    order = sorted(depth, key=lambda node: (depth[node], kinds[node], node))
+    number = {node: i for i, node in enumerate(order)}
+    leaves = [nnf.literals[node] for node in order if kinds[node] == LITERAL]
+    place = {literal: i for i, literal in enumerate(leaves)}
+    groups: dict[tuple[int, int], list[int]] = {}
+    for node in order[len(leaves) :]:
+        groups.setdefault((depth[node], kinds[node]), []).append(node)
+    levels = tuple(_level(nnf, kind, gates, number) for (_, kind), gates in groups.items())
+    return Circuit(len(order), np.array(leaves, dtype=np.int64), place, levels, number)
+
+
+def _depths(nnf: Nnf, root: int) -> dict[int, int]:
+    """The nodes under a root, each with its height above its lowest leaf; children have smaller numbers than their parents."""
+    depth: dict[int, int] = {}
+    for node in sorted(nodes_under(nnf, root)):
+        depth[node] = 1 + max((depth[child] for child in nnf.children[node]), default=-1)
+    return depth
+
+
+def _level(nnf: Nnf, kind: int, gates: list[int], number: dict[int, int]) -> Level:
+    counts = [len(nnf.children[gate]) for gate in gates]
+    children = np.fromiter((number[child] for gate in gates for child in nnf.children[gate]), dtype=np.int64)
+    start = number[gates[0]]
+    first = np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.int64)
+    targets, target = np.unique(children, return_inverse=True)
+    return Level(
+        kind, start, start + len(gates), children, first, np.repeat(np.arange(len(gates)), counts), targets, target
+    )
+
 
 IMPOSSIBLE = "no world satisfies the evidence: its probability is 0"
 

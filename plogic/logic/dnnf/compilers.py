@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import problog
 
 from plogic.base.errors import LimitError
-from plogic.logic.dnnf.modules import add_modules
+from plogic.logic.dnnf.cnf import add_modules
 from plogic.logic.dnnf.nnf import FALSE, TRUE, Nnf
 
 if TYPE_CHECKING:

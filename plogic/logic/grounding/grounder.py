@@ -4,24 +4,74 @@ It knows rules, negation, disjunction, comparison, arithmetic, probabilistic cla
 as no call depends on itself and answers are ground. Anything else raises UnsupportedError before anything is told: then
 ProbLog's own engine grounds the program (``load``), which is the definition of what is right; what both ground, they
 ground to the same probabilities. Being without messages between nodes of an evaluation stack, this is ten times faster
-and more on the programs of scenes.
+and more on the programs of scenes. The ``Formula`` grows: gates over choices, simplified and shared as they are made;
+acyclic, since children come first.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from problog.errors import ProbLogError
 from problog.logic import And, Constant, Not, Or, Term, Var
 
-from plogic.logic.grounding.formula import Formula, fails
+from plogic.logic.grounding.ground_program import Choice, Gate
 from plogic.logic.grounding.indexed_clauses import Reader, UnsupportedError, Variables, is_ground
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Hashable, Iterator
 
     from plogic.logic.grounding.ground_program import Literal, Node
     from plogic.logic.grounding.indexed_clauses import Goal, Rule, Signature, Small
+
+
+@dataclass
+class Formula:
+    """``nodes[i]`` is variable i + 1."""
+
+    nodes: list[Node] = field(default_factory=list)
+    index: dict[Hashable, int] = field(default_factory=dict)
+
+    def choice(self, key: Hashable, group: Hashable, share: float, name: Callable[[], Any]) -> int:
+        """The variable of a choice; the same key is the same choice."""
+        if key not in self.index:
+            self.nodes.append(Choice(share, group, name))
+            self.index[key] = len(self.nodes)
+        return self.index[key]
+
+    def conjunction(self, literals: tuple[int, ...]) -> Literal:
+        """And of literals, none of which is a constant; see ``fails``."""
+        return None if fails(literals) else self._gate("and", tuple(dict.fromkeys(literals)))
+
+    def disjunction(self, literals: tuple[Literal, ...]) -> Literal:
+        """Or of literals and constants."""
+        if 0 in literals:
+            return 0
+        kept = tuple(dict.fromkeys(literal for literal in literals if literal is not None))
+        return self._gate("or", kept)
+
+    def _gate(self, kind: str, children: tuple[int, ...]) -> Literal:
+        if len(children) < 2:
+            return children[0] if children else 0 if kind == "and" else None
+        if kind == "or" and len({abs(child) for child in children}) < len(children):
+            return 0
+        key = Gate(kind, children)
+        if key not in self.index:
+            self.nodes.append(key)
+            self.index[key] = len(self.nodes)
+        return self.index[key]
+
+
+def fails(literals: tuple[int, ...]) -> bool:
+    """Whether a conjunction is false where ProbLog sees that: its last literal, and the last that differs from it, are opposites.
+
+    Any other contradiction is a gate that never holds, so that an answer is listed with probability 0 where ProbLog
+    lists it.
+    """
+    differing = next((literal for literal in reversed(literals) if literal != literals[-1]), None)
+    return differing is not None and differing == -literals[-1]
+
 
 Answers = list[tuple[tuple["Small", ...], "Literal"]]
 Environment = list["Small | None"]

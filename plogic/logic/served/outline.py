@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from plogic.logic.safety.tokens import quoted
+from plogic.logic.safety.atoms import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

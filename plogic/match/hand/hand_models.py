@@ -11,7 +11,7 @@ import numpy as np
 from plogic.match.gamma.ideal_projection import project_ideal
 from plogic.match.hand.generate import generate
 from plogic.match.hand.type_index import type_index
-from plogic.match.type_models import Search, TypeModels
+from plogic.match.judged.type_models import Search, TypeModels
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.hand.type_index import TypeIndex
-    from plogic.match.type_models import Found, Given, Request, Setup
+    from plogic.match.judged.type_models import Found, Given, Request, Setup
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,6 @@
 """A type that was written by hand, made ready for search.
 
-* ``TypeIndex``: what is computed once a type: its view cells, its features' places and dv. A ``plogic.match.type_models.TypeModel``
+* ``TypeIndex``: what is computed once a type: its view cells, its features' places and dv. A ``plogic.match.judged.type_models.TypeModel``
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from plogic.match.hand.links import feature_links
 from plogic.match.hand.symmetry import permutations, unique_sets
 from plogic.match.hand.triples import PlaneTriples, plane_triples
 from plogic.match.hand.view_cells import ViewCells, view_cells
-from plogic.match.type_models import SURE, Ranks
+from plogic.match.judged.type_models import SURE, Ranks
 from plogic.measures.valuation import compatible, rank
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.type_models import Found
+    from plogic.match.judged.type_models import Found
 
 CELLS_TRIED = 24
 """View cells whose rank is taken for the tie-break of attention, about: every so many-th of them."""

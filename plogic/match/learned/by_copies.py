@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Sequence
 
     from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import Found
     from plogic.match.learned.learned_index import LearnedIndex
-    from plogic.match.type_models import Found
 
 _SAID = tuple(field.name for field in fields(Hypothesis) if field.name != "known_type")
 

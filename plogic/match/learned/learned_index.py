@@ -1,6 +1,6 @@
 """A learned type made ready for search: its appearances as arrays in single precision.
 
-* ``LearnedIndex``: a ``plogic.match.type_models.TypeModel``
+* ``LearnedIndex``: a ``plogic.match.judged.type_models.TypeModel``
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import numpy as np
 
 from geometry.bodies.resting import resting_faces
 from kb.clouds.words import POINT, SIDE
+from plogic.match.judged.type_models import SURE, Ranks
 from plogic.match.learned.held_lobes import Lobes, lobes_of
 from plogic.match.learned.learned_match import settle
 from plogic.match.learned.learned_poses import NOBODY, generate
 from plogic.match.learned.lexicon import Lexicon, lexicon_of
-from plogic.match.type_models import SURE, Ranks
 from plogic.measures.valuation import kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from kb.clouds.learned import LearnedCloud
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.type_models import Found
+    from plogic.match.judged.type_models import Found
     from plogic.measures.valuation import Kinds
 
     Floats = NDArray[np.float64]

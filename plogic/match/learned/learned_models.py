@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.match.judged.type_models import Search, TypeModels
 from plogic.match.learned.by_copies import searched
 from plogic.match.learned.learned_index import learned_index
 from plogic.match.learned.learned_poses import REFINED, generate
 from plogic.match.learned.lexicon import lexicon_of
 from plogic.match.learned.resting_poses import resting
-from plogic.match.type_models import Search, TypeModels
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Mapping, Sequence
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import Found, Given, Request, Setup
     from plogic.match.learned.learned_index import LearnedIndex
-    from plogic.match.type_models import Found, Given, Request, Setup
 
 AGAIN = 40
 """Poses of a type whose sides are looked at where it is searched for again, after one of it was accepted."""

@@ -9,12 +9,12 @@ import numpy as np
 
 from plogic.base.clock import unhurried
 from plogic.match.hand.hand_models import HandModels
+from plogic.match.judged.type_models import Search
 from plogic.match.oriented.angle_refinement import Noise
 from plogic.match.oriented.asked import Asked, chances_of
 from plogic.match.oriented.oriented_match import verified
 from plogic.match.oriented.oriented_search import Search as TogetherSearch
 from plogic.match.oriented.ready import ready
-from plogic.match.type_models import Search
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Mapping, Sequence
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.hand.type_index import TypeIndex
+    from plogic.match.judged.type_models import Found, Given, Request, Setup
     from plogic.match.oriented.pair_index import PairIndex
-    from plogic.match.type_models import Found, Given, Request, Setup
 
 FEW_LEFT = 100
 """Matches of a feature and a datum that looks like it: where no more are left, single data are asked beside what is

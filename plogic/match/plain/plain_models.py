@@ -11,10 +11,10 @@ from plogic.match.hand.type_index import type_index
 from plogic.match.judged.alike import distinct
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.settling import FEWEST
+from plogic.match.judged.type_models import Search
 from plogic.match.oriented.oriented_index import oriented_index
 from plogic.match.plain import quadruples
 from plogic.match.plain import softposit_poses as softposit
-from plogic.match.type_models import Search
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Mapping, Sequence
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.hand.type_index import TypeIndex
-    from plogic.match.type_models import Found, Given, Request, Setup
+    from plogic.match.judged.type_models import Found, Given, Request, Setup
 
 PLAIN = {"quadruples": quadruples.proposals, "softposit": softposit.proposals}
 """The plain generators of poses of one type, by name."""

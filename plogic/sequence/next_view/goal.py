@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.errors import ProgramError, SituationError
-from plogic.logic.safety.tokens import quoted
+from plogic.logic.safety.atoms import quoted
 from plogic.scene.asking.live import LiveScene
 from plogic.scene.asking.query import answers
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.type_models import TypeModel
+    from plogic.match.judged.type_models import TypeModel
     from plogic.sequence.views.standing import Seen
 
 

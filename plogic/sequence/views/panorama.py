@@ -12,10 +12,10 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from plogic.base.stopwatch import Stopwatch
-from plogic.cycle.beside import FEWEST
+from plogic.cycle.judging import FEWEST
 from plogic.cycle.recall import Seed
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import evidence, hit_rates
@@ -30,11 +30,13 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from plogic.cycle.belief import Cycle
     from plogic.cycle.delta import Options
+    from plogic.cycle.state import Cycle
+    from plogic.facts.document import Interpretation
     from plogic.facts.hypothesis import Hypothesis
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
+    from plogic.sequence.document import ExpectedRow
     from plogic.sequence.views.joint import Joint
     from plogic.sequence.views.view import View
 
@@ -68,8 +70,8 @@ class Look:
     """What one view came to: the interpretation document, what Δp led to expect, what is gone, the ids of data that nobody explains."""
 
     view: View
-    interpretation: dict[str, Any]
-    predicted: tuple[dict[str, Any], ...]
+    interpretation: Interpretation
+    predicted: tuple[ExpectedRow, ...]
     gone: tuple[str, ...]
     unexplained: tuple[str, ...]
     seconds: dict[str, float]
@@ -112,11 +114,11 @@ class Panorama:
         here = Counter(kind[name] for name in left)
         self.usual = {name: max(here[name], self.usual.get(name, 0)) for name in sorted({*here, *self.usual})}
 
-    def predicted(self, view: View) -> tuple[dict[str, Any], ...]:
+    def predicted(self, view: View) -> tuple[ExpectedRow, ...]:
         """What anticipated motion leads to expect: of each object of Δp that should be seen from there, as ``panorama/1`` says it."""
         return self._foreseen(self.expected(view))
 
-    def _foreseen(self, expected: Sequence[tuple[Known, Hypothesis]]) -> tuple[dict[str, Any], ...]:
+    def _foreseen(self, expected: Sequence[tuple[Known, Hypothesis]]) -> tuple[ExpectedRow, ...]:
         return tuple(_told(known, posed, self.perceiver) for known, posed in expected)
 
     def expected(self, view: View) -> list[tuple[Known, Hypothesis]]:
@@ -213,7 +215,7 @@ def _awaited(posed: Hypothesis, others: Sequence[tuple[Known, Hypothesis]]) -> N
     return mask
 
 
-def _told(known: Known, posed: Hypothesis, perceiver: Perceiver) -> dict[str, Any]:
+def _told(known: Known, posed: Hypothesis, perceiver: Perceiver) -> ExpectedRow:
     """What anticipated motion leads to expect of one object, as ``panorama/1`` says it."""
     expected = posed.candidate
     return {

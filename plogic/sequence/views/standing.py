@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.type_models import TypeModel
+    from plogic.match.judged.type_models import TypeModel
     from plogic.sequence.views.view import View
 
     Floats = NDArray[np.float64]

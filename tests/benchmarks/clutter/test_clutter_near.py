@@ -24,6 +24,7 @@ def series():
 def test_a_start_is_as_far_off_as_it_says(series):
     posed = series.trial(0, 1)
     truth, middle = posed.truth.camera_from_object, np.append(posed.truth.centre, 1.0)
+    assert min(len(TURNED), len(MOVED)) > 1
     for turned in TURNED:
         for moved in MOVED:
             start = begun(posed, turned, moved, np.random.default_rng(0))

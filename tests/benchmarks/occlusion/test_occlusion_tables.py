@@ -87,6 +87,7 @@ def test_a_built_triple_is_what_was_asked_for(found):
 
 def test_clamps_are_one_piece_each_and_mutual():
     grids = clamps(np.random.default_rng(2), 6)
+    assert len(grids) == len(codes(grids, 1, 2)) > 0
     assert all(ROC20[i].startswith("mutually") for i in codes(grids, 1, 2))
     assert all(one_piece(grid == body) for grid in grids for body in (1, 2))
 

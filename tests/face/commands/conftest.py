@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 
 import pytest
 
@@ -28,3 +29,23 @@ def demo(demo_run):
 def gamma(demo):
     """The demo's Γ as a document."""
     return json.loads((demo / "gamma.json").read_text())
+
+
+@pytest.fixture
+def inputs(demo, tmp_path):
+    """A folder with the demo's image, camera and interpretation, and several files that are none."""
+    for name in ("image.png", "camera.json", "interpretation.json"):
+        shutil.copy(demo / name, tmp_path)
+    camera = json.loads((demo / "camera.json").read_text())
+    (tmp_path / "small.json").write_text(json.dumps({**camera, "width": 320}))
+    for name in ("empty.png", "empty.json"):
+        (tmp_path / name).touch()
+    (tmp_path / "text.png").write_text("this is no image " * 99)
+    (tmp_path / "cut.png").write_bytes((demo / "image.png").read_bytes()[:5000])
+    (tmp_path / "cut.json").write_bytes((demo / "interpretation.json").read_bytes()[:5000])
+    for name in ("folder.png", "folder.json", "folder.pl"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "hostile.pl").write_text(":- use_module('x.py').\n0.5::a.\nquery(a).\n")
+    (tmp_path / "syntax.pl").write_text("0.5::a.\nb :- .\n")
+    (tmp_path / "x.py").write_text("from pathlib import Path\nPath('pwned').touch()\n")
+    return tmp_path

@@ -6,7 +6,7 @@ import pytest
 
 from plogic.base.errors import InputError
 from plogic.face.session.verbs import VERBS, is_end, verb_of
-from plogic.logic.safety.tokens import one_line, quoted, tokens
+from plogic.logic.safety.atoms import one_line, quoted, tokens
 
 SAME = [
     ("present(h1)", " present( h1 ) . "),

@@ -49,9 +49,8 @@ def test_two_cubes_come_apart_by_the_least_of_the_three_slabs(shift, seed):
 
 @pytest.mark.parametrize("shift", TOUCH)
 def test_what_only_touches_has_no_depth(shift):
-    for R in random_rotations(np.random.default_rng(1), 3):
-        T = from_rotation_translation(R, [3, -2, 7])
-        assert penetration(CUBE, T, CUBE, T @ at(*shift)) is None
+    places = [from_rotation_translation(R, [3, -2, 7]) for R in random_rotations(np.random.default_rng(1), 3)]
+    assert [penetration(CUBE, T, CUBE, T @ at(*shift)) for T in places] == [None] * 3
 
 
 def test_two_balls_come_apart_by_what_their_radii_say():

@@ -64,6 +64,7 @@ def test_the_nearest_place_on_a_triangle_is_nearer_than_any_drawn_one():
     rng = np.random.default_rng(3)
     corners, places = rng.normal(size=(50, 3, 3)), rng.normal(size=(20, 3))
     shares = rng.dirichlet([1, 1, 1], 2000)
+    assert len(places) == 20
     for place in places:
         found = np.linalg.norm(nearest_places(corners, place) - place, axis=1)
         drawn = np.linalg.norm(np.einsum("kc,tci->tki", shares, corners) - place, axis=2).min(axis=1)

@@ -107,6 +107,7 @@ def scene(seed, noise=0.3):
 
 def test_what_moves_along_its_plane_is_fitted_and_stays_on_it():
     truth, planes, start, points, uv = scene(3, noise=0.0)
+    assert len(planes) > 0
     for i, plane in enumerate(planes):
         found = refined_poses(
             start[i : i + 1], points[:1], uv[i : i + 1], np.ones((1, 8)), CAMERA, Steps(4, plane.moves)

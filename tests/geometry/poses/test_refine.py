@@ -32,6 +32,7 @@ def test_the_same_minimum_as_opencvs_solve_pnp():
     cv2 = pytest.importorskip("cv2")
     guess, objects, uv, weights, _ = scene(1, camera=LENS)
     found, _, _ = refine_poses(guess, objects, uv, weights, LENS, 20)
+    assert len(guess) > 0
     for k in range(len(guess)):
         r, t = cv2.Rodrigues(guess[k, :3, :3])[0], guess[k, :3, 3].copy().reshape(3, 1)
         ideal = LENS.to_pixels(LENS.normalised(uv[k]))  # the residuals that we minimise
@@ -55,6 +56,7 @@ def test_zero_weight_is_a_missing_point():
     kept = [0, 1, 2, *range(6, 12)]
     with_gaps = refine_poses(guess, objects, uv, weights, CAMERA)
     without = refine_poses(guess, objects[:, kept], uv[:, kept], weights[:, kept], CAMERA)
+    assert len(with_gaps[0]) == len(guess) > 0
     for a, b in zip(with_gaps, without, strict=True):
         assert np.allclose(a, b, atol=1e-9)
 

@@ -54,6 +54,7 @@ def test_points_without_a_line_count_as_before(seed, camera, huber):
     guess, objects, uv, weights, _, _ = scene(seed, [0.0], camera=camera, noise=1.0)
     plain = refine_poses(guess, objects, uv, weights, camera, huber=huber)
     nowhere = refine_poses(guess, objects, uv, weights, camera, huber=huber, across=np.full((3, COUNT, 2), np.nan))
+    assert len(plain[0]) == len(guess) > 0
     for one, other in zip(plain, nowhere, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-12)
 
@@ -92,6 +93,7 @@ def test_a_pixel_moved_along_its_line_changes_nothing(seed, ways, huber, far):
 def test_which_way_across_a_line_is_named_changes_nothing(seed, ways):
     guess, objects, uv, weights, across, _ = scene(seed, ways, noise=1.0)
     one, other = (refine_poses(guess, objects, uv, weights, CAMERA, 4, across=sign * across) for sign in (1.0, -1.0))
+    assert len(one[0]) == len(guess) > 0
     for mine, its in zip(one, other, strict=True):
         np.testing.assert_allclose(mine, its, rtol=1e-9, atol=1e-12)
 
@@ -193,6 +195,7 @@ def test_a_missing_point_may_have_any_line():
     kept = [0, 1, 2, *range(6, COUNT)]
     with_gaps = refine_poses(guess, objects, uv, weights, CAMERA, across=across)
     without = refine_poses(guess, objects[:, kept], uv[:, kept], weights[:, kept], CAMERA, across=across[:, kept])
+    assert len(without[0]) == len(guess) > 0
     for one, other in zip(with_gaps, without, strict=True):
         np.testing.assert_allclose(one, other, atol=1e-9)
 

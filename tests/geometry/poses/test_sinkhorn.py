@@ -37,6 +37,7 @@ def plainly(matrix, slack, rounds):
 def test_rows_and_columns_sum_to_one_with_their_slack(seed):
     affinities, pairs, _ = some(seed)
     m = sinkhorn(affinities, pairs, SLACK, rounds=1000)
+    assert len(affinities) > 0
     for k in range(len(affinities)):
         weights = dense(m.weights[k], pairs)
         assert np.abs(weights.sum(axis=1) + m.model_slack[k] - 1).max() <= 1.001e-3
@@ -48,6 +49,7 @@ def test_rows_and_columns_sum_to_one_with_their_slack(seed):
 def test_as_many_rounds_give_the_same_as_the_plain_loop(seed, rounds):
     affinities, pairs, _ = some(seed)
     m = sinkhorn(affinities, pairs, SLACK, tolerance=0.0, rounds=rounds)
+    assert len(affinities) > 0
     for k in range(len(affinities)):
         oracle = plainly(dense(affinities[k], pairs), SLACK, rounds)
         assert np.abs(oracle[-1, :-1] - m.image_slack[k]).max() < 1e-9

@@ -83,6 +83,7 @@ def test_starts_together_end_as_each_would_alone():
     model, xy, pose, equal, _, rng = scene(4, points=30, types=3)
     starts = np.concatenate([off(pose, rng, degrees, 0.05, 2) for degrees in (5, 40, 90, 170)])
     together = softposit(model, xy, starts, allowed=equal)
+    assert len(starts) > 4
     for k, start in enumerate(starts):
         alone = softposit(model, xy, start[None], allowed=equal)
         np.testing.assert_allclose(alone.camera_from_object[0], together.camera_from_object[k], atol=1e-9)

@@ -32,7 +32,9 @@ def opened(body):
 @pytest.mark.parametrize("name", BODIES)
 def test_many_triangles_have_the_union_of_all_as_their_outline(name):
     body = BODIES[name]()
-    for turn in random_rotations(np.random.default_rng(0), 8):
+    turns = random_rotations(np.random.default_rng(0), 8)
+    assert len(turns) == 8
+    for turn in turns:
         pose = from_rotation_translation(turn, [0.1, -0.2, 3])
         corners = CAMERA.project(transform_points(pose, body.vertices))[body.faces]
         whole = shapely.union_all([shapely.Polygon(triangle).buffer(0) for triangle in corners])

@@ -52,6 +52,7 @@ def test_the_self_converse_ones_are_the_formalisms():
 
 
 def test_who_is_in_front_of_a_covered_image_occludes_it_totally():
+    assert len(RCC8) == 8
     for rcc in RCC8[2:]:
         covered = rcc in ("EQ", "TPPi", "NTPPi")
         assert coarse(roc(rcc, "x")) == ("totally_occludes" if covered else "partially_occludes")

@@ -19,6 +19,7 @@ def things(tree):
 @settings(max_examples=40, deadline=None)
 def test_laws(root):
     tree = build_tree(root)
+    assert things(tree)
     for x, y in product(things(tree), repeat=2):
         assert p(tree, x, y) == (pp(tree, x, y) or x == y)
         assert not (pp(tree, x, y) and pp(tree, y, x))
@@ -31,6 +32,7 @@ def test_laws(root):
 @settings(max_examples=40, deadline=None)
 def test_proper_parthood_is_transitive_and_irreflexive(root):
     tree = build_tree(root)
+    assert things(tree)
     for x, y, z in product(things(tree)[:7], repeat=3):
         assert not pp(tree, x, x)
         assert pp(tree, x, z) or not (pp(tree, x, y) and pp(tree, y, z))

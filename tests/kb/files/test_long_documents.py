@@ -52,6 +52,7 @@ def test_the_way_to_a_node_is_that_by_which_it_hangs():
         "features": 3,
         "appearances": [{"feature": "c"}],
     }
+    assert [len(list(held(item))) for _, _, item in held(raw)] == [0, 2, 0]
     for i, (step, _, item) in enumerate(held(raw)):
         assert path_to(raw, (i,)) == step
         for j, (below, _, _) in enumerate(held(item)):

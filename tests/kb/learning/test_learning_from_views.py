@@ -119,6 +119,7 @@ def test_views_can_be_looked_at_apart():
     """What is seen from one direction does not depend on which others a process has."""
     with sizes():
         whole, apart = seen_of(cube(), FEW), joined([seen_of(cube(), [number]) for number in FEW])
+    assert len(whole.at) > 0
     for f in fields(whole):
         assert np.array_equal(getattr(whole, f.name), getattr(apart, f.name)), f.name
 
@@ -128,6 +129,7 @@ def test_millimetres_read_as_metres_scale_lengths_and_nothing_else():
         small, large = seen_of(cube(), FEW), seen_of(cube(1000 * SIDE), FEW)
     one, other = cloud(small), cloud(large, 1000 * SIDE * 3**0.5)
     lengths = {"at", "sigma", "r_min", "r_max", "size"}
+    assert len(one.at) > 0
     for f in fields(one):
         mine, its = getattr(one, f.name), getattr(other, f.name)
         expected = mine * (1000 if f.name in lengths else 1)

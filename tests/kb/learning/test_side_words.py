@@ -108,6 +108,7 @@ def test_lobes_of_sides_are_given_words_of_sides_and_others_others(seed):
         size, descriptor = np.where(sided, 0.0, plain.size), np.where(sided[:, None], edges, plain.descriptor)
         clouds[name] = replace(plain, size=size, descriptor=descriptor)
     words, named = worded(clouds)
+    assert set(named) == {"a", "b"}
     for cloud in named.values():
         assert 0 < cloud.sided.sum() < len(cloud.sided)
         assert np.array_equal(words.sided[cloud.lobe_word], cloud.sided)

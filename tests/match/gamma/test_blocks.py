@@ -37,10 +37,11 @@ def clutter(number, seed, arms=4, step=1.0):
     return data_of(rows, CAMERA)
 
 
-def same(one, other):
-    for name in one.__dataclass_fields__:
-        a, b = getattr(one, name), getattr(other, name)
-        assert (a.dtype, a.shape, a.tobytes()) == (b.dtype, b.shape, b.tobytes()), name
+def assert_same(one, other):
+    bytes_of_one, bytes_of_other = (
+        {name: (a.dtype, a.shape, a.tobytes()) for name, a in vars(each).items()} for each in (one, other)
+    )
+    assert bytes_of_one == bytes_of_other
 
 
 def links_one_by_one(data):
@@ -73,7 +74,7 @@ def test_pairs_by_links_are_the_same_in_any_blocks(number, most, monkeypatch):
     whole = linked_pairs(index.cells, index.links, index.allowed(data), data, SCALES)
     assert len(whole.cell) == most or number < 3 or most > 1000
     monkeypatch.setattr(blocks, "ENTRIES", 3000)
-    same(linked_pairs(index.cells, index.links, index.allowed(data), data, SCALES), whole)
+    assert_same(linked_pairs(index.cells, index.links, index.allowed(data), data, SCALES), whole)
 
 
 @pytest.mark.parametrize(("number", "step"), [(0, 1e-9), (1, 1e-9), (2, 1e-9), (80, 1e-9), (80, 20.0)])
@@ -81,7 +82,7 @@ def test_triples_are_the_same_in_any_blocks(number, step, monkeypatch):
     data = clutter(number, 5, step=step)
     whole = image_triples(data, np.arange(number))
     monkeypatch.setattr(blocks, "ENTRIES", 100)
-    same(image_triples(data, np.arange(number)), whole)
+    assert_same(image_triples(data, np.arange(number)), whole)
     for first, *others in whole.data.tolist():
         nearest = np.sort(np.hypot(*(data.ideal - data.ideal[first]).T))[: NEIGHBOURS + 1]
         assert all(np.hypot(*(data.ideal[i] - data.ideal[first])) <= nearest[-1] for i in others)
@@ -95,7 +96,7 @@ def test_pairs_of_places_are_the_same_in_any_blocks(most, monkeypatch):
     whole = open_pairs._of_cell(*given)
     assert 0 < len(whole.cell) <= most
     monkeypatch.setattr(blocks, "ENTRIES", 4000)
-    same(open_pairs._of_cell(*given), whole)
+    assert_same(open_pairs._of_cell(*given), whole)
 
 
 def test_bits_are_thinned_as_their_places_would_be(monkeypatch):

@@ -84,6 +84,7 @@ def test_a_datum_serves_one_feature_and_lies_within_the_tolerance():
     index, pose, data, maps, rng = view("t1", 5046)
     starts = np.stack([pose, *(perturbed(rng, pose, index.cells.centre, 5.0, 0.02) for _ in range(10))])
     matches = rematch(starts, index.cells, index.points, maps, data, np.full(11, 12.0))
+    assert len(matches) == 11
     for start, row in zip(starts, matches, strict=True):
         used = row[row >= 0]
         assert len(used) >= 4

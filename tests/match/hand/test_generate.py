@@ -58,8 +58,10 @@ def test_the_best_hypothesis_is_the_true_pose(name, shots):
 
 
 def test_hypotheses_come_best_first_and_no_two_are_alike(shots):
+    assert len(shots) >= 6
     for name, _, gamma in shots[:6]:
         rows = found(name, gamma)
+        assert rows
         assert [w for w, _ in rows] == sorted((w for w, _ in rows), reverse=True)
         kind = towers().type(name)
         for i, (_, one) in enumerate(rows):
@@ -67,6 +69,7 @@ def test_hypotheses_come_best_first_and_no_two_are_alike(shots):
 
 
 def test_permuting_gamma_changes_no_answer(shots):
+    assert len(shots) >= 6
     for name, _, gamma in shots[:6]:
         order = np.random.default_rng(1).permutation(len(gamma.appearances))
         turned = Gamma(gamma.camera, tuple(gamma.appearances[i] for i in order))
@@ -120,6 +123,7 @@ def test_a_gamma_without_arms_gives_the_right_pose(shots):
 
 def test_the_true_type_explains_more_than_the_other(shots):
     other = {"t1": "t2", "t2": "t1"}
+    assert len(shots) >= 12
     for name, _, gamma in shots[:12]:
         rows = found(other[name], gamma)
         assert found(name, gamma)[0][0] > (rows[0][0] if rows else 0.0)
@@ -141,8 +145,8 @@ def test_one_point_many_times_is_no_pose(shots):
     name, _, gamma = shots[0]
     heap = Gamma(CAMERA, tuple(replace(a, uv=(100.0, 100.0)) for a in gamma.appearances))
     line = Gamma(CAMERA, tuple(replace(a, uv=(20.0 + 10 * i, 100.0)) for i, a in enumerate(gamma.appearances)))
-    for degenerate in (heap, line):
-        assert all(np.isfinite(p.camera_from_object).all() for _, p in found(name, degenerate))
+    assert found(name, heap) == []
+    assert found(name, line) == []
 
 
 def test_with_one_feature_type_every_feature_counts_alike():

@@ -54,6 +54,7 @@ def test_expected_by_brute_force(name, seed):
     pose, kind = camera_pose(np.random.default_rng(seed)), towers().type(name)
     posed = pose_of(kind, pose, data_of([], CAMERA), towers())
     viewpoint = inverse(pose)[:3, 3]
+    assert len(posed.uv) == len(kind.features) > 0
     for f, feature in enumerate(kind.features):
         at = pose[:3, :3] @ feature.at + pose[:3, 3]
         uv = np.array([600 * at[0] / at[2] + 319.5, 600 * at[1] / at[2] + 239.5])

@@ -47,5 +47,6 @@ def test_matches_give_up_the_share_of_poses_and_never_more_than_they_have(seed, 
 def test_where_nothing_is_matched_nothing_is_owed():
     of = data_of([], CAMERA)
     posed = posed_at("t2", camera_pose(np.random.default_rng(1)), of)
+    assert posed.candidate.any()
     for told, plain in zip(as_fitted(posed, of, towers()), as_counted(posed, of, towers()), strict=True):
         assert np.array_equal(told, plain)

@@ -70,6 +70,7 @@ def test_the_support_is_the_tally_of_a_loop(seed, name, occluded):
 
 
 def test_the_codes_of_types_name_each_features_type():
+    assert [kind.name for kind in towers().types] == ["t1", "t2"]
     for kind in towers().types:
         names, code = kind.kind_codes
         assert list(names) == sorted({f.type for f in kind.features})

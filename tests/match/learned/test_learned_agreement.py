@@ -64,6 +64,7 @@ def test_agreement_is_what_a_loop_over_poses_and_pairs_says(seed, share, pixels)
     lobes = np.concatenate([rng.integers(0, 16, 30), np.arange(16)])
     some = pairs(rng.integers(0, 20, 46), lobes)
     found = agreement(thing.index, poses, some, data, share, pixels)
+    assert residuals(found, len(some)).shape == (5, 46)
     for h, pose in enumerate(poses):
         depth = transform_points(pose, thing.index.centre[None])[0, 2]
         assert found.tolerance[h] == pytest.approx(share * thing.index.diameter * data.camera.f / depth + pixels)

@@ -147,6 +147,7 @@ def test_of_a_part_of_the_data_they_are_the_pairs_of_that_part(width, seed, bits
     keep = np.array([bits >> i & 1 for i in range(23)], bool)
     again = np.array([more >> i & 1 for i in range(int(keep.sum()))], bool)
     parts = [data, data.only(keep), data.only(keep).only(again)]
+    assert clouds
     for name in clouds:
         whole = rows_of(lexicon_of(clouds, words).alike(name, data))
         for i in rng.permutation(3):

@@ -105,6 +105,7 @@ def test_each_expected_side_in_the_image_has_one_that_agrees_where_there_is_one(
     thing, poses, rng = made(seed)
     data = beside(thing, poses[0], rng, reach)
     fit = side_fit(thing.index, poses, data, GRANULARITY, reach, MOST)
+    assert len(fit.points) == len(poses) > 0
     for h, pose in enumerate(poses):
         awaited = expected(thing, pose)
         rows = {}

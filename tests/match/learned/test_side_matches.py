@@ -241,6 +241,7 @@ def test_what_fits_better_is_rarer(alone, name):
     steps = np.linspace(0.0, 0.95, 12)
     looks = [(LOOKS + np.rint(step * OFF * np.array([0.5, -0.5, 0.5, 0.5, -1.0]))).astype(int) for step in steps]
     several = [steps * TURNED, -steps * TURNED] if name == "turned" else [looks]
+    assert {len(values) for values in several} == {12}
     for values in several:
         rare = [float(found_in(*alone, [side(*alone, 0, **{name: value})])[0].rare[0]) for value in values]
         assert (np.diff(rare) < 0).all()

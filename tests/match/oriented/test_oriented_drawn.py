@@ -88,6 +88,7 @@ def test_the_evidence_is_that_of_all_sights_one_by_one(seed, share, monkeypatch)
     monkeypatch.setattr("plogic.match.oriented.drawn._freedom", lambda *_: 0.0)
     poses = np.concatenate([pose[None], turned_about(asked.index, np.array([which]), pose[None], 0.1)[:2]])
     got = drawn(asked, np.full(3, which), poses, share)
+    assert len(got.worth) == len(poses) == 3
     for row, one in enumerate(poses):
         worth, likely = one_by_one(asked, which, one, share)
         assert got.worth[row] == pytest.approx(worth, abs=1e-6)

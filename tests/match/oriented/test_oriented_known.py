@@ -18,8 +18,8 @@ from plogic.match.judged.evidence import as_counted, clutter_density, evidence
 from plogic.match.judged.fitted import as_fitted
 from plogic.match.judged.freedom import DEPTHS, log_share, share_of
 from plogic.match.judged.pose_information import known, sigmas
+from plogic.match.judged.type_models import SURE
 from plogic.match.oriented.oriented_models import search_of
-from plogic.match.type_models import SURE
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 
 

@@ -209,6 +209,7 @@ def test_types_of_one_or_two_features(features):
 
 def test_its_tables_are_the_types_own():
     ready = clouds(**SMALL)
+    assert len(ready.rows) > 1
     for kind, index in enumerate(ready.rows):
         count = len(index.points)
         assert np.array_equal(ready.shared.points[kind, :count], index.points)

@@ -234,6 +234,7 @@ def test_many_poses_are_refined_as_each_alone():
     one = held(index, data, data.angle)
     three = Held(*(np.repeat(row, 3, axis=0) for row in one))
     together = refined(starts, three, Noise(NOISE, SIGMA), STRAIGHT, steps=10, robust=2.0)
+    assert len(together) == 3
     for pose, mine in zip(starts, together, strict=True):
         assert np.allclose(
             refined(pose[None], one, Noise(NOISE, SIGMA), STRAIGHT, steps=10, robust=2.0)[0], mine, atol=1e-6

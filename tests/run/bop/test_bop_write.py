@@ -120,7 +120,9 @@ def test_the_truth_scores_one(written, tmp_path):
 
 
 def test_poses_are_the_scenes(written):
-    for im_id, one in enumerate(scenes()):
+    made = scenes()
+    assert len(made) > 1
+    for im_id, one in enumerate(made):
         truths = open_dataset(written).scene(1).truths(im_id)
         labelled = [pose for pose, body in zip(one.camera_from_bodies, one.bodies, strict=True) if body.label]
         assert [t.camera_from_object for t in truths] == [pytest.approx(pose, abs=1e-12) for pose in labelled]

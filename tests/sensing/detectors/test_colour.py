@@ -58,6 +58,7 @@ def test_brightness_changes_them_little(seed, gain):
 
 def test_each_cell_is_where_its_corner_is():
     """Turned by its angle, a keypoint sees a red square ahead on its left in the cell that says so, and there alone."""
+    assert len(CELLS) == 5
     image = plain(WHITE, 200)
     scale, angle = 10.0, 0.5
     for number, (along, across) in enumerate(CELLS):

@@ -168,6 +168,7 @@ def test_brightness_changes_colours_little(angle, shift, both, gain):
     assume(contrast(*both) > 50)
     image = halves(angle, shift, 0.8, *both)
     one, other = edge_sides(image, 5), edge_sides(np.clip(np.rint(image * gain), 0, 255).astype(np.uint8), 5)
+    assert len(told(angle, one)) == 2
     for some, its in zip(told(angle, one), told(angle, other), strict=True):
         assert its.sum() > 4
         assert np.abs(np.median(one.looks[some], axis=0) - np.median(other.looks[its], axis=0)).max() <= 8

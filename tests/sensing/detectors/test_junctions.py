@@ -50,6 +50,7 @@ def test_the_arms_lie_along_the_edges(turn):
 
 
 def test_the_table_of_kinds():
+    assert len(KINDS) > 3
     for name, (degrees, _) in KINDS.items():
         for turn in np.radians(np.arange(0.0, 360, 15)):
             arms = np.sort(np.mod(np.radians(degrees) + turn, 2 * np.pi))

@@ -73,6 +73,7 @@ def test_the_first_and_the_last_id_are_among_the_types(name, number):
 
 
 def test_every_dictionary_has_the_ids_that_are_said():
+    assert DICTIONARIES
     for constant, count in DICTIONARIES.values():
         assert len(cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, constant)).bytesList) == count
 

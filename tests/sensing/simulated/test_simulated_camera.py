@@ -56,6 +56,7 @@ def test_a_drawn_ball_lies_where_its_centre_projects(supersample, K):
     expected = camera.project(transform_points(inverse(camera.world_from_camera), centres))
     weights = picture.image.astype(float).sum(axis=2)
     v, u = np.mgrid[:480, :640]
+    assert len(expected) == 5
     for (x, y), number in zip(expected, range(len(bodies)), strict=True):
         near = weights * (np.hypot(u - x, v - y) < 16)
         found = np.array([(near * u).sum(), (near * v).sum()]) / near.sum()

@@ -26,7 +26,9 @@ def tetrahedron(size=0.2):
 def test_depth_is_where_rays_meet_the_mesh(mesh):
     diameter, rays = extent(mesh.vertices)[1], RayMesh(mesh.vertices, mesh.triangles)
     rng = np.random.default_rng(0)
-    for turn in pictures(mesh, even_directions(5)):
+    turns = list(pictures(mesh, even_directions(5)))
+    assert len(turns) == 5
+    for turn in turns:
         assert turn.pixels == FINER * PIXELS
         v, u = np.nonzero(turn.mask)
         some = rng.choice(len(u), 200, replace=False)
@@ -91,7 +93,9 @@ def test_the_body_and_its_margin_fill_the_picture_and_no_more(margin):
 @pytest.mark.parametrize("side", [0.01, 1.0, 50.0])
 def test_dice_and_buildings_give_the_same_picture(side):
     viewpoints = [*even_directions(3), np.array([0.0, 0, 1]), np.array([0.0, 0, -1])]
-    for one, other in zip(pictures(cube(), viewpoints), pictures(cube(side), viewpoints), strict=True):
+    pairs = list(zip(pictures(cube(), viewpoints), pictures(cube(side), viewpoints), strict=True))
+    assert len(pairs) == 5
+    for one, other in pairs:
         assert (one.mask != other.mask).mean() < 1e-3
         assert np.abs(one.image.astype(int) - other.image).mean() < 0.1
         both = one.mask & other.mask

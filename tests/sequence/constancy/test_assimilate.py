@@ -100,6 +100,7 @@ def explained(document, kind):
 def test_a_draft_is_found_again_and_explains_what_was_unexplained(kb, moved, constancy):
     kind = draft_type("draft", seen_features(constancy.unknown[0], moved.views), kb.f_ref)
     perceiver = Perceiver(replace(kb, types=(*kb.types, kind)))
+    assert len(moved.views) > 2
     for view in moved.views[1:3]:
         seen = perceiver(view.gamma, Options(reading="posterior"))
         mine, truth = explained(seen, "draft"), own(moved, constancy, view)

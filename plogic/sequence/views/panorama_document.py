@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Final
 
 from plogic.facts.stopped import SEARCH, stopped_in
 from plogic.scene.readings.unfinished import OPEN, marks
@@ -10,23 +10,26 @@ from plogic.sequence.constancy.result import constancy_document
 from plogic.sequence.views.panorama_constancy import constancy_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
+    from plogic.facts.document import WorldRow
+    from plogic.sequence import document
+    from plogic.sequence.document import AheadRow, Joined, ObjectRow, StandingRow, ViewRow
     from plogic.sequence.views.panorama import Known, Look, Panorama
     from plogic.sequence.views.view import View
 
-FORMAT = "panorama/1"
+FORMAT: Final = "panorama/1"
 
 
 def panorama_document(
-    panorama: Panorama, looks: Sequence[tuple[str, Look]], foreseen: Sequence[Mapping[str, Any]] = ()
-) -> dict[str, Any]:
+    panorama: Panorama, looks: Sequence[tuple[str, Look]], foreseen: Sequence[AheadRow] = ()
+) -> document.Panorama:
     """The document of a sequence: ``looks`` with their frames' names, and what is ``foreseen`` where nothing was seen yet."""
     kb, joined = panorama.perceiver.kb, _worlds(panorama)
     last = looks[-1][1].view.id if looks else ""
     objects = [_object(known, last) for known in panorama.known]
     if any(stopped_in(look.interpretation) == SEARCH for _, look in looks):
-        joined, objects = _open(joined), _each_open(objects)
+        joined, objects = _open(joined), [{**row, "interval": list(OPEN)} for row in objects]
     return {
         "format": FORMAT,
         "kb": {"name": kb.name, "digest": kb.digest},
@@ -39,7 +42,7 @@ def panorama_document(
     }
 
 
-def _view(frame: str, look: Look) -> dict[str, Any]:
+def _view(frame: str, look: Look) -> ViewRow:
     return {
         "id": look.view.id,
         "frame": frame,
@@ -51,7 +54,7 @@ def _view(frame: str, look: Look) -> dict[str, Any]:
     }
 
 
-def _object(known: Known, last: str) -> dict[str, Any]:
+def _object(known: Known, last: str) -> ObjectRow:
     return {
         "id": known.id,
         "type": known.standing.object_type.name,
@@ -64,7 +67,7 @@ def _object(known: Known, last: str) -> dict[str, Any]:
     }
 
 
-def _worlds(panorama: Panorama) -> dict[str, Any]:
+def _worlds(panorama: Panorama) -> Joined:
     """The possible worlds of the last views together: Δh by name, an object's own or one of its rivals', which are rivals, and which are present."""
     if panorama.joint is None or panorama.ranking is None:
         return {"hypotheses": [], "rivals": [], "worlds": [], "unlisted_mass": [0.0, 0.0]}
@@ -73,28 +76,34 @@ def _worlds(panorama: Panorama) -> dict[str, Any]:
     rivals = [h for h, some in standing.items() if id(some) not in known]
     name = {h: known.get(id(some)) or f"r{rivals.index(h) + 1}" for h, some in standing.items()}
     chance = panorama.ranking.marginals
-    rows = [
+    rows: list[StandingRow] = [
         {
-            "id": name[h], "type": some.object_type.name, "opaque": some.object_type.opaque,
-            "T_world_object": some.world_from_object.tolist(), "probability": chance[h],
+            "id": name[h],
+            "type": some.object_type.name,
+            "opaque": some.object_type.opaque,
+            "T_world_object": some.world_from_object.tolist(),
+            "probability": chance[h],
         }
         for h, some in standing.items()
-    ]  # fmt: skip
+    ]
     pairs = sorted([name[a], name[b]] for a, b in panorama.joint.situation.rivals)
-    worlds = [{"probability": w.probability, "present": [name[h] for h in w.present]} for w in panorama.ranking.worlds]
+    worlds: list[WorldRow] = [
+        {"probability": w.probability, "present": [name[h] for h in w.present]} for w in panorama.ranking.worlds
+    ]
     return {"hypotheses": rows, "rivals": pairs, "worlds": worlds, "unlisted_mass": list(panorama.ranking.unlisted)}
 
 
-def _open(joined: dict[str, Any]) -> dict[str, Any]:
+def _open(joined: Joined) -> Joined:
     """The same where the search of some view was stopped: what was not found there may stand in the place of anything."""
-    rows = {key: _each_open(joined[key]) for key in ("hypotheses", "worlds")}
-    return joined | rows | {"unlisted_mass": list(OPEN)} | marks(SEARCH)
+    return {
+        **joined,
+        "hypotheses": [{**row, "interval": list(OPEN)} for row in joined["hypotheses"]],
+        "worlds": [{**row, "interval": list(OPEN)} for row in joined["worlds"]],
+        "unlisted_mass": list(OPEN),
+        **marks(SEARCH),
+    }
 
 
-def _each_open(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    return [row | {"interval": list(OPEN)} for row in rows]
-
-
-def ahead(panorama: Panorama, view: View) -> dict[str, Any]:
+def ahead(panorama: Panorama, view: View) -> AheadRow:
     """What will be seen from where a view stands, as far as Δp knows; its Γ is not looked at."""
     return {"T_world_camera": view.world_from_camera.tolist(), "predicted": list(panorama.predicted(view))}
