@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from geometry.frames import pose_error
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from kb.shown.show import check_report
 from plogic.cycle.delta import Options
 from plogic.face.authoring.kb import measures_command

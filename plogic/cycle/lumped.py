@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kb.clouds.cloud import Feature, KnowledgeBase
+    from kb.clouds.cloud import KnowledgeBase
+    from kb.clouds.lobes import Feature
     from plogic.facts.document import Cells, LeftOut, LookedRow
     from plogic.facts.hypothesis import Hypothesis
 

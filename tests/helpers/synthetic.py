@@ -14,8 +14,8 @@ from geometry.camera import Camera
 from geometry.frames import inverse, look_at, pose_error, transform_points
 from geometry.visibility.rays import behind
 from kb.clouds.lobes import in_lobe
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from plogic.cycle.attention import attend
 from plogic.cycle.perception import perceive
 from plogic.cycle.state import Task

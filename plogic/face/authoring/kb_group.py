@@ -11,7 +11,7 @@ import click
 from plogic.face.shown.options import AS_JSON, SEED
 
 UNITS = ["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
-"""``kb.quantities.LENGTHS``, said again so that ``--help`` imports nothing; a test holds the two together."""
+"""``kb.files.values.LENGTHS``, said again so that ``--help`` imports nothing; a test holds the two together."""
 KB = click.option(
     "--kb", "kb_folder", required=True, type=click.Path(path_type=Path), help="Folder of the knowledge base."
 )

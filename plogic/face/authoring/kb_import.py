@@ -37,8 +37,7 @@ def import_command(source: Path, folder: Path, units: str | None, *, as_json: bo
 def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
     """One type of one description, its meshes merged in the zero pose. URDF and SDF are in metres."""
     from kb.intake.new_type import new_type
-    from kb.intake.sdf import sdf_visuals
-    from kb.intake.urdf import urdf_visuals
+    from kb.intake.robots import sdf_visuals, urdf_visuals
     from kb.intake.visuals import merged
     from plogic.face.authoring.kb_types import check_places
 

@@ -23,8 +23,8 @@ def learn_command(
     kb_folder: str, names: Sequence[str], options: Mapping[str, Any], *, say: Callable[[str], None]
 ) -> str:
     """Learn the types that are named, or all that have a texture and no features; ``options``: detector, jobs, seed, as_json."""
-    from kb.learning.parts import with_parts
-    from kb.learning.words import worded
+    from kb.clouds.words import worded
+    from kb.learning.part_owners import with_parts
     from plogic.face.authoring.kb_learn_cache import learned_of
     from plogic.face.authoring.kb_learn_symmetries import stated, symmetries_of, symmetry_rows, written
     from plogic.face.authoring.kb_types import check_own, type_folders

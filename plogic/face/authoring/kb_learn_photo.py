@@ -59,7 +59,7 @@ def learn_photo_command(
 
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
     """
-    from kb.learning.parts import with_parts
+    from kb.learning.part_owners import with_parts
     from plogic.face.authoring.kb_learn_cache import learned_of
 
     kb, new, kind = _the_type(kb_folder, names, sources, options["detector"], say)
@@ -193,8 +193,8 @@ def _write(
     kb_folder: Path, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearnedCloud, seed: int
 ) -> int:
     """Everything, and how many words there are now."""
+    from kb.clouds.words import worded
     from kb.files.yaml_text import load
-    from kb.learning.words import worded
     from plogic.face.authoring.kb_learn import files_of
     from plogic.face.authoring.kb_learn_lines import with_entry
     from plogic.face.authoring.kb_types import type_folders, write_types

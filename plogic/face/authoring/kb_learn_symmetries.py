@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import ObjectType
     from kb.clouds.learned import LearnedCloud
     from kb.learning.observations import Observations
-    from kb.learning.symmetries import Trial
+    from kb.learning.symmetry_trials import Trial
     from sensing.detectors.keypoints import Keypoints
 
 KEPT = "symmetries: as object.yaml states them"
@@ -25,7 +25,7 @@ def symmetries_of(
 ) -> list[Trial]:
     """A trial for each turn of the type's shape; new pictures of it are taken where the cloud alone does not rule all of them out."""
     from geometry.cones import even_directions
-    from kb.learning.symmetries import DIRECTIONS, judged, trials
+    from kb.learning.symmetry_trials import DIRECTIONS, judged, trials
 
     if kind.surface is None:
         return []
@@ -75,7 +75,7 @@ def written(files: dict[Path, bytes], found: Mapping[Path, Sequence[Trial]]) -> 
     Raises:
         InputError: a YAML file is written so that no line can be added; with what to write into it.
     """
-    from kb.learning.symmetries import entries
+    from kb.learning.symmetry_trials import entries
     from plogic.face.authoring.kb_learn_lines import with_entry
 
     more = {}

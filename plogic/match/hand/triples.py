@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kb.clouds.cloud import Feature
+    from kb.clouds.lobes import Feature
     from plogic.match.gamma.data import Data
 
 NEIGHBOURS = 8

@@ -9,7 +9,7 @@ import pytest
 from oriented_scenes import about_x, clouds
 
 from benchmarks.clutter.types import random_types
-from kb.clouds.cloud import FeatureAppearance
+from kb.clouds.lobes import FeatureAppearance
 from kb.surfaces.surface import Surface
 from plogic.base.remembered import OURS, ROOT, sources, sources_in
 from plogic.match.hand.type_index import type_index

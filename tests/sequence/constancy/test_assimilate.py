@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from console import bytes_in, document, good
+from written_kb import write_kb
 
 from benchmarks.constancy.scenes import constancy_kb, sequence
 from geometry.camera import camera_to_dict
 from geometry.errors import PlogicError
 from kb.files.read import read_kb
-from kb.files.write import write_kb
 from plogic.cycle.delta import Options
 from plogic.face.authoring.kb import check_command
 from plogic.face.authoring.kb_assimilate import assimilate_command

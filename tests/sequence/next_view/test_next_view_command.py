@@ -14,8 +14,8 @@ from cli import cli
 from geometry.camera import Camera
 from geometry.errors import PlogicError
 from geometry.frames import inverse
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from plogic.cycle.delta import Options
 from plogic.face.commands.next_view import Moves, looked
 from plogic.facts.interpretation import situation_of, text_of

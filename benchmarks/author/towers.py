@@ -1,20 +1,24 @@
-"""Write the towers' KB: ``python -m kb.intake.author_towers FOLDER``; the same bytes each time.
+"""Write the shipped KBs of towers: ``python -m benchmarks.author.towers towers|lookalikes [FOLDER]``; the same bytes each time.
 
 T1 is a cuboid with a single-slope wedge top, T2 one with a pyramid; painted windows are their patches. Together they
 have 1 apex, 16 corners and 95 patches, the composition that Table 1 of the paper asks for (§5.6).
+
+The look-alikes are two towers of one shape: the ``open_tower`` has windows on all sides, the north wall of the
+``blind_tower`` has none, so that from the south nothing tells which of them stands there. The ``pyramid_tower`` looks
+like neither. ``plogic demo --look-again`` looks at them.
 """
 
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kb.intake.author_texture import Panel, Window, atlas, frame, indexed_png, mtl_text, obj_text
-from kb.surfaces.junctions import arms, junctions
+from benchmarks.author.junctions import arms, junctions
+from benchmarks.author.texture import Panel, Window, atlas, frame, indexed_png, mtl_text, obj_text
 from kb.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -187,13 +191,8 @@ def _row(values: Sequence[float] | Floats, digits: int = 6) -> str:
     return "[" + ", ".join(f"{round(float(x), digits) + 0.0:.9g}" for x in values) + "]"
 
 
-def author(folder: Path) -> None:
-    """Write the KB's files into ``folder``, over those that are there."""
-    write_towers(folder, KB_YAML, (t1(), t2()))
-
-
 def write_towers(folder: Path, yaml: str, towers: Sequence[Tower]) -> None:
-    """A KB of such towers."""
+    """Write a KB of such towers."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "kb.yaml").write_text(yaml, encoding="utf-8")
     for tower in towers:
@@ -203,5 +202,24 @@ def write_towers(folder: Path, yaml: str, towers: Sequence[Tower]) -> None:
             (place / name).write_bytes(content)
 
 
+BLIND = "north"
+"""The wall without windows."""
+LOOKALIKES_YAML = KB_YAML.replace("name: towers", "name: lookalikes").replace(
+    "{t1: 0.5, t2: 0.5}", "{open_tower: 0.5, blind_tower: 0.5, pyramid_tower: 0.5}"
+)
+
+
+def look_alikes() -> tuple[Tower, ...]:
+    """Return the open, the blind and the pyramid tower."""
+    whole = replace(t1(), name="open_tower")
+    walls = tuple(replace(panel, windows=()) if panel.name == BLIND else panel for panel in whole.panels)
+    return whole, replace(whole, name="blind_tower", panels=walls), replace(t2(), name="pyramid_tower")
+
+
+def author(name: str, folder: Path) -> None:
+    """Write the files of the KB ``name``, towers or lookalikes, into ``folder``, over those that are there."""
+    write_towers(folder, *{"towers": (KB_YAML, (t1(), t2())), "lookalikes": (LOOKALIKES_YAML, look_alikes())}[name])
+
+
 if __name__ == "__main__":
-    author(Path(sys.argv[1] if len(sys.argv) > 1 else "kb/towers"))
+    author(sys.argv[1], Path(sys.argv[2] if len(sys.argv) > 2 else f"kb/{sys.argv[1]}"))

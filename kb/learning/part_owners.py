@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kb.clouds.tree import object_nodes, place
-from kb.intake.parts import pieces_of
 from kb.learning.compounds import within_parts
 from kb.surfaces.nearness import Nearness
+from kb.surfaces.pieces import pieces_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import ObjectType
     from kb.clouds.learned import LearnedCloud
-    from kb.intake.parts import Piece
+    from kb.surfaces.pieces import Piece
 
 
 def with_parts(kind: ObjectType, cloud: LearnedCloud) -> LearnedCloud:
