@@ -74,7 +74,7 @@ def refusal(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
 
 def _unsupported(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
     """Why its own evidence, beside Δi, does not carry it: what is hidden there is not expected."""
-    found, model = hypothesis.expected & hypothesis.detected, task.models[hypothesis.type]
+    found, model = hypothesis.expected(hypothesis.hidden) & hypothesis.detected, task.models[hypothesis.type]
     if found.sum() < FEWEST:
         number = int(found.sum())
         return f"{f'only {number}' if number else 'none'} of its expected features detected; {FEWEST} are demanded"

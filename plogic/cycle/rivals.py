@@ -72,7 +72,7 @@ def _alone(task: Task, state: State, hypothesis: Hypothesis) -> Hypothesis | Non
     found = _beside(task, hypothesis, hypothesis.camera_from_object, others, rounds=1)
     if among(found, state.accepted):
         return None
-    enough = int((found.expected & found.detected).sum()) >= FEWEST
+    enough = int((found.expected(found.hidden) & found.detected).sum()) >= FEWEST
     near = found.worth > sum(h.worth for h in replaced) - task.models[hypothesis.type].significance(hypothesis)
     return found if enough and found.ev_reconsidered is not None and near else None
 

@@ -204,11 +204,6 @@ class Hypothesis:
         return transform_points(self.camera_from_object, surface.centre[None])[0]
 
     @property
-    def expected(self) -> NDArray[np.bool_]:
-        """(F,) Expected beside Δi: what accepted opaque objects hide is not (D7)."""
-        return self.candidate if self.hidden is None else self.candidate & ~self.hidden
-
-    @property
     def detected(self) -> NDArray[np.bool_]:
         """(F,) D8."""
         return self.matches >= 0
