@@ -153,7 +153,7 @@ def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, f
         {
             **hypothesis_document(belief, _cases(belief)),
             "label": belief.type,
-            "status": belief.status,
+            "status": cast("Status", belief.status),
             **_verdict(belief, gamma, dv),
             "ev_reconsidered": _reconsidered(name, delta),
             **_apart(apart.get(name)),
