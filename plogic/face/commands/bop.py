@@ -167,7 +167,7 @@ def _rows(scores: Scores) -> list[dict[str, Any]]:
 
 
 def _text(scores: Scores | None, why: str) -> str:
-    from plogic.face.shown.printing import plain_table
+    from plogic.face.shown.tables import plain_table
 
     if scores is None:
         return why

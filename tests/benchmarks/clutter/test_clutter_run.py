@@ -187,7 +187,7 @@ def test_without_the_meshes_it_goes_on_and_says_so(monkeypatch, tmp_path):
 
 def test_what_is_learned_is_read_back(monkeypatch, tmp_path):
     """As for ``recognition``; here an empty one is written."""
-    from plogic.face.authoring.kb_new import new_command
+    from plogic.face.authoring.kb_types import new_command
 
     monkeypatch.setattr(recognition_scenes, "ycb_meshes", lambda: {"it": tmp_path})
     monkeypatch.setattr("benchmarks.recognition.kb.learn_into", lambda folder, *_: new_command(folder, None))

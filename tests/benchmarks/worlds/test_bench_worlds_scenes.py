@@ -27,7 +27,7 @@ def perceiver():
 
 @pytest.fixture(scope="module")
 def gamma(perceiver):
-    from plogic.face.shown.simulated_scenes import shapes_of
+    from plogic.face.commands.simulate import shapes_of
     from sensing.detectors.detector import detect
     from sensing.simulated.scene import random_scene
 
