@@ -48,6 +48,7 @@ if TYPE_CHECKING:
         Listed,
         RejectedRow,
         RelationRow,
+        Status,
         StepRow,
         Verdict,
         WorldRow,
