@@ -22,11 +22,11 @@ from plogic.cycle.attention import attend
 from plogic.cycle.perception import Perception
 from plogic.match.gamma.data import data_of
 from plogic.match.kinds import Models
+from plogic.match.oriented.asked import typed_data
 from plogic.match.oriented.oriented_models import OrientedModels, search_of
 from plogic.match.oriented.oriented_search import USUAL, coarse_poses
 from plogic.match.oriented.pair_index import MOST, PairIndex
 from plogic.match.oriented.pair_votes import counted, raw_votes
-from plogic.match.oriented.typed_data import typed_data
 from sensing.appearance import Gamma
 from sensing.uncollected import uncollected
 
