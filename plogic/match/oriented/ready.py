@@ -56,7 +56,7 @@ def oriented_index(object_type: ObjectType, dv: Mapping[str, float], cells: View
     return type_index(object_type, dv, cells, OrientedIndex)
 
 
-SOURCES = "geometry", "kb", "plogic/base", "plogic/match", "plogic/measures"
+SOURCES = "geometry", "kb", "plogic/base", "plogic/facts", "plogic/match", "plogic/measures"
 """What makes an index, methods of the types and their surfaces too; whole folders, for no import leads to the class of
 what is handed in."""
 LIBRARIES = ("numpy", "embreex")
