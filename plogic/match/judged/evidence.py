@@ -17,8 +17,11 @@ import numpy as np
 
 from plogic.base.bounds import LEAST
 from plogic.match.judged.pose_information import known, log_share, sigmas
+from plogic.measures.explanatory import explanatory_value
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
@@ -166,3 +169,13 @@ def _owed(posed: Hypothesis, found: NDArray[np.bool_], data: Data, kb: Knowledge
     """The logarithm of the share of all poses that fit the matches as well as this one."""
     at, precision, middle, across = known(posed, found, data, kb)
     return log_share(at, precision, middle, data.camera, across)
+
+
+def judged(
+    posed: Hypothesis, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], hidden: NDArray[np.bool_] | None = None
+) -> Hypothesis:
+    """The hypothesis with its evidence, and its ev alone and beside the accepted opaque objects that hide the features ``hidden`` (F,)."""
+    found = evidence(posed, data, kb, hidden)
+    ev = explanatory_value(posed.support(), dv)
+    again = ev if hidden is None else explanatory_value(posed.support(hidden), dv)
+    return posed.told(worth=found.ratio, surplus=found.surplus, ev=ev, ev_reconsidered=again)
