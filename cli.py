@@ -12,6 +12,7 @@ import click
 from plogic.face.authoring.kb_group import kb
 from plogic.face.commands.batch import batch
 from plogic.face.commands.bop import bop
+from plogic.face.commands.measures import measures
 from plogic.face.commands.next_view import next_view
 from plogic.face.commands.simulate import BOP, BOP_IMAGES, ROBOT
 from plogic.face.shown.options import (
@@ -227,8 +228,7 @@ def report(interpretation: str, out: str) -> None:
 @ROBOT
 def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **options: Any) -> None:
     """Render a physically settled scene with its ground truth."""
-    from plogic.face.commands.simulate import simulate_command
-    from plogic.face.shown.simulated_scenes import tell_without_physics
+    from plogic.face.commands.simulate import simulate_command, tell_without_physics
 
     tell_without_physics(_say)
     simulate_command(kb_folder, number, decoys, seed, out, **options)
@@ -281,6 +281,7 @@ cli.add_command(kb)
 cli.add_command(bop)
 cli.add_command(batch)
 cli.add_command(next_view)
+cli.add_command(measures)
 
 
 def _warn(source: str, *, trust: bool) -> None:
