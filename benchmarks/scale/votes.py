@@ -23,11 +23,11 @@ from plogic.cycle.perception import perceive
 from plogic.cycle.state import Task
 from plogic.match.gamma.data import data_of
 from plogic.match.kinds import Models
+from plogic.match.oriented.asked import typed_data
 from plogic.match.oriented.oriented_models import OrientedModels, search_of
 from plogic.match.oriented.oriented_search import USUAL, coarse_poses
 from plogic.match.oriented.pair_index import MOST, PairIndex
 from plogic.match.oriented.pair_votes import counted, raw_votes
-from plogic.match.oriented.typed_data import typed_data
 from sensing.appearance import Gamma
 from sensing.uncollected import uncollected
 

@@ -19,9 +19,8 @@ from plogic.facts.part_facts import part_facts
 from plogic.facts.situation import AppearanceFact, Reading, Reconsider, Situation
 from plogic.facts.spatial import Space
 from plogic.match.judged.disjoint import reaches_into
-from plogic.match.judged.evidence import clutter_density, judged
+from plogic.match.judged.evidence import as_fitted, clutter_density, judged
 from plogic.match.judged.expectation import hidden_by
-from plogic.match.judged.fitted import as_fitted
 from plogic.match.judged.rivals import SHARED_CLAIMS, overlap, shared_claims
 from sensing.uncollected import uncollected
 

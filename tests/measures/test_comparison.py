@@ -26,7 +26,7 @@ from synthetic import (
 from plogic.cycle.delta import Options, delta_of
 from plogic.cycle.state import considered
 from plogic.match.gamma.data import data_of
-from plogic.match.hand.type_index import type_index
+from plogic.match.hand.hand_models import type_index
 from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from plogic.measures.distinctiveness import distinctiveness, distinctiveness_over_delta, instance_counts
 from plogic.measures.explanatory import explanatory_value
