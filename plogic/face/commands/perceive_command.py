@@ -8,8 +8,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import InputError
-from plogic.run.gamma_source import gamma_of, image_of, is_gamma
-from plogic.run.sources import kb_of
+from plogic.run.sources import gamma_of, image_of, is_gamma, kb_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import InputError
 from plogic.face.commands.perceive_command import UNFINISHED, places, summary, tell_unchecked, write_all
-from plogic.run.gamma_source import detected, is_gamma
-from plogic.run.sources import kb_of
+from plogic.run.sources import detected, is_gamma, kb_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
