@@ -9,7 +9,7 @@ from contextlib import closing
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
-from plogic.base.forked import each
+from plogic.base.jobs import each
 from plogic.facts.hypothesis import Hypothesis
 
 if TYPE_CHECKING:
