@@ -11,10 +11,10 @@ demo: ready  ## the two towers: from a simulated camera's pixels to ranked world
 	"$(VENV)/bin/plogic" demo -o out/demo
 
 test: ready  ## all tests
-	"$(VENV)/bin/python" -m pytest -n 2
+	"$(VENV)/bin/python" -m pytest -n 2 --dist worksteal
 
 quick: lint  ## linter, types, and the tests that render and learn nothing: two minutes
-	"$(VENV)/bin/python" -m pytest -n 2 tests/test_*.py tests/base tests/measures tests/inference tests/facts tests/geometry
+	"$(VENV)/bin/python" -m pytest -n 2 --dist worksteal tests/test_*.py tests/base tests/measures tests/inference tests/facts tests/geometry
 
 lint: ready  ## linter and type checker
 	"$(VENV)/bin/ruff" format --check .

@@ -12,6 +12,7 @@ import click
 from plogic.face.authoring.kb_group import kb
 from plogic.face.commands.batch import batch
 from plogic.face.commands.bop import bop
+from plogic.face.commands.measures import measures
 from plogic.face.commands.next_view import next_view
 from plogic.face.commands.simulate import BOP, BOP_IMAGES, ROBOT
 from plogic.face.shown.options import (
@@ -124,10 +125,11 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) 
 @AS_JSON
 def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """List the possible worlds, most probable first, with the mass that is not listed."""
+    from plogic.face.commands.asked import Asked
     from plogic.face.commands.worlds_command import worlds_command
 
     _warn(source, trust=options["trust"])
-    text, status = worlds_command(source, number, given, options, as_json=as_json)
+    text, status = worlds_command(source, number, given, Asked(**options), as_json=as_json)
     _out(text)
     sys.exit(status)
 
@@ -143,10 +145,11 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
 @AS_JSON
 def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """Give P(goal) with every answer substitution, most probable first; without a goal, the program's own queries."""
+    from plogic.face.commands.asked import Asked
     from plogic.face.commands.query_command import query_command
 
     _warn(source, trust=options["trust"])
-    text, status = query_command(source, goal, given, options, as_json=as_json)
+    text, status = query_command(source, goal, given, Asked(**options), as_json=as_json)
     _out(text)
     sys.exit(status)
 
@@ -163,10 +166,11 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 @AS_JSON
 def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, as_json: bool, **options: Any) -> None:
     """Say why, and why not: ranked explanations of the goal as trees down to the data."""
+    from plogic.face.commands.asked import Asked
     from plogic.face.commands.explain import explain_command
 
     _warn(source, trust=options["trust"])
-    _out(explain_command(source, goal, given, number, options, as_json=as_json))
+    _out(explain_command(source, goal, given, number, Asked(**options), as_json=as_json))
 
 
 @cli.command()
@@ -175,9 +179,10 @@ def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, 
 @TRUST
 def shell(source: str, **options: Any) -> None:
     """Ask, observe, predict, rank worlds and ask why, at a prompt or from lines on stdin."""
+    from plogic.face.commands.asked import Asked
     from plogic.face.commands.shell import shell_command
 
-    sys.exit(shell_command(source, options, write=_out, say=_say))
+    sys.exit(shell_command(source, Asked(**options), write=_out, say=_say))
 
 
 @cli.command()
@@ -223,8 +228,7 @@ def report(interpretation: str, out: str) -> None:
 @ROBOT
 def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **options: Any) -> None:
     """Render a physically settled scene with its ground truth."""
-    from plogic.face.commands.simulate import simulate_command
-    from plogic.face.shown.simulated_scenes import tell_without_physics
+    from plogic.face.commands.simulate import simulate_command, tell_without_physics
 
     tell_without_physics(_say)
     simulate_command(kb_folder, number, decoys, seed, out, **options)
@@ -277,6 +281,7 @@ cli.add_command(kb)
 cli.add_command(bop)
 cli.add_command(batch)
 cli.add_command(next_view)
+cli.add_command(measures)
 
 
 def _warn(source: str, *, trust: bool) -> None:

@@ -17,8 +17,8 @@ from geometry.camera import Camera, camera_to_dict
 from geometry.frames import look_at, transform_points
 from geometry.visibility.rays import behind
 from kb.clouds.lobes import feature_in_lobe
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 
 VIEWPOINT, TARGET = (0.62, -0.87, 0.62), (0.0, 0.0, 0.08)
 CAMERA = Camera(640, 480, np.array([[600.0, 0.0, 320.0], [0.0, 600.0, 240.0], [0.0, 0.0, 1.0]]))

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kb.clouds.cloud import KnowledgeBase, Lobe, ObjectType, Rates
+from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
+from kb.clouds.lobes import Lobe
 from kb.clouds.tree import Branch, build_tree, features_of
 from kb.surfaces.surface import Surface
 

@@ -46,7 +46,7 @@ there together with the other, and that is mutual too.
 The two are taken in an order of their own, so R(x, y) is the converse of R(y, x), bit for bit. The six coarse relations are unions of the
 twenty; without the mutual ones they are Galton's LOS-14. In queries, `roc(R, X, Y)` is the fine relation, `partially_occludes(X, Y)` and so on
 the coarse one, of hypotheses and of parts that are objects (`h1/roof`). A part's body is the facets of the object's mesh whose middles are
-nearest to a feature of the part (`kb/clouds/part_bodies.py`), taken alone: what else of its own object hides it is not looked at. At most
+nearest to a feature of the part (`kb/clouds/cloud.py`), taken alone: what else of its own object hides it is not looked at. At most
 400 pairs with parts are told in one interpretation; parts of one hypothesis are not compared with each other.
 
 A *sign* below is who is in front (`>` x, `<` y, `*` each somewhere) and the RCC-8 term: `>tpp` has x in front, its image a tangential proper

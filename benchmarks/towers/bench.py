@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow, RelationRow
     from plogic.facts.situation import PairFact
     from plogic.run.perceive import Perceiver
     from sensing.simulated.scene import Scene
@@ -94,7 +95,7 @@ def one_scene(kb: KnowledgeBase, perceiver: Perceiver, kind: str, seed: int) -> 
 
 def scene_of(kb: KnowledgeBase, kind: str, seed: int) -> Scene:
     """A scene of one kind; the seed decides which tower stands alone and how many decoys there are."""
-    from plogic.face.shown.simulated_scenes import shapes_of
+    from plogic.face.commands.simulate import shapes_of
     from sensing.simulated.scene import random_scene
 
     shapes = shapes_of(kb)
@@ -106,7 +107,7 @@ def scene_of(kb: KnowledgeBase, kind: str, seed: int) -> Scene:
 
 
 def judged(
-    kb: KnowledgeBase, kind: str, seed: int, scene: Scene, document: dict[str, Any], clock: Stopwatch
+    kb: KnowledgeBase, kind: str, seed: int, scene: Scene, document: Interpretation, clock: Stopwatch
 ) -> Outcome:
     """Compare Δi with the truth: towers are matched by type and least rotation error."""
     accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
@@ -134,7 +135,7 @@ def judged(
 
 
 def _best(
-    kb: KnowledgeBase, label: str, pose: NDArray[np.float64], accepted: Sequence[dict[str, Any]]
+    kb: KnowledgeBase, label: str, pose: NDArray[np.float64], accepted: Sequence[HypothesisRow | RejectedRow]
 ) -> tuple[str | None, bool]:
     """The accepted hypothesis of this type that lies nearest, and whether its pose is right."""
     errors = []
@@ -153,7 +154,7 @@ def _relation_right(
     kb: KnowledgeBase,
     truth: Sequence[tuple[str, NDArray[np.float64], float]],
     names: Sequence[str | None],
-    document: dict[str, Any],
+    document: Interpretation,
     scene: Scene,
 ) -> bool:
     """Whether the most probable relation of the two reported towers is the one of the true poses, by outlines and depth."""
@@ -174,7 +175,7 @@ def _relation_right(
     return likeliest is not None and _same(right, likeliest)
 
 
-def _same(right: PairFact, row: dict[str, Any]) -> bool:
+def _same(right: PairFact, row: RelationRow) -> bool:
     """Whether a reported relation is the right one, of the right ordered pair."""
     either_way = right.relation in {"non_occludes", "mutually_occludes"}
     return right.relation == row["relation"] and (either_way or row["args"] == [right.x, right.y])

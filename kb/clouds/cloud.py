@@ -12,15 +12,19 @@ Vocabulary, each with an example value:
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kb.clouds.lobes import LobeTable, lobe_table
+from kb.clouds.lobes import Feature, LobeTable, freeze, lobe_table
+from kb.clouds.tree import object_nodes
+from kb.surfaces.surface import Surface
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     import networkx as nx
@@ -28,65 +32,10 @@ if TYPE_CHECKING:
 
     from kb.clouds.learned import LearnedCloud
     from kb.clouds.words import Words
-    from kb.surfaces.surface import Surface
 
 UNKNOWN_SUPPORT = 0.1
 """Chance that something which the KB does not know holds what floats, where `gravity` does not say: one in ten things
 that seem to float."""
-
-
-def _freeze(holder: object, **shapes: tuple[int, ...]) -> None:
-    """Turn the named fields into read-only float arrays of the given shapes."""
-    for name, shape in shapes.items():
-        array = np.array(getattr(holder, name), dtype=float).reshape(shape)
-        array.setflags(write=False)
-        object.__setattr__(holder, name, array)
-
-
-@dataclass(frozen=True, eq=False)
-class Lobe:
-    """What the detector can see of an appearance (§2.7): unit ``axis`` (3,) in the feature's frame, ``half_angle`` rad, range in m.
-
-    ``size``: how wide it is that the detector reports, m, by which a datum's ``scale`` tells the distance; NaN where
-    nobody said.
-    """
-
-    axis: NDArray[np.float64]
-    half_angle: float
-    r_min: float
-    r_max: float
-    size: float = float("nan")
-
-    def __post_init__(self) -> None:
-        _freeze(self, axis=(3,))
-
-
-@dataclass(frozen=True, eq=False)
-class FeatureAppearance:
-    """One appearance of a feature: what detectors report, and its viewpoints (the second slot of Φ, §2.1)."""
-
-    type: str
-    lobe: Lobe
-
-
-@dataclass(frozen=True, eq=False)
-class Feature:
-    """One feature. ``at`` (3,) m and ``rotation`` (3, 3) = object_from_feature, object frame; ``name`` is its path in the tree.
-
-    ``arms`` (K, 3): unit directions, object frame, of the surface's edges that meet here. ``parts`` names the features
-    of a compound.
-    """
-
-    name: str
-    type: str
-    at: NDArray[np.float64]
-    rotation: NDArray[np.float64]
-    appearances: tuple[FeatureAppearance, ...]
-    arms: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
-    parts: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        _freeze(self, at=(3,), rotation=(3, 3), arms=(-1, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +65,7 @@ class ObjectType:
     learned_features: tuple[Feature, ...] | None = None
 
     def __post_init__(self) -> None:
-        _freeze(self, symmetries=(-1, 4, 4))
+        freeze(self, symmetries=(-1, 4, 4))
 
     @property
     def seen_features(self) -> tuple[Feature, ...]:
@@ -141,8 +90,6 @@ class ObjectType:
     @cached_property
     def part_bodies(self) -> dict[str, Surface]:
         """What of the surface belongs to which part that is an object, by the part's path in the tree."""
-        from kb.clouds.part_bodies import part_bodies
-
         return part_bodies(self)
 
     @cached_property
@@ -224,3 +171,75 @@ class KnowledgeBase:
     def type(self, name: str) -> ObjectType:
         """The type of a name; raises KeyError."""
         return {t.name: t for t in self.types}[name]
+
+
+LAMBDA = 1.0
+"""Clutter appearances an image, per appearance type of the vocabulary, on the average."""
+KEYPOINTS = 4000.0
+"""Keypoints of clutter an image, of all visual words together."""
+LEAST = 0.01
+"""Share of that average that an appearance type has at least, though no feature looks like it."""
+
+
+def clutter_prior(types: Sequence[ObjectType], appearance_types: Sequence[str]) -> dict[str, float]:
+    """Expected clutter appearances an image per appearance type: λ in all, shared out by P(dv(F)).
+
+    P(dv(F)) = |S(F)|/|S| of a feature type F is divided evenly among the appearance types that F can look like.
+    """
+    instances: Counter[str] = Counter()
+    looks: dict[str, set[str]] = {}
+    for feature in (feature for kind in types if kind.learned is None for feature in kind.all_features):
+        instances[feature.type] += 1
+        looks.setdefault(feature.type, set()).update(appearance.type for appearance in feature.appearances)
+    total, share = sum(instances.values()), dict.fromkeys(appearance_types, 0.0)
+    for kind, number in instances.items():
+        for name in looks[kind]:
+            share[name] += number / total / len(looks[kind])
+    whole = LAMBDA * len(appearance_types)
+    return {name: round(max(whole * part, LEAST * LAMBDA), 6) for name, part in share.items()}
+
+
+def word_clutter(types: Sequence[ObjectType], words: Sequence[str]) -> dict[str, float]:
+    """Expected keypoints of clutter an image per visual word: ``KEYPOINTS`` in all, shared out by P(dv(F)), each word having one feature at least.
+
+    Of the features that keypoints are matched to: a compound has no keypoint besides those of its parts.
+    """
+    seen = Counter(dict.fromkeys(words, 1))
+    seen.update(feature.type for kind in types if kind.learned is not None for feature in kind.seen_features)
+    total = sum(seen.values())
+    return {name: KEYPOINTS * seen[name] / total for name in words}
+
+
+def part_bodies(kind: ObjectType) -> dict[str, Surface]:
+    """The bodies, object frame, of the parts that are objects, by node, in the tree's order; the maximal object is not among them."""
+    parts = [node for node in object_nodes(kind.tree) if node]
+    features = kind.seen_features
+    if kind.surface is None or not parts or not features:
+        return {}
+    middles = kind.surface.vertices[kind.surface.triangles].mean(axis=1)
+    nearest = _nearest(middles, np.array([feature.at for feature in features]))
+    owner = [_owner(kind.tree, feature.name) for feature in features]
+    owners = np.array([owner[f] for f in nearest])
+    bodies = {part: np.flatnonzero([name == part or name.startswith(f"{part}/") for name in owners]) for part in parts}
+    return {part: _body(kind.surface, facets) for part, facets in bodies.items() if len(facets)}
+
+
+def _nearest(points: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.intp]:
+    """(N,) the place (P, 3) nearest to each of the points (N, 3); the first of equals."""
+    from scipy.spatial import cKDTree
+
+    far = cKDTree(places).query(points)[0]
+    close = cKDTree(places).query_ball_point(points, far * (1 + 1e-9) + 1e-12)
+    return np.array([min(some) for some in close], dtype=np.intp)
+
+
+def _owner(tree: nx.DiGraph, name: str) -> str:
+    """The innermost object on the path to a feature; '' for the maximal one."""
+    steps = name.split("/")
+    paths = ("/".join(steps[:n]) for n in range(len(steps) - 1, 0, -1))
+    return next((path for path in paths if path in tree and tree.nodes[path]["kind"] == "object"), "")
+
+
+def _body(surface: Surface, facets: NDArray[np.intp]) -> Surface:
+    used, index = np.unique(surface.triangles[facets], return_inverse=True)
+    return Surface(surface.vertices[used], index.reshape(-1, 3))

@@ -5,7 +5,7 @@ Vocabulary: ``LobeTable``, all L lobes of one type as arrays in the object's fra
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,10 +15,63 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from kb.clouds.cloud import Feature
 
 GRAIN = 1e-9
 """Slack of the cone's and the range's bounds, so that a viewpoint on a bound is inside."""
+
+
+def freeze(holder: object, **shapes: tuple[int, ...]) -> None:
+    """Turn the named fields into read-only float arrays of the given shapes."""
+    for name, shape in shapes.items():
+        array = np.array(getattr(holder, name), dtype=float).reshape(shape)
+        array.setflags(write=False)
+        object.__setattr__(holder, name, array)
+
+
+@dataclass(frozen=True, eq=False)
+class Lobe:
+    """What the detector can see of an appearance (§2.7): unit ``axis`` (3,) in the feature's frame, ``half_angle`` rad, range in m.
+
+    ``size``: how wide it is that the detector reports, m, by which a datum's ``scale`` tells the distance; NaN where
+    nobody said.
+    """
+
+    axis: NDArray[np.float64]
+    half_angle: float
+    r_min: float
+    r_max: float
+    size: float = float("nan")
+
+    def __post_init__(self) -> None:
+        freeze(self, axis=(3,))
+
+
+@dataclass(frozen=True, eq=False)
+class FeatureAppearance:
+    """One appearance of a feature: what detectors report, and its viewpoints (the second slot of Φ, §2.1)."""
+
+    type: str
+    lobe: Lobe
+
+
+@dataclass(frozen=True, eq=False)
+class Feature:
+    """One feature. ``at`` (3,) m and ``rotation`` (3, 3) = object_from_feature, object frame; ``name`` is its path in the tree.
+
+    ``arms`` (K, 3): unit directions, object frame, of the surface's edges that meet here. ``parts`` names the features
+    of a compound.
+    """
+
+    name: str
+    type: str
+    at: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    appearances: tuple[FeatureAppearance, ...]
+    arms: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    parts: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        freeze(self, at=(3,), rotation=(3, 3), arms=(-1, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,17 +137,3 @@ def feature_in_lobe(table: LobeTable, viewpoints: ArrayLike, granularity: float 
     for lobe, feature in enumerate(table.feature):
         result[:, feature] |= held[:, lobe]
     return result
-
-
-def converge(
-    table: LobeTable, features: Sequence[int], viewpoints: ArrayLike, granularity: float | None = None
-) -> NDArray[np.bool_]:
-    """(V,) which viewpoints lie in a lobe of every one of ``features``: the set is co-visible from there (*convergence*, §6.3)."""
-    return np.asarray(feature_in_lobe(table, viewpoints, granularity)[:, list(features)].all(axis=1))
-
-
-def vector_pencil(feature: Feature, viewpoints: ArrayLike) -> NDArray[np.float64]:
-    """Lines of sight (N, 3) m, object frame, from the feature to those of ``viewpoints`` (V, 3) that lie in one of its lobes (§2.7)."""
-    places = np.asarray(viewpoints, dtype=float).reshape(-1, 3)
-    seen = feature_in_lobe(lobe_table([feature]), places, 1.0)[:, 0]
-    return np.asarray(places[seen] - feature.at)

@@ -14,7 +14,7 @@ import networkx as nx
 import numpy as np
 
 from geometry.frames import compose, from_rotation_translation, is_rigid
-from kb.clouds.cloud import Feature, FeatureAppearance, Lobe
+from kb.clouds.lobes import Feature, FeatureAppearance, Lobe
 from kb.errors import TreeError
 
 if TYPE_CHECKING:
@@ -121,42 +121,9 @@ def _grow(tree: nx.DiGraph, branch: Branch, node: str) -> None:
         tree.add_edge(node, child, parent_from_child=from_rotation_translation(part.rotation, part.at))
 
 
-def check_tree(tree: nx.DiGraph) -> None:
-    """Hold a tree made by other means to A1-A3 and D3.
-
-    Raises:
-        TreeError: naming the node and the rule.
-    """
-    if not tree or not nx.is_directed_acyclic_graph(tree):
-        raise TreeError("A2: a tree must have nodes, and none that is a part of itself")
-    if not nx.is_arborescence(tree):
-        raise TreeError(f"D3: one maximal object must hold all, each part in one whole, not {maximal_objects(tree)}")
-    for node in tree:
-        kinds = {tree.nodes[part]["kind"] for part in tree.successors(node)}
-        if len(kinds) > 1 or not kinds <= set(MAY_HOLD[tree.nodes[node]["kind"]]):
-            raise TreeError(f"A1: the parts of {node!r} must be of one kind that it may hold, not {sorted(kinds)}")
-
-
-def schema(tree: nx.DiGraph, node: str) -> tuple[str, object, str, list[str]]:
-    """Φ(x, v, Type, parts) of a node: v is the place of an object or feature, the lobe of an appearance (§2.1)."""
-    row = tree.nodes[node]
-    v = row["viewpoint"] if row["kind"] == "appearance" else row["at"]
-    return node, v, row["type"], list(tree.successors(node))
-
-
 def object_nodes(tree: nx.DiGraph) -> list[str]:
     """The maximal object and its parts that are objects, in the description's order."""
     return [node for node, row in tree.nodes(data=True) if row["kind"] == "object"]
-
-
-def is_atom(tree: nx.DiGraph, node: str) -> bool:
-    """D2: is true if the node has no sub-parts; appearances are none (A3)."""
-    return all(tree.nodes[part]["kind"] == "appearance" for part in tree.successors(node))
-
-
-def maximal_objects(tree: nx.DiGraph) -> list[str]:
-    """D3: the objects that are part of no other."""
-    return [node for node, row in tree.nodes(data=True) if row["kind"] == "object" and not tree.in_degree(node)]
 
 
 def place(tree: nx.DiGraph, node: str) -> NDArray[np.float64]:

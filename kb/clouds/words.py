@@ -6,17 +6,21 @@
 from __future__ import annotations
 
 import io
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kb.clouds.packed_arrays import read_arrays
+from kb.clouds.learned import read_arrays
 from kb.errors import CloudError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
+
+    from kb.clouds.learned import LearnedCloud
 
 MOST, PER_WORD = 1024, 20
 """Words at most, and descriptors that a word stands for at least, on average."""
@@ -129,3 +133,16 @@ def dominant(
     result = np.zeros(count, np.int64)
     result[owners] = pairs[order[first], 1]
     return result
+
+
+def worded(clouds: Mapping[str, LearnedCloud], seed: int = 0) -> tuple[Words, dict[str, LearnedCloud]]:
+    """The words of at least one cloud by name, all of one detector, and the clouds with their words: the same clouds give the same words."""
+    names = sorted(clouds)
+    width = min(clouds[name].descriptor.shape[1] for name in names)  # one learned from a grey photo: no colours for any
+    words = learn_words(np.concatenate([clouds[name].descriptor[:, :width] for name in names]), seed)
+    return words, {name: _named(clouds[name], words) for name in names}
+
+
+def _named(cloud: LearnedCloud, words: Words) -> LearnedCloud:
+    lobe_word = words.nearest(cloud.descriptor)
+    return replace(cloud, lobe_word=lobe_word, word=dominant(cloud.feature, lobe_word, cloud.hit, len(cloud.at)))

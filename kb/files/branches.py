@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.frames import rotation_from_quat_xyzw
-from kb.clouds.cloud import Lobe
+from kb.clouds.lobes import Lobe
 from kb.clouds.tree import Branch, Kind
 
 if TYPE_CHECKING:

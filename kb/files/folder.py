@@ -8,8 +8,25 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from geometry.files.plain_files import fault_of
-from kb.errors import Mistake
+from kb.errors import KBError, Mistake
 from kb.files.yaml_text import MAX_BYTES, Document, load
+
+
+def shipped_names() -> list[str]:
+    """Their names, sorted: ``["first", "lookalikes", "towers"]``."""
+    return sorted(path.parent.name for path in Path(__file__).parents[1].glob("*/kb.yaml"))
+
+
+def shipped(name: str) -> Path:
+    """The folder of a knowledge base inside the package: ``shipped("towers")``.
+
+    Raises:
+        KBError: for any other name, naming those that exist.
+    """
+    if name not in shipped_names():
+        raise KBError(f"no knowledge base {name!r:.80} comes with plogic; these do: {', '.join(shipped_names())}")
+    return Path(__file__).parents[1] / name
+
 
 MAX_MESH_BYTES = 200_000_000
 """Largest mesh file."""

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from kb.clouds.cloud import Feature
 from kb.clouds.learned import MAX_BYTES, LearnedCloud, read_cloud
-from kb.clouds.lobes import LobeTable
+from kb.clouds.lobes import Feature, LobeTable
 from kb.clouds.words import MAX_BYTES as MAX_WORDS
 from kb.clouds.words import Words, dominant, read_words
 from kb.errors import CloudError

@@ -7,12 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
-from kb.clouds.cloud import UNKNOWN_SUPPORT, Counts, KnowledgeBase, ObjectType, Rates
-from kb.clouds.clutter import clutter_prior, word_clutter
+from kb.clouds.cloud import UNKNOWN_SUPPORT, Counts, KnowledgeBase, ObjectType, Rates, clutter_prior, word_clutter
 from kb.clouds.tree import build_tree, features_of, object_nodes, tree_mistakes
 from kb.errors import KBErrors, Mistake, SurfaceError
 from kb.files.branches import branch_of, misplaced, outline, path_to
-from kb.files.cross import cross_mistakes
 from kb.files.folder import MAX_MESH_BYTES, Folder
 from kb.files.learned_reading import (
     check_parts,
@@ -23,9 +21,9 @@ from kb.files.learned_reading import (
     with_compounds,
     words_of,
 )
-from kb.files.model_mistakes import checked, without
+from kb.files.mistakes import checked, cross_mistakes, without
 from kb.files.schema import KBModel, ObjectModel
-from kb.quantities import LENGTHS
+from kb.files.values import LENGTHS
 from kb.surfaces.surface import Surface, surface_from_mesh
 from kb.surfaces.symmetries import motions
 

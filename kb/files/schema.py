@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
 
 from kb.clouds.cloud import UNKNOWN_SUPPORT
-from kb.files.schema_values import (
+from kb.files.values import (
     Angle,
     Chance,
     Direction,

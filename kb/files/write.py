@@ -2,68 +2,34 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
-import os
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from geometry.frames import quat_xyzw_from_rotation
-from kb.clouds.cloud import UNKNOWN_SUPPORT
-from kb.errors import KBError
 from kb.surfaces.symmetries import symmetry_entries
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
+    from collections.abc import Iterator, Mapping
 
     import networkx as nx
     from numpy.typing import NDArray
 
-    from kb.clouds.cloud import Counts, KnowledgeBase, Lobe, ObjectType
+    from kb.clouds.cloud import ObjectType, Rates
+    from kb.clouds.lobes import Lobe
     from kb.surfaces.surface import Surface
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
 _RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
 _UNPRINTED = re.compile(r"[\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff\ufffe\uffff]")
 """What YAML takes for a break, or does not allow as it is."""
-_SAFE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_. -]*")
 _KEYS = {"object": "parts", "feature": "features", "appearance": "appearances"}
-
-
-def kb_text(kb: KnowledgeBase) -> str:
-    """``kb.yaml``."""
-    rates = kb.rates
-    rows = {
-        "name": kb.name,
-        "appearance_types": list(kb.appearance_types),
-        "f_ref": kb.f_ref,
-    } | ({"gravity": _gravity(kb)} if kb.gravity else {})
-    lines = [f"{key}: {flow(value)}" for key, value in rows.items()]
-    lines += ["detector:", f"  hit: {flow(rates.hit)}", f"  clutter: {flow(rates.clutter)}"]
-    lines += [
-        f"  sigma: {flow(rates.sigma)}",
-        f"  sigmas: {flow(rates.sigmas)}",
-        f"  match_tolerance: {flow(rates.match_tolerance)}",
-    ]
-    lines += [] if rates.sigma_angle is None else [f"  sigma_angle: {flow(rates.sigma_angle)}"]
-    lines += [f"priors: {flow(rates.prior)}", *_counts_lines(rates.counts)]
-    return "\n".join(lines) + "\n"
-
-
-def _gravity(kb: KnowledgeBase) -> bool | dict[str, float]:
-    if kb.unknown_support == UNKNOWN_SUPPORT and kb.ground is None:
-        return True
-    return {"unknown_support": kb.unknown_support} | ({} if kb.ground is None else {"ground": kb.ground})
-
-
-def _counts_lines(counts: Counts) -> Iterator[str]:
-    if counts:
-        yield "counts:"
-        for name in ("hit", "clutter", "prior"):
-            yield f"  {name}: {flow({key: list(pair) for key, pair in getattr(counts, name).items()})}"
 
 
 def object_text(kind: ObjectType, mesh: str | None = None, units: str = "m") -> str:
@@ -78,43 +44,6 @@ def obj_text(surface: Surface) -> str:
     """A surface as Wavefront OBJ, in metres, every digit kept."""
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in surface.vertices.tolist()]
     return "\n".join(lines + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in surface.triangles.tolist()]) + "\n"
-
-
-def kb_files(kb: KnowledgeBase) -> dict[str, str]:
-    """Every file of the folder, by relative path. Surfaces are written as ``mesh.obj`` in metres; textures do not travel.
-
-    Raises:
-        KBError: for a type whose name cannot be a folder's; for learned types and their words, which only a copy of the
-        folder keeps.
-    """
-    learned = [kind.name for kind in kb.types if kind.learned is not None]
-    if learned or kb.words is not None:
-        raise KBError(
-            f"{kb.name}: what was learned ({', '.join(learned) or 'words'}) cannot be written anew: copy the knowledge base's folder"
-        )
-    files = {"kb.yaml": kb_text(kb)} | ({"rules.pl": kb.rules} if kb.rules else {})
-    for kind in kb.types:
-        if not _SAFE_NAME.fullmatch(kind.name):
-            raise KBError(f"the type {kind.name!r} cannot be written: its name cannot be a folder's")
-        folder = f"objects/{kind.name}"
-        files[f"{folder}/object.yaml"] = object_text(kind, "mesh.obj" if kind.surface else None)
-        if kind.surface:
-            files[f"{folder}/mesh.obj"] = obj_text(kind.surface)
-    return files
-
-
-def write_kb(kb: KnowledgeBase, folder: Path) -> None:
-    """Write every file of ``kb_files``, each whole or not at all, over those that are there.
-
-    Raises:
-        KBError: as ``kb_files`` does; nothing is written then.
-    """
-    for name, text in kb_files(kb).items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        rough = path.with_name(f".{path.name}.part")
-        rough.write_text(text, encoding="utf-8")
-        os.replace(rough, path)  # noqa: PTH105 - the rename is what makes it whole
 
 
 def _list_lines(tree: nx.DiGraph, node: str, indent: str) -> Iterator[str]:
@@ -189,3 +118,51 @@ def flow(value: object) -> str:
 def _number(value: float) -> str:
     """15 significant digits: what was written by hand comes back as it was."""
     return f"{float(value) + 0.0:.15g}"
+
+
+DIGITS = 4
+"""Significant digits of a learned rate: a thousand scenes do not tell more."""
+
+
+def with_rates(text: str, rates: Rates) -> str:
+    """The text with the hit rates, clutter and priors that have counts, and with the counts; ``text`` must be a KB's that was read."""
+    yaml = YAML(typ="rt")
+    yaml.width = 4096
+    yaml.preserve_quotes = True
+    document = yaml.load(text)
+    counts = rates.counts
+    detector = _inner(document, "detector")
+    _put(_inner(detector, "hit"), {name: rates.hit[name] for name in counts.hit})
+    _put(_inner(detector, "clutter"), {name: rates.clutter[name] for name in counts.clutter})
+    _put(_inner(document, "priors"), {name: rates.prior[name] for name in counts.prior})
+    table = _inner(document, "counts")
+    for key in ("hit", "clutter", "prior"):
+        _put(_inner(table, key), {name: _pair(pair) for name, pair in getattr(counts, key).items()})
+    buffer = io.StringIO()
+    yaml.dump(document, buffer)
+    return buffer.getvalue()
+
+
+def rounded(value: float) -> float:
+    """To ``DIGITS`` significant digits."""
+    return float(f"{value:.{DIGITS}g}")
+
+
+def _inner(document: Any, key: str) -> Any:  # noqa: ANN401 - ruamel's own mapping
+    """The mapping under a key; a new one where there is none."""
+    if document.get(key) is None:
+        document[key] = CommentedMap()
+    return document[key]
+
+
+def _put(table: Any, values: Mapping[str, Any]) -> None:  # noqa: ANN401 - ruamel's own mapping
+    if not len(table):
+        table.fa.set_flow_style()
+    for name, value in values.items():
+        table[name] = rounded(value) if isinstance(value, float) else value
+
+
+def _pair(pair: tuple[float, float]) -> Any:  # noqa: ANN401 - ruamel's own list
+    numbers = CommentedSeq([int(n) if n == int(n) else round(n, 2) for n in pair])
+    numbers.fa.set_flow_style()
+    return numbers

@@ -15,8 +15,8 @@ from geometry.files.plain_files import JsonError, fault_of, is_there, json_of
 from geometry.frames import quat_xyzw_from_rotation
 from kb.errors import IntakeError
 from kb.files.schema import SymmetryModel
+from kb.files.values import LENGTHS
 from kb.files.write import flow
-from kb.quantities import LENGTHS
 from kb.surfaces.symmetries import motions
 
 if TYPE_CHECKING:

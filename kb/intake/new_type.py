@@ -5,26 +5,82 @@ Vocabulary: ``NewType``, the files by name, and what was done, for people and fo
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from kb.errors import IntakeError
+from kb.files.values import LENGTHS
 from kb.files.write import flow
 from kb.intake.paint import painted_files
-from kb.intake.parts import pieces_of
-from kb.intake.ply import ply_bytes
-from kb.intake.shape_symmetries import Turn, turns_of
-from kb.intake.units import check_extent, extent_of
-from kb.quantities import LENGTHS
-from kb.surfaces.limits import MAX_FILE_BYTES
+from kb.intake.source import MAX_FILE_BYTES
+from kb.surfaces.pieces import pieces_of
 from kb.surfaces.repair import Repaired, repaired
+from kb.surfaces.symmetries import Turn, turns_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from kb.intake.source import Source
+    from kb.surfaces.surface import Surface
+
+SMALLEST, LARGEST = 1e-4, 1e4
+"""Extent of a mesh's longest side, m: what is outside is the wrong unit, or nothing that a camera sees."""
+ASKED = ("m", "cm", "mm")
+"""What is proposed."""
+USUAL = 0.25
+"""Longest side of the things that people put before a camera, m: the nearest to it, as a ratio, is the likely unit."""
+
+
+def extent_of(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sides (3,) of the bounding box of vertices (V, 3), in their unit."""
+    with np.errstate(over="ignore"):
+        return np.asarray(np.ptp(vertices, axis=0))
+
+
+def likely_unit(longest: float) -> str:
+    """The likely unit of a mesh whose longest side has this many units: ``likely_unit(25.8) == "cm"``."""
+    return min(ASKED, key=lambda unit: abs(math.log(longest * LENGTHS[unit] / USUAL)))
+
+
+def proposal(extent: NDArray[np.float64]) -> str:
+    """What the mesh's size would be in each unit, and which is likely."""
+    longest = float(extent.max())
+    sizes = ", ".join(f"{_metres(longest * LENGTHS[unit])} in {unit}" for unit in ASKED)
+    box = " x ".join(f"{side:.4g}" for side in extent)
+    return f"the mesh measures {box} units, its longest side being {sizes}: probably --units {likely_unit(longest)}"
+
+
+def _metres(size: float) -> str:
+    return f"{size:.3g} m" if size >= 0.1 else f"{size * 1000:.3g} mm"
+
+
+def check_extent(name: object, extent: NDArray[np.float64], units: str | None) -> None:
+    """Hold a mesh's size to the limits.
+
+    Raises:
+        IntakeError: no extent at all; no units, with what they may be; a size in these units that no camera sees.
+    """
+    if not extent.max() > 0 or not np.isfinite(extent).all():
+        raise IntakeError(
+            f"{name}: has no extent: all vertices are at one place"
+            if extent.max() == 0
+            else f"{name}: is too large for numbers"
+        )
+    if units is None:
+        raise IntakeError(f"{name}: --units is missing, and no mesh format carries its unit; {proposal(extent)}")
+    longest = float(extent.max()) * LENGTHS[units]
+    if not SMALLEST <= longest <= LARGEST:
+        raise IntakeError(
+            f"{name}: would be {longest:.3g} m long in {units}, not {SMALLEST:g} m to {LARGEST:g} m; {proposal(extent)}"
+        )
+
 
 SAFE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
 """A type's name that is also its folder's."""
@@ -182,3 +238,24 @@ def _symmetries(document: dict[str, Any]) -> list[str]:
             f"  symmetries of the shape: {len(document['proposed_symmetries'])} proposed in a comment of object.yaml"
         ]
     return []
+
+
+HEAD = """ply
+format binary_little_endian 1.0
+comment metres
+element vertex {}
+property double x
+property double y
+property double z
+element face {}
+property list uchar int vertex_indices
+end_header
+"""
+
+
+def ply_bytes(surface: Surface) -> bytes:
+    """The file's bytes."""
+    facets = np.empty(len(surface.triangles), dtype=[("count", "u1"), ("corners", "<i4", 3)])
+    facets["count"], facets["corners"] = 3, surface.triangles
+    head = HEAD.format(len(surface.vertices), len(surface.triangles))
+    return head.encode() + surface.vertices.astype("<f8").tobytes() + facets.tobytes()

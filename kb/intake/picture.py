@@ -10,7 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geometry.files.mesh_textures import textures_in
+
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from numpy.typing import NDArray
 
 MAGIC = {b"\x89PNG": "png", b"\xff\xd8\xff": "jpg", b"BM": "bmp", b"RIFF": "webp", b"II*\0": "tif", b"MM\0*": "tif"}
@@ -51,3 +55,16 @@ def png(image: NDArray[np.uint8]) -> Picture:
     import cv2
 
     return Picture("png", cv2.imencode(".png", image)[1].tobytes())
+
+
+def textures_of(path: Path) -> tuple[dict[str, Picture], list[str]]:
+    """The pictures by name of material, '' meaning every material, and a note on each that is missing."""
+    found, notes = textures_in(path)
+    pictures = {}
+    for texture in found:
+        picture = picture_from(texture.data) if texture.data is not None else None
+        if picture is None:
+            notes.append(f"the {texture.label} is missing or no picture: going on without")
+        else:
+            pictures[texture.material] = picture
+    return pictures, list(dict.fromkeys(notes))

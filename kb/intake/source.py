@@ -14,8 +14,7 @@ import numpy as np
 from geometry.files.mesh_files import meshes_of, reason, triangles_of
 from geometry.files.plain_files import IS_MISSING, fault_of
 from kb.errors import IntakeError
-from kb.intake.textures import textures_of
-from kb.surfaces.limits import FORMATS, MAX_FILE_BYTES, MAX_TRIANGLES
+from kb.intake.picture import textures_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -25,6 +24,12 @@ if TYPE_CHECKING:
     from geometry.files.mesh_files import Placed
     from kb.intake.picture import Picture
 
+MAX_FILE_BYTES = 200_000_000
+"""Largest mesh file; it is refused before it is read."""
+MAX_TRIANGLES = 2_000_000
+"""Most triangles of a mesh."""
+FORMATS = ("obj", "ply", "stl", "glb", "gltf", "off", "dae")
+"""Suffixes of the mesh files that are read; DAE where pycollada is installed."""
 GREY = (190, 190, 190)
 """Red, green, blue of what has no colour of its own."""
 

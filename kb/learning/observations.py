@@ -13,8 +13,7 @@ import numpy as np
 
 from kb.learning.again import keypoints_again
 from kb.learning.sides import INSIDE, descriptors, sides_again
-from kb.learning.variants import size_of, variants
-from kb.learning.views import PIXELS
+from kb.learning.views import PIXELS, size_of, variants
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

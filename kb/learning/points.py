@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kb.errors import IntakeError, KBErrors, Mistake
+from kb.files.values import LENGTHS
 from kb.files.yaml_text import load
-from kb.quantities import LENGTHS
 
 if TYPE_CHECKING:
     from pathlib import Path

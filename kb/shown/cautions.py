@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from itertools import permutations
 from typing import TYPE_CHECKING
 
-from kb.shown.contained import contained_in
+import numpy as np
+
+from geometry.cones import even_directions
+from kb.clouds.lobes import feature_in_lobe
 from kb.shown.learned_summary import MANY, learned_summary
-from kb.shown.unseen import FEWEST, most_together, unseen_features
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from numpy.typing import NDArray
+
     from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from kb.clouds.lobes import LobeTable
+    from kb.surfaces.surface import Surface
+
+    Places = NDArray[np.float64]
+
+    Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
+    Mask = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
 
 MOST_NAMED = 5
 """Features named in one warning; the rest are counted."""
@@ -93,3 +105,164 @@ def _same_clouds(learned: list[ObjectType]) -> Iterator[str]:
         if looks in first:
             yield f"{kind.name}: its cloud is the same as that of {first[looks]}: nothing tells them apart"
         first.setdefault(looks, kind.name)
+
+
+CLOSE = 0.01
+"""How far features may be from each other's places, as a share of the smaller cloud's diameter."""
+MOST_TRIES = 5_000
+"""Placements of the smaller cloud in the larger one that are tried; of more, nothing is said."""
+
+
+def contained_in(small: ObjectType, large: ObjectType) -> bool:
+    """Whether a rigid motion takes every feature of ``small`` to one of ``large`` of the same type."""
+    if small is large or not small.features:
+        return False
+    mine, theirs = Counter(f.type for f in small.features), Counter(f.type for f in large.features)
+    if any(theirs[name] < number for name, number in mine.items()):
+        return False
+    at, there = (np.array([f.at for f in kind.features]) for kind in (small, large))
+    same = np.array([[f.type == g.type for g in large.features] for f in small.features])
+    near = CLOSE * float(np.linalg.norm(np.ptp(at, axis=0))) + 1e-9
+    for held, found in _placements(at, there, same, near):
+        moved = _moved(at, at[held], there[found])
+        distance = np.linalg.norm(moved[:, None] - there[None], axis=2)
+        if ((distance <= 2 * near) & same).any(axis=1).all():
+            return True
+    return False
+
+
+def _placements(
+    at: Places, there: Places, same: NDArray[np.bool_], near: float
+) -> Iterator[tuple[list[int], list[int]]]:
+    """Up to three features of the one, rare and far apart, with where they may be in the other: types and distances agree."""
+    held = _wide(at, same.sum(axis=1))
+    ways: list[list[int]] = [[]]
+    for index, feature in enumerate(held):
+        longer = []
+        for way in ways:
+            fits = same[feature].copy()
+            for other, place in zip(held[:index], way, strict=True):
+                gap = np.linalg.norm(at[feature] - at[other])
+                fits &= np.abs(np.linalg.norm(there - there[place], axis=1) - gap) <= 2 * near
+            longer += [[*way, int(place)] for place in np.flatnonzero(fits) if place not in way]
+        ways = longer[: 4 * MOST_TRIES]
+    yield from ((held, way) for way in ways[:MOST_TRIES])
+
+
+def _wide(at: Places, rare: NDArray[np.intp]) -> list[int]:
+    """The rarest feature, the farthest from it, and the farthest from the line through both; fewer where no more are apart."""
+    held = [int(np.argmin(rare))]
+    distance = np.linalg.norm(at - at[held[0]], axis=1)
+    if distance.max() <= 0:
+        return held
+    held.append(int(distance.argmax()))
+    line = (at[held[1]] - at[held[0]]) / distance.max()
+    off = np.linalg.norm(np.cross(at - at[held[0]], line), axis=1)
+    return [*held, int(off.argmax())] if off.max() > CLOSE * distance.max() else held
+
+
+def _moved(points: Places, here: Places, there: Places) -> Places:
+    """``points`` (N, 3) by the rigid motion that best takes ``here`` to ``there`` (Kabsch)."""
+    a, b = here.mean(axis=0), there.mean(axis=0)
+    u, _, v = np.linalg.svd((here - a).T @ (there - b))
+    mirror = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ v)) or 1.0])
+    return (points - a) @ (u @ mirror @ v) + b
+
+
+FEWEST = 4
+"""Features that fix a pose and leave something to check it by."""
+TOLERANCE = 0.004
+"""What a line of sight may be cut before its feature, as a share of the diameter: the same as for Behind."""
+AWAY = 3.0
+"""Distance of a viewpoint, in diameters, where the lobes' ranges allow."""
+RINGS, AROUND = (0.35, 0.7, 0.99), 6
+"""Directions tried in a lobe beside its axis: so many on each of these shares of its half-angle."""
+DIRECTIONS, BEST = 200, 40
+"""Viewpoints looked from, and how many of the most promising of them are tried with rays."""
+
+
+def unseen_features(kind: ObjectType) -> list[str]:
+    """Names of the features that have lobes and are Behind the type's own surface from all over them."""
+    table = kind.lobes
+    if not len(table.types):
+        return []
+    directions = _in_cones(table)
+    reach = np.clip(AWAY * _size(kind), table.r_min, table.r_max)
+    viewpoints = table.at[:, None] + reach[:, None, None] * directions
+    shown = _shown(kind, viewpoints.reshape(-1, 3), np.repeat(table.at, directions.shape[1], axis=0))
+    seen = np.zeros(table.features, dtype=bool)
+    np.logical_or.at(seen, np.repeat(table.feature, directions.shape[1]), shown)
+    return [kind.seen_features[index].name for index in np.unique(table.feature) if not seen[index]]
+
+
+def most_together(kind: ObjectType) -> int:
+    """The most features, up to ``FEWEST``, that were found to share a viewpoint: in their lobes and not Behind the type's own surface."""
+    table = kind.lobes
+    if not len(table.types):
+        return 0
+    viewpoints = _viewpoints(kind, table)
+    inside = np.concatenate(
+        [feature_in_lobe(table, some, 1.0) for some in np.array_split(viewpoints, max(1, len(viewpoints) // 100))]
+    )
+    at = np.array([feature.at for feature in kind.seen_features])
+    most = 0
+    for index in np.argsort(-inside.sum(axis=1), kind="stable")[:BEST]:
+        chosen = np.flatnonzero(inside[index])
+        if len(chosen) > most:
+            seen = _shown(kind, np.broadcast_to(viewpoints[index], (len(chosen), 3)), at[chosen]).sum()
+            most = max(most, int(seen))
+        if most >= FEWEST:
+            return FEWEST
+    return most
+
+
+def _viewpoints(kind: ObjectType, table: LobeTable) -> Floats:
+    """Round the type at a few distances, and along some lobes' axes."""
+    middle = np.sqrt(np.maximum(table.r_min, 1e-3 * table.r_max) * table.r_max)
+    usual = np.clip(AWAY * _size(kind), np.median(table.r_min), np.median(table.r_max))
+    distances = np.unique([usual, *np.quantile(middle, [0.1, 0.5, 0.9])])
+    centre = kind.surface.centre if kind.surface is not None else table.at.mean(axis=0)
+    round_it = [centre + distance * even_directions(DIRECTIONS) for distance in distances]
+    some = np.linspace(0, len(middle) - 1, min(len(middle), DIRECTIONS)).astype(int)
+    along = table.at[some] + np.clip(usual, table.r_min[some], table.r_max[some])[:, None] * table.axis[some]
+    return np.concatenate([*round_it, along])
+
+
+def _size(kind: ObjectType) -> float:
+    spread = np.ptp(kind.lobes.at, axis=0) if kind.surface is None else [kind.surface.diameter]
+    return float(np.linalg.norm(spread)) or 1.0
+
+
+def _in_cones(table: LobeTable) -> Floats:
+    """Unit directions (L, K, 3): each lobe's axis, and rings round it inside the lobe."""
+    half = np.arccos(np.clip(table.cos_half, -1, 1))
+    other = np.where(np.abs(table.axis[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    u = np.cross(table.axis, other)
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    v = np.cross(table.axis, u)
+    rows = [table.axis]
+    for share in RINGS:
+        tilt = (share * half)[:, None]
+        turns = 2 * np.pi * np.arange(AROUND) / AROUND
+        rows += [np.cos(tilt) * table.axis + np.sin(tilt) * (np.cos(turn) * u + np.sin(turn) * v) for turn in turns]
+    return np.stack(rows, axis=1)
+
+
+def _shown(kind: ObjectType, viewpoints: Floats, points: Floats) -> Mask:
+    """(N,) whether each point is seen from its viewpoint, past the type's own surface; from inside of a closed one, nothing is."""
+    if kind.surface is None or not kind.opaque:
+        return np.ones(len(points), dtype=bool)
+    lines = points - viewpoints
+    hit, triangle = kind.surface.rays.first_triangle(viewpoints, lines)
+    free = hit >= np.linalg.norm(lines, axis=1) - TOLERANCE * kind.surface.diameter
+    return np.asarray(free & ~_from_inside(kind.surface, triangle, lines))
+
+
+def _from_inside(surface: Surface, triangle: np.ndarray[tuple[int, ...], np.dtype[np.int64]], lines: Floats) -> Mask:
+    """(N,) whether the facet that is hit first is hit on its inner side."""
+    if not surface.closed:
+        return np.zeros(len(lines), dtype=bool)
+    a, b, c = np.moveaxis(surface.vertices[surface.triangles[np.maximum(triangle, 0)]], 1, 0)
+    along = np.einsum("ni,ni->n", np.cross(b - a, c - a), lines)
+    steep = np.linalg.norm(np.cross(b - a, c - a), axis=1) * np.linalg.norm(lines, axis=1)
+    return np.asarray((triangle >= 0) & (along > 1e-6 * steep))

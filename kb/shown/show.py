@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
     import networkx as nx
 
-    from kb.clouds.cloud import Feature, KnowledgeBase, Lobe, ObjectType
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from kb.clouds.lobes import Feature, Lobe
 
 CLOSE = 0.01
 """A symmetry may move the surface's vertices by this share of its diameter."""

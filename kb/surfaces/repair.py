@@ -6,15 +6,14 @@ Vocabulary: ``Repaired``, the surface and the numbers of what was done.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geometry.visibility.outline import is_closed
 from kb.errors import IntakeError, SurfaceError
-from kb.surfaces.holes import filled
-from kb.surfaces.orient import turned_outward
-from kb.surfaces.simplify import simplified
+from kb.surfaces.closing import closed_up, joined_twice, rims, turned_outward
+from kb.surfaces.nearness import Nearness, spread
 from kb.surfaces.surface import Surface, welded
 
 if TYPE_CHECKING:
@@ -22,9 +21,6 @@ if TYPE_CHECKING:
 
     Places = NDArray[np.float64]
     Facets = NDArray[np.int64]
-
-FLAPS = 0.05
-"""Share of the triangles up to which two back to back are taken for a flap, and beyond it for a sheet's two sides."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +49,7 @@ def repaired(vertices: Places, triangles: Facets) -> Repaired:
         joined = welded(vertices, triangles)
     except SurfaceError as error:
         raise IntakeError(f"no surface can be made of it: {error}") from error
-    places, facets, holes, left = closed_up(joined)
+    places, facets, holes, left = closed_up(joined.vertices, joined.triangles)
     smaller, off = simplified(Surface(places, facets))
     lost = len(triangles) - len(joined.triangles) + joined_twice(joined.triangles)
     return Repaired(
@@ -61,41 +57,119 @@ def repaired(vertices: Places, triangles: Facets) -> Repaired:
     )
 
 
-def closed_up(surface: Surface) -> tuple[Places, Facets, int, int]:
-    """Vertices, triangles, holes filled and holes left, of the first way of cleaning that closes the surface; else of the last."""
-    result = surface.vertices, surface.triangles, 0, 0
-    for single in _once(surface.triangles):
-        places, facets, holes, left = filled(surface.vertices, turned_outward(surface.vertices, single))
-        result = places, turned_outward(places, facets), holes, left
-        if is_closed(result[1]):
-            break
-    return result
+FEW, MANY = 4_000, 16_000
+"""Triangles of the geometry that is kept: at most the few, or, where these would be too far from the mesh, up to the
+many."""
+DEVIATIONS = (0.0005, 0.001, 0.002, 0.003)
+"""How far it may be from the mesh, as shares of the diameter: the first that does with the few triangles; the last is
+too far."""
+PROBES = 5_000
+"""Points that the deviation is measured at."""
+AGGRESSION = 3
+"""How coarsely quadric decimation steps: 0 is fine and seldom gets there, 10 coarse."""
 
 
-def joined_twice(triangles: Facets) -> int:
-    """How many triangles another one repeats."""
-    return len(triangles) - len(np.unique(np.sort(triangles, axis=1), axis=0))
+def simplified(surface: Surface) -> tuple[Surface, float]:
+    """The surface with at most ``FEW`` triangles, and how far it then is at most, m, of many points; with up to ``MANY``, where it would be too far.
 
-
-def _once(triangles: Facets) -> list[Facets]:
-    """Each triangle once, whichever way it faces, in one or two ways.
-
-    Of two triangles back to back, which enclose nothing, neither may be meant: a flap, or the wall between two bodies
-    that touch. Or one of them: a sheet drawn from both sides, which takes its vertices with it. The likelier way is the
-    last.
+    What is too far: the last of ``DEVIATIONS``. Where even ``MANY`` triangles are farther, so be it: the distance
+    tells.
     """
-    _, first, group, count = np.unique(
-        np.sort(triangles, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
+    if len(surface.triangles) <= FEW:
+        return surface, 0.0
+    capped = _capped(surface)
+    return _by_quadrics(surface) if capped is None else _within_tolerance(surface, *capped)
+
+
+def _capped(surface: Surface) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
+    """Vertices, those of the caps last, and the caps' triangles (C, 3), which close the surface; None where they do not."""
+    caps, middles = [], [surface.vertices]
+    for number, loop in enumerate(rims(surface.triangles) if not surface.closed else ()):
+        caps.append(np.stack([np.roll(loop, -1), loop, np.full(len(loop), len(surface.vertices) + number)], axis=1))
+        middles.append(surface.vertices[loop].mean(axis=0)[None])
+    extra = np.concatenate(caps) if caps else np.zeros((0, 3), dtype=np.int64)
+    whole = is_closed(np.concatenate([surface.triangles, extra]))
+    return (np.concatenate(middles), extra) if whole else None
+
+
+def _within_tolerance(
+    surface: Surface, vertices: NDArray[np.float64], caps: NDArray[np.int64]
+) -> tuple[Surface, float]:
+    """By manifold3d: a subset of the vertices; each step moves nothing by more than the tolerance, several may add up a little."""
+    from manifold3d import Manifold, Mesh64
+
+    name = Manifold.reserve_ids(
+        2
+    )  # of the surface's triangles; the caps' is the next, and between the two no edge is lost
+    facets = np.concatenate([surface.triangles, caps]).astype(np.uint64)
+    runs = np.array([0, 3 * len(surface.triangles), 3 * len(facets)], dtype=np.uint64)
+    names = np.array([name, name + 1], dtype=np.uint32)
+    body = Manifold(
+        Mesh64(
+            np.array(vertices),
+            facets,
+            run_index=runs[: 2 + bool(len(caps))],
+            run_original_id=names[: 1 + bool(len(caps))],
+        )
     )
-    facing = np.bincount(group.ravel(), weights=_parity(triangles))
-    flap = (count == 2) & (facing == 0)
-    one, neither = triangles[np.sort(first)], triangles[np.sort(first[~flap])]
-    if not flap.any() or len(np.unique(neither)) < (1 - FLAPS) * len(np.unique(one)):
-        return [one]
-    return [neither, one] if flap.sum() > FLAPS * len(first) else [one, neither]
+    best, shares = surface, list(DEVIATIONS)
+    while shares:
+        share = shares.pop(0)
+        mesh = body.simplify(share * surface.diameter).to_mesh64()
+        triangles = _run(mesh, name)
+        if not len(triangles):
+            break
+        used, index = np.unique(triangles, return_inverse=True)
+        best = Surface(np.asarray(mesh.vert_properties, dtype=np.float64)[used, :3], index.reshape(-1, 3))
+        if len(triangles) <= FEW:
+            break
+        shares += [2 * share] if not shares and len(triangles) > MANY and share < 0.1 else []
+    return best, deviation(surface, best)
 
 
-def _parity(triangles: Facets) -> NDArray[np.int64]:
-    """1 for triangles (T, 3) whose vertices, in order, are an even permutation of ascending ones, else -1."""
-    a, b, c = triangles.T
-    return np.asarray(np.sign((b - a) * (c - b) * (c - a)))
+def _run(mesh: Any, name: int) -> NDArray[np.int64]:  # noqa: ANN401 - manifold3d ships no types
+    """The triangles (T, 3) that come from those of this name."""
+    triangles = np.asarray(mesh.tri_verts, dtype=np.int64)
+    bounds = [int(x) // 3 for x in mesh.run_index]
+    parts = [triangles[a:b] for a, b, own in zip(bounds, bounds[1:], mesh.run_original_id, strict=False) if own == name]
+    return np.concatenate(parts) if parts else triangles[:0]
+
+
+def _by_quadrics(surface: Surface) -> tuple[Surface, float]:
+    """With the fewest of a few numbers of triangles that is near enough."""
+    best, best_off = surface, 0.0
+    for number in np.linspace(FEW, MANY, 4).astype(int).tolist():
+        fewer = _decimated(surface, number) if number < len(surface.triangles) else None
+        if fewer is not None:
+            best, best_off = fewer, deviation(surface, fewer)
+            if best_off <= DEVIATIONS[-1] * surface.diameter:
+                break
+    return best, best_off
+
+
+def _decimated(surface: Surface, number: int) -> Surface | None:
+    """About ``number`` triangles; None where nothing is left."""
+    import trimesh
+
+    facets = np.array(surface.triangles, order="C")
+    mesh: Any = trimesh.Trimesh((surface.vertices - surface.centre) / surface.diameter, facets, process=False)
+    small = mesh.simplify_quadric_decimation(face_count=number, aggression=AGGRESSION)
+    try:
+        vertices = np.asarray(small.vertices, dtype=float) * surface.diameter + surface.centre
+        rough = welded(vertices, np.asarray(small.faces, dtype=np.int64))
+    except SurfaceError:
+        return None
+    return Surface(rough.vertices, turned_outward(rough.vertices, rough.triangles))
+
+
+def deviation(surface: Surface, fewer: Surface) -> float:
+    """The largest distance found between the two, m: from the one's vertices to the other's triangles, and back from points on it."""
+    there = Nearness(fewer.vertices, fewer.triangles).distance(_some(surface.vertices))
+    back = Nearness(surface.vertices, surface.triangles).distance(
+        _some(spread(fewer.vertices, fewer.triangles, PROBES)[0])
+    )
+    return float(max(there.max(), back.max()))
+
+
+def _some(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return points[:: max(1, len(points) // PROBES)]

@@ -9,22 +9,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from geometry.bodies.overlap import Solid
 from geometry.errors import GeometryError
 from geometry.files.mesh_files import meshes_of, reason, triangles_of
 from geometry.visibility.outline import is_closed
 from geometry.visibility.rays import RayMesh, checked_mesh
 from kb.errors import SurfaceError
+from kb.surfaces.closing import LARGEST_HOLE, closed_up, joined_twice
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
-
-    from kb.surfaces.solid import Mended
 
 WELD = 1e-6
 """Vertices nearer than this, as a share of the diameter, are one: a texture's seam splits them."""
@@ -68,7 +68,7 @@ class Surface:
     def closed(self) -> bool:
         """Whether each edge is run along as often one way as the other: an inside and an outside, and so a volume (§2.8).
 
-        Weaker than ``check_closed``: two bodies that touch along an edge, four facets meeting there, enclose a volume
+        Weaker than to be without ``faults``: two bodies that touch along an edge, four facets meeting there, enclose a volume
         all the same.
         """
         return is_closed(self.triangles)
@@ -80,9 +80,7 @@ class Surface:
 
     @cached_property
     def mended(self) -> Mended:
-        """What of it is a solid, and what was repaired for that, or why it is refused (``kb.surfaces.solid``)."""
-        from kb.surfaces.solid import mended
-
+        """What of it is a solid, and what was repaired for that, or why it is refused (``kb.surfaces.surface``)."""
         return mended(self)
 
     @cached_property
@@ -165,16 +163,6 @@ def degenerate(surface: Surface) -> NDArray[np.bool_]:
     return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) <= FLAT * longest**2)
 
 
-def check_closed(surface: Surface) -> None:
-    """Hold the surface to §2.8: each edge in exactly two facets, which run along it opposite ways; none degenerate.
-
-    Raises:
-        SurfaceError: with the numbers of edges and facets that break it.
-    """
-    if surface.faults:
-        raise SurfaceError(f"no closed surface: {surface.faults} of {len(surface.triangles)} facets")
-
-
 def _edge_faults(triangles: NDArray[np.int64]) -> dict[str, int]:
     directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     edges, index = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True)
@@ -185,3 +173,57 @@ def _edge_faults(triangles: NDArray[np.int64]) -> dict[str, int]:
         "edges in more than two facets": int((uses > 2).sum()),
         "edges whose two facets face opposite ways": int(((uses == 2) & (sense != 0)).sum()),
     }
+
+
+class Mended(NamedTuple):
+    """``done``: what was repaired, in words and numbers; '' where nothing had to be."""
+
+    surface: Surface | None
+    done: str
+    refused: str
+
+
+def mended(surface: Surface) -> Mended:
+    """Holes up to ``LARGEST_HOLE`` of the whole are filled, facets turned outward, and of repeated ones one is kept; its hull never stands in."""
+    if surface.closed and surface.volume > 0:
+        return _checked(surface, "")
+    places, facets, holes, left = closed_up(surface.vertices, surface.triangles)
+    done = [
+        (joined_twice(surface.triangles), "repeated facet dropped", "repeated facets dropped"),
+        (_turned(surface.triangles, facets), "facet turned over", "facets turned over"),
+        (holes, "hole filled", "holes filled"),
+    ]
+    said = ", ".join(f"{count} {one if count == 1 else more}" for count, one, more in done if count)
+    if left:
+        return Mended(
+            None,
+            "",
+            f"{left} {'hole is' if left == 1 else 'holes are'} larger than {LARGEST_HOLE:.0%} of it, and may be meant",
+        )
+    if not is_closed(facets):
+        return Mended(None, "", "its facets meet in a way that leaves no inside")
+    try:
+        return _checked(Surface(places, facets), said)
+    except SurfaceError as error:
+        return Mended(None, "", str(error))
+
+
+def _checked(surface: Surface, done: str) -> Mended:
+    """As a solid that volumes can be taken of."""
+    try:
+        Solid(surface.vertices, surface.triangles)
+    except GeometryError as error:
+        return Mended(None, "", str(error))
+    return Mended(surface, done, "")
+
+
+def _turned(before: NDArray[np.int64], after: NDArray[np.int64]) -> int:
+    """How many triangles of the one run the other way round in the other."""
+    return len({*_cycles(before[:, ::-1])} & {*_cycles(after)} - {*_cycles(before)})
+
+
+def _cycles(triangles: NDArray[np.int64]) -> list[tuple[int, int, int]]:
+    """Each triangle from its least vertex on."""
+    first = triangles.argmin(axis=1)
+    rows = np.take_along_axis(triangles, (first[:, None] + np.arange(3)) % 3, axis=1)
+    return [(a, b, c) for a, b, c in rows.tolist()]

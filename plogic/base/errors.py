@@ -19,7 +19,7 @@
 
 from __future__ import annotations
 
-from geometry.errors import PlogicError
+from geometry.errors import PlogicError, told
 
 
 class BeliefError(PlogicError):
@@ -27,7 +27,11 @@ class BeliefError(PlogicError):
 
 
 class SituationError(BeliefError):
-    """A situation contradicts itself: the message names the hypothesis or appearance, the rule and the value."""
+    """A situation contradicts itself: each of ``mistakes`` names the hypothesis or appearance, the rule and the value."""
+
+    def __init__(self, *mistakes: str) -> None:
+        super().__init__(told(mistakes))
+        self.mistakes = mistakes
 
 
 class TooManyHypothesesError(SituationError):
@@ -43,7 +47,11 @@ class InputError(BeliefError):
 
 
 class InterpretationError(BeliefError):
-    """A file is no complete ``interpretation/1``: the message names the file, the key and the value."""
+    """A file is no complete ``interpretation/1``: each of ``mistakes`` names the file, the key and the value."""
+
+    def __init__(self, *mistakes: str) -> None:
+        super().__init__(told(mistakes))
+        self.mistakes = mistakes
 
 
 class InconsistentError(BeliefError):

@@ -12,8 +12,7 @@ for the data that they explain, and have no dv.
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -25,10 +24,18 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kb.clouds.cloud import Feature, KnowledgeBase
+    from kb.clouds.cloud import KnowledgeBase
+    from kb.clouds.lobes import Feature
+    from plogic.facts.document import Cells, LeftOut, LookedRow
     from plogic.facts.hypothesis import Hypothesis
 
-CELLS = {"A": "expected_detected", "C": "expected_missed", "B": "hidden_missed", "D": "hidden_detected"}
+Cell = Literal["expected_detected", "expected_missed", "hidden_missed", "hidden_detected"]
+CELLS: dict[str, Cell] = {
+    "A": "expected_detected",
+    "C": "expected_missed",
+    "B": "hidden_missed",
+    "D": "hidden_detected",
+}
 
 
 def told(posed: Hypothesis) -> list[int]:
@@ -83,7 +90,7 @@ def lumped(posed: Hypothesis, dv: Mapping[str, float]) -> tuple[FeatureFact, ...
     )
 
 
-def left_out(posed: Hypothesis) -> dict[str, int] | None:
+def left_out(posed: Hypothesis) -> LeftOut | None:
     """How many features are not told: those that ``OTHERS`` stands for, and those outside the image; None of a type written by hand."""
     if posed.object_type.learned is None:
         return None
@@ -102,41 +109,79 @@ def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[
     return {name: value for name, value in dv.items() if name not in silent}
 
 
-def support_document(posed: Hypothesis, dv: Mapping[str, float]) -> dict[str, Any]:
+def support_document(posed: Hypothesis, dv: Mapping[str, float]) -> dict[str, Cells]:
     """The four cells for each feature type; of a learned type one row for all its visual words, with the sums of their dv as ``weights``.
 
     The rows are those of the hypothesis alone (``Hypothesis.support``): counts and weights give its ev.
     """
     rows = posed.support()
     if posed.object_type.learned is None:
-        return {name: {cell: getattr(count, letter) for letter, cell in CELLS.items()} for name, count in rows.items()}
-    counts = {cell: sum(getattr(c, letter) for c in rows.values()) for letter, cell in CELLS.items()}
-    weights = {
-        cell: float(sum(getattr(c, letter) * dv[name] for name, c in rows.items())) for letter, cell in CELLS.items()
+        return {
+            name: {
+                "expected_detected": count.A,
+                "expected_missed": count.C,
+                "hidden_missed": count.B,
+                "hidden_detected": count.D,
+            }
+            for name, count in rows.items()
+        }
+    some = rows.items()
+    return {
+        "visual words": {
+            "expected_detected": sum(c.A for c in rows.values()),
+            "expected_missed": sum(c.C for c in rows.values()),
+            "hidden_missed": sum(c.B for c in rows.values()),
+            "hidden_detected": sum(c.D for c in rows.values()),
+            "weights": {
+                cell: float(sum(getattr(c, letter) * dv[name] for name, c in some)) for letter, cell in CELLS.items()
+            },
+        }
     }
-    return {"visual words": {**counts, "weights": weights}}
 
 
-def looked_at(posed: Hypothesis, ids: Sequence[str], dv: Mapping[str, float]) -> list[dict[str, Any]]:
+def looked_at(posed: Hypothesis, ids: Sequence[str], dv: Mapping[str, float]) -> list[LookedRow]:
     """Of a rejected hypothesis of a learned type, where its features were expected or found: to be looked at, nothing is computed from them."""
     if posed.object_type.learned is None:
         return []
-    return [
-        {
-            "id": told_as(posed, f).name,
-            "type": told_as(posed, f).type,
-            "uv": np.round(posed.uv[f], 2).tolist(),
-            "in_image": bool(posed.in_image[f]),
-            "in_lobe": bool(posed.in_lobe[f]),
-            "self_hidden": bool(posed.self_hidden[f]),
-            "hidden_by": [],
-            "match": ids[posed.matches[f]] if posed.matches[f] >= 0 else None,
-            "expected": bool(posed.candidate[f]),
-            "detected": bool(posed.detected[f]),
-        }
-        | ({} if posed.stands[f] else {"stands_for": 0})
-        for f in told(posed)
-    ] + [asdict(rest) | {"expected": False, "detected": False, "case": "B"} for rest in lumped(posed, dv)]
+    return [*(_looked(posed, f, ids) for f in told(posed)), *(_rest_looked(rest) for rest in lumped(posed, dv))]
+
+
+def _looked(posed: Hypothesis, f: int, ids: Sequence[str]) -> LookedRow:
+    row: LookedRow = {
+        "id": told_as(posed, f).name,
+        "type": told_as(posed, f).type,
+        "uv": np.round(posed.uv[f], 2).tolist(),
+        "in_image": bool(posed.in_image[f]),
+        "in_lobe": bool(posed.in_lobe[f]),
+        "self_hidden": bool(posed.self_hidden[f]),
+        "hidden_by": [],
+        "match": ids[posed.matches[f]] if posed.matches[f] >= 0 else None,
+        "expected": bool(posed.candidate[f]),
+        "detected": bool(posed.detected[f]),
+    }
+    return row if posed.stands[f] else {**row, "stands_for": 0}
+
+
+def _rest_looked(rest: FeatureFact) -> LookedRow:
+    return {
+        "id": rest.id,
+        "type": rest.type,
+        "at": list(rest.at),
+        "uv": list(rest.uv),
+        "dv": rest.dv,
+        "in_image": rest.in_image,
+        "in_lobe": rest.in_lobe,
+        "self_hidden": rest.self_hidden,
+        "hidden_by": list(rest.hidden_by),
+        "match": rest.match,
+        "residual": rest.residual,
+        "density": rest.density,
+        "hit_rate": rest.hit_rate,
+        "stands_for": rest.stands_for,
+        "expected": False,
+        "detected": False,
+        "case": "B",
+    }
 
 
 def _notable(posed: Hypothesis) -> NDArray[np.bool_]:

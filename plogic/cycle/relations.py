@@ -1,6 +1,6 @@
 """The occlusion relations of hypotheses, and of their parts, that can be present together (§3.5-3.7).
 
-Of parts those that are objects and have a body (``kb.clouds.part_bodies``), each with the parts and the whole of every
+Of parts those that are objects and have a body (``kb.clouds.cloud``), each with the parts and the whole of every
 other hypothesis; parts of one hypothesis are not compared. A part's body is taken alone: what else of its own object
 stands before it is not looked at. The relation of two wholes is in ``relations_of``.
 """

@@ -2,32 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
-from plogic.facts.spatial import SharedFact, space_of, words_of_shared
+from plogic.facts.spatial import SharedFact, shared_of, words_of_shared
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from plogic.facts.document import Interpretation
+    from plogic.facts.fact_rows import ExclusionRow
     from plogic.facts.spatial import Space
 
 LISTED = 5
 """Pairs that are told in words, the deepest first; the others are counted."""
 
 
-def exclusions(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+def exclusions(document: Interpretation) -> list[ExclusionRow]:
     """The overlap facts of an interpretation: ``{"args": ["h1", "h3"], "volume": 2.1e-05, "depth": 0.012}``, as far as they are known."""
     return [
-        {key: value for key, value in fact.items() if key != "fact"}
-        for fact in document.get("facts", [])
+        cast("ExclusionRow", {key: value for key, value in fact.items() if key != "fact"})
+        for fact in document["facts"]
         if fact["fact"] == "overlap"
     ]
 
 
-def exclusion_lines(document: Mapping[str, Any]) -> list[str]:
+def exclusion_lines(document: Interpretation) -> list[str]:
     """``h1 and h3 are never together (A4): they share 2.1e-05 m3, 12 mm deep``, by depth."""
-    shared = sorted(space_of(None, document.get("facts", [])).shared, key=lambda s: (-s.depth[1], s.x, s.y))
-    names = {h["id"]: f"{h.get('label') or h['type']} {h['id']}" for h in document.get("hypotheses", [])}
+    shared = sorted(shared_of(document["facts"]), key=lambda s: (-s.depth[1], s.x, s.y))
+    names = {h["id"]: f"{h.get('label') or h['type']} {h['id']}" for h in document["hypotheses"]}
     more = (
         [f"{len(shared) - LISTED} more pairs are never together (A4); --json has them all"]
         if len(shared) > LISTED

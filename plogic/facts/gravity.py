@@ -10,10 +10,12 @@ Everything here is plain data; ``plogic.cycle.holding`` makes it by geometry, an
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Sequence
+
+    from plogic.facts.fact_rows import Fact, FootRow, GravityKey, GravityRow, RestsRow
 
 GROUND = "ground"
 """Its name in facts and queries; no hypothesis may have it."""
@@ -80,31 +82,33 @@ def linked(gravity: Gravity) -> list[tuple[str, str]]:
     return held + [(foot.id, lower) for foot in gravity.feet for lower in gravity.lower(foot.id)]
 
 
-def gravity_document(gravity: Gravity | None) -> dict[str, Any]:
+def gravity_document(gravity: Gravity | None) -> GravityKey:
     """``{"gravity": {...}}`` of ``interpretation.json``, whose facts are elsewhere; nothing where nobody said that it holds."""
     if gravity is None:
         return {}
-    told = {"unknown_support": gravity.unknown_support, "ground": gravity.ground}
-    return {"gravity": told | ({"silent": gravity.silent} if gravity.silent else {})}
+    told: GravityRow = {"unknown_support": gravity.unknown_support, "ground": gravity.ground}
+    return {"gravity": {**told, "silent": gravity.silent} if gravity.silent else told}
 
 
-def gravity_facts(gravity: Gravity | None) -> list[dict[str, Any]]:
+def gravity_facts(gravity: Gravity | None) -> list[FootRow | RestsRow]:
     """Its facts, for ``facts`` of the document: ``{"fact": "foot", "args": ["h1"], "low": 0.0, "high": 0.02}``, ``{"fact": "rests_on", ...}``."""
     if gravity is None:
         return []
-    feet = [{"fact": "foot", "args": [foot.id], "low": foot.low, "high": foot.high} for foot in gravity.feet]
-    return feet + [{"fact": "rests_on", "args": list(pair)} for pair in gravity.rests]
+    rows: list[FootRow | RestsRow] = []
+    rows += [{"fact": "foot", "args": [foot.id], "low": foot.low, "high": foot.high} for foot in gravity.feet]
+    rows += [{"fact": "rests_on", "args": list(pair)} for pair in gravity.rests]
+    return rows
 
 
-def gravity_of(document: Mapping[str, Any] | None, facts: Iterable[Mapping[str, Any]]) -> Gravity | None:
+def gravity_of(document: GravityRow | None, facts: Sequence[Fact]) -> Gravity | None:
     """The typed form of both."""
     if document is None:
         return None
-    some, ground = list(facts), document["ground"]
+    ground = document["ground"]
     return Gravity(
         unknown_support=float(document["unknown_support"]),
         ground=None if ground is None else float(ground),
-        feet=tuple(Foot(str(f["args"][0]), float(f["low"]), float(f["high"])) for f in some if f["fact"] == "foot"),
-        rests=tuple((str(f["args"][0]), str(f["args"][1])) for f in some if f["fact"] == "rests_on"),
-        silent=str(document.get("silent", "")),
+        feet=tuple(Foot(f["args"][0], float(f["low"]), float(f["high"])) for f in facts if f["fact"] == "foot"),
+        rests=tuple((f["args"][0], f["args"][1]) for f in facts if f["fact"] == "rests_on"),
+        silent=document.get("silent", ""),
     )

@@ -13,6 +13,7 @@ and its verdict (§5.4, §7), and Δh its id, its group and its features as fact
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -20,6 +21,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from geometry.frames import transform_points
+from plogic.facts.expected import expected
 from plogic.measures.crowding import shares
 from plogic.measures.explanatory import Support, tally
 
@@ -92,6 +94,7 @@ class Hypothesis:
 
     ``worth`` is the log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     ``ev`` is that of the hypothesis alone, ``ev_reconsidered`` that beside Δi; None where it is 0/0 or was not asked.
+    ``hidden`` (F,): what accepted opaque objects hide of it, where it was judged beside any.
 
     ``group`` names the instance that it and its rivals of the same type compete for (one alternative, §8).
     ``features`` and ``parts`` are facts. Two hypotheses are equal where their facts are.
@@ -110,6 +113,7 @@ class Hypothesis:
     surplus: float = 0.0
     ev: float | None = None
     ev_reconsidered: float | None = None
+    hidden: NDArray[np.bool_] | None = field(default=None, repr=False)
     known_type: ObjectType | None = field(default=None, repr=False)
     at: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)), repr=False)
     uv: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
@@ -151,15 +155,36 @@ class Hypothesis:
             raise LookupError(f"hypothesis {self.id}: a document does not hold the whole type {self.type}")
         return self.known_type
 
+    def told(self, **said: object) -> Hypothesis:
+        """The same hypothesis with another id, verdict or facts: nothing that its arrays give changes."""
+        result = copy(self)
+        for name, value in said.items():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+            object.__setattr__(result, name, value)
+        return result
+
+    def verdict(self) -> dict[str, object]:
+        """What was judged of it: another hypothesis can be ``told`` the same."""
+        return {name: getattr(self, name) for name in VERDICT}
+
+    def bare(self) -> Hypothesis:
+        """The same hypothesis without its arrays: type, pose and verdict."""
+        pose = self.camera_from_object
+        return Hypothesis(self.type, pose, self.opaque, known_type=self.known_type).told(**self.verdict())
+
     def expects(self, feature: FeatureFact) -> bool:
-        """Whether the feature is Expected where no other object of the world hides it (D7 within the hypothesis alone)."""
-        return feature.in_image and feature.in_lobe and not (feature.self_hidden and self.opaque)
+        """Return whether the feature is Expected where no other object of the world hides it (D7)."""
+        return expected(feature, self.opaque)
 
     @cached_property
     def candidate(self) -> NDArray[np.bool_]:
         """(F,) Expected where no other object hides it (D7)."""
-        hidden = self.self_hidden if self.opaque else np.zeros_like(self.self_hidden)
-        return self.in_image & self.in_lobe & ~hidden
+        return expected(self, self.opaque)
+
+    def expected(self, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
+        """(F,) Expected where opaque objects of the world hide the ``hidden`` features (F,) (D7); None: where there are none."""
+        return self.candidate if hidden is None else expected(self, self.opaque, hidden)
 
     @cached_property
     def counted(self) -> NDArray[np.float64]:
@@ -204,11 +229,12 @@ class Hypothesis:
 
     def support(self, hidden: NDArray[np.bool_] | None = None) -> Support:
         """The four cases over the features in the image, a compound once (A1); ``hidden`` (F,): what accepted opaque objects hide (strict D7)."""
-        expected = self.candidate & ~hidden if hidden is not None else self.candidate
         names, kind = self.object_type.kind_codes
         inside = self.in_image & self.stands
-        return tally(names, kind[self.object_type.whole[inside]], expected[inside], self.detected[inside])
+        return tally(names, kind[self.object_type.whole[inside]], self.expected(hidden)[inside], self.detected[inside])
 
 
 ARRAYS = tuple(row.name for row in fields(Hypothesis) if "NDArray" in str(row.type))
 """The fields that are arrays."""
+VERDICT = "worth", "surplus", "ev", "ev_reconsidered", "status", "why"
+"""The fields that say what was judged."""

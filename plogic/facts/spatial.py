@@ -12,10 +12,12 @@ Everything here is plain data, of metres in the camera frame; ``plogic.cycle.pla
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Sequence
+
+    from plogic.facts.fact_rows import Fact, OverlapRow, SpaceRow
 
 View = Literal["inside", "cut", "outside"]
 Pair = tuple[str, str]
@@ -82,7 +84,7 @@ class Space:
         return next((s for s in self.shared if {s.x, s.y} == {x, y}), None)
 
 
-def space_document(space: Space) -> dict[str, Any]:
+def space_document(space: Space) -> SpaceRow:
     """``space`` of ``interpretation.json``, without ``shared``, which its overlap facts carry."""
     return {
         "up": None if space.up is None else list(space.up),
@@ -95,47 +97,50 @@ def space_document(space: Space) -> dict[str, Any]:
     }
 
 
-def overlap_document(fact: Mapping[str, Any], space: Space) -> dict[str, Any]:
+def overlap_document(pair: Pair, space: Space) -> OverlapRow:
     """An overlap fact with its volume, m³, and depth, m, where they are known; ``depth_interval`` where it is known within bounds only."""
-    found = space.sharing(*fact["args"])
+    row: OverlapRow = {"fact": "overlap", "args": list(pair)}
+    found = space.sharing(*pair)
     if found is None:
-        return dict(fact)
+        return row
     low, high = found.depth
-    told = {**fact, "volume": found.volume, "depth": high}
-    return told if low == high else {**told, "depth_interval": [low, high]}
+    row = {**row, "volume": found.volume, "depth": high}
+    return row if low == high else {**row, "depth_interval": [low, high]}
 
 
-def space_of(document: Mapping[str, Any] | None, facts: Iterable[Mapping[str, Any]]) -> Space:
+def space_of(document: SpaceRow | None, facts: Sequence[Fact]) -> Space:
     """The typed space of an interpretation's ``space`` and ``facts``; without the one, and without volumes, an empty one."""
-    shared = tuple(_shared(f) for f in facts if f["fact"] == "overlap" and "volume" in f)
+    shared = shared_of(facts)
     if document is None:
         return Space(shared=shared)
     up = document["up"]
     return Space(
         up=None if up is None else _triple(up),
-        up_from=str(document["up_from"]),
-        bodies=tuple(_body(b) for b in document["bodies"]),
+        up_from=document["up_from"],
+        bodies=tuple(
+            BodyFact(b["id"], _triple(b["middle"]), float(b["nearest"]), b["view"]) for b in document["bodies"]
+        ),
         gaps=tuple((str(x), str(y), float(gap)) for x, y, gap in document["gaps"]),
-        above=tuple((str(x), str(y)) for x, y in document["above"]),
-        on=tuple((str(x), str(y)) for x, y in document["on"]),
-        on_both=tuple((str(x), str(y), str(z)) for x, y, z in document["on_both"]),
+        above=tuple((x, y) for x, y in document["above"]),
+        on=tuple((x, y) for x, y in document["on"]),
+        on_both=tuple((x, y, z) for x, y, z in document["on_both"]),
         shared=shared,
     )
 
 
-def _shared(fact: Mapping[str, Any]) -> SharedFact:
+def shared_of(facts: Sequence[Fact]) -> tuple[SharedFact, ...]:
+    """The volumes that overlap facts tell."""
+    return tuple(_shared(f) for f in facts if f["fact"] == "overlap" and "volume" in f)
+
+
+def _shared(fact: OverlapRow) -> SharedFact:
     x, y = fact["args"]
-    low, high = fact.get("depth_interval") or (fact["depth"], fact["depth"])
-    return SharedFact(str(x), str(y), float(fact["volume"]), (float(low), float(high)))
+    depth = fact.get("depth", 0.0)
+    low, high = fact.get("depth_interval") or (depth, depth)
+    return SharedFact(x, y, float(fact["volume"]), (float(low), float(high)))
 
 
-def _body(b: Mapping[str, Any]) -> BodyFact:
-    if b["view"] not in ("inside", "cut", "outside"):
-        raise ValueError(f"space: view: {b['view']!r:.60} should be inside, cut or outside")
-    return BodyFact(str(b["id"]), _triple(b["middle"]), float(b["nearest"]), b["view"])
-
-
-def _triple(row: Iterable[float]) -> tuple[float, float, float]:
+def _triple(row: Sequence[float]) -> tuple[float, float, float]:
     x, y, z = row
     return float(x), float(y), float(z)
 

@@ -27,11 +27,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.document import Interpretation
     from plogic.facts.hypothesis import Hypothesis
     from plogic.rates.truth import Truth
     from sensing.appearance import Gamma
 
-    Perceive = Callable[[Gamma], dict[str, Any]]
+    Perceive = Callable[[Gamma], Interpretation]
 
 SOURCES = ("interpretation.json", "gamma.json", "image.png", "image.jpg", "image.jpeg")
 
@@ -88,7 +89,7 @@ def _interpreted(path: Path, kb: KnowledgeBase) -> Found:
     return Found(gamma, accepted_in(document))
 
 
-def accepted_in(document: dict[str, Any]) -> tuple[tuple[str, NDArray[np.float64]], ...]:
+def accepted_in(document: Interpretation) -> tuple[tuple[str, NDArray[np.float64]], ...]:
     """(type, pose) of Δi."""
     return tuple(
         (h["type"], np.array(h["T_camera_object"])) for h in document["hypotheses"] if h["status"] == "accepted"
@@ -155,7 +156,7 @@ def _looked(
 
 def _slot(one: Hypothesis, hidden: NDArray[np.bool_], data: Data, kb: KnowledgeBase, *, present: bool | None) -> Slot:
     kind = one.object_type
-    expected = np.flatnonzero(one.candidate & ~hidden)
+    expected = np.flatnonzero(one.expected(hidden))
     sightings = tuple(
         Sighting(seen.type, near=bool(one.detected[f]), chance=_chance(seen.appearances, data, kb))
         for f, seen in ((f, kind.seen_features[f]) for f in expected)
@@ -172,7 +173,7 @@ def _chance(appearances: Sequence[Any], data: Data, kb: KnowledgeBase) -> float:
 
 def _clutter(looked: Sequence[tuple[Hypothesis, NDArray[np.bool_]]], data: Data, kb: KnowledgeBase) -> dict[str, int]:
     """Per appearance type what no expected feature of a true object takes."""
-    used = {int(m) for one, hidden in looked for m in one.matches[one.candidate & ~hidden & one.detected]}
+    used = {int(m) for one, hidden in looked for m in one.matches[one.expected(hidden) & one.detected]}
     left = Counter(kind for a, kind in enumerate(data.types) if a not in used)
     return {name: left[name] for name in kb.appearance_types}
 

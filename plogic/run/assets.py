@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal
 
 import cv2
 import numpy as np
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import ObjectType
+    from plogic.facts.document import AssetsRow, MeshRow
 
 LARGEST_PNG = 768 * 2**10
 """Bytes; a larger image is carried as JPEG."""
@@ -26,13 +27,14 @@ GRIDS = (80, 56, 40, 28, 20, 14, 10, 7)
 enough."""
 
 
-def image_asset(image: NDArray[np.uint8] | None) -> dict[str, Any]:
+def image_asset(image: NDArray[np.uint8] | None) -> AssetsRow:
     """``{"image": {...}}`` of a BGR picture (H, W, 3), or nothing. The size given is the original's, so that pixels keep their meaning."""
     if image is None:
         return {}
     height, width = image.shape[:2]
     shrink = LONGEST_SIDE / max(height, width)
     small = image if shrink >= 1.0 else cv2.resize(image, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
+    kind: Literal["image/png", "image/jpeg"]
     kind, data = "image/png", cv2.imencode(".png", small)[1]
     if data.size > LARGEST_PNG:
         kind, data = "image/jpeg", cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, 88])[1]
@@ -40,15 +42,16 @@ def image_asset(image: NDArray[np.uint8] | None) -> dict[str, Any]:
     return {"image": {"media_type": kind, "width": width, "height": height, "base64": text}}
 
 
-def mesh_assets(types: Mapping[str, ObjectType]) -> dict[str, Any]:
+def mesh_assets(types: Mapping[str, ObjectType]) -> AssetsRow:
     """``{"meshes": {type: {"vertices", "triangles"}}}`` in metres, object frame, to 0.1 mm; of a coarser one how far off it may be, ``slack``, m."""
-    meshes = {}
+    meshes: dict[str, MeshRow] = {}
     for name, object_type in sorted(types.items()):
         surface = object_type.surface
         if surface is not None:
             vertices, triangles, slack = _carried(surface.vertices, surface.triangles)
-            coarser = {} if slack == 0.0 else {"slack": round(slack, 5)}
-            meshes[name] = {"vertices": np.round(vertices, 4).tolist(), "triangles": triangles.tolist(), **coarser}
+            meshes[name] = {"vertices": np.round(vertices, 4).tolist(), "triangles": triangles.tolist()}
+            if slack != 0.0:
+                meshes[name]["slack"] = round(slack, 5)
     return {"meshes": meshes}
 
 

@@ -6,7 +6,7 @@ of each direction of view in turn; how many were left out is said.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from plogic.facts.document import SensingRow, TypeRow
 
 MOST_LOBES = 1500
 """Of one type: some 60 bytes each."""
@@ -26,7 +27,7 @@ DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
 DIRECTIONS.setflags(write=False)
 
 
-def sensing_document(kb: KnowledgeBase) -> dict[str, Any]:
+def sensing_document(kb: KnowledgeBase) -> SensingRow:
     """What holds of the detector whatever is there: focal length of reference, tolerance (pixels), data of clutter an image by type."""
     return {
         "f_ref": kb.f_ref,
@@ -35,7 +36,7 @@ def sensing_document(kb: KnowledgeBase) -> dict[str, Any]:
     }
 
 
-def types_document(types: Mapping[str, ObjectType], kb: KnowledgeBase) -> dict[str, Any]:
+def types_document(types: Mapping[str, ObjectType], kb: KnowledgeBase) -> dict[str, TypeRow]:
     """By type: its ``features`` as [id, type, x, y, z], the appearance types ``looks``, and ``lobes`` as rows of numbers.
 
     A lobe is [feature, look, axis x, y, z, half angle, least and greatest distance, hit rate]; metres, radians, object
@@ -44,7 +45,7 @@ def types_document(types: Mapping[str, ObjectType], kb: KnowledgeBase) -> dict[s
     return {name: _table(kind, kb) for name, kind in sorted(types.items())}
 
 
-def _table(kind: ObjectType, kb: KnowledgeBase) -> dict[str, Any]:
+def _table(kind: ObjectType, kb: KnowledgeBase) -> TypeRow:
     table, hit = kind.lobes, _hit(kind, kb)
     kept = _surest(table.axis, hit) if kind.learned is not None else np.arange(len(hit))
     used, feature = np.unique(table.feature[kept], return_inverse=True)
@@ -53,7 +54,7 @@ def _table(kind: ObjectType, kb: KnowledgeBase) -> dict[str, Any]:
     half = np.arccos(np.clip(table.cos_half, -1.0, 1.0))
     rows = np.column_stack([table.axis, half, table.r_min, table.r_max, hit])[kept].round(4).tolist()
     seen = [kind.seen_features[f] for f in used.tolist()]
-    document = {
+    document: TypeRow = {
         "features": [[f.name, f.type, *np.round(f.at, 5).tolist()] for f in seen],
         "looks": looks,
         "lobes": [
@@ -62,7 +63,7 @@ def _table(kind: ObjectType, kb: KnowledgeBase) -> dict[str, Any]:
         ],
         "measured": kind.learned is not None,
     }
-    return document | ({"left_out": {"lobes": len(hit) - len(kept)}} if len(kept) < len(hit) else {})
+    return {**document, "left_out": {"lobes": len(hit) - len(kept)}} if len(kept) < len(hit) else document
 
 
 def _hit(kind: ObjectType, kb: KnowledgeBase) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ in every world (``left_out`` per hypothesis, and one feature that stands for tho
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from plogic.facts.gravity import gravity_document
 from plogic.facts.interpretation import FORMAT, facts_of, hypothesis_document
 from plogic.facts.situation import OTHERS
 from plogic.facts.spatial import space_document
-from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.outline_rings import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
@@ -38,16 +37,29 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.belief import Belief
     from plogic.cycle.delta import Delta
-    from plogic.facts.situation import Situation
+    from plogic.facts.document import (
+        ApartKey,
+        AppearanceRow,
+        CameraRow,
+        Case,
+        HypothesisRow,
+        Interpretation,
+        Listed,
+        RejectedRow,
+        RelationRow,
+        Status,
+        StepRow,
+        Verdict,
+        WorldRow,
+    )
+    from plogic.facts.hypothesis import Hypothesis
+    from plogic.facts.situation import PairFact, Situation
     from plogic.scene.worlds.ranked_worlds import Ranking
     from sensing.appearance import Gamma
 
 LISTED_REJECTED = 12
 """Rejected hypotheses that are written, the best first; the trace names them all."""
-
-Cases = dict[str, tuple[bool, bool, str | None]]
 
 
 @uncollected()
@@ -55,37 +67,37 @@ def document_of(
     kb: KnowledgeBase,
     gamma: Gamma,
     delta: Delta,
-    rejected: Sequence[Belief],
-    trace: list[dict[str, object]],
+    rejected: Sequence[Hypothesis],
+    trace: list[StepRow],
     ranking: Ranking,
     image: NDArray[np.uint8] | None,
     *,
     seconds: float | None = None,
-) -> dict[str, Any]:
+) -> Interpretation:
     """Everything that ``worlds``, ``query``, ``explain``, ``report`` and ``program`` need; with ``seconds``, what is known of relations by then."""
     situation = delta.situation
     counts = instance_counts(kb.types)
     dv = distinctiveness(counts)
-    kinds = {b.posed.object_type.name: b.posed.object_type for b in delta.beliefs.values()}
+    kinds = {b.object_type.name: b.object_type for b in delta.beliefs.values()}
     return {
         "format": FORMAT,
         "reading": situation.reading,
         "reconsider": situation.reconsider,
         "smoothing": situation.smoothing,
         "kb": {"name": kb.name, "digest": kb.digest},
-        "camera": camera_to_dict(gamma.camera),
+        "camera": cast("CameraRow", camera_to_dict(gamma.camera)),
         "appearances": [
-            appearance_to_dict(a, described=False) | {"clutter": fact.clutter}
+            cast("AppearanceRow", appearance_to_dict(a, described=False) | {"clutter": fact.clutter})
             for a, fact in zip(gamma.appearances, situation.appearances, strict=True)
         ],
-        "hypotheses": _hypotheses(delta, gamma, ranking, dv) + _rejected(rejected, gamma, dv),
+        "hypotheses": [*_hypotheses(delta, gamma, ranking, dv), *_rejected(rejected, gamma, dv)],
         **_worlds(ranking, situation, short=kb.words is not None),
         "unlisted_mass": list(ranking.unlisted),
         "relations": relation_probabilities(situation, seconds),
         "doubts": [doubt.document() for doubt in doubts(situation)],
         "facts": facts_of(situation),
         "space": space_document(situation.space),
-        **gravity_document(situation.gravity),
+        **gravity_document(situation.gravity),  # type: ignore[typeddict-item] # no deadline's marks yet
         "measures": {
             "dv": situation.dv,
             "p_dv": _told(probability_of_distinctiveness(counts), situation.dv),
@@ -96,52 +108,64 @@ def document_of(
         "labels": {},
         "sensing": sensing_document(kb),
         "types": types_document(kinds, kb),
-        "assets": image_asset(image) | mesh_assets(kinds),
+        "assets": {**image_asset(image), **mesh_assets(kinds)},
         "trace": trace,
     }
 
 
-def _worlds(ranking: Ranking, situation: Situation, *, short: bool) -> dict[str, Any]:
+def _worlds(ranking: Ranking, situation: Situation, *, short: bool) -> Listed:
     """The listed worlds; ``short``: an appearance that no feature is matched to is noise in all of them, and is not repeated."""
     matched = {f.match for h in situation.hypotheses for f in h.features}
     named = [a.id for a in situation.appearances if a.id in matched or not short]
-    worlds = [
+    worlds: list[WorldRow] = [
         {"probability": w.probability, "present": list(w.present), "causes": {a: w.causes[a] for a in named}}
         for w in ranking.worlds
     ]
-    return {"worlds": worlds} | ({"causes_else": "noise"} if short else {})
+    return {"worlds": worlds, "causes_else": "noise"} if short else {"worlds": worlds}
 
 
 def _told(table: Mapping[str, float], names: Mapping[str, float]) -> dict[str, float]:
     return {name: value for name, value in table.items() if name in names}
 
 
-def relation_probabilities(situation: Situation, seconds: float | None = None) -> list[dict[str, Any]]:
+def relation_probabilities(situation: Situation, seconds: float | None = None) -> list[RelationRow]:
     """P(relation) of each pair: that both are present, most probable first; with ``seconds``, the middle of its ``interval`` by then."""
     chances = together(situation, [(fact.x, fact.y) for fact in situation.relations], seconds)
     rows = [
-        {
-            "relation": fact.relation, "args": [fact.x, fact.y], "probability": low if low == high else (low + high) / 2.0,
-            **({"roc": fact.roc} if fact.roc else {}), **({} if seconds is None else {"interval": [low, high]}),
-        }
+        _relation(fact, low, high, told=seconds is not None)
         for fact, (low, high) in zip(situation.relations, chances, strict=True)
-    ]  # fmt: skip
+    ]
     return sorted(rows, key=lambda row: (-row["probability"], row["relation"], row["args"]))
 
 
-def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, float]) -> list[dict[str, Any]]:
-    facts = {h.id: h for h in delta.situation.hypotheses}
-    apart = apart_of(delta.situation.space, {name: h.type for name, h in facts.items()})
+def _relation(fact: PairFact, low: float, high: float, *, told: bool) -> RelationRow:
+    middle = low if low == high else (low + high) / 2.0
+    row: RelationRow = {"relation": fact.relation, "args": [fact.x, fact.y], "probability": middle}
+    if fact.roc:
+        row["roc"] = fact.roc
+    if told:
+        row["interval"] = [low, high]
+    return row
+
+
+def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, float]) -> list[HypothesisRow]:
+    apart = apart_of(delta.situation.space, {name: h.type for name, h in delta.beliefs.items()})
     return [
         {
-            **hypothesis_document(facts[name], _cases(belief, _beside(name, delta))),
+            **hypothesis_document(belief, _cases(belief)),
+            "label": belief.type,
+            "status": cast("Status", belief.status),
             **_verdict(belief, gamma, dv),
             "ev_reconsidered": _reconsidered(name, delta),
-            **({"apart": apart[name]} if name in apart else {}),
+            **_apart(apart.get(name)),
             "probability": ranking.marginals[name],
         }
         for name, belief in delta.beliefs.items()
     ]
+
+
+def _apart(lines: list[str] | None) -> ApartKey:
+    return {} if lines is None else {"apart": lines}
 
 
 def _reconsidered(name: str, delta: Delta) -> float | None:
@@ -154,69 +178,50 @@ def _reconsidered(name: str, delta: Delta) -> float | None:
     return None if np.isnan(share) else 2.0 * share - 1.0
 
 
-def _beside(name: str, delta: Delta) -> list[Belief]:
-    """The accepted opaque objects that may hide features of a hypothesis: its rivals hide nothing (D7)."""
-    rivals = {frozenset(pair) for pair in delta.situation.rivals}
-    return [
-        other
-        for key, other in delta.beliefs.items()
-        if key != name
-        and other.status == "accepted"
-        and other.posed.object_type.opaque
-        and frozenset((name, key)) not in rivals
-    ]
-
-
-def _hidden(belief: Belief, beside: Sequence[Belief]) -> NDArray[np.bool_]:
-    mask = np.zeros(len(belief.posed.uv), dtype=bool)
-    for other in beside:
-        mask |= hidden_by(belief.posed, other.posed)
-    return mask
-
-
-def _cases(belief: Belief, beside: Sequence[Belief]) -> Cases:
+def _cases(posed: Hypothesis) -> dict[str, tuple[bool, bool, Case | None]]:
     """(expected, detected, case) of each feature that is told, beside Δi; outside the image, no case."""
-    posed = belief.posed
-    expected = posed.candidate & ~_hidden(belief, beside)
+    expected = posed.expected(posed.hidden)
     some = told(posed)
     rows = zip(some, *(mask[some].tolist() for mask in (expected, posed.detected, posed.in_image)), strict=True)
-    cases: Cases = {
+    cases: dict[str, tuple[bool, bool, Case | None]] = {
         told_as(posed, f).name: (e, d, case_of(expected=e, detected=d) if inside else None) for f, e, d, inside in rows
     }
     return cases | {OTHERS: (False, False, "B")}
 
 
-def _verdict(belief: Belief, gamma: Gamma, dv: Mapping[str, float]) -> dict[str, Any]:
+def _verdict(belief: Hypothesis, gamma: Gamma, dv: Mapping[str, float]) -> Verdict:
     """What the cycle decided of one hypothesis, with its measures and outline."""
-    posed, ev = belief.posed, belief.ev
+    posed, ev = belief, belief.ev
     missing = left_out(posed)
-    return {
-        "label": posed.object_type.name,
-        "status": belief.status,
+    verdict: Verdict = {
         "why": belief.why,
         "ev": ev,
         "p_ev": None if ev is None else probability_of_ev(ev),
         "ev_reconsidered": belief.ev_reconsidered,
         "log_likelihood_ratio": belief.worth,
         "support": support_document(posed, dv),
-        **({} if missing is None else {"left_out": missing}),
-        "outline": outline_rings(posed, gamma.camera),
     }
+    if missing is not None:
+        verdict["left_out"] = missing
+    verdict["outline"] = outline_rings(posed, gamma.camera)
+    return verdict
 
 
-def _rejected(rejected: Sequence[Belief], gamma: Gamma, dv: Mapping[str, float]) -> list[dict[str, Any]]:
+def _rejected(rejected: Sequence[Hypothesis], gamma: Gamma, dv: Mapping[str, float]) -> list[RejectedRow]:
     best = sorted(rejected, key=lambda b: -b.worth)[:LISTED_REJECTED]
     ids = [a.id for a in gamma.appearances]
     return [
         {
             "id": f"r{i}",
-            "type": b.posed.object_type.name,
-            "T_camera_object": b.posed.camera_from_object.tolist(),
-            "opaque": b.posed.object_type.opaque,
+            "type": b.object_type.name,
+            "T_camera_object": b.camera_from_object.tolist(),
+            "opaque": b.object_type.opaque,
             "group": None,
             "probability": 0.0,
             "parts": [],
-            "features": looked_at(b.posed, ids, dv),
+            "features": looked_at(b, ids, dv),
+            "label": b.object_type.name,
+            "status": "rejected",
             **_verdict(b, gamma, dv),
         }
         for i, b in enumerate(best, 1)

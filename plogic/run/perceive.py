@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from plogic.base.errors import InconsistentError, InputError
 from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.attention import attend
 from plogic.cycle.delta import Delta, Options, delta_of
-from plogic.cycle.recall import Recall
+from plogic.cycle.perception import perceive
+from plogic.cycle.state import Task
 from plogic.facts.stopped import SEARCH, WORLDS
 from plogic.match.gamma.data import data_of
 from plogic.match.kinds import FAST, GENERATORS, models_of
@@ -28,8 +29,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.belief import Belief, Cycle
     from plogic.cycle.recall import Seed
+    from plogic.cycle.state import Cycle
+    from plogic.facts.document import Interpretation, StepRow
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.stopped import Stopped
     from plogic.match.gamma.data import Data
     from sensing.appearance import Gamma
@@ -72,7 +75,7 @@ class Perceiver:
         options: Options | None = None,
         image: NDArray[np.uint8] | None = None,
         clock: Stopwatch | None = None,
-    ) -> dict[str, Any]:
+    ) -> Interpretation:
         """The interpretation document of one Γ; ``image`` (H, W, 3) is only carried along. An empty Γ gives the empty world."""
         options, clock = options or Options(), clock or Stopwatch()
         return self.document(gamma, *self.cycle(gamma, options, clock), options, image, clock)
@@ -85,7 +88,7 @@ class Perceiver:
         options: Options,
         image: NDArray[np.uint8] | None,
         clock: Stopwatch,
-    ) -> dict[str, Any]:
+    ) -> Interpretation:
         """The interpretation document of what the cycle came to."""
         gamma, (delta, rejected, trace) = gamma.in_order(), self._facts(data, cycle, options, clock)
         with clock.stage("worlds"):
@@ -106,7 +109,7 @@ class Perceiver:
             )
         return marked(document, ranking, stopped) if stopped else document
 
-    def accepted(self, gamma: Gamma) -> list[tuple[Belief, float]]:
+    def accepted(self, gamma: Gamma) -> list[tuple[Hypothesis, float]]:
         """What is accepted of one Γ, with its probability: what the interpretation document says of it, where nobody reads the rest."""
         data, cycle = self.cycle(gamma, Options(), Stopwatch())
         delta = delta_of(cycle, data, self.kb, self.dv, Options(), related=False)
@@ -117,15 +120,15 @@ class Perceiver:
 
     def delta(
         self, gamma: Gamma, options: Options, clock: Stopwatch
-    ) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
+    ) -> tuple[Delta, tuple[Hypothesis, ...], list[StepRow]]:
         """Δh with its facts, what was rejected, and the trace."""
         return self._facts(*self.cycle(gamma, options, clock), options, clock)
 
     def _facts(
         self, data: Data, cycle: Cycle, options: Options, clock: Stopwatch
-    ) -> tuple[Delta, tuple[Belief, ...], list[dict[str, object]]]:
+    ) -> tuple[Delta, tuple[Hypothesis, ...], list[StepRow]]:
         with clock.stage("facts"):
-            delta = delta_of(cycle, data, self.kb, self.dv, options)
+            delta = delta_of(cycle, data, self.kb, self.dv, options, models=self.models)
         return delta, cycle.rejected, cycle.trace.document()
 
     def cycle(
@@ -145,14 +148,12 @@ class Perceiver:
         with clock.stage("rank"):
             attention = attend(self.models.values(), data.types, self.kb)
         with clock.stage("search"), uncollected():
-            perception = Recall(data, self.kb, self.models, self.dv, options.end, self.processes)
-            cycle = perception.resume(attention, seeds, usual or {})
-            if perception.unfinished:
-                cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")
+            task = Task(data, self.kb, self.models, self.dv, options.end, self.processes)
+            cycle = perceive(task, attention, seeds, usual)
         return data, cycle
 
 
-def ranked(delta: Delta, trace: list[dict[str, object]], seconds: float | None = None) -> tuple[Delta, Ranking]:
+def ranked(delta: Delta, trace: list[StepRow], seconds: float | None = None) -> tuple[Delta, Ranking]:
     """The worlds of Δh; with ``seconds``, what is known of them by then.
 
     Where dogmatic P(ev) of 0 and 1 leave none (§8, trap c), the program is smoothed, and the trace says so.
@@ -165,6 +166,6 @@ def ranked(delta: Delta, trace: list[dict[str, object]], seconds: float | None =
         return softer, ranked_worlds(softer.situation, LISTED_WORLDS, seconds=seconds)
 
 
-def _step(number: int, event: str, why: str) -> dict[str, object]:
+def _step(number: int, event: str, why: str) -> StepRow:
     """One more of a trace that is written already."""
     return {"step": number, "event": event, "hypothesis": None, "type": None, "ev": None, "why": why}

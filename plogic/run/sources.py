@@ -25,8 +25,8 @@ def kb_of(folder: str) -> KnowledgeBase:
 
     Its rules are held to the allow-list here, before any work is done with it. Raises KBError, ProgramError.
     """
+    from kb.files.folder import shipped
     from kb.files.read import read_kb
-    from kb.files.shipped import shipped
     from plogic.logic.safety.atoms import Names
     from plogic.logic.safety.author import author_rules
     from plogic.scene.text.rules import defined

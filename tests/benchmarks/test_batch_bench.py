@@ -10,8 +10,8 @@ import pytest
 from benchmarks.batch import frames as batch_frames
 from benchmarks.batch.bench import differing
 from benchmarks.batch.frames import APPEARANCES, gamma, write_frames
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from plogic.facts.interpretation import text_of
 from plogic.run.batch.frame_lines import Lines
 from plogic.run.batch.frames import Frame, Settings

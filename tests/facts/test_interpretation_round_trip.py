@@ -10,8 +10,9 @@ from synthetic import belief_at, cycle_of, data, one_before_the_other, perceiver
 
 from plogic.base.errors import InterpretationError
 from plogic.cycle.delta import Options, delta_of
+from plogic.face.commands.asked import Asked
 from plogic.face.commands.worlds_command import worlds_command
-from plogic.facts.interpretation import read_interpretation, situation_of, text_of
+from plogic.facts.interpretation import interpretation_in, read_interpretation, situation_of, text_of
 from plogic.measures.explanatory import Cells, case_of, explanatory_value, reconsidered
 from plogic.run.document import document_of, relation_probabilities
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
@@ -35,7 +36,7 @@ def written(parts, options):
     return delta, ranking, json.loads(text_of(document))
 
 
-ASKED = {"reading": None, "deadline": None, "trust": False}
+ASKED = Asked()
 ALL = [
     Options(reading=r, reconsider=m, smoothing=s)
     for r in ("score", "posterior")
@@ -142,9 +143,8 @@ def test_what_is_missing_is_one_clear_line(parts, key):
     _, _, document = written(parts, Options())
     del document[key]
     with pytest.raises(InterpretationError) as caught:
-        situation_of(document)
-    assert "\n" not in str(caught.value)
-    assert key in str(caught.value)
+        interpretation_in(document, "file.json")
+    assert str(caught.value) == f"file.json: {key}: is missing"
 
 
 def test_facts_between_parts_are_told_and_come_back(parts):

@@ -12,7 +12,7 @@ from benchmarks.clutter.types import Detector, knowledge_base, made, random_type
 from benchmarks.recognition.score import Found, errors_of
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, transform_points
-from kb.clouds.cloud import Feature, FeatureAppearance, Lobe
+from kb.clouds.lobes import Feature, FeatureAppearance, Lobe
 from plogic.match.gamma.data import data_of
 from plogic.match.hand.view_cells import DISTANCE
 from plogic.match.kinds import models_of

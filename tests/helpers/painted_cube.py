@@ -13,10 +13,9 @@ from geometry.camera import Camera
 from geometry.cones import even_directions
 from geometry.frames import look_at
 from kb.clouds.learned import cloud_bytes
-from kb.clouds.words import words_bytes
+from kb.clouds.words import worded, words_bytes
 from kb.learning import features, observations
 from kb.learning.views import AWAY, MARGIN
-from kb.learning.words import worded
 from sensing.detectors.keypoint_detector import described
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Sensor, render

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kb.quantities import ANGLES, LENGTHS, angle, length, number, unit_of_length
+from kb.files.values import ANGLES, LENGTHS, angle, length, number, unit_of_length
 
 
 @pytest.mark.parametrize(

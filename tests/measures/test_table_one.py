@@ -2,8 +2,8 @@
 
 import pytest
 
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.measures.explanatory import Cells, explanatory_value, reconsidered
 

@@ -117,8 +117,8 @@ def test_b_a_phantom_in_delta_has_no_world():
     away[:3, 3] = 4.0 * front[:3, 3]
     empty = data(replace(shot, gamma=replace(shot.gamma, appearances=())))
     phantom = belief_at("t2", away, empty)
-    hidden = np.ones(len(phantom.posed.uv), dtype=bool)
-    assert explanatory_value(phantom.posed.support(hidden), perceiver().dv) == 1.0
+    hidden = np.ones(len(phantom.uv), dtype=bool)
+    assert explanatory_value(phantom.support(hidden), perceiver().dv) == 1.0
     cycle = cycle_of(shot.gamma)
     subject = situation_of(shot, replace(cycle, considered=(replace(phantom, status="rival"),)), "score")
     for mode in ("to_B", "drop", "reassign"):
@@ -135,7 +135,7 @@ def test_c_where_certainties_clash_perceive_smooths_and_says_so():
     subject, trace = certain_rivals(), []
     with pytest.raises(InconsistentError):
         ranked_worlds(subject)
-    softer, ranking = ranked(Delta({}, subject), trace)
+    softer, ranking = ranked(Delta(subject), trace)
     assert softer.situation == replace(subject, smoothing=SMOOTHED)
     assert ranking.marginals["h1"] == pytest.approx(ranking.marginals["h2"])
     assert {w.present for w in ranking.worlds} == {("h1",), ("h2",), ()}
@@ -147,7 +147,7 @@ def test_c_where_certainties_clash_perceive_smooths_and_says_so():
 
 def test_c_without_a_clash_nothing_is_smoothed():
     subject, trace = replace(certain_rivals(), overlaps=frozenset()), []
-    delta, ranking = ranked(Delta({}, subject), trace)
+    delta, ranking = ranked(Delta(subject), trace)
     assert delta.situation.smoothing == 0.0
     assert trace == []
     assert ranking.marginals == {"h1": 1.0, "h2": 1.0}

@@ -8,8 +8,8 @@ import shutil
 import pytest
 from console import plogic
 
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 
 
 @pytest.fixture(scope="module")

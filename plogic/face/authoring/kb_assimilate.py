@@ -43,7 +43,7 @@ def assimilate_command(panorama: str, unknown: str, kb_folder: str, name: str, *
 
 def _check_features(features: Sequence[SeenFeature], kb: KnowledgeBase, panorama: str, unknown: str) -> None:
     """Raise InputError where no pose could be taken from the draft, or the KB has not its appearance types."""
-    from kb.shown.unseen import FEWEST
+    from kb.shown.cautions import FEWEST
 
     if len(features) < FEWEST:
         raise InputError(

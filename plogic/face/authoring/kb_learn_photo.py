@@ -59,7 +59,7 @@ def learn_photo_command(
 
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
     """
-    from kb.learning.parts import with_parts
+    from kb.learning.part_owners import with_parts
     from plogic.face.authoring.kb_learn_cache import learned_of
 
     kb, new, kind = _the_type(kb_folder, names, sources, options["detector"], say)
@@ -117,8 +117,7 @@ def _fault(kind: ObjectType, folder: Path) -> str | None:
 def _new(kb_folder: Path, name: str, sources: Sources) -> tuple[NewType, ObjectType]:
     from kb.intake.new_type import check_name, new_type
     from kb.intake.source import read_source
-    from plogic.face.authoring.kb_new import new_command
-    from plogic.face.authoring.kb_types import check_places
+    from plogic.face.authoring.kb_types import check_places, new_command
 
     if sources.mesh is None:
         raise InputError(f"{name}: no such object type; add it with plogic kb add, or give --mesh and --units")
@@ -193,8 +192,8 @@ def _write(
     kb_folder: Path, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearnedCloud, seed: int
 ) -> int:
     """Everything, and how many words there are now."""
+    from kb.clouds.words import worded
     from kb.files.yaml_text import load
-    from kb.learning.words import worded
     from plogic.face.authoring.kb_learn import files_of
     from plogic.face.authoring.kb_learn_lines import with_entry
     from plogic.face.authoring.kb_types import type_folders, write_types
@@ -228,7 +227,7 @@ def _answer(
 ) -> str:
     from geometry.camera import camera_to_dict
     from plogic.face.authoring.kb_learn import row_of
-    from plogic.face.shown.printing import plain_table
+    from plogic.face.shown.tables import plain_table
 
     row = row_of(kind.name, cloud) | {
         "shown": round(_share(mesh), 3),

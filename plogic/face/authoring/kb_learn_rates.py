@@ -67,14 +67,14 @@ def _records(folders: Sequence[Path], kb: KnowledgeBase, say: Callable[[str], No
 
 
 def _write(file: Path, rates: Rates) -> None:
-    from kb.files.rates_text import with_rates
+    from kb.files.write import with_rates
     from sensing.files.whole_files import write_whole
 
     write_whole(file, with_rates(file.read_text(encoding="utf-8"), rates).encode())
 
 
 def _rows(kb: KnowledgeBase, rates: Rates, counts: Counts) -> list[dict[str, Any]]:
-    from kb.files.rates_text import rounded
+    from kb.files.write import rounded
 
     return [
         {
@@ -91,7 +91,7 @@ def _rows(kb: KnowledgeBase, rates: Rates, counts: Counts) -> list[dict[str, Any
 
 
 def _table(kb: KnowledgeBase, rates: Rates, counts: Counts) -> str:
-    from plogic.face.shown.printing import plain_table
+    from plogic.face.shown.tables import plain_table
 
     return plain_table(f"rates of {kb.name}", _rows(kb, rates, counts))
 

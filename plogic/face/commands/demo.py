@@ -10,18 +10,20 @@ from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import InputError
 from plogic.face.commands.perceive_command import picture_of
+from plogic.face.commands.simulate import shapes_of, tell_without_physics
 from plogic.face.shown import tables
-from plogic.face.shown.printing import text_of_table
-from plogic.face.shown.simulated_scenes import shapes_of, tell_without_physics
+from plogic.face.shown.tables import text_of_table
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from numpy.typing import NDArray
 
+    from plogic.facts.document import Interpretation
     from plogic.facts.situation import Reading
+    from plogic.scene.document import AnswerRow
 
 READINGS: tuple[Reading, ...] = ("score", "posterior")
 SCENE = 62
@@ -51,7 +53,7 @@ def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], Non
         gamma = detect(image, scene.camera, kb.appearance_types)
     perceiver = Perceiver(kb)
     say(f"{len(gamma.appearances)} appearances; searching for worlds that explain them ...")
-    documents: dict[Reading, dict[str, Any]] = {
+    documents: dict[Reading, Interpretation] = {
         name: perceiver(gamma, Options(reading=name), image, clock) for name in READINGS
     }
     files = {
@@ -74,7 +76,7 @@ def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], Non
     return json.dumps(asked | {"answers": _answers(document)}) if as_json else _told(document, out)
 
 
-def _results(document: dict[str, Any], image: NDArray[Any], prefix: str) -> dict[str, bytes]:
+def _results(document: Interpretation, image: NDArray[Any], prefix: str) -> dict[str, bytes]:
     """The files of one reading."""
     from plogic.face.pages.report import page
     from plogic.facts.interpretation import situation_of, text_of
@@ -89,7 +91,7 @@ def _results(document: dict[str, Any], image: NDArray[Any], prefix: str) -> dict
     }
 
 
-def json_bytes(document: dict[str, Any]) -> bytes:
+def json_bytes(document: Mapping[str, object]) -> bytes:
     """A document as the bytes of its file."""
     return (json.dumps(document, indent=1) + "\n").encode()
 
@@ -112,10 +114,14 @@ def write_into(out: Path, files: dict[str, bytes]) -> None:
     write_files({out / name: data for name, data in files.items()})
 
 
-def _told(document: dict[str, Any], out: Path) -> str:
+def _told(document: Interpretation, out: Path) -> str:
     """Worlds, measures and two queries as text, and where to look."""
-    held = {**document, "hypotheses": [h for h in document["hypotheses"] if h["status"] != "rejected"]}
-    shown = [tables.measures(held), tables.worlds(document), tables.answers({"answers": _answers(document)})]
+    held: Interpretation = {**document, "hypotheses": [h for h in document["hypotheses"] if h["status"] != "rejected"]}
+    shown = [
+        tables.measures(held),
+        tables.worlds(document),
+        tables.answers({"format": "answers/1", "answers": _answers(document)}),
+    ]
     texts = [text_of_table(table) for table in shown]
     prefix = f"{out}/" if document["reading"] == "score" else f"{out}/posterior-"
     return "\n".join(
@@ -123,7 +129,7 @@ def _told(document: dict[str, Any], out: Path) -> str:
     )
 
 
-def _answers(document: dict[str, Any]) -> list[dict[str, Any]]:
+def _answers(document: Interpretation) -> list[AnswerRow]:
     """The answers to the demo's own queries, as ``query --json`` gives them."""
     from plogic.facts.interpretation import situation_of
     from plogic.scene.asking.query import answers_to_all

@@ -7,13 +7,13 @@ which the first view does not show; the robot goes where looking tells most, and
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypedDict, cast
 
 from plogic.base.errors import InputError
 from plogic.face.commands.demo import check_folder, json_bytes, write_into
+from plogic.face.commands.simulate import shapes_of, tell_without_physics
 from plogic.face.shown import tables
-from plogic.face.shown.printing import text_of_table
-from plogic.face.shown.simulated_scenes import shapes_of, tell_without_physics
+from plogic.face.shown.tables import text_of_table
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
@@ -24,6 +24,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.face.commands.next_view import CandidateRow, NextView
+    from plogic.facts.document import Interpretation, WorldRow
+    from plogic.facts.fact_rows import Interval, Pose
+    from plogic.facts.situation import Reading
+    from plogic.match.kinds import Models
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
     from plogic.sequence.views.merging import Found
@@ -37,19 +42,36 @@ SHOWN = 4
 """Candidates in the table."""
 
 
+class TogetherRow(TypedDict):
+    """One hypothesis of both views."""
+
+    id: str
+    type: str
+    T_world_object: Pose
+
+
+class Together(TypedDict):
+    """What both views say, as ``worlds`` has it, so that the same table shows it."""
+
+    format: Literal["worlds/1"]
+    reading: Reading
+    worlds: list[WorldRow]
+    unlisted_mass: Interval
+    hypotheses: list[TogetherRow]
+
+
 class _Look(NamedTuple):
     """One look: what was found in it, its interpretation, and the image (H, W, 3)."""
 
     found: Found
-    document: dict[str, Any]
+    document: Interpretation
     image: NDArray[np.uint8]
 
 
 def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json: bool = False) -> str:
     """Look, ask where to look next, go there, look again; write the folder ``out`` and return the text to print."""
     check_folder(out)
-    from plogic.face.commands.next_view import looked
-    from plogic.face.commands.next_view_table import table_of
+    from plogic.face.commands.next_view import Moves, looked, table_of
     from plogic.run.perceive import Perceiver
     from sensing.simulated.robot import Robot
     from sensing.simulated.scene import random_scene
@@ -59,9 +81,8 @@ def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json:
     tell_without_physics(say)
     say("the first look ...")
     first = _look("v1", robot, perceiver)
-    asked = {"about": None, "ring": None, "moves": None, "within": None, "reading": None}
     say("where to look next ...")
-    ahead = looked(first.document, 100, 0, asked)
+    ahead = looked(first.document, 100, 0, Moves())
     chosen = _reachable(ahead["candidates"], robot)
     say(f"{chosen['name']}: {chosen['gain_bits']:.2f} bits expected; the second look ...")
     second = _look("v2", robot, perceiver)
@@ -71,7 +92,9 @@ def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json:
     if as_json:
         told = {"worlds": first.document["worlds"], "next_view": ahead, "after": after["worlds"]}
         return json.dumps({"format": "demo/1", "folder": str(out), **told})
-    before, later = (text_of_table(tables.worlds(some, 5)) for some in (_held(first.document), after))
+    before, later = (
+        text_of_table(tables.worlds(some, 5)) for some in (_held(first.document), cast("Interpretation", after))
+    )
     parts = [
         "after the first view",
         before,
@@ -86,7 +109,7 @@ def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json:
     return "\n".join(parts)
 
 
-def _held(document: dict[str, Any]) -> dict[str, Any]:
+def _held(document: Interpretation) -> Interpretation:
     return {**document, "hypotheses": [h for h in document["hypotheses"] if h["status"] != "rejected"]}
 
 
@@ -119,7 +142,7 @@ def _look(name: str, robot: Robot, perceiver: Perceiver) -> _Look:
     return _Look(Found(seen, tuple(delta.beliefs.values())), document, image)
 
 
-def _reachable(candidates: Sequence[dict[str, Any]], robot: Robot) -> dict[str, Any]:
+def _reachable(candidates: Sequence[CandidateRow], robot: Robot) -> CandidateRow:
     """Go to the first candidate where a camera can be, the best first. Raises InputError where there is none."""
     import numpy as np
 
@@ -131,7 +154,7 @@ def _reachable(candidates: Sequence[dict[str, Any]], robot: Robot) -> dict[str, 
     raise InputError("no candidate is where a camera can be")
 
 
-def _together(looks: Sequence[_Look], perceiver: Perceiver) -> dict[str, Any]:
+def _together(looks: Sequence[_Look], perceiver: Perceiver) -> Together:
     """What both views say: worlds and hypotheses, by the first view's names where it had them."""
     from plogic.cycle.delta import Options
     from plogic.sequence.views.joint import joint
@@ -139,16 +162,21 @@ def _together(looks: Sequence[_Look], perceiver: Perceiver) -> dict[str, Any]:
 
     found = [look.found for look in looks]
     both, ranking = joint(
-        [one.seen for one in found], merged(found, perceiver.kb), perceiver, Options(reading="posterior")
+        [one.seen for one in found],
+        merged(found, perceiver.models, perceiver.kb),
+        perceiver,
+        Options(reading="posterior"),
     )
-    return _told(both.standing, ranking, looks[0])
+    return _told(both.standing, ranking, looks[0], perceiver.models)
 
 
-def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look) -> dict[str, Any]:
+def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look, models: Models) -> Together:
     """As ``worlds`` has it, so that the same table shows it."""
     from plogic.sequence.views.standing import standing_of
 
-    old = {f"h{i}": standing_of(belief, first.found.seen.view) for i, belief in enumerate(first.found.beliefs, 1)}
+    old = {
+        f"h{i}": standing_of(belief, first.found.seen.view, models) for i, belief in enumerate(first.found.beliefs, 1)
+    }
     names: dict[str, str] = {}
     for i, some in enumerate(standing, 1):
         known = [
@@ -157,11 +185,11 @@ def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look) -> dict[
             if name not in names.values() and some.same(other, first.found.seen.view)
         ]
         names[f"h{i}"] = known[0] if known else f"n{i}"
-    rows = [
+    rows: list[WorldRow] = [
         {"probability": w.probability, "present": sorted(names[h] for h in w.present), "causes": dict(w.causes)}
         for w in ranking.worlds
     ]
-    hypotheses = [
+    hypotheses: list[TogetherRow] = [
         {"id": names[f"h{i}"], "type": some.object_type.name, "T_world_object": some.world_from_object.tolist()}
         for i, some in enumerate(standing, 1)
     ]
@@ -175,7 +203,7 @@ def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look) -> dict[
 
 
 def _write(
-    out: Path, kb: KnowledgeBase, robot: Robot, looks: Sequence[_Look], ahead: dict[str, Any], after: dict[str, Any]
+    out: Path, kb: KnowledgeBase, robot: Robot, looks: Sequence[_Look], ahead: NextView, after: Together
 ) -> None:
     """The pictures, the interpretation of the first view, the candidates, and what both views say."""
     from geometry.camera import camera_to_dict

@@ -1,29 +1,52 @@
-"""``plogic next-view``: where to look next, and why."""
+"""``plogic next-view``: the camera moves that would tell most, as a document ``next-view/1`` and as a table."""
 
 from __future__ import annotations
 
 import json
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, NotRequired, TypedDict, cast
 
 import click
 
 from plogic.face.shown.options import AS_JSON, INTERPRETATION, READING, SEED, Number
+from plogic.facts.document import Marks
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from geometry.camera import Camera
-    from plogic.facts.situation import Situation
-    from plogic.sequence.next_view.moves import Candidate
+    from plogic.facts.document import Interpretation
+    from plogic.facts.fact_rows import Interval, Pose
+    from plogic.facts.situation import Reading, Situation
+    from plogic.sequence.next_view.look import Outlook
+    from plogic.sequence.next_view.moves import Candidate, MovesRow
+    from plogic.sequence.next_view.of_sequence import LastView
     from plogic.sequence.next_view.prospect import Prospect
 
     Worlds = list[tuple[float, Sequence[str]]]
+    Looked = Interpretation | LastView
 
 LISTED_WORLDS = 100
 """Worlds that are taken in the other reading: as many as an interpretation lists."""
+
+
+@dataclass(frozen=True)
+class Moves:
+    """``about``: the goal that should become certain; where the camera may go, one of ``ring`` m, ``within`` m and a file of ``moves``.
+
+    ``reading``: the other one of the same Δh, None for its own.
+    """
+
+    about: str | None = None
+    ring: float | None = None
+    moves: Path | None = None
+    within: float | None = None
+    reading: Reading | None = None
 
 
 @click.command(name="next-view", context_settings={"help_option_names": ["-h", "--help"]})
@@ -63,14 +86,13 @@ def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **o
     """
     if sum(options[name] is not None for name in ("ring", "moves", "within")) > 1:
         raise click.UsageError("--ring, --moves and --within exclude one another")
-    text = next_view_command(interpretation, number, seed, options, as_json=as_json)
+    text = next_view_command(interpretation, number, seed, Moves(**options), as_json=as_json)
     sys.stdout.write(text if text.endswith("\n") else text + "\n")
 
 
-def next_view_command(source: str, number: int, seed: int, options: dict[str, Any], *, as_json: bool) -> str:
-    """The table, or the document ``next-view/1``. ``options``: about, ring, moves, within, reading."""
+def next_view_command(source: str, number: int, seed: int, options: Moves, *, as_json: bool) -> str:
+    """The table, or the document ``next-view/1``."""
     from plogic.base.errors import InterpretationError
-    from plogic.face.commands.next_view_table import table_of
     from plogic.sequence.next_view.of_sequence import read_looked
 
     document = read_looked(source)
@@ -81,10 +103,9 @@ def next_view_command(source: str, number: int, seed: int, options: dict[str, An
     return json.dumps(answer) if as_json else table_of(answer)
 
 
-def looked(document: dict[str, Any], number: int, seed: int, options: dict[str, Any]) -> dict[str, Any]:
+def looked(document: Looked, number: int, seed: int, options: Moves) -> NextView:
     """The document of an interpretation's next views, or of those of what stands for one (``plogic.sequence.next_view.of_sequence``)."""
     from geometry.camera import camera_from_dict
-    from plogic.face.commands.next_view_table import next_view_document
     from plogic.facts.interpretation import situation_of
     from plogic.facts.stopped import stopped_in
     from plogic.scene.readings.unfinished import marks
@@ -93,17 +114,15 @@ def looked(document: dict[str, Any], number: int, seed: int, options: dict[str, 
     from plogic.sequence.next_view.look import looked_ahead
     from plogic.sequence.next_view.reading import prospect_of
 
-    camera, reading, about = (
-        camera_from_dict(document["camera"]),
-        options["reading"] or document["reading"],
-        options["about"],
-    )
+    camera, about = camera_from_dict(document["camera"]), options.about
+    reading: Reading = options.reading or document["reading"]
     if "format" not in document:  # of a sequence
         _of_presence(document, reading, about)
         situation, (worlds, unlisted) = None, _listed(document)
     else:
-        situation = situation_of(document)
-        worlds, unlisted = _worlds(document, situation, options["reading"])
+        whole = cast("Interpretation", document)
+        situation = situation_of(whole)
+        worlds, unlisted = _worlds(whole, situation, options.reading)
         situation = replace(situation, reading=reading)
     prospect = prospect_of(document, worlds)
     answers = (
@@ -112,18 +131,22 @@ def looked(document: dict[str, Any], number: int, seed: int, options: dict[str, 
     candidates, made = _candidates(prospect, camera, options)
     looks = looked_ahead(prospect, camera, candidates, answers, seed)
     uncertain = float(entropy(prospect.probability if answers is None else prospect.probability @ answers))
-    stated = {
+    return {
+        "format": "next-view/1",
         "about": about,
         "reading": reading,
         "entropy_bits": round(uncertain, 6),
         "worlds": len(worlds),
         "unlisted_mass": unlisted,
+        **marks(stopped_in(document)),
+        "moves": made,
+        "seed": seed,
+        "of": len(looks),
+        "candidates": [outlook_document(look, camera.world_from_camera) for look in looks[:number]],
     }
-    stated |= marks(stopped_in(document))
-    return next_view_document(looks, stated | {"moves": made, "seed": seed}, camera.world_from_camera, number)
 
 
-def _of_presence(document: dict[str, Any], reading: str, about: str | None) -> None:
+def _of_presence(document: LastView, reading: str, about: str | None) -> None:
     """Refuse what the worlds of a sequence do not say. Raises InterpretationError."""
     from plogic.base.errors import InterpretationError
 
@@ -137,40 +160,147 @@ def _of_presence(document: dict[str, Any], reading: str, about: str | None) -> N
         )
 
 
-def _listed(document: dict[str, Any]) -> tuple[Worlds, list[float]]:
+def _listed(document: Looked) -> tuple[Worlds, list[float]]:
     """The worlds that the document lists, and what is not listed. Raises InterpretationError."""
     from plogic.base.errors import InterpretationError
 
-    try:
-        low, high = document["unlisted_mass"]
-        return [(float(w["probability"]), list(w["present"])) for w in document["worlds"]], [float(low), float(high)]
-    except (KeyError, TypeError, ValueError) as error:
-        raise InterpretationError(f"worlds, unlisted_mass: not complete: {error}") from error
+    lacking = [key for key in ("worlds", "unlisted_mass") if key not in document]
+    if lacking:
+        raise InterpretationError(*(f"{key}: is missing" for key in lacking))
+    low, high = document["unlisted_mass"]
+    return [(float(w["probability"]), w["present"]) for w in document["worlds"]], [float(low), float(high)]
 
 
-def _worlds(document: dict[str, Any], situation: Situation, reading: str | None) -> tuple[Worlds, list[float]]:
+def _worlds(document: Interpretation, situation: Situation, reading: Reading | None) -> tuple[Worlds, list[float]]:
     """The worlds that the interpretation lists, or those of the other reading."""
     if reading is None or reading == situation.reading:
         return _listed(document)
     from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
-    ranking = ranked_worlds(
-        replace(situation, reading="posterior" if reading == "posterior" else "score"), LISTED_WORLDS
-    )
+    ranking = ranked_worlds(replace(situation, reading=reading), LISTED_WORLDS)
     return [(w.probability, w.present) for w in ranking.worlds], list(ranking.unlisted)
 
 
-def _candidates(prospect: Prospect, camera: Camera, options: dict[str, Any]) -> tuple[list[Candidate], dict[str, Any]]:
+def _candidates(prospect: Prospect, camera: Camera, options: Moves) -> tuple[list[Candidate], MovesRow]:
     from geometry.files.pose_files import read_moves
     from plogic.sequence.next_view.moves import Candidate, checked, ring, standing, within
 
     stand = standing(camera.world_from_camera)
-    if options["moves"] is not None:
-        moves = read_moves(options["moves"])
+    if options.moves is not None:
+        moves = read_moves(options.moves)
         return checked([Candidate(m.name, m.present(camera.world_from_camera)) for m in moves]), {
             "moves": "list",
             "places": len(moves),
         }
-    if options["within"] is not None:
-        return within(prospect, stand, options["within"])
-    return ring(prospect, stand, options["ring"])
+    if options.within is not None:
+        return within(prospect, stand, options.within)
+    return ring(prospect, stand, options.ring)
+
+
+SHOWN = 0.0005
+"""Least standard error that the table shows."""
+DIGITS = 6
+"""Of bits and masses in the document."""
+
+
+class WhyRow(TypedDict):
+    """One reason in words, with the mass that it tells apart and its bits."""
+
+    text: str
+    mass: float
+    sites: int
+    bits: float
+
+
+class WorldPoseKey(TypedDict):
+    """Where the camera's pose in the world is known."""
+
+    T_world_camera: NotRequired[Pose]
+
+
+class CandidateRow(WorldPoseKey):
+    """One candidate: where, how much it would tell, and why."""
+
+    name: str
+    T_present_candidate: Pose
+    gain_bits: float
+    standard_error: float
+    sites: int
+    why: list[WhyRow]
+
+
+class NextView(Marks):
+    """The document ``next-view/1``; ``of``: how many candidates there were."""
+
+    format: Literal["next-view/1"]
+    about: str | None
+    reading: Reading
+    entropy_bits: float
+    worlds: int
+    unlisted_mass: Interval
+    moves: MovesRow
+    seed: int
+    of: int
+    candidates: list[CandidateRow]
+
+
+def outlook_document(look: Outlook, world_from_reference: NDArray[np.float64] | None) -> CandidateRow:
+    """One candidate: where, how much it would tell, and why."""
+    pose = look.candidate.reference_from_camera
+    world: WorldPoseKey = {}
+    if world_from_reference is not None:
+        world = {"T_world_camera": (world_from_reference @ pose).tolist()}
+    return {
+        "name": look.candidate.name,
+        "T_present_candidate": pose.tolist(),
+        **world,
+        "gain_bits": round(look.gain.bits, DIGITS),
+        "standard_error": round(look.gain.error, DIGITS),
+        "sites": look.gain.sites,
+        "why": [
+            {"text": r.text, "mass": round(r.mass, DIGITS), "sites": r.sites, "bits": round(r.bits, DIGITS)}
+            for r in look.why
+        ],
+    }
+
+
+def table_of(document: NextView) -> str:
+    """The candidates with their gains and reasons, under what would be told."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    from plogic.face.shown.tables import text_of_table
+    from plogic.facts.stopped import stopped_in
+    from plogic.scene.readings.unfinished import notice
+
+    table = Table(title="next view", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("rank", justify="right")
+    table.add_column("move")
+    table.add_column("gain, bits", justify="right")
+    table.add_column("why")
+    for i, row in enumerate(document["candidates"], 1):
+        bits = f"{row['gain_bits']:.3f}" + (f" ± {row['standard_error']:.3f}" if row["standard_error"] >= SHOWN else "")
+        table.add_row(
+            str(i), Text(row["name"]), Text(bits), Text("\n".join(r["text"] for r in row["why"]) or _nothing(row))
+        )
+    unfinished = notice(stopped_in(document), anew=False)
+    return "\n".join([_open(document), *[unfinished] * bool(unfinished), text_of_table(table)])
+
+
+def _nothing(row: CandidateRow) -> str:
+    return (
+        "no feature that would tell the worlds apart"
+        if row["sites"] == 0
+        else "no feature that tells more than 0.001 bits by itself"
+    )
+
+
+def _open(document: NextView) -> str:
+    """What is uncertain, and of how much of the mass that is said."""
+    low, high = document["unlisted_mass"]
+    about = "the worlds" if document["about"] is None else document["about"]
+    missing = "" if high <= 0.0 else f"; worlds of mass {low:.3g} to {high:.3g} are not listed and left out"
+    worlds = f"{document['worlds']} world{'s' * (document['worlds'] != 1)}"
+    listed = f"{len(document['candidates'])} of {document['of']} candidates" if document["of"] else "no candidates"
+    return f"uncertain of {about}: {document['entropy_bits']:.3f} bits over {worlds}{missing}; {listed}"

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.base.stopwatch import Stopwatch
+    from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 
 UNFINISHED = 3
 """Exit status: the deadline was reached, with the best answer so far printed and marked."""
@@ -80,7 +81,7 @@ def places(out: str, options: Mapping[str, Any]) -> list[Path]:
 
 
 def write_all(
-    document: dict[str, Any],
+    document: Interpretation,
     text: str,
     out: str,
     options: Mapping[str, Any],
@@ -108,7 +109,7 @@ def write_all(
         write(text)
 
 
-def picture_of(document: dict[str, Any], image: NDArray[Any] | None) -> bytes:
+def picture_of(document: Interpretation, image: NDArray[Any] | None) -> bytes:
     """The overlay of figure 5 as PNG."""
     import cv2
 
@@ -117,15 +118,19 @@ def picture_of(document: dict[str, Any], image: NDArray[Any] | None) -> bytes:
     return bytes(cv2.imencode(".png", overlay(document, image))[1].tobytes())
 
 
-def _doubts(document: dict[str, Any]) -> list[str]:
+def _doubts(document: Interpretation) -> list[str]:
     """What the relations of accepted objects predict in vain (§3.8); of others the document says it."""
     from plogic.scene.worlds.predictions import Doubt, said
 
     accepted = {h["id"] for h in document["hypotheses"] if h["status"] == "accepted"}
-    return [said(Doubt(**row)) for row in document["doubts"] if set(row["args"]) <= accepted]
+    shown = [row for row in document["doubts"] if set(row["args"]) <= accepted]
+    return [
+        said(Doubt(row["relation"], (row["args"][0], row["args"][1]), row["expected"], row["found"], row["why"]))
+        for row in shown
+    ]
 
 
-def summary(document: dict[str, Any], clock: Stopwatch) -> str:
+def summary(document: Interpretation, clock: Stopwatch) -> str:
     """One line: what was found, whether that is all, and how long it took."""
     from plogic.facts.stopped import stopped_in
     from plogic.scene.readings.unfinished import REASONS
@@ -138,7 +143,7 @@ def summary(document: dict[str, Any], clock: Stopwatch) -> str:
     return f"{len(document['appearances'])} appearances; {names}; {stages}"
 
 
-def _chance(h: dict[str, Any]) -> str:
+def _chance(h: HypothesisRow | RejectedRow) -> str:
     """A probability to three places; of what is unfinished, with its interval."""
     low, high = h.get("interval") or (None, None)
     return f"{h['probability']:.3f}" + ("" if low is None else f" in {low:.3f}..{high:.3f}")

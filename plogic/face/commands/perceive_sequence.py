@@ -46,9 +46,9 @@ def sequence_command(
     from plogic.base.remembered import cache_folder
     from plogic.cycle.delta import Options
     from plogic.facts.interpretation import text_of
-    from plogic.run.panorama_document import ahead, panorama_document
     from plogic.run.perceive import Perceiver
     from plogic.sequence.views.panorama import Panorama
+    from plogic.sequence.views.panorama_document import ahead, panorama_document
     from sensing.files.whole_files import check_places, write_files
 
     _check(options)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from plogic.base.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from plogic.face.commands.asked import Asked
 
-def shell_command(
-    source: str, options: dict[str, Any], *, write: Callable[[str], None], say: Callable[[str], None]
-) -> int:
-    """Run a session; the exit code is 1 where a line failed and nobody sat at a terminal. ``options``: reading, trust."""
+
+def shell_command(source: str, options: Asked, *, write: Callable[[str], None], say: Callable[[str], None]) -> int:
+    """Run a session; the exit code is 1 where a line failed and nobody sat at a terminal."""
     from plogic.base.children import ending_well
     from plogic.face.session.session import Session
     from plogic.logic.safety.allowlist import TRUSTED
@@ -22,9 +22,9 @@ def shell_command(
 
     if source == "-":
         raise InputError("-: stdin holds the lines of the session; give the interpretation or the program as a file")
-    if options["trust"] and is_program(source):
+    if options.trust and is_program(source):
         say(TRUSTED)
-    with ending_well(), Session.open(source, reading=options["reading"], trust=options["trust"]) as session:
+    with ending_well(), Session.open(source, reading=options.reading, trust=options.trust) as session:
         session.greeting()
 
         def write_now(text: str) -> None:

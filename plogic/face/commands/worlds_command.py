@@ -5,58 +5,58 @@ from __future__ import annotations
 import json
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from plogic.base.errors import OutsideError
-from plogic.face.commands.query_command import LATE
+from plogic.face.commands.asked import LATE
 from plogic.run.sources import is_program, program_text_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from plogic.face.commands.asked import Asked
+    from plogic.facts.document import Interpretation, WorldRow
+    from plogic.facts.fact_rows import Interval
     from plogic.facts.situation import Situation
     from plogic.facts.stopped import Stopped
     from plogic.logic.served.program_worlds import ProgramRanking
+    from plogic.scene.document import ProgramWorldRow, ProgramWorlds, SceneWorlds
     from plogic.scene.worlds.ranked_worlds import Ranking, World
 
 MOST_CHOICES = 6
 """Choices of a world that its line in the table shows; ``--json`` has them all."""
 
 
-def worlds_command(
-    source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool
-) -> tuple[str, int]:
-    """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached.
-
-    ``options``: reading, deadline, trust.
-    """
+def worlds_command(source: str, number: int, given: Sequence[str], options: Asked, *, as_json: bool) -> tuple[str, int]:
+    """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached."""
     if is_program(source):
         return _of_program(source, number, given, options, as_json=as_json)
     from plogic.facts.interpretation import read_interpretation, situation_of
 
     document = read_interpretation(source)
-    document = document if options["reading"] is None else {**document, "reading": options["reading"]}
+    if options.reading is not None:
+        document = {**document, "reading": options.reading}
     situation = situation_of(document)
     try:
-        return _of_scene(document, situation, number, given, options["deadline"], as_json=as_json)
+        return _of_scene(document, situation, number, given, options.deadline, as_json=as_json)
     except OutsideError:
-        return _of_scene_text(document, situation, number, given, options["deadline"], as_json=as_json)
+        return _of_scene_text(document, situation, number, given, options.deadline, as_json=as_json)
 
 
-def _of_program(
-    source: str, number: int, given: Sequence[str], options: dict[str, Any], *, as_json: bool
-) -> tuple[str, int]:
+def _of_program(source: str, number: int, given: Sequence[str], options: Asked, *, as_json: bool) -> tuple[str, int]:
     from plogic.logic.served.engine import Limits, Text
     from plogic.logic.served.program_worlds import program_worlds
 
-    limits = Limits(trust=bool(options["trust"]))
+    limits = Limits(trust=bool(options.trust))
     text = Text(program_text_of(source), source)
-    ranking = program_worlds(text, number, given=given, limits=limits, seconds=options["deadline"])
-    rows = [{"probability": w.probability, "true": list(w.holds), "choices": list(w.choices)} for w in ranking.worlds]
+    ranking = program_worlds(text, number, given=given, limits=limits, seconds=options.deadline)
+    rows: list[ProgramWorldRow] = [
+        {"probability": w.probability, "true": list(w.holds), "choices": list(w.choices)} for w in ranking.worlds
+    ]
     return _told(ranking, {"format": "worlds/1", "worlds": rows}, as_json=as_json)
 
 
-def _told(ranking: ProgramRanking, answer: dict[str, Any], stopped: Stopped = "", *, as_json: bool) -> tuple[str, int]:
+def _told(ranking: ProgramRanking, answer: ProgramWorlds, stopped: Stopped = "", *, as_json: bool) -> tuple[str, int]:
     from plogic.scene.readings.unfinished import with_notice
 
     answer = {**answer, "unlisted_mass": list(ranking.unlisted), "log_evidence": ranking.log_evidence}
@@ -72,13 +72,13 @@ def _told(ranking: ProgramRanking, answer: dict[str, Any], stopped: Stopped = ""
     )
 
 
-def _table_of_program(ranking: ProgramRanking, within: Sequence[tuple[float, float] | None]) -> str:
+def _table_of_program(ranking: ProgramRanking, within: Sequence[Interval | None]) -> str:
     from rich import box
     from rich.table import Table
     from rich.text import Text as Cell
 
     from plogic.face.shown import tables
-    from plogic.face.shown.printing import text_of_table
+    from plogic.face.shown.tables import text_of_table
 
     table = Table(title="possible worlds", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("rank", justify="right")
@@ -104,7 +104,7 @@ def _table_of_program(ranking: ProgramRanking, within: Sequence[tuple[float, flo
 
 
 def _of_scene_text(
-    document: dict[str, Any],
+    document: Interpretation,
     situation: Situation,
     number: int,
     given: Sequence[str],
@@ -116,25 +116,25 @@ def _of_scene_text(
     from plogic.logic.safety.atoms import quoted
     from plogic.logic.served.program_worlds import program_worlds
     from plogic.scene.asking.query import subject_text
-    from plogic.scene.readings.unfinished import marks, proved
+    from plogic.scene.readings.unfinished import flagged, proved
 
     text, names = subject_text(situation)
     ranking = program_worlds(text, number, given=given, goals=("present(H)",), seconds=seconds, names=names)
     ids = {f"present({quoted(h.id)})": h.id for h in situation.hypotheses}
     stopped = situation.stopped
-    within = [
-        {"interval": list(proved(stopped, (w.probability, w.probability)))} if stopped else {} for w in ranking.worlds
+    rows: list[ProgramWorldRow] = [
+        {"probability": w.probability, "present": [ids[goal] for goal in w.holds], "choices": list(w.choices)}
+        for w in ranking.worlds
     ]
-    rows = [
-        {"probability": w.probability, "present": [ids[goal] for goal in w.holds], "choices": list(w.choices), **bounds}
-        for w, bounds in zip(ranking.worlds, within, strict=True)
-    ]
-    answer = {"format": "worlds/1", "reading": document["reading"], "worlds": rows, **marks(stopped)}
-    return _told(replace(ranking, unlisted=proved(stopped, ranking.unlisted)), answer, stopped, as_json=as_json)
+    if stopped:
+        rows = [{**row, "interval": list(proved(stopped, (row["probability"],) * 2))} for row in rows]
+    ranking = replace(ranking, unlisted=proved(stopped, ranking.unlisted))
+    answer: ProgramWorlds = {"format": "worlds/1", "reading": document["reading"], "worlds": rows}
+    return _told(ranking, flagged(answer, stopped), stopped, as_json=as_json)
 
 
 def _of_scene(
-    document: dict[str, Any],
+    document: Interpretation,
     situation: Situation,
     number: int,
     given: Sequence[str],
@@ -143,16 +143,22 @@ def _of_scene(
     as_json: bool,
 ) -> tuple[str, int]:
     from plogic.face.shown import tables
-    from plogic.face.shown.printing import text_of_table
+    from plogic.face.shown.tables import text_of_table
     from plogic.facts.exclusions import exclusion_lines, exclusions
-    from plogic.scene.readings.unfinished import marks, proved, with_notice
+    from plogic.scene.readings.unfinished import flagged, proved, with_notice
     from plogic.scene.worlds.predictions import doubts, said
 
     ranking, stopped = _scene_ranking(situation, number, given, seconds), situation.stopped
     rows = [_row(world, ranking, stopped) for world in ranking.worlds]
     unlisted = list(proved(stopped, ranking.unlisted))
-    answer = {"format": "worlds/1", "reading": document["reading"], "worlds": rows, "unlisted_mass": unlisted}
-    answer |= {"exclusions": exclusions(document)} | marks(stopped)
+    answer: SceneWorlds = {
+        "format": "worlds/1",
+        "reading": document["reading"],
+        "worlds": rows,
+        "unlisted_mass": unlisted,
+        "exclusions": exclusions(document),
+    }
+    answer = flagged(answer, stopped)
     exact = ranking.exact
     if as_json:
         return json.dumps(answer if exact else {**answer, "deadline": "reached"}), 0 if exact else LATE
@@ -169,10 +175,10 @@ def _of_scene(
     return (text, 0) if exact else (f"{text.rstrip()}\n{late}", LATE)
 
 
-def _row(world: World, ranking: Ranking, stopped: Stopped) -> dict[str, Any]:
+def _row(world: World, ranking: Ranking, stopped: Stopped) -> WorldRow:
     from plogic.scene.readings.unfinished import proved
 
-    row = {"probability": world.probability, "present": list(world.present), "causes": world.causes}
+    row: WorldRow = {"probability": world.probability, "present": list(world.present), "causes": dict(world.causes)}
     exact = ranking.log_evidence_interval[0] == ranking.log_evidence_interval[1]
     return row if exact and not stopped else {**row, "interval": list(proved(stopped, world.interval))}
 

@@ -13,9 +13,12 @@ import json
 from dataclasses import dataclass
 from importlib.resources import files
 from string import Template
-from typing import Any
+from typing import TYPE_CHECKING
 
 from plogic.face.pages.page_errors import PageError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 KIT = "kit"
 """The folder of what every page shares."""
@@ -37,7 +40,7 @@ class PageParts:
     """Where the numbers are for a reader whose browser runs no script: a sentence, as markup."""
 
 
-def one_file(parts: PageParts, title: str, document: dict[str, Any]) -> str:
+def one_file(parts: PageParts, title: str, document: Mapping[str, object]) -> str:
     """Return the page of the document. The same document gives the same bytes.
 
     Raises:
@@ -58,7 +61,7 @@ def one_file(parts: PageParts, title: str, document: dict[str, Any]) -> str:
     )
 
 
-def embedded(document: dict[str, Any]) -> str:
+def embedded(document: Mapping[str, object]) -> str:
     """Return the document as JSON that is safe inside a ``<script>``: ``<``, ``>`` and ``&`` only as escapes."""
     try:
         text = json.dumps(document, ensure_ascii=True, allow_nan=False, separators=(",", ":"))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from plogic.face.pages.one_file import PageParts, one_file
+
+if TYPE_CHECKING:
+    from plogic.facts.document import Interpretation
 
 PARTS = PageParts(
     folder="report",
@@ -25,7 +28,7 @@ PARTS = PageParts(
 )
 
 
-def page(document: dict[str, Any]) -> str:
+def page(document: Interpretation) -> str:
     """Return the report of an ``interpretation/1`` document as one self-contained HTML page.
 
     The same document gives the same bytes. Keys that are missing leave their section empty.
@@ -33,7 +36,5 @@ def page(document: dict[str, Any]) -> str:
     Raises:
         PageError: the document holds NaN, an infinity or a value that is no JSON.
     """
-    accepted = [
-        str(h.get("label") or h.get("type")) for h in document.get("hypotheses", []) if h.get("status") == "accepted"
-    ]
+    accepted = [h.get("label") or h["type"] for h in document.get("hypotheses", []) if h["status"] == "accepted"]
     return one_file(PARTS, ", ".join(accepted) or "nothing known", document)

@@ -17,7 +17,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
@@ -26,6 +26,8 @@ from plogic.face.shown.pencil import Box, Colour, Pencil, Place, free_place
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from plogic.facts.document import FeatureRow, HypothesisRow, Interpretation
 
 PALETTE = ("#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#F0E442", "#D55E00", "#0072B2")
 """Okabe and Ito's colours without black, as the page uses them."""
@@ -49,7 +51,7 @@ Entry = tuple[str, Draw]
 """A text of the legend and what draws the mark before it."""
 
 
-def overlay(document: dict[str, Any], image: NDArray[np.uint8] | None) -> NDArray[np.uint8]:
+def overlay(document: Interpretation, image: NDArray[np.uint8] | None) -> NDArray[np.uint8]:
     """Return the interpretation drawn over its image.
 
     Args:
@@ -78,7 +80,7 @@ def overlay(document: dict[str, Any], image: NDArray[np.uint8] | None) -> NDArra
     return np.concatenate([picture, _legend(picture.shape[1], accepted, kinds)])
 
 
-def crowded(document: dict[str, Any]) -> bool:
+def crowded(document: Interpretation) -> bool:
     """Whether full marks would cover the picture: an accepted type is learned, or Γ is a photo's."""
     accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
     return len(document.get("appearances", [])) > MANY or any(
@@ -93,14 +95,14 @@ class Sides:
     angle: dict[str, float]
     types: frozenset[str]
 
-    def case(self, feature: dict[str, Any]) -> str | None:
+    def case(self, feature: FeatureRow) -> str | None:
         """Case A or C of a feature that is the side of an edge, as its match or else its type tells; None of any other."""
         match = feature.get("match")
         own = feature["type"] in self.types if match is None else match in self.angle
         return feature["case"] if own and feature.get("case") in ("A", "C") else None
 
 
-def sides_of(document: dict[str, Any]) -> Sides:
+def sides_of(document: Interpretation) -> Sides:
     """Of SIFT's appearances those that have an angle and no scale."""
     rows = [
         a for a in document.get("appearances", []) if a.get("detector") == "sift" and "angle" in a and "scale" not in a
@@ -108,7 +110,7 @@ def sides_of(document: dict[str, Any]) -> Sides:
     return Sides({a["id"]: a["angle"] for a in rows}, frozenset(a["type"] for a in rows))
 
 
-def draw_dots(pencil: Pencil, accepted: list[dict[str, Any]], sides: Sides) -> None:
+def draw_dots(pencil: Pencil, accepted: list[HypothesisRow], sides: Sides) -> None:
     """Outlines, then a mark for each feature by its case, then the names with their probabilities."""
     for i, h in enumerate(accepted):
         for ring in h.get("outline", []):
@@ -123,10 +125,10 @@ def draw_dots(pencil: Pencil, accepted: list[dict[str, Any]], sides: Sides) -> N
         _write_name(pencil, h, i, taken, f"{_name(h)}{_chance(h)}")
 
 
-def _draw_small(pencil: Pencil, f: dict[str, Any], colour: Colour, sides: Sides) -> None:
-    case = sides.case(f)
-    if case == "A":
-        pencil.side(f["uv"], sides.angle[f["match"]], colour)
+def _draw_small(pencil: Pencil, f: FeatureRow, colour: Colour, sides: Sides) -> None:
+    case, match = sides.case(f), f["match"]
+    if case == "A" and match is not None:
+        pencil.side(f["uv"], sides.angle[match], colour)
     elif case == "C":
         pencil.cross(f["uv"], colour)
     else:
@@ -144,7 +146,7 @@ def colour_of(index: int) -> Colour:
     return bgr(PALETTE[index % len(PALETTE)])
 
 
-def _draw_hypotheses(pencil: Pencil, accepted: list[dict[str, Any]]) -> None:
+def _draw_hypotheses(pencil: Pencil, accepted: list[HypothesisRow]) -> None:
     for i, h in enumerate(accepted):
         for ring in h.get("outline", []):
             pencil.polygon(ring, colour_of(i))
@@ -155,7 +157,7 @@ def _draw_hypotheses(pencil: Pencil, accepted: list[dict[str, Any]]) -> None:
                     pencil.feature(f["uv"], colour_of(i), circle=bool(f["expected"]), filled=bool(f["detected"]))
 
 
-def _draw_names(pencil: Pencil, accepted: list[dict[str, Any]], signs: list[list[float]]) -> None:
+def _draw_names(pencil: Pencil, accepted: list[HypothesisRow], signs: list[list[float]]) -> None:
     """Write the hypotheses' names, then the notable features', each only where it covers no other name and no mark."""
     taken: list[Box] = []
     for i, h in enumerate(accepted):
@@ -169,14 +171,14 @@ def _draw_names(pencil: Pencil, accepted: list[dict[str, Any]], signs: list[list
             _write(pencil, f["id"].rsplit("/", 1)[-1], tuple(f["uv"]), colour_of(i), (taken, 0.55, False))
 
 
-def _write_name(pencil: Pencil, h: dict[str, Any], i: int, taken: list[Box], text: str = "") -> None:
+def _write_name(pencil: Pencil, h: HypothesisRow, i: int, taken: list[Box], text: str = "") -> None:
     points = [p for ring in h.get("outline", []) for p in ring] or [f["uv"] for f in h.get("features", [])]
     if points:
         us, v = [p[0] for p in points], min(p[1] for p in points)
         _write(pencil, text or _name(h), ((min(us) + max(us)) / 2, v), colour_of(i), (taken, 0.75, True))
 
 
-def _name(h: dict[str, Any]) -> str:
+def _name(h: HypothesisRow) -> str:
     return f"{h.get('label') or h['type']} {h['id']}"
 
 
@@ -190,7 +192,7 @@ def _write(
         pencil.text(text, box, size, colour)
 
 
-def _notable(features: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _notable(features: list[FeatureRow]) -> list[FeatureRow]:
     """Return the few features worth a name: of a type that occurs once, then what wants explaining (cases D and C)."""
     types = [f["type"] for f in features]
     order = {"D": 1, "C": 2}
@@ -201,13 +203,13 @@ def _notable(features: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return [f for rank, _, f in sorted(keyed, key=lambda k: k[:2]) if rank < 9][:NOTABLE]
 
 
-def _chance(h: dict[str, Any]) -> str:
+def _chance(h: HypothesisRow) -> str:
     p = h.get("probability")
     return "" if p is None else f" {'>0.999' if 0.9995 < p < 1 else f'{p:.3f}'}"
 
 
 def _legend(
-    width: int, accepted: list[dict[str, Any]], kinds: list[str], sides: Sides | None = None
+    width: int, accepted: list[HypothesisRow], kinds: list[str], sides: Sides | None = None
 ) -> NDArray[np.uint8]:
     """Return the strip (lines, width, 3) that explains colours, cases and signs; it wraps. ``sides``: of the small marks of many features."""
     entries = _case_entries(accepted, sides)
@@ -227,10 +229,10 @@ def _legend(
     return strip[: int(y + LINE / 2 + 12)]
 
 
-def _case_entries(accepted: list[dict[str, Any]], sides: Sides | None) -> list[Entry]:
+def _case_entries(accepted: list[HypothesisRow], sides: Sides | None) -> list[Entry]:
     """The four cases with their counts, and how many of them are sides of edges where there are any."""
     features = [f for h in accepted for f in h.get("features", [])]
-    counts = Counter({letter: 0 for letter, *_ in CASES})
+    counts: Counter[str | None] = Counter({letter: 0 for letter, *_ in CASES})
     for f in features:
         counts[f.get("case")] += f.get("stands_for", 1)
     entries: list[Entry] = []

@@ -1,17 +1,24 @@
-"""The terminal's tables: worlds, answers and measures of an interpretation, as ``rich`` tables that the CLI prints.
-
-``worlds`` and ``measures`` take an ``interpretation/1`` document, ``answers`` an ``answers/1`` document.
-"""
+"""Tables as text: plain where stdout is no terminal, and where NO_COLOR is set; those of answers, worlds and measures."""
 
 from __future__ import annotations
 
-from typing import Any
+import io
+import os
+import sys
+from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.table import Table
 from rich.text import Text
 
 from plogic.scene.readings.unfinished import unlisted_beyond
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from plogic.facts.document import Cells, Interpretation
+    from plogic.scene.document import Answers
+
 
 CELLS = ("expected_detected", "expected_missed", "hidden_missed", "hidden_detected")
 """The four cases in the paper's column order: A, C, B, D."""
@@ -34,7 +41,7 @@ def signed(value: float | None) -> str:
     return NONE if value is None else f"{value:+.2f}"
 
 
-def worlds(document: dict[str, Any], limit: int = 10) -> Table:
+def worlds(document: Interpretation, limit: int = 10) -> Table:
     """Return the ranked possible worlds, most probable first, with the mass of those that are not in the table; intervals where they are told."""
     names = {h["id"]: f"{h.get('label') or h['type']} {h['id']}" for h in document.get("hypotheses", [])}
     listed = document.get("worlds", [])
@@ -68,42 +75,46 @@ def interval(low: float, high: float) -> str:
     return chance(low) if chance(low) == chance(high) else f"{chance(low)}..{chance(high)}"
 
 
-def answers(document: dict[str, Any]) -> Table:
+def answers(document: Answers) -> Table:
     """Return the answers, in the order given; one known only within bounds prints both, and those of what is unfinished their probability too."""
     apart = bool(document.get("unfinished"))
     table = _table("answers", ("probability", "right"), *[("interval", "right")] * apart, ("goal", "left"))
     for answer in document.get("answers", []):
-        low, high = answer.get("interval") or (answer["probability"],) * 2
+        low, high = answer.get("interval") or [answer["probability"]] * 2
         shown = chance(answer["probability"]) if low == high or apart else interval(low, high)
         table.add_row(shown, *[interval(low, high)] * apart, Text(str(answer["goal"])))
     return table
 
 
-def measures(document: dict[str, Any]) -> Table:
+def measures(document: Interpretation) -> Table:
     """Return the support of every hypothesis per feature type and its explanatory values (§7.2.4, Table 1)."""
     right = [(n, "right") for n in ("dv", "A", "C", "B", "D", "ev", "P(ev)", "reconsidered", "probability")]
     table = _table("measures", ("hypothesis", "left"), ("status", "left"), ("feature type", "left"), *right)
-    dv = document.get("measures", {}).get("dv", {})
+    dv = document["measures"]["dv"] if "measures" in document else {}
     for h in document.get("hypotheses", []):
-        head: tuple[Any, ...] = (Text(f"{h.get('label') or h['type']} {h['id']}"), h["status"])
+        head = (Text(f"{h.get('label') or h['type']} {h['id']}"), h["status"])
         tail = (
             signed(h.get("ev")),
             chance(h.get("p_ev")),
             signed(h.get("ev_reconsidered")),
             chance(h.get("probability")),
         )
-        types = sorted(h.get("support", {}), key=lambda t: (-dv.get(t, 0.0), t)) or [None]
-        for i, kind in enumerate(types):
-            cells = h["support"][kind] if kind is not None else {}
-            row: tuple[Any, ...] = (
-                Text(kind or NONE),
-                f"{dv[kind]:.3f}" if kind in dv else NONE,
-                *(str(cells.get(c, 0)) for c in CELLS),
-            )
-            table.add_row(
-                *(head if i == 0 else ("", "")), *row, *(tail if i == 0 else ("",) * 4), end_section=i == len(types) - 1
-            )
+        rows = _support_rows(h.get("support", {}), dv)
+        for i, row in enumerate(rows):
+            last = i == len(rows) - 1
+            table.add_row(*(head if i == 0 else ("", "")), *row, *(tail if i == 0 else ("",) * 4), end_section=last)
     return table
+
+
+def _support_rows(support: Mapping[str, Cells], dv: Mapping[str, float]) -> list[tuple[str | Text, ...]]:
+    """Feature type, dv and the four cells, the most distinctive type first; one row of dashes where there is none."""
+    if not support:
+        return [(Text(NONE), NONE, *("0" for _ in CELLS))]
+    kinds = sorted(support, key=lambda t: (-dv.get(t, 0.0), t))
+    return [
+        (Text(kind), f"{dv[kind]:.3f}" if kind in dv else NONE, *(str(support[kind].get(cell, 0)) for cell in CELLS))
+        for kind in kinds
+    ]
 
 
 def _table(title: str, *columns: tuple[str, str]) -> Table:
@@ -113,3 +124,33 @@ def _table(title: str, *columns: tuple[str, str]) -> Table:
     for name, justify in columns:
         table.add_column(name, justify="right" if justify == "right" else "left", overflow="fold")
     return table
+
+
+WIDTH = 118
+"""Columns where stdout is no terminal: the same input gives the same bytes."""
+
+
+def text_of_table(table: Table) -> str:
+    """A table as the text to write; colours and emphasis only on a terminal, and not where NO_COLOR is set."""
+    from rich.console import Console
+
+    terminal = sys.stdout.isatty()
+    buffer = io.StringIO()
+    width = None if terminal else WIDTH
+    styled = terminal and not os.environ.get("NO_COLOR")
+    Console(file=buffer, force_terminal=styled, width=width, highlight=False).print(table)
+    return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines())
+
+
+def plain_table(title: str, rows: Sequence[dict[str, Any]]) -> str:
+    """Rows of one shape as a table, numbers to the right."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    for name, value in rows[0].items() if rows else []:
+        table.add_column(name, justify="right" if isinstance(value, (int, float)) else "left")
+    for row in rows:
+        table.add_row(*(Text(f"{v:.3f}" if isinstance(v, float) else str(v)) for v in row.values()))
+    return text_of_table(table)

@@ -15,15 +15,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import centre_of
-from plogic.match.gamma.row_blocks import blocks
+from plogic.match.gamma.data import blocks, centre_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
-    from kb.clouds.cloud import Feature
+    from kb.clouds.lobes import Feature
     from plogic.match.gamma.data import Data
 
 NEIGHBOURS = 8

@@ -46,7 +46,7 @@ def overlap(one: Hypothesis, other: Hypothesis) -> bool:
     if apart >= 0.5 * (a.diameter + b.diameter):
         return False
     first, second = a.solid, b.solid
-    if first is None or second is None:  # refused (kb.surfaces.solid)
+    if first is None or second is None:  # refused (kb.surfaces.surface)
         return False
     volume = _shared(first, one.camera_from_object.tobytes(), second, other.camera_from_object.tobytes())
     return bool(volume > SHARED_VOLUME * min(first.volume, second.volume))

@@ -16,23 +16,57 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
 
 from plogic.facts.stopped import stopped_in
 from plogic.run.batch.frames import digest_of
 from plogic.scene.readings.unfinished import unlisted_beyond
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
+    from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow, Status, WorldRow
+    from plogic.facts.fact_rows import Interval, Pose
+    from plogic.facts.stopped import Stopped
     from plogic.run.batch.frames import Frame, Settings
 
 FORMAT = "frame/1"
 DONE, UNFINISHED, ERROR = "done", "unfinished", "error"
-TOLD = ("id", "type", "status", "T_camera_object", "ev", "ev_reconsidered", "probability")
-"""What is told of a hypothesis in short."""
-WITHIN = "interval"
-"""... and of each probability that an unfinished interpretation bounds."""
+
+
+class FullBody(TypedDict):
+    """A whole interpretation."""
+
+    interpretation: Interpretation
+
+
+class ErrorBody(TypedDict):
+    """What ``plogic perceive`` would say."""
+
+    error: str
+
+
+class ShortRow(TypedDict):
+    """One hypothesis in short; ``interval`` where an unfinished interpretation bounds its probability."""
+
+    id: str
+    type: str
+    status: Status | Literal["rejected"]
+    T_camera_object: Pose
+    ev: float | None
+    ev_reconsidered: float | None
+    probability: float
+    interval: NotRequired[Interval]
+
+
+class ShortBody(TypedDict):
+    """The most probable worlds of an interpretation, and the hypotheses in them."""
+
+    appearances: int
+    hypotheses: list[ShortRow]
+    worlds: list[WorldRow]
+    unlisted_mass: Interval
+    stopped: NotRequired[Stopped]
 
 
 @dataclass(frozen=True)
@@ -42,10 +76,12 @@ class Lines:
     settings: Settings
     kb: Mapping[str, str]
 
-    def perceived(self, frame: Frame, document: Mapping[str, Any], sha256: str | None) -> tuple[str, bytes]:
+    def perceived(self, frame: Frame, document: Interpretation, sha256: str | None) -> tuple[str, bytes]:
         """Status and line of a frame with its interpretation; ``sha256`` is of what was read."""
         status = UNFINISHED if document.get("unfinished") else DONE
-        body = {"interpretation": document} if self.settings.full else short(document, self.settings.worlds)
+        body: FullBody | ShortBody = (
+            {"interpretation": document} if self.settings.full else short(document, self.settings.worlds)
+        )
         return status, self._line(frame, status, body, sha256)
 
     def wrong(self, frame: Frame, message: str, sha256: str | None) -> tuple[str, bytes]:
@@ -56,7 +92,7 @@ class Lines:
         """As ``wrong``, of a frame whose worker is gone and cannot say what it read: as it is now."""
         return self.wrong(frame, message, digest_of(frame, self.settings.camera))
 
-    def _line(self, frame: Frame, status: str, body: Mapping[str, Any], sha256: str | None) -> bytes:
+    def _line(self, frame: Frame, status: str, body: FullBody | ShortBody | ErrorBody, sha256: str | None) -> bytes:
         head = {"format": FORMAT, "input": frame.input, "frame": frame.frame, "status": status}
         origin = {"sha256": sha256, "kb": dict(self.kb), "options": self.settings.document()}
         text = json.dumps({**head, **origin, **body}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
@@ -65,20 +101,34 @@ class Lines:
         )  # of a file's name that is no text: \udc80, as JSON writes it
 
 
-def short(document: Mapping[str, Any], number: int) -> dict[str, Any]:
+def short(document: Interpretation, number: int) -> ShortBody:
     """An interpretation's ``number`` most probable worlds, and the hypotheses that are accepted or in one of them, with their poses."""
     listed, stopped = document["worlds"][:number], stopped_in(document)
     present = {name for world in listed for name in world["present"]}
-    return {
+    body: ShortBody = {
         "appearances": len(document["appearances"]),
         "hypotheses": [
-            _some(h, TOLD) for h in document["hypotheses"] if h["status"] == "accepted" or h["id"] in present
+            _short_row(h) for h in document["hypotheses"] if h["status"] == "accepted" or h["id"] in present
         ],
-        "worlds": [_some(world, ("probability", "present")) for world in listed],
+        "worlds": [_short_world(world) for world in listed],
         "unlisted_mass": unlisted_beyond(document, number),
-        **({"stopped": stopped} if stopped else {}),
     }
+    return {**body, "stopped": stopped} if stopped else body
 
 
-def _some(row: Mapping[str, Any], keys: Sequence[str]) -> dict[str, Any]:
-    return {key: row[key] for key in keys} | ({WITHIN: row[WITHIN]} if WITHIN in row else {})
+def _short_row(h: HypothesisRow | RejectedRow) -> ShortRow:
+    row: ShortRow = {
+        "id": h["id"],
+        "type": h["type"],
+        "status": h["status"],
+        "T_camera_object": h["T_camera_object"],
+        "ev": h["ev"],
+        "ev_reconsidered": h["ev_reconsidered"],
+        "probability": h["probability"],
+    }
+    return {**row, "interval": h["interval"]} if "interval" in h else row
+
+
+def _short_world(world: WorldRow) -> WorldRow:
+    row: WorldRow = {"probability": world["probability"], "present": world["present"]}
+    return {**row, "interval": world["interval"]} if "interval" in world else row

@@ -12,7 +12,7 @@ import json
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
 
 from geometry.files.plain_files import fault_of, is_there
 
@@ -48,6 +48,17 @@ class Frame:
         return self.input if self.frame is None else f"{self.input} {self.frame}"
 
 
+class SettingsRow(TypedDict):
+    """The options of a frame's line."""
+
+    reading: Reading
+    reconsider: Reconsider
+    smoothing: float
+    deadline: float | None
+    full: NotRequired[bool]
+    worlds: NotRequired[int]
+
+
 @dataclass(frozen=True, slots=True)
 class Settings:
     """What decides a frame's line besides the frame: the KB, the camera of pictures that have none beside them, and the options.
@@ -64,15 +75,15 @@ class Settings:
     worlds: int = 10
     full: bool = False
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> SettingsRow:
         """The options as every line tells them."""
-        chosen = {
+        chosen: SettingsRow = {
             "reading": self.reading,
             "reconsider": self.reconsider,
             "smoothing": self.smoothing,
             "deadline": self.deadline,
         }
-        return chosen | ({"full": True} if self.full else {"worlds": self.worlds})
+        return {**chosen, "full": True} if self.full else {**chosen, "worlds": self.worlds}
 
 
 def camera_of(frame: Frame, camera: str | None) -> str | None:

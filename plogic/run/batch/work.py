@@ -21,6 +21,7 @@ from plogic.run.sources import kb_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from plogic.facts.document import Interpretation
     from plogic.run.batch.frames import Frame, Settings
     from sensing.appearance import Gamma
 
@@ -56,7 +57,7 @@ class Worker:
     def _digest(self, frame: Frame) -> str | None:
         return digest_of(frame, self.settings.camera)
 
-    def _document(self, frame: Frame, sha256: str | None) -> dict[str, Any]:
+    def _document(self, frame: Frame, sha256: str | None) -> Interpretation:
         clock, chosen = Stopwatch(), self.settings
         gamma, image = self._data(frame, clock)
         if self._digest(frame) != sha256:

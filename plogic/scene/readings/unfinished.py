@@ -10,20 +10,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 from plogic.facts.situation import Situation
 from plogic.facts.stopped import SEARCH, WORLDS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
 
+    from plogic.facts.document import HypothesisRow, Interpretation, Listed, Marks, RejectedRow
     from plogic.facts.stopped import Stopped
     from plogic.logic.served.engine import Answer
     from plogic.scene.asking.query import Subject
     from plogic.scene.worlds.ranked_worlds import Ranking
 
     Interval = tuple[float, float]
+    Marked = TypeVar("Marked", bound=Marks)
 
 OPEN = (0.0, 1.0)
 """What is known of a probability of which nothing is proved."""
@@ -41,9 +43,16 @@ def stopped_of(subject: Subject) -> Stopped:
     return subject.stopped if isinstance(subject, Situation) else ""
 
 
-def marks(stopped: Stopped) -> dict[str, Any]:
+def marks(stopped: Stopped) -> Marks:
     """The keys of a document that answers from an interpretation; none of a finished one."""
     return {"unfinished": True, "stopped": stopped} if stopped else {}
+
+
+def flagged(document: Marked, stopped: Stopped) -> Marked:
+    """The document itself, with the keys of ``marks``."""
+    if stopped:
+        document["unfinished"], document["stopped"] = True, stopped
+    return document
 
 
 def notice(stopped: Stopped, *, anew: bool = True) -> str:
@@ -66,35 +75,46 @@ def opened(stopped: Stopped, answers: Iterable[Answer]) -> list[Answer]:
     return [replace(answer, interval=proved(stopped, answer.interval)) for answer in answers]
 
 
-def marked(document: dict[str, Any], ranking: Ranking, stopped: Stopped) -> dict[str, Any]:
+def marked(document: Interpretation, ranking: Ranking, stopped: Stopped) -> Interpretation:
     """The interpretation, unfinished: with each probability an ``interval`` that contains what more time would give."""
-    return document | marks(stopped) | (_all_open(document) if stopped == SEARCH else _bounded(document, ranking))
+    found: Interpretation = {**document, **marks(stopped)}
+    return _all_open(found) if stopped == SEARCH else _bounded(found, ranking)
 
 
-def _all_open(document: dict[str, Any]) -> dict[str, Any]:
+def _all_open(document: Interpretation) -> Interpretation:
     """The rejected have one too: what was rejected for want of time, or beside what will not stay, may yet be accepted."""
-    rows = {
-        key: [row | {"interval": list(OPEN)} for row in document[key]] for key in ("hypotheses", "worlds", "relations")
+    return {
+        **document,
+        "hypotheses": [_within(h, OPEN) for h in document["hypotheses"]],
+        "worlds": [{**world, "interval": list(OPEN)} for world in document["worlds"]],
+        "relations": [{**row, "interval": list(OPEN)} for row in document["relations"]],
+        "unlisted_mass": list(OPEN),
     }
-    return rows | {"unlisted_mass": list(OPEN)}
 
 
-def _bounded(document: dict[str, Any], ranking: Ranking) -> dict[str, Any]:
+def _within(h: HypothesisRow | RejectedRow, bounds: Interval) -> HypothesisRow | RejectedRow:
+    bounded = h.copy()
+    bounded["interval"] = list(bounds)
+    return bounded
+
+
+def _bounded(document: Interpretation, ranking: Ranking) -> Interpretation:
     """Where no world is known to be possible the program may yet be smoothed (§8, trap c), and then nothing is proved."""
     possible = ranking.log_evidence_interval[0] > float("-inf")
     known = {h: bounds if possible else OPEN for h, bounds in ranking.intervals.items()}
-    hypotheses = [h | {"interval": list(known[h["id"]])} if h["id"] in known else h for h in document["hypotheses"]]
-    worlds = [
-        row | {"interval": list(world.interval)} for row, world in zip(document["worlds"], ranking.worlds, strict=True)
-    ]
-    return {"hypotheses": hypotheses, "worlds": worlds}
+    rows = zip(document["worlds"], ranking.worlds, strict=True)
+    return {
+        **document,
+        "hypotheses": [_within(h, known[h["id"]]) if h["id"] in known else h for h in document["hypotheses"]],
+        "worlds": [{**row, "interval": list(world.interval)} for row, world in rows],
+    }
 
 
-def unlisted_beyond(document: Mapping[str, Any], number: int) -> list[float]:
+def unlisted_beyond(document: Listed, number: int) -> list[float]:
     """The interval of the mass that is not in the first ``number`` of the listed worlds."""
-    rest, unlisted = document.get("worlds", [])[number:], document.get("unlisted_mass") or (0.0, 0.0)
+    rest, unlisted = document.get("worlds", [])[number:], document.get("unlisted_mass") or [0.0, 0.0]
     if not any("interval" in world for world in rest):
         mass = sum(world["probability"] for world in rest)
         return [bound + mass for bound in unlisted]
-    bounds = [world.get("interval") or (world["probability"],) * 2 for world in rest]
+    bounds = [world.get("interval") or [world["probability"]] * 2 for world in rest]
     return [min(unlisted[end] + sum(b[end] for b in bounds), 1.0) for end in (0, 1)]

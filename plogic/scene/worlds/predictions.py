@@ -19,7 +19,7 @@ other, and a transparent object hides nothing.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from plogic.scene.readings.score_reading import cells, p_ev
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from plogic.facts.document import DoubtRow
     from plogic.facts.situation import PairFact, Situation
 
 SAME = 1e-9
@@ -46,9 +47,15 @@ class Doubt(NamedTuple):
     found: str
     why: str
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> DoubtRow:
         """As in ``interpretation.json``."""
-        return self._asdict() | {"args": list(self.args)}
+        return {
+            "relation": self.relation,
+            "args": list(self.args),
+            "expected": self.expected,
+            "found": self.found,
+            "why": self.why,
+        }
 
 
 def doubts(situation: Situation) -> tuple[Doubt, ...]:

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kb.clouds.cloud import Lobe, ObjectType
+from kb.clouds.cloud import ObjectType
+from kb.clouds.lobes import Lobe
 from kb.clouds.tree import Branch, build_tree, features_of
 from plogic.sequence.constancy.draft_body import draft_body
 from plogic.sequence.constancy.draft_frames import feature_frame

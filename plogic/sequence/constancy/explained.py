@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from plogic.scene.worlds.causes import NOISE
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from plogic.facts.document import Interpretation
 
 
-def unexplained_of(document: Mapping[str, Any]) -> tuple[str, ...]:
+def unexplained_of(document: Interpretation) -> tuple[str, ...]:
     """Ids, in the order of Γ, of the appearances of an ``interpretation/1`` that nothing accepted causes in its most probable world.
 
     A cause is a feature, "h1/roof/apex", of a hypothesis whose status is accepted; anything else leaves its datum

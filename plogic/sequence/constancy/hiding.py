@@ -5,7 +5,7 @@ Vocabulary: ``Body``, ``Body(surface.rays, world_from_object)``.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from geometry.visibility.rays import RayMesh
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.document import Interpretation
     from plogic.sequence.constancy.weights import Hidden
     from plogic.sequence.views.view import View
 
@@ -45,7 +46,7 @@ def hiding(views: Sequence[View], bodies: Mapping[str, Sequence[Body]]) -> Hidde
     return hidden
 
 
-def bodies_of(kb: KnowledgeBase, view: View, document: Mapping[str, Any]) -> list[Body]:
+def bodies_of(kb: KnowledgeBase, view: View, document: Interpretation) -> list[Body]:
     """The opaque bodies of what an ``interpretation/1`` of the view accepts; a type that the KB has not, or without a mesh, hides nothing."""
     known = {kind.name: kind for kind in kb.types}
     bodies = []

@@ -10,7 +10,7 @@ Vocabulary, each with an example value:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from geometry.arrays import frozen
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     import numpy as np
     from numpy.typing import NDArray
+
+    from plogic.sequence.document import ConstancyRow, PhysicalFeatureRow
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +59,7 @@ class Constancy:
     undecided: Mapping[str, tuple[str, ...]]
 
 
-def constancy_document(constancy: Constancy) -> dict[str, Any]:
+def constancy_document(constancy: Constancy) -> ConstancyRow:
     """The keys ``unknown``, ``noise`` and ``undecided`` of a ``panorama/1``."""
     return {
         "unknown": [
@@ -69,7 +71,7 @@ def constancy_document(constancy: Constancy) -> dict[str, Any]:
     }
 
 
-def _feature(feature: PhysicalFeature) -> dict[str, Any]:
+def _feature(feature: PhysicalFeature) -> PhysicalFeatureRow:
     return {
         "id": feature.id,
         "type": feature.type,

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
 
 import numpy as np
 
@@ -29,6 +29,19 @@ CLEAR = 1.5
 """Radii of the scene that a camera keeps from its middle, at least."""
 STEEP = 0.999
 """Cosine to the vertical from which a camera has no upward direction."""
+
+
+class MovesRow(TypedDict):
+    """How the candidates were made, m; ``left_out``: those that are too near or too low."""
+
+    moves: Literal["ring", "within", "list"]
+    places: NotRequired[int]
+    radius: NotRequired[float]
+    height_over_middle: NotRequired[float]
+    distance: NotRequired[float]
+    step: NotRequired[float]
+    left_out: NotRequired[int]
+    middle: NotRequired[list[float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +77,7 @@ def turned_to(eye: Floats, middle: Floats, up: Floats) -> Floats:
 
 def ring(
     prospect: Prospect, stand: Stand, radius: float | None = None, places: int = RING
-) -> tuple[list[Candidate], dict[str, Any]]:
+) -> tuple[list[Candidate], MovesRow]:
     """Places around the scene's middle at the present height, the present one aside, evenly apart and turned to the middle.
 
     ``radius``: m from the axis through the middle, by default the present one. None where nothing may be there, or the
@@ -97,14 +110,14 @@ def ring(
     }
 
 
-def within(prospect: Prospect, stand: Stand, distance: float) -> tuple[list[Candidate], dict[str, Any]]:
+def within(prospect: Prospect, stand: Stand, distance: float) -> tuple[list[Candidate], MovesRow]:
     """Every place of a grid within ``distance`` m of the camera, turned to the scene's middle, the nearest first; ``STEPS`` steps to the farthest.
 
     Left out are the present place, what is nearer the middle than ``CLEAR`` radii of the scene (and the camera is not),
     and, where up is known, what is lower than all that may be there.
     """
     middle, step = prospect.middle, distance / STEPS
-    stated: dict[str, Any] = {"moves": "within", "distance": distance, "step": step}
+    stated: MovesRow = {"moves": "within", "distance": distance, "step": step}
     if middle is None:
         return [], stated
     eye = stand.reference_from_camera[:3, 3]

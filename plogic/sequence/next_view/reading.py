@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,16 +13,21 @@ from plogic.base.errors import InterpretationError
 from plogic.sequence.next_view.prospect import Body, Cloud, Prospect
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
+
+    from plogic.facts.document import Interpretation, TypeRow
+    from plogic.sequence.next_view.of_sequence import LastView
+
+    Looked = Interpretation | LastView
 
 SLACK = 0.004
 """Share of a body's diameter that the surface must be met before a feature to hide it, as where it was perceived."""
 AGAIN = "says nothing of how its types are seen, as older ones do: perceive again (`plogic perceive`)"
 
 
-def prospect_of(document: Mapping[str, Any], worlds: Sequence[tuple[float, Sequence[str]]] | None = None) -> Prospect:
+def prospect_of(document: Looked, worlds: Sequence[tuple[float, Sequence[str]]] | None = None) -> Prospect:
     """The prospect of an ``interpretation/1``, in the present camera's frame; ``worlds``, (probability, present), in place of those that it lists.
 
     The probabilities of what is listed are scaled to sum to 1. Raises InterpretationError where it is an old one, or
@@ -38,7 +43,7 @@ def prospect_of(document: Mapping[str, Any], worlds: Sequence[tuple[float, Seque
         raise InterpretationError(f"types, sensing or assets: not complete: {what}") from error
 
 
-def _prospect(document: Mapping[str, Any], worlds: Sequence[tuple[float, Sequence[str]]]) -> Prospect:
+def _prospect(document: Looked, worlds: Sequence[tuple[float, Sequence[str]]]) -> Prospect:
     used = {name for _, members in worlds for name in members}
     rows = [h for h in document["hypotheses"] if h["id"] in used]
     clouds = {name: _cloud(name, document) for name in sorted({h["type"] for h in rows})}
@@ -62,7 +67,7 @@ def _prospect(document: Mapping[str, Any], worlds: Sequence[tuple[float, Sequenc
     )
 
 
-def _cloud(name: str, document: Mapping[str, Any]) -> Cloud:
+def _cloud(name: str, document: Looked) -> Cloud:
     table, mesh = document["types"][name], document["assets"].get("meshes", {}).get(name)
     at = np.array([row[2:5] for row in table["features"]], dtype=float).reshape(-1, 3)
     rays = None if mesh is None else RayMesh(np.array(mesh["vertices"], dtype=float), np.array(mesh["triangles"]))
@@ -75,7 +80,7 @@ def _cloud(name: str, document: Mapping[str, Any]) -> Cloud:
     return Cloud(name, names, kinds, lobes, hit, rays, middle, radius, slack, bool(table["measured"]))
 
 
-def _lobes(table: Mapping[str, Any], at: NDArray[np.float64]) -> tuple[LobeTable, NDArray[np.float64]]:
+def _lobes(table: TypeRow, at: NDArray[np.float64]) -> tuple[LobeTable, NDArray[np.float64]]:
     rows = np.array(table["lobes"], dtype=float).reshape(-1, 9)
     feature, look = rows[:, 0].astype(np.intp), rows[:, 1].astype(np.intp)
     axis = rows[:, 2:5] / np.linalg.norm(rows[:, 2:5], axis=1, keepdims=True)

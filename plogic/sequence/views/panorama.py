@@ -12,10 +12,12 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from plogic.base.stopwatch import Stopwatch
-from plogic.cycle.beside import FEWEST
+from plogic.cycle.judging import FEWEST
 from plogic.cycle.recall import Seed
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import evidence, hit_rates
@@ -27,14 +29,15 @@ from plogic.sequence.views.standing import Seen, Standing, seen_alone, standing_
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
 
-    from plogic.cycle.belief import Cycle
     from plogic.cycle.delta import Options
+    from plogic.cycle.state import Cycle
+    from plogic.facts.document import Interpretation
     from plogic.facts.hypothesis import Hypothesis
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
+    from plogic.sequence.document import ExpectedRow
     from plogic.sequence.views.joint import Joint
     from plogic.sequence.views.view import View
 
@@ -68,8 +71,8 @@ class Look:
     """What one view came to: the interpretation document, what Δp led to expect, what is gone, the ids of data that nobody explains."""
 
     view: View
-    interpretation: dict[str, Any]
-    predicted: tuple[dict[str, Any], ...]
+    interpretation: Interpretation
+    predicted: tuple[ExpectedRow, ...]
     gone: tuple[str, ...]
     unexplained: tuple[str, ...]
     seconds: dict[str, float]
@@ -112,11 +115,11 @@ class Panorama:
         here = Counter(kind[name] for name in left)
         self.usual = {name: max(here[name], self.usual.get(name, 0)) for name in sorted({*here, *self.usual})}
 
-    def predicted(self, view: View) -> tuple[dict[str, Any], ...]:
+    def predicted(self, view: View) -> tuple[ExpectedRow, ...]:
         """What anticipated motion leads to expect: of each object of Δp that should be seen from there, as ``panorama/1`` says it."""
         return self._foreseen(self.expected(view))
 
-    def _foreseen(self, expected: Sequence[tuple[Known, Hypothesis]]) -> tuple[dict[str, Any], ...]:
+    def _foreseen(self, expected: Sequence[tuple[Known, Hypothesis]]) -> tuple[ExpectedRow, ...]:
         return tuple(_told(known, posed, self.perceiver) for known, posed in expected)
 
     def expected(self, view: View) -> list[tuple[Known, Hypothesis]]:
@@ -133,7 +136,9 @@ class Panorama:
         """Drop from Δp what is expected here, was not found, and is plainly not there. Its ids."""
         gone = []
         for known, _ in expected:
-            found = any(known.standing.same(standing_of(b, seen.view), seen.view) for b in cycle.accepted)
+            found = any(
+                known.standing.same(standing_of(b, seen.view, self.perceiver.models), seen.view) for b in cycle.accepted
+            )
             if not found and self._speaks(known, cycle, seen) < GONE:
                 gone.append(known.id)
         self.known = [known for known in self.known if known.id not in gone]
@@ -142,13 +147,13 @@ class Panorama:
     def _speaks(self, known: Known, cycle: Cycle, seen: Seen) -> float:
         """The log-likelihood ratio of one object in one view, where what was accepted there hides what it hides."""
         posed = seen_alone(known.standing, seen, self.perceiver.kb)
-        hidden = hidden_among(posed, [belief.posed for belief in cycle.accepted])
+        hidden = hidden_among(posed, cycle.accepted)
         return evidence(posed, seen.data, self.perceiver.kb, hidden).ratio
 
     def _remember(self, cycle: Cycle, view: View, in_view: Sequence[str]) -> None:
         """Judge what is known and what is new in all views together, and keep what is probable."""
         standing = [known.standing for known in self.known]
-        fresh = [standing_of(b, view) for b in (*cycle.accepted, *cycle.considered)]
+        fresh = [standing_of(b, view, self.perceiver.models) for b in (*cycle.accepted, *cycle.considered)]
         for some in (*fresh, *self.rivals):
             if not any(some.same(other, view) for other in standing):
                 standing.append(some)
@@ -171,24 +176,25 @@ class Panorama:
         """Δp after a view: what is believed, under its old name where it has one, and what no view of the window shows, as it was."""
         kept = [known for known in self.known if not self._shown(known.standing)]
         others = [known for known in self.known if self._shown(known.standing)]
+        there = [standing_of(b, view, self.perceiver.models) for b in cycle.accepted]
         for some, chance in believed:
             old = next((known for known in others if some.same(known.standing, view)), None)
             if old is None:
                 self.named += 1
                 old = Known(f"p{self.named}", some, chance, view.id)
-                kept.append(_aged(old, some, chance, cycle, view, here=True))
+                kept.append(_aged(old, some, chance, there, view, here=True))
             else:
                 others = [known for known in others if known is not old]
-                kept.append(_aged(old, some, chance, cycle, view, here=old.id in in_view))
+                kept.append(_aged(old, some, chance, there, view, here=old.id in in_view))
         outside = [replace(k, age=k.age + 1) for k in kept if k.last_seen != view.id]
         self.known = sorted(
             [*(k for k in kept if k.last_seen == view.id), *outside], key=lambda known: int(known.id[1:])
         )
 
 
-def _aged(old: Known, standing: Standing, chance: float, cycle: Cycle, view: View, *, here: bool) -> Known:
-    """The same object after one more view, in which it was found or was expected (``here``), or which did not show it."""
-    names = [f"h{i}" for i, b in enumerate(cycle.accepted, 1) if standing.same(standing_of(b, view), view)]
+def _aged(old: Known, standing: Standing, chance: float, there: Sequence[Standing], view: View, *, here: bool) -> Known:
+    """The same object after one more view, in which it was found or was expected (``here``), or which did not show it; ``there``: Δi of that view."""
+    names = [f"h{i}" for i, some in enumerate(there, 1) if standing.same(some, view)]
     by_view = {**old.by_view, **({view.id: names[0]} if names else {})}
     if names or here:
         return Known(old.id, standing, chance, view.id, 0, by_view)
@@ -197,20 +203,20 @@ def _aged(old: Known, standing: Standing, chance: float, cycle: Cycle, view: Vie
 
 def _left(cycle: Cycle, seen: Seen) -> tuple[str, ...]:
     """Ids of a view's data that no accepted hypothesis claims."""
-    taken = {i for belief in cycle.accepted for i in claims(belief.posed)}
+    taken = {i for belief in cycle.accepted for i in claims(belief)}
     return tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
 
 
 def _awaited(posed: Hypothesis, others: Sequence[tuple[Known, Hypothesis]]) -> NDArray[np.bool_]:
     """(F,) the features that are expected where all of Δp stands as it is remembered."""
-    mask = posed.candidate.copy()
+    hidden = np.zeros(len(posed.uv), bool)
     for _, other in others:
         if other is not posed and other.object_type.opaque:
-            mask &= ~hidden_by(posed, other)
-    return mask
+            hidden |= hidden_by(posed, other)
+    return posed.expected(hidden)
 
 
-def _told(known: Known, posed: Hypothesis, perceiver: Perceiver) -> dict[str, Any]:
+def _told(known: Known, posed: Hypothesis, perceiver: Perceiver) -> ExpectedRow:
     """What anticipated motion leads to expect of one object, as ``panorama/1`` says it."""
     expected = posed.candidate
     return {

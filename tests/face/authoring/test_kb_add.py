@@ -13,7 +13,7 @@ from made_meshes import box_triangles, obj_text, write_box, write_painted
 
 from kb.files.read import read_kb
 from kb.files.schema import json_schema
-from kb.quantities import LENGTHS
+from kb.files.values import LENGTHS
 from plogic.face.authoring.kb_group import UNITS
 from sensing.simulated.meshes import read_mesh
 

@@ -11,10 +11,8 @@ from console import bytes_in, good, plogic
 from made_meshes import obj_text, split_box, write_box
 from small_kb import KB, OBJECT, write_small
 
-from kb.errors import KBError
 from kb.files.read import read_kb
-from kb.files.write import kb_files
-from plogic.face.authoring.kb_new import new_command
+from plogic.face.authoring.kb_types import new_command
 
 LONG = "n" * 300
 TOO_LONG = "has a name that is too long for a file"
@@ -192,20 +190,6 @@ def test_hostile_models(case, tmp_path):
     line = the_line(tmp_path, "kb", "import", "models", "--kb", "kb")
     assert line.startswith("models/models_info.json")
     assert INFOS[case][1] in line
-
-
-def test_what_was_learned_is_not_left_out_in_silence(tmp_path):
-    from dataclasses import replace
-
-    import numpy as np
-
-    from kb.clouds.words import Words
-
-    kb = replace(read_kb(write_small(tmp_path / "mykb")), words=Words("orb", np.zeros((1, 32), np.uint8)))
-    with pytest.raises(
-        KBError, match=r"small: what was learned .* cannot be written anew: copy the knowledge base's folder"
-    ):
-        kb_files(kb)
 
 
 def test_rates_of_a_shipped_kb_are_nobodys_to_change(tmp_path):

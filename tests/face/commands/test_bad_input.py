@@ -10,7 +10,7 @@ from console import bytes_in, good, plogic
 from refusals import ONE, assert_lines, refused
 from small_kb import KB, OBJECT, write_small
 
-from kb.files.shipped import shipped
+from kb.files.folder import shipped
 
 BODY = "  - part: body\n    features: []\n"
 

@@ -57,7 +57,7 @@ def test_a_bad_question(args, inputs):
 
 
 INTERPRETATIONS = {
-    "no facts": (lambda d: d.pop("facts"), "not a complete interpretation/1: the key 'facts' is missing"),
+    "no facts": (lambda d: d.pop("facts"), "facts: is missing"),
     "no such reading": (lambda d: d.update(reading="zork"), "reading: 'zork' should be one of score, posterior"),
     "no such mode": (
         lambda d: d.update(reconsider=["drop"]),
@@ -66,10 +66,10 @@ INTERPRETATIONS = {
     "a NaN": (lambda d: d["hypotheses"][0]["features"][0].update(dv=float("nan")), "is no JSON: NaN is no number"),
     "a negative density": (
         lambda d: d["hypotheses"][0]["features"][0].update(density=-1.0),
-        "density: -1.0 is not a number from 0.0",
+        "hypotheses.0.features.0.density: -1.0 is not a number from 0.0",
     ),
     "a duplicate id": (lambda d: d["hypotheses"].insert(0, d["hypotheses"][0]), "hypothesis 'h1' occurs twice"),
-    "no list": (lambda d: d.update(hypotheses="h1"), "not a complete interpretation/1"),
+    "no list": (lambda d: d.update(hypotheses="h1"), "hypotheses: 'h1' is no list"),
     "hostile rules": (lambda d: d.update(rules=":- use_module('x.py')."), "rules.pl:1:4: directive use_module('x.py')"),
 }
 

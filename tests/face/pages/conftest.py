@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from made_types import write_learned
 
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from kb.clouds.cloud import Lobe
+from kb.clouds.lobes import Lobe
 from kb.clouds.tree import Branch
 
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from kb.clouds.clutter import LAMBDA, clutter_prior
+from kb.clouds.cloud import LAMBDA, clutter_prior
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 
 
 @pytest.fixture(scope="module")

@@ -15,11 +15,11 @@ from test_learned_cloud import packed, with_member
 from test_learned_parts import kind_of, spread_cloud, write
 
 from kb.clouds.learned import FORMAT, cloud_bytes, numbered, read_cloud
+from kb.clouds.words import worded
 from kb.errors import CloudError
 from kb.files.learned_reading import learned_features, with_compounds
 from kb.files.read import read_kb
-from kb.learning.parts import with_parts
-from kb.learning.words import worded
+from kb.learning.part_owners import with_parts
 from kb.shown.learned_summary import learned_summary
 from kb.shown.show import check_report, part_rows, tree_document, tree_text
 from plogic.measures.distinctiveness import instance_counts

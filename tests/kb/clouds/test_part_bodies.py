@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kb.clouds.part_bodies import part_bodies
+from kb.clouds.cloud import part_bodies
 from kb.clouds.tree import Branch, build_tree, features_of
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 
 
 @pytest.fixture(scope="module")

@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 from random_cloud import random_cloud, random_words
 
 from kb.clouds import words as module
-from kb.clouds.clutter import KEYPOINTS, word_clutter
-from kb.clouds.words import MOST, PER_WORD, Words, learn_words, read_words, words_bytes
+from kb.clouds.cloud import KEYPOINTS, word_clutter
+from kb.clouds.words import MOST, PER_WORD, Words, learn_words, read_words, worded, words_bytes
 from kb.errors import CloudError
 from kb.files.learned_reading import learned_features, learned_lobes
-from kb.learning.words import worded
 
 
 def far(one, other):

@@ -2,12 +2,12 @@
 
 import pytest
 from small_kb import KB, write_small
+from written_kb import kb_text, write_kb
 
 from kb.clouds.cloud import UNKNOWN_SUPPORT
 from kb.errors import KBErrors
 from kb.files.read import read_kb
 from kb.files.schema import json_schema
-from kb.files.write import kb_text, write_kb
 from kb.shown.show import tree_document
 
 

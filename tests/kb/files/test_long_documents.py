@@ -5,7 +5,7 @@ from small_kb import KB, write_small
 
 from kb.errors import KBErrors
 from kb.files.branches import held, path_to
-from kb.files.model_mistakes import without
+from kb.files.mistakes import without
 from kb.files.read import read_kb
 from kb.files.yaml_text import load
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from small_kb import KB, write_small
+from written_kb import kb_text, write_kb
 
 from kb.errors import KBErrors
 from kb.files.read import read_kb
 from kb.files.schema import json_schema
-from kb.files.write import kb_text, write_kb
 from kb.shown.show import tree_document
 
 

@@ -4,10 +4,10 @@ import math
 
 import pytest
 from small_kb import write_small
+from written_kb import write_kb
 
 from kb.errors import KBErrors
 from kb.files.read import read_kb
-from kb.files.write import write_kb
 from kb.shown.show import tree_document
 
 

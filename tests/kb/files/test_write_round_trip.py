@@ -3,11 +3,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_kb import OBJECT, write_small
+from written_kb import kb_files, write_kb
 
+from kb.files.folder import shipped
 from kb.files.read import read_kb
 from kb.files.schema import SymmetryModel
-from kb.files.shipped import shipped
-from kb.files.write import flow, kb_files, write_kb
+from kb.files.write import flow
 from kb.files.yaml_text import load
 from kb.surfaces.symmetries import motions, symmetry_entries
 

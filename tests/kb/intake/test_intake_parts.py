@@ -7,7 +7,7 @@ import pytest
 from made_meshes import CORNERS, box_triangles, split_box
 from twin_cubes import APART, cubes
 
-from kb.intake.parts import MOST, pieces_of
+from kb.surfaces.pieces import MOST, pieces_of
 from kb.surfaces.surface import Surface, welded
 
 

@@ -1,18 +1,18 @@
-"""The shipped look-alikes are what `python -m kb.intake.author_lookalikes` writes: two towers that differ on one wall, and one like neither."""
+"""The shipped look-alikes are what `python -m benchmarks.author.towers lookalikes` writes: two that differ on one wall, one like neither."""
 
 from pathlib import Path
 
 import numpy as np
 
 import kb
+from benchmarks.author.towers import author
 from kb.files.read import read_kb
-from kb.intake.author_lookalikes import author
 
 SHIPPED = Path(kb.__file__).parent / "lookalikes"
 
 
 def test_the_same_bytes(tmp_path):
-    author(tmp_path)
+    author("lookalikes", tmp_path)
     names = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*") if p.is_file() and p.suffix != ".png")
     assert names == sorted(
         str(p.relative_to(SHIPPED)) for p in SHIPPED.rglob("*") if p.is_file() and p.suffix != ".png"

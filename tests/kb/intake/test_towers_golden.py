@@ -1,4 +1,4 @@
-"""The shipped towers are what `python -m kb.intake.author_towers` writes, and have Table 1's composition (§5.6)."""
+"""The shipped towers are what `python -m benchmarks.author.towers towers` writes, and have Table 1's composition (§5.6)."""
 
 from collections import Counter
 from pathlib import Path
@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import kb
+from benchmarks.author.texture import frame
+from benchmarks.author.towers import author, t1, t2
 from kb.files.read import read_kb
-from kb.intake.author_texture import frame
-from kb.intake.author_towers import author, t1, t2
 
 SHIPPED = Path(kb.__file__).parent / "towers"
 
@@ -18,7 +18,7 @@ SHIPPED = Path(kb.__file__).parent / "towers"
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     folder = tmp_path_factory.mktemp("towers")
-    author(folder)
+    author("towers", folder)
     return folder
 
 

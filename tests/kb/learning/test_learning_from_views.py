@@ -10,8 +10,7 @@ from geometry.cones import even_directions, spacing
 from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of, reaches
 from kb.learning.observations import EDGE, OFTEN, joined
-from kb.learning.variants import variants
-from kb.learning.views import AWAY, MARGIN, distance
+from kb.learning.views import AWAY, MARGIN, distance, variants
 from sensing.simulated.turntable import turned
 
 FEW = facing(CORNER, 25.0)

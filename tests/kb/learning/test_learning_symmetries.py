@@ -11,13 +11,11 @@ from random_cloud import random_cloud, unit
 
 from geometry.cones import even_directions
 from kb.files.schema import SymmetryModel
-from kb.intake.shape_symmetries import Turn
-from kb.learning import symmetries
-from kb.learning.counterparts import counterparts, reach_of, share
+from kb.learning import symmetry_trials
 from kb.learning.observations import Observations
-from kb.learning.symmetries import HOLDS, LIKELY, Trial, entries, judged, trials
+from kb.learning.symmetry_trials import HOLDS, LIKELY, Trial, counterparts, entries, judged, reach_of, share, trials
 from kb.surfaces.surface import Surface
-from kb.surfaces.symmetries import motions
+from kb.surfaces.symmetries import Turn, motions
 
 SIDES = np.array([0.1, 0.1, 0.16])
 MIDDLE = np.array([0.3, -0.2, 0.5])
@@ -164,7 +162,7 @@ def test_what_is_written_closes_though_the_axes_were_measured(found, count):
 
 
 def test_the_axes_of_a_ball_do_not_close_and_only_the_first_is_written(monkeypatch):
-    monkeypatch.setattr(symmetries, "seen_again", lambda *_: 0.5)
+    monkeypatch.setattr(symmetry_trials, "seen_again", lambda *_: 0.5)
     cloud = painted(1)
     found = judged([[trial(axis, 0, ratio=None)] for axis in (X, Y, Z)], cloud, pictures(cloud), VIEWS)
     assert [one.closes for one in found] == [True, False, False]

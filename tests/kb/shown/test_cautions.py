@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from made_meshes import write_box
 
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from kb.shown.cautions import cautions
 
 KB = "name: k\nappearance_types: [spot, dot]\n"

@@ -3,9 +3,9 @@ import json
 import pytest
 from small_kb import OBJECT, write_small
 
+from kb.files.folder import shipped
 from kb.files.read import read_kb
 from kb.files.schema import json_schema
-from kb.files.shipped import shipped
 from kb.shown.show import check_report, tree_document, tree_text
 
 

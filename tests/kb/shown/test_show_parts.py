@@ -6,8 +6,8 @@ from collections import Counter
 
 from small_kb import write_small
 
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from kb.shown.show import part_of_features, part_rows
 
 

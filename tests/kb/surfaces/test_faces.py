@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from kb.intake.author_towers import t1, t2
-from kb.surfaces.faces import Face, faces, normals_of
-from kb.surfaces.surface import Surface, check_closed, welded
+from benchmarks.author.junctions import Face, faces, normals_of
+from benchmarks.author.towers import t1, t2
+from kb.surfaces.surface import Surface, welded
 
 
 def cuboid(steps: int = 0) -> Surface:
@@ -26,7 +26,7 @@ def el() -> Surface:
         np.vstack([low, high]),
         np.array([(c, b, a) for a, b, c in top] + [(a + 6, b + 6, c + 6) for a, b, c in top] + sides),
     )
-    check_closed(surface)
+    assert surface.faults == ""
     return surface
 
 

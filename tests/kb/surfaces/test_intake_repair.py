@@ -6,19 +6,17 @@ import trimesh
 from made_meshes import CORNERS, box_triangles, split_box
 
 from kb.errors import IntakeError
-from kb.intake.shape_symmetries import turns_of
-from kb.surfaces.holes import rims
-from kb.surfaces.limits import DEVIATIONS, FEW
+from kb.surfaces.closing import rims, turned_outward
 from kb.surfaces.nearness import Nearness, spread
-from kb.surfaces.orient import turned_outward
-from kb.surfaces.repair import repaired
-from kb.surfaces.surface import Surface, check_closed
+from kb.surfaces.repair import DEVIATIONS, FEW, repaired
+from kb.surfaces.surface import Surface
+from kb.surfaces.symmetries import turns_of
 
 
 def test_seams_are_welded():
     vertices, triangles, _ = split_box()
     done = repaired(vertices, triangles)
-    check_closed(done.surface)
+    assert done.surface.faults == ""
     assert (done.vertices, done.welded, len(done.surface.vertices)) == (24, 16, 8)
     assert done.surface.volume == pytest.approx(1)
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.author.towers import author, t1, t2
 from kb.errors import SurfaceError
-from kb.intake.author_towers import author, t1, t2
-from kb.surfaces.surface import Surface, check_closed, surface_from_mesh, welded
+from kb.surfaces.surface import Surface, surface_from_mesh, welded
 
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 FACETS = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
@@ -21,7 +21,7 @@ def obj(path: Path, vertices, triangles) -> Path:
 
 def test_a_tetrahedron_has_its_volume_diameter_and_centre():
     surface = Surface(CORNERS, FACETS)
-    check_closed(surface)
+    assert surface.faults == ""
     assert surface.volume == pytest.approx(1 / 6)
     assert surface.diameter == pytest.approx(np.sqrt(3))
     assert surface.centre == pytest.approx([0.5, 0.5, 0.5])
@@ -44,22 +44,20 @@ def test_arrays_are_read_only():
     ],
 )
 def test_an_open_surface_is_refused_with_counts(triangles, fault):
-    with pytest.raises(SurfaceError, match=fault):
-        check_closed(Surface(CORNERS, triangles))
+    assert fault in Surface(CORNERS, triangles).faults
 
 
 def test_collinear_facets_are_refused_and_dropped_by_welding():
     vertices = np.vstack([CORNERS, [0.5, 0, 0]])
     triangles = np.vstack([FACETS, [[0, 4, 1]]])
-    with pytest.raises(SurfaceError, match="1 degenerate facets"):
-        check_closed(Surface(vertices, triangles))
-    check_closed(welded(vertices, triangles))
+    assert "1 degenerate facets" in Surface(vertices, triangles).faults
+    assert welded(vertices, triangles).faults == ""
 
 
 def test_welding_mends_seams():
     split = CORNERS[FACETS].reshape(-1, 3)
     surface = welded(split, np.arange(12).reshape(4, 3))
-    check_closed(surface)
+    assert surface.faults == ""
     assert surface.vertices.shape == (4, 3)
 
 
@@ -85,7 +83,7 @@ def test_coordinates_that_are_not_finite_are_a_surface_error():
 
 @pytest.mark.parametrize(("tower", "volume"), [(t1(), 0.8 * 0.6 * 1.3), (t2(), 0.49 * (1 + 0.5 / 3))])
 def test_the_towers_meshes_are_their_surfaces(tmp_path, tower, volume):
-    author(tmp_path)
+    author("towers", tmp_path)
     surface = surface_from_mesh(tmp_path / "objects" / tower.name / "mesh.obj")
     assert len(surface.vertices) == len(tower.vertices)
     assert surface.volume == pytest.approx(volume)

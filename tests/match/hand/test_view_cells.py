@@ -6,7 +6,7 @@ from synthetic import perceiver, towers
 
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, transform_points
-from kb.clouds.lobes import converge
+from kb.clouds.lobes import feature_in_lobe
 from plogic.match.hand.view_cells import DISTANCE, fibonacci_sphere, looking_back, view_cells
 
 NAMES = ("t1", "t2")
@@ -71,7 +71,7 @@ def test_what_one_cell_shows_converges(name):
     viewpoints = cells.centre + DISTANCE * cells.diameter * cells.directions
     assert cells.visible.any(axis=1).sum() > 100
     for seen, viewpoint in zip(cells.visible, viewpoints, strict=True):
-        assert converge(kind.lobes, np.flatnonzero(seen), viewpoint).all()
+        assert feature_in_lobe(kind.lobes, viewpoint)[:, seen].all()
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -15,7 +15,7 @@ from console import BIN, plogic
 from hostile_pictures import DIES, DIES_ONCE, WAITS, hostile
 from small_frames import CAMERA, NAMES, picture
 
-from kb.files.shipped import shipped
+from kb.files.folder import shipped
 
 PATIENCE = 90
 

@@ -6,9 +6,9 @@ import json
 from dataclasses import replace
 
 from console import good
+from written_kb import write_kb
 
 from benchmarks.constancy.scenes import constancy_kb, sequence
-from kb.files.write import write_kb
 from sensing.files.gamma_files import write_gamma
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from plogic.sequence.next_view.prospect import Body, Cloud, Prospect
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]))

@@ -14,10 +14,10 @@ from cli import cli
 from geometry.camera import Camera
 from geometry.errors import PlogicError
 from geometry.frames import inverse
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from plogic.cycle.delta import Options
-from plogic.face.commands.next_view import looked
+from plogic.face.commands.next_view import Moves, looked
 from plogic.facts.interpretation import situation_of, text_of
 from plogic.run.perceive import Perceiver
 from plogic.scene.asking.query import answers
@@ -25,7 +25,6 @@ from plogic.sequence.next_view.goal import answers_in
 from plogic.sequence.next_view.reading import prospect_of
 from sensing.appearance import Appearance, Gamma
 
-NOTHING = {"about": None, "ring": None, "moves": None, "within": None, "reading": None}
 WORLD = camera_at(0.6, -4.0, 1.8)
 
 
@@ -73,7 +72,7 @@ def test_two_worlds_are_near_even_and_it_would_look_from_behind(file):
 
 def test_about_a_goal_no_gain_exceeds_that_about_the_worlds():
     first = document()["worlds"][0]["present"][0]
-    whole, about = (looked(document(), 11, 0, {**NOTHING, "about": goal}) for goal in (None, f"present({first})"))
+    whole, about = (looked(document(), 11, 0, Moves(about=goal)) for goal in (None, f"present({first})"))
     gains = [{row["name"]: row["gain_bits"] for row in answer["candidates"]} for answer in (whole, about)]
     assert about["entropy_bits"] <= whole["entropy_bits"] + 1e-9
     assert len(gains[1]) == 11
@@ -81,7 +80,7 @@ def test_about_a_goal_no_gain_exceeds_that_about_the_worlds():
 
 
 def test_about_what_is_certain_there_is_nothing_to_gain():
-    sure = looked(document(), 11, 0, {**NOTHING, "about": "opaque(h1)"})
+    sure = looked(document(), 11, 0, Moves(about="opaque(h1)"))
     assert sure["entropy_bits"] == 0.0
     assert {row["gain_bits"] for row in sure["candidates"]} == {0.0}
 

@@ -15,12 +15,12 @@ from cli import cli
 from geometry.camera import Camera
 from geometry.errors import PlogicError
 from geometry.frames import inverse
+from kb.files.folder import shipped
 from kb.files.read import read_kb
-from kb.files.shipped import shipped
 from plogic.cycle.delta import Options
-from plogic.run.panorama_document import panorama_document
 from plogic.run.perceive import Perceiver
 from plogic.sequence.views.panorama import Panorama
+from plogic.sequence.views.panorama_document import panorama_document
 from plogic.sequence.views.view import View
 from sensing.appearance import Appearance, Gamma
 
@@ -93,20 +93,26 @@ def test_what_the_worlds_of_a_sequence_do_not_say_is_refused(tmp_path, options, 
 @pytest.mark.parametrize(
     ("spoil", "says"),
     [
-        (lambda d: d.pop("rivals"), "the key 'rivals' is missing; if it is an older one, perceive the sequence again"),
+        (lambda d: d.pop("rivals"), "rivals: is missing; if it is an older one, perceive the sequence again"),
         (lambda d: d.update(views=[]), "views: there is none"),
-        (lambda d: d["views"][0].update(T_world_camera=[[1, 0, 0, 0]]), "should be a rigid 4 x 4 transform"),
+        (
+            lambda d: d["views"][0].update(T_world_camera=[[1, 0, 0, 0]]),
+            "views.0.T_world_camera: a list of 1, and not of 4",
+        ),
         (
             lambda d: d["hypotheses"][0].update(T_world_object=np.diag([1.0, 2.0, 1.0, 1.0]).tolist()),
             "should be a rigid 4 x 4 transform",
         ),
         (lambda d: d["worlds"][0]["present"].append("p99"), "p99 should be among the hypotheses"),
-        (lambda d: d["worlds"][0].update(probability="much"), "worlds, unlisted_mass: not complete"),
-        (lambda d: d.update(unlisted_mass=[0.0]), "worlds, unlisted_mass: not complete"),
-        (lambda d: d.update(worlds=7), "not a complete panorama/1"),
-        (lambda d: d["views"][0]["interpretation"].update(types=[]), "not a complete panorama/1"),
+        (lambda d: d["worlds"][0].update(probability="much"), "worlds.0.probability: 'much' is not a number from"),
+        (lambda d: d.update(unlisted_mass=[0.0]), "unlisted_mass: a list of 1, and not of 2"),
+        (lambda d: d.update(worlds=7), "worlds: 7 is no list"),
+        (lambda d: d["views"][0]["interpretation"].update(types=[]), "views.0.interpretation.types: [] is no object"),
         (lambda d: d["hypotheses"][0].update(type="never heard of"), "types, sensing or assets: not complete"),
-        (lambda d: d["views"][0]["interpretation"].pop("camera"), "the key 'camera' is missing"),
+        (
+            lambda d: d["views"][0]["interpretation"].pop("camera"),
+            "views.0.interpretation.camera: is missing; if it is an older one",
+        ),
         (lambda d: d.update(format="panorama/2"), "'interpretation/1' or 'panorama/1'"),
     ],
 )

@@ -1,0 +1,235 @@
+"""Values as an author writes them in ``kb.yaml`` and ``object.yaml``: quantities, names, places, directions, rates, and their JSON Schemas.
+
+A quantity is ``'100 deg'``, ``'0.2 m'``, ``'5 cm'``, or a plain number in SI units (m, rad).
+
+Vocabulary: ``HalfAngle``, written ``'60 deg'``; ``Range``, ``[0.2 m, 30 m]``; ``Pair``, ``[12, 20]``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import BeforeValidator, WithJsonSchema
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "um": 1e-6, "km": 1000.0, "in": 0.0254, "ft": 0.3048}
+"""Metres in a unit."""
+ANGLES = {"rad": 1.0, "deg": math.pi / 180, "turn": 2 * math.pi}
+"""Radians in a unit."""
+
+
+def length(value: object) -> float:
+    """Metres: ``length("5 cm") == 0.05``.
+
+    Raises:
+        ValueError: for anything but a finite number with a unit of length, or without a unit.
+    """
+    return _quantity(value, LENGTHS, "a length in metres, such as 0.2 or '20 cm'")
+
+
+def angle(value: object) -> float:
+    """Radians: ``angle("180 deg") == math.pi``.
+
+    Raises:
+        ValueError: for anything but a finite number with a unit of angle, or without a unit.
+    """
+    return _quantity(value, ANGLES, "an angle in radians, such as 1.2 or '70 deg'")
+
+
+def number(value: object) -> float:
+    """A finite number without a unit; a truth value is none.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"must be a number, not {value!r:.60}")  # noqa: TRY004 - pydantic wants a ValueError
+    return _finite(value)
+
+
+def unit_of_length(value: object) -> str:
+    """The name of a unit of length, as ``mesh.units`` states it.
+
+    Raises:
+        ValueError: for any other value.
+    """
+    if not isinstance(value, str) or value not in LENGTHS:
+        raise ValueError(f"must be one of {', '.join(LENGTHS)}, not {value!r:.60}")
+    return value
+
+
+def _quantity(value: object, units: dict[str, float], wanted: str) -> float:
+    if not isinstance(value, str):
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ValueError(f"must be {wanted}, not {value!r:.60}")  # noqa: TRY004 - pydantic wants a ValueError
+        return _finite(value)
+    digits, unit = _split(value)
+    if unit not in units:
+        raise ValueError(f"must be {wanted}, not {value!r:.60}; units: {', '.join(units)}")
+    try:
+        return _finite(float(digits) * units[unit])
+    except ValueError as error:
+        raise ValueError(f"must be {wanted}, not {value!r:.60}") from error
+
+
+def _split(text: str) -> tuple[str, str]:
+    """``'60deg'`` and ``'60 deg'`` into digits and unit."""
+    stem = text.strip().rstrip("abcdefghijklmnopqrstuvwxyz")
+    return stem.rstrip(), text.strip()[len(stem) :]
+
+
+def _finite(value: float) -> float:
+    try:
+        result = float(value)
+    except OverflowError:
+        result = math.inf
+    if not math.isfinite(result):
+        raise ValueError(f"must be finite, not {result}")
+    return result
+
+
+MAX_NAME = 200
+"""Most characters of a name."""
+UNIT = 1e-9
+"""A direction whose length is this near to 1 is left as it is, so that what was written comes back the same."""
+
+
+def _shape(kind: str, example: str) -> WithJsonSchema:
+    either = [{"type": "number"}, {"type": "string", "examples": [example]}]
+    return WithJsonSchema({"anyOf": either, "description": f"{kind}, a plain number being SI"})
+
+
+def _name(value: object) -> str:
+    if not isinstance(value, str) or not value.strip() or len(value) > MAX_NAME or set(value) & set("/#\n\t"):
+        raise ValueError(f"must be a name without '/' and '#', not {value!r:.60}")
+    return value
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str) or not value:
+        raise ValueError(f"must be a text, not {value!r:.60}")
+    return value
+
+
+def _items(value: object, size: int) -> list[Any]:
+    if not isinstance(value, list) or len(value) != size:
+        raise ValueError(f"must be a list of {size}, not {value!r:.60}")
+    return value
+
+
+def _direction(value: object) -> tuple[float, ...]:
+    numbers = [number(item) for item in _items(value, 3)]
+    largest = max(abs(item) for item in numbers)
+    if not largest:
+        raise ValueError("must be a direction, not the zero vector")
+    scale = math.hypot(*(item / largest for item in numbers))
+    if abs(largest * scale - 1) < UNIT:
+        return tuple(numbers)
+    return tuple(item / largest / scale for item in numbers)
+
+
+def _place(value: object) -> tuple[float, ...]:
+    return tuple(length(item) for item in _items(value, 3))
+
+
+def _quaternion(value: object) -> tuple[float, ...]:
+    numbers = tuple(number(item) for item in _items(value, 4))
+    if not math.isclose(math.hypot(*numbers), 1.0, abs_tol=1e-3):
+        raise ValueError(f"must be of length 1, not {math.hypot(*numbers):.4g}")
+    return numbers
+
+
+def _half_angle(value: object) -> float:
+    size = angle(value)
+    if not 0 < size <= math.pi + 1e-9:
+        raise ValueError(f"must be above 0 and at most 180 deg, not {math.degrees(size):.6g} deg")
+    return min(size, math.pi)
+
+
+def _range(value: object) -> tuple[float, ...]:
+    low, high = (length(item) for item in _items(value, 2))
+    if not 0 <= low < high:
+        raise ValueError(f"must be [nearest, farthest] with 0 <= nearest < farthest, not [{low:g} m, {high:g} m]")
+    return low, high
+
+
+def _wide(value: object) -> float:
+    size = length(value)
+    if size <= 0.0:
+        raise ValueError(f"must be above 0, not {value!r:.60}")
+    return size
+
+
+def _number_that(holds: Callable[[float], bool], wanted: str) -> BeforeValidator:
+    """A number for which ``holds`` is true; ``wanted`` says so in the mistake."""
+
+    def read(value: object) -> float:
+        found = number(value)
+        if not holds(found):
+            raise ValueError(f"must be {wanted}, not {found:g}")
+        return found
+
+    return BeforeValidator(read)
+
+
+def _flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"must be true or false, not {value!r:.60}")  # noqa: TRY004 - pydantic wants a ValueError
+    return value
+
+
+def _fold(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not 2 <= value <= 360:
+        raise ValueError(f"must be a whole number from 2 to 360, not {value!r:.60}")
+    return value
+
+
+def _pair(value: object) -> tuple[float, ...]:
+    part, whole = (number(item) for item in _items(value, 2))
+    if not (part >= 0 and whole >= 0):
+        raise ValueError(f"must be [n, of], neither below 0, not {value!r:.60}")
+    return part, whole
+
+
+_TRIPLE = {"type": "array", "minItems": 3, "maxItems": 3}
+_MEASURE = {"type": ["number", "string"]}
+_OPEN = {"type": "number", "exclusiveMinimum": 0}
+
+Name = Annotated[str, BeforeValidator(_name), WithJsonSchema({"type": "string", "pattern": "^[^/#\n\t]+$"})]
+Text = Annotated[str, BeforeValidator(_text)]
+Place = Annotated[tuple[float, ...], BeforeValidator(_place), WithJsonSchema({**_TRIPLE, "items": _MEASURE})]
+Direction = Annotated[
+    tuple[float, ...], BeforeValidator(_direction), WithJsonSchema({**_TRIPLE, "items": {"type": "number"}})
+]
+Quaternion = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_quaternion),
+    WithJsonSchema({"type": "array", "minItems": 4, "maxItems": 4, "items": {"type": "number"}}),
+]
+Angle = Annotated[float, BeforeValidator(angle), _shape("an angle", "90 deg")]
+HalfAngle = Annotated[float, BeforeValidator(_half_angle), _shape("an angle, at most 180 deg", "60 deg")]
+Range = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_range),
+    WithJsonSchema({"type": "array", "minItems": 2, "maxItems": 2, "items": _MEASURE}),
+]
+Share = Annotated[
+    float, _number_that(lambda x: 0 < x < 1, "above 0 and below 1"), WithJsonSchema({**_OPEN, "exclusiveMaximum": 1})
+]
+Chance = Annotated[
+    float, _number_that(lambda x: 0 < x <= 1, "above 0 and at most 1"), WithJsonSchema({**_OPEN, "maximum": 1})
+]
+Length = Annotated[float, BeforeValidator(length), _shape("a length", "75 cm")]
+PositiveLength = Annotated[float, BeforeValidator(_wide), _shape("a length above 0", "3 cm")]
+Positive = Annotated[float, _number_that(lambda x: x > 0, "above 0"), WithJsonSchema(_OPEN)]
+Flag = Annotated[bool, BeforeValidator(_flag)]
+Fold = Annotated[int, BeforeValidator(_fold), WithJsonSchema({"type": "integer", "minimum": 2, "maximum": 360})]
+Units = Annotated[str, BeforeValidator(unit_of_length), WithJsonSchema({"enum": list(LENGTHS)})]
+Pair = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_pair),
+    WithJsonSchema({"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number", "minimum": 0}}),
+]

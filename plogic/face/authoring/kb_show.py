@@ -1,0 +1,119 @@
+"""``plogic kb check``, ``show`` and ``measures``: what a knowledge base holds, as text, as JSON and as a page."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from plogic.base.errors import InputError
+from plogic.run.sources import kb_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
+
+
+def check_command(folder: str, *, as_json: bool) -> str:
+    """Read the KB; every mistake is raised at once. The text says what was read, and warns of what matters."""
+    from kb.shown.show import check_report
+
+    kb = kb_of(folder)
+    lines = check_report(kb)
+    if as_json:
+        warnings = [line.removeprefix("warning: ") for line in lines if line.startswith("warning: ")]
+        return json.dumps(
+            {"format": "kb_check/1", "kb": kb.name, "digest": kb.digest, "report": lines, "warnings": warnings}
+        )
+    return "\n".join(lines)
+
+
+def show_command(folder: str, name: str | None = None, *, as_json: bool) -> str:
+    """The trees, of one type where it is named; the counts and dv, which are about all types."""
+    from kb.shown.show import tree_document, tree_text
+
+    kb = kb_of(folder)
+    shown = kb if name is None else replace(kb, types=(type_of(kb, name),))
+    if as_json:
+        return json.dumps({**tree_document(shown), "format": "kb_show/1"})
+    return tree_text(shown) + "\n\n" + measures_command(folder, None, as_json=False)
+
+
+def measures_command(folder: str, gamma: str | None, *, as_json: bool) -> str:
+    """|S(F)|, P(dv), dv; with a Γ, every type's rank and what decides ties."""
+    from plogic.face.shown.tables import plain_table
+    from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
+
+    kb = kb_of(folder)
+    counts = instance_counts(kb.types)
+    dv, share = distinctiveness(counts), probability_of_distinctiveness(counts)
+    rows = [{"type": name, "instances": counts[name], "p_dv": share[name], "dv": dv[name]} for name in counts]
+    document: dict[str, Any] = {"format": "kb_measures/1", "kb": kb.name, "features": rows}
+    if gamma is not None:
+        document["ranks"] = _ranks(kb, gamma, dv)
+    if as_json:
+        return json.dumps(document)
+    texts = [plain_table("features of Σo", _words_in_one_row(rows, kb))]
+    if "ranks" in document:
+        texts.append(plain_table("object types by rank", document["ranks"]))
+    return "\n".join(texts)
+
+
+def _words_in_one_row(rows: list[dict[str, Any]], kb: KnowledgeBase) -> list[dict[str, Any]]:
+    """The rows for people: those of visual words, hundreds of them, summed up with the range of their dv."""
+    names = set(kb.words.names) if kb.words is not None else set()
+    words, others = [row for row in rows if row["type"] in names], [row for row in rows if row["type"] not in names]
+    if not words:
+        return others
+    share, dv = sum(row["p_dv"] for row in words), [row["dv"] for row in words]
+    texts = f"{len(words)} visual words of {len(names)}", f"{min(dv):.3f} to {max(dv):.3f}"
+    return [
+        *others,
+        {"type": texts[0], "instances": sum(row["instances"] for row in words), "p_dv": share, "dv": texts[1]},
+    ]
+
+
+def _ranks(kb: KnowledgeBase, gamma: str, dv: dict[str, float]) -> list[dict[str, Any]]:
+    from plogic.cycle.attention import attend
+    from plogic.match.kinds import models_of
+    from sensing.files.gamma_files import read_gamma
+
+    types = [a.type for a in read_gamma(gamma, kb.appearance_types).appearances]
+    rows = attend(models_of(kb, dv).values(), types, kb)
+    return [{"type": r.type, "rank": r.rank, "excess": r.excess, "within_cell": r.within_cell} for r in rows]
+
+
+def schema_command(which: Literal["kb", "object"]) -> str:
+    """JSON Schema of a KB's file."""
+    from kb.files.schema import json_schema
+
+    return json.dumps(json_schema(which), indent=1)
+
+
+def page_command(
+    folder: str, name: str | None, out: str, *, say: Callable[[str], None], write: Callable[[str], None]
+) -> None:
+    """Write the page of a type, the KB's only one where none is named; `-` is stdout. Raises InputError."""
+    from plogic.face.pages.type_page import type_page
+    from sensing.files.whole_files import write_whole
+
+    kb = kb_of(folder)
+    text = type_page(kb, type_of(kb, name))
+    if out == "-":
+        write(text)
+        return
+    write_whole(Path(out), text.encode())
+    say(f"wrote {out}")
+
+
+def type_of(kb: KnowledgeBase, name: str | None) -> ObjectType:
+    """The type of that name. Raises InputError, naming those that there are."""
+    known = {kind.name: kind for kind in kb.types}
+    there = f"there are: {', '.join(known) or 'none (plogic kb add)'}"
+    if name is not None and name not in known:
+        raise InputError(f"{name}: no such object type; {there}")
+    if name is None and len(known) != 1:
+        raise InputError(f"{kb.name}: a page shows one object type: name it; {there}")
+    return known[name] if name is not None else kb.types[0]

@@ -1,0 +1,323 @@
+"""The shape of ``interpretation/1``: every object of the document, with its keys, types and bounds.
+
+The classes are types of what ``json`` reads and writes: a document is checked against them once, where it is read
+(``plogic.base.shapes``), and every function that takes one says which. Keys that older documents lack, and those that
+only a writer needs, are not required; the writer tells all of them.
+"""
+
+from typing import Annotated, Literal, NotRequired, TypedDict
+
+from plogic.base.shapes import Range, Row, Size
+from plogic.facts.fact_rows import (
+    Chance,
+    Count,
+    Fact,
+    GravityRow,
+    Interval,
+    Name,
+    Pair,
+    Point2,
+    Point3,
+    Pose,
+    Positive,
+    Slightly,
+    SpaceRow,
+)
+from plogic.facts.situation import Reading, Reconsider
+from plogic.facts.stopped import Stopped
+
+Case = Literal["A", "B", "C", "D"]
+Status = Literal["accepted", "rival", "open"]
+
+
+class KBRow(TypedDict):
+    """The knowledge base that was perceived with."""
+
+    name: Name
+    digest: Name
+
+
+class CameraRow(TypedDict):
+    """The contract's camera; ``geometry.camera`` says what its numbers must satisfy."""
+
+    width: Annotated[int, Range(1, 65536)]
+    height: Annotated[int, Range(1, 65536)]
+    K: Annotated[list[Annotated[list[float], Size(3)]], Size(3)]
+    dist: NotRequired[Annotated[list[float], Size(0, 14)]]
+    T_world_camera: NotRequired[Pose]
+
+
+class AppearanceRow(TypedDict):
+    """One datum of Γ; ``clutter`` per pixel²."""
+
+    id: Name
+    type: Name
+    uv: Point2
+    clutter: Positive
+    detector: NotRequired[Name]
+    angle: NotRequired[float]
+    scale: NotRequired[float]
+    score: NotRequired[float]
+    arms: NotRequired[Annotated[list[float], Size(0, 64)]]
+    depth: NotRequired[float]
+    depth_sigma: NotRequired[float]
+
+
+class StandsKey(TypedDict):
+    """For how many features one stands, where it is not for itself."""
+
+    stands_for: NotRequired[Count]
+
+
+class FeatureRow(StandsKey):
+    """One feature of a hypothesis of Δh; ``expected``, ``detected`` and ``case`` beside Δi."""
+
+    id: Name
+    type: Name
+    at: Point3
+    uv: Point2
+    dv: Positive
+    in_image: bool
+    in_lobe: bool
+    self_hidden: bool
+    hidden_by: list[Name]
+    match: Name | None
+    residual: float | None
+    density: Positive
+    hit_rate: Chance
+    expected: NotRequired[bool]
+    detected: NotRequired[bool]
+    case: NotRequired[Case | None]
+
+
+class LookedRow(TypedDict):
+    """One feature of a rejected hypothesis: to be looked at, nothing is computed from it."""
+
+    id: Name
+    type: Name
+    uv: Point2
+    in_image: bool
+    in_lobe: bool
+    self_hidden: bool
+    hidden_by: list[Name]
+    match: Name | None
+    expected: bool
+    detected: bool
+    at: NotRequired[Point3]
+    dv: NotRequired[Positive]
+    residual: NotRequired[float | None]
+    density: NotRequired[Positive]
+    hit_rate: NotRequired[Chance]
+    stands_for: NotRequired[Count]
+    case: NotRequired[Case | None]
+
+
+class PartRow(TypedDict):
+    """One node of the part-whole tree."""
+
+    id: Name
+    parent: Name
+    kind: Literal["object", "feature"]
+    type: Name
+
+
+class Cells(TypedDict):
+    """The four cells of §4.2; ``weights`` where visual words of many types are summed up."""
+
+    expected_detected: Count
+    expected_missed: Count
+    hidden_missed: Count
+    hidden_detected: Count
+    weights: NotRequired[dict[Name, float]]
+
+
+class LeftOut(TypedDict):
+    """Features of a learned type that are not told one by one."""
+
+    in_image: Count
+    outside_image: Count
+
+
+class Verdict(TypedDict):
+    """The keys that the cycle decides, of any hypothesis."""
+
+    left_out: NotRequired[LeftOut]
+    why: NotRequired[str]
+    ev: NotRequired[float | None]
+    p_ev: NotRequired[float | None]
+    ev_reconsidered: NotRequired[float | None]
+    log_likelihood_ratio: NotRequired[float]
+    support: NotRequired[dict[Name, Cells]]
+    outline: NotRequired[list[list[Point2]]]
+    probability: NotRequired[Slightly]
+    interval: NotRequired[Interval]
+
+
+class HypothesisFacts(TypedDict):
+    """One hypothesis of Δh, without its verdict."""
+
+    id: Name
+    type: Name
+    T_camera_object: Pose
+    opaque: bool
+    group: Name
+    features: list[FeatureRow]
+    parts: list[PartRow]
+
+
+class ApartKey(TypedDict):
+    """A sentence for each hypothesis that A4 keeps out of the worlds of this one, the deepest first, a few."""
+
+    apart: NotRequired[list[str]]
+
+
+class HypothesisRow(HypothesisFacts, Verdict, ApartKey):
+    """One hypothesis of Δh."""
+
+    label: NotRequired[Name]
+    status: Status
+
+
+class RejectedRow(Verdict):
+    """One hypothesis that was tried and dropped: told, and no part of Δh."""
+
+    id: Name
+    type: Name
+    T_camera_object: Pose
+    opaque: bool
+    group: None
+    features: list[LookedRow]
+    parts: list[PartRow]
+    label: NotRequired[Name]
+    status: Literal["rejected"]
+
+
+class WorldRow(TypedDict):
+    """One possible world; ``causes`` by appearance."""
+
+    probability: Slightly
+    present: list[Name]
+    causes: NotRequired[dict[Name, Name]]
+    interval: NotRequired[Interval]
+
+
+class RelationRow(TypedDict):
+    """P(a relation holds of two that are both present)."""
+
+    relation: Name
+    args: Pair
+    probability: Slightly
+    roc: NotRequired[Name]
+    interval: NotRequired[Interval]
+
+
+class DoubtRow(TypedDict):
+    """One prediction of §3.8 that fails."""
+
+    relation: Name
+    args: Pair
+    expected: str
+    found: str
+    why: str
+
+
+class MeasuresRow(TypedDict):
+    """dv by feature type, rank by object type."""
+
+    dv: dict[Name, float]
+    rank: dict[Name, float]
+    p_dv: NotRequired[dict[Name, float]]
+
+
+class SensingRow(TypedDict):
+    """What holds of the detector."""
+
+    f_ref: float
+    match_tolerance: float
+    clutter: dict[Name, float]
+
+
+class TypeRow(TypedDict):
+    """How one type is seen: [id, type, x, y, z] of features, and lobes as rows of numbers (``plogic.run.carried_lobes``)."""
+
+    features: list[Annotated[list[str | float], Row(Name, Name, float, float, float)]]
+    looks: list[Name]
+    lobes: list[Annotated[list[float], Row(Count, Count, float, float, float, float, float, float, float)]]
+    measured: bool
+    left_out: NotRequired[dict[Name, Count]]
+
+
+class ImageRow(TypedDict):
+    """The picture, base64; the size is the original's."""
+
+    media_type: Literal["image/png", "image/jpeg"]
+    width: Count
+    height: Count
+    base64: str
+
+
+class MeshRow(TypedDict):
+    """A surface, m, object frame; ``slack``: how far off it may be."""
+
+    vertices: list[Point3]
+    triangles: list[Annotated[list[Count], Size(3)]]
+    slack: NotRequired[Positive]
+
+
+class AssetsRow(TypedDict):
+    """What is carried along to be looked at."""
+
+    image: NotRequired[ImageRow]
+    meshes: NotRequired[dict[Name, MeshRow]]
+
+
+class StepRow(TypedDict):
+    """One step of the trace."""
+
+    step: Count
+    event: Name
+    hypothesis: Name | None
+    type: Name | None
+    ev: float | None
+    why: str
+
+
+class Marks(TypedDict):
+    """The keys of a document that a deadline left unfinished; a finished one has none of them."""
+
+    unfinished: NotRequired[bool]
+    stopped: NotRequired[Stopped]
+
+
+class Listed(TypedDict):
+    """The listed worlds; ``causes_else``: what the cause of an appearance is that none of them names."""
+
+    worlds: NotRequired[list[WorldRow]]
+    causes_else: NotRequired[Literal["noise"]]
+    unlisted_mass: NotRequired[Interval]
+
+
+class Interpretation(Marks, Listed):
+    """The document ``interpretation/1`` of one image."""
+
+    format: Literal["interpretation/1"]
+    reading: Reading
+    camera: NotRequired[CameraRow]
+    facts: list[Fact]
+    sensing: NotRequired[SensingRow]
+    types: NotRequired[dict[Name, TypeRow]]
+    assets: NotRequired[AssetsRow]
+    reconsider: Reconsider
+    smoothing: float
+    kb: NotRequired[KBRow]
+    appearances: Annotated[list[AppearanceRow], Size(0, 1_000_000)]
+    hypotheses: list[HypothesisRow | RejectedRow]
+    relations: NotRequired[list[RelationRow]]
+    doubts: NotRequired[list[DoubtRow]]
+    space: NotRequired[SpaceRow | None]
+    gravity: NotRequired[GravityRow | None]
+    measures: MeasuresRow
+    priors: dict[Name, float]
+    rules: str
+    labels: NotRequired[dict[Name, Name]]
+    trace: NotRequired[list[StepRow]]

@@ -1,0 +1,125 @@
+"""Shapes of the facts, ``space`` and ``gravity`` of ``interpretation/1``, and the plain values that all shapes are made of."""
+
+from typing import Annotated, Literal, NotRequired, TypedDict
+
+from plogic.base.shapes import Range, Row, Size
+from plogic.facts.spatial import View
+
+Name = Annotated[str, Size(0, 10_000)]
+Chance = Annotated[float, Range(0.0, 1.0)]
+Slightly = Annotated[float, Range(-1e-6, 1.0 + 1e-6)]
+"""A probability as floating-point sums come to it."""
+Positive = Annotated[float, Range(0.0)]
+Count = Annotated[int, Range(0)]
+Point2 = Annotated[list[float], Size(2)]
+Point3 = Annotated[list[float], Size(3)]
+Interval = Annotated[list[Slightly], Size(2)]
+Pose = Annotated[list[Annotated[list[float], Size(4)]], Size(4)]
+"""Row-major, metres."""
+Pair = Annotated[list[Name], Size(2)]
+
+
+class PairRow(TypedDict):
+    """Two hypotheses of which something excludes the one where the other is."""
+
+    fact: Literal["rival", "exclusive"]
+    args: Pair
+
+
+class ExclusionRow(TypedDict):
+    """Two hypotheses that share volume, m³, and how deep, m; ``depth_interval`` where that is known within bounds only."""
+
+    args: Pair
+    volume: NotRequired[Positive]
+    depth: NotRequired[Positive]
+    depth_interval: NotRequired[Annotated[list[Positive], Size(2)]]
+
+
+class OverlapRow(ExclusionRow):
+    """The same as a fact."""
+
+    fact: Literal["overlap"]
+
+
+class FootRow(TypedDict):
+    """How high a body begins, m."""
+
+    fact: Literal["foot"]
+    args: Annotated[list[Name], Size(1)]
+    low: float
+    high: float
+
+
+class RestsRow(TypedDict):
+    """The first rests on the second where both are present."""
+
+    fact: Literal["rests_on"]
+    args: Pair
+
+
+class RocKey(TypedDict):
+    """The relation of ROC-20, where it is told."""
+
+    roc: NotRequired[Name]
+
+
+class RelationFact(RocKey):
+    """A relation of two hypotheses, decided by outlines and depth."""
+
+    fact: Literal["relation"]
+    relation: Name
+    args: Pair
+
+
+class PartRelationFact(RocKey):
+    """The same of their parts; '' is the whole."""
+
+    fact: Literal["part_relation"]
+    relation: Name
+    args: Pair
+    parts: Pair
+
+
+class BehindRow(TypedDict):
+    """A feature, ``h1/roof/apex``, and who is before it."""
+
+    fact: Literal["behind"]
+    args: Pair
+
+
+Fact = PairRow | OverlapRow | FootRow | RestsRow | RelationFact | PartRelationFact | BehindRow
+
+
+class BodyRow(TypedDict):
+    """Where one body is: m, camera frame."""
+
+    id: Name
+    middle: Point3
+    nearest: Positive
+    view: View
+
+
+class SpaceRow(TypedDict):
+    """``plogic.facts.spatial.Space`` without the volumes."""
+
+    up: Point3 | None
+    up_from: Name
+    bodies: list[BodyRow]
+    gaps: list[Annotated[list[str | float], Row(Name, Name, Positive)]]
+    above: list[Pair]
+    on: list[Pair]
+    on_both: list[Annotated[list[Name], Size(3)]]
+
+
+class GravityRow(TypedDict):
+    """``plogic.facts.gravity.Gravity`` without its facts."""
+
+    unknown_support: Chance
+    ground: float | None
+    silent: NotRequired[str]
+
+
+class GravityKey(TypedDict):
+    """Of a document, where gravity holds."""
+
+    gravity: NotRequired[GravityRow | None]

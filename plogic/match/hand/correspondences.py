@@ -1,0 +1,296 @@
+"""Pairs: the smallest sets of appearances that, inside one view cell, fix a whole pose (§6.3).
+
+Two features on two appearances give the roll and the scale; the cell gives the direction. Everything is done on arrays
+of thousands at once.
+
+* ``linked_pairs``: where data have arms. A *link* of the cloud is a pair of features of which one's edge ends at the
+  other; a link of Γ is a pair of junctions of which one's arm points at the other. Laid onto each other in a view cell,
+  the two fix roll and scale; the junctions' other arms must then lie on the features' other edges. All arms are kept as
+  bits of a 64-bit word, relative to the link, so that millions of combinations are tested in milliseconds
+* ``open_pairs``: where the detector reports places only. They cost cells × features² × appearances², so that they are
+  taken cell by cell; and as no arm refuses a pair, the other anchors' votes choose those that are kept
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.base.clock import unhurried
+from plogic.match.gamma.data import blocks
+from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.hand.votes import distance_maps, votes
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from plogic.match.gamma.data import Data
+    from plogic.match.hand.view_cells import ViewCells
+    from plogic.match.hand.votes import DistanceMaps
+
+
+ARM_TOLERANCE = np.radians(16.0)
+"""How far an arm may lie from the edge that the nearest cell predicts: half a cell's width plus the detector's
+error."""
+MOST_PAIRS = 60_000
+"""Pairs that are kept of one type."""
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """N coarse poses: cell, first and second feature and appearance, (N,) each; ``roll`` radians; ``scale`` pixels per metre."""
+
+    cell: NDArray[np.intp]
+    feature: NDArray[np.intp]
+    datum: NDArray[np.intp]
+    other_feature: NDArray[np.intp]
+    other_datum: NDArray[np.intp]
+    roll: NDArray[np.float64]
+    scale: NDArray[np.float64]
+
+    def take(self, index: NDArray[np.intp]) -> Pairs:
+        """The pairs at ``index``."""
+        return Pairs(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
+
+
+BINS = 64
+"""Directions that an arm's angle is told apart to, 5.6° each."""
+POINTING = np.radians(6.0)
+"""How far a junction's arm may point past the other junction."""
+ALONG_ONE_ARM = 3
+"""Junctions that one arm is linked to, the nearest: an edge ends soon, but another object's outline may cross it
+first."""
+STRAIGHT = np.cos(np.radians(1.0))
+"""An edge of the cloud ends at a feature that lies within 1° of its direction."""
+
+
+@dataclass(frozen=True)
+class DataLinks:
+    """N links of Γ: ``first``, ``second`` (N,) data; ``angle`` (N,) of the line from first to second; ``length`` (N,) pixels."""
+
+    first: NDArray[np.intp]
+    second: NDArray[np.intp]
+    angle: NDArray[np.float64]
+    length: NDArray[np.float64]
+
+
+def feature_links(points: NDArray[np.float64], arms: list[NDArray[np.float64]]) -> NDArray[np.intp]:
+    """(N, 2) ordered pairs of features (F, 3) that an edge joins, both ways round; ``arms`` are each feature's edge directions."""
+    found = set()
+    for f, directions in enumerate(arms):
+        for direction in directions:
+            step = points - points[f]
+            along, length = step @ direction, np.linalg.norm(step, axis=1)
+            on = np.flatnonzero((length > 0) & (along >= STRAIGHT * length))
+            ends = [g for g in on if len(arms[g])]
+            if ends:
+                g = min(ends, key=lambda g: length[g])
+                found |= {(f, int(g)), (int(g), f)}
+    return np.array(sorted(found), dtype=np.intp).reshape(-1, 2)
+
+
+def data_links(data: Data, check: Callable[[], None] = unhurried) -> DataLinks:
+    """Every arm to the nearest junctions that it points at; ``check`` is called between blocks of junctions, and may raise to end it."""
+    armed = np.flatnonzero(np.isfinite(data.arms).any(axis=1))
+    found = [_links_from(armed[some], data, check) for some in blocks(len(armed), len(data.ids))]
+    if not found:
+        found = [_links_from(armed, data, check)]
+    return DataLinks(
+        *(np.concatenate([getattr(links, name) for links in found]) for name in DataLinks.__dataclass_fields__)
+    )
+
+
+def _links_from(junctions: NDArray[np.intp], data: Data, check: Callable[[], None]) -> DataLinks:
+    """The links of some junctions (J,), by the first, then by the second."""
+    check()
+    step = data.ideal[None] - data.ideal[junctions][:, None]
+    length, angle = np.hypot(step[..., 0], step[..., 1]), np.arctan2(step[..., 1], step[..., 0])
+    apart = (length > 1.0) & (length < np.inf)
+    pairs = set()
+    for k in range(data.arms.shape[1]):
+        off = np.abs(wrapped(angle - data.arms[junctions, k : k + 1]))
+        rows, columns = np.nonzero((off < POINTING) & apart)
+        order = np.lexsort((length[rows, columns], rows))
+        nth = np.arange(len(rows)) - np.searchsorted(rows, rows)
+        near = order[nth < ALONG_ONE_ARM]
+        pairs |= set(zip(rows[near].tolist(), columns[near].tolist(), strict=True))
+    index = np.array(sorted(pairs), dtype=np.intp).reshape(-1, 2)
+    row, second = index[:, 0], index[:, 1]
+    return DataLinks(junctions[row], second, angle[row, second], length[row, second])
+
+
+def linked_pairs(
+    cells: ViewCells,
+    links: NDArray[np.intp],
+    allowed: NDArray[np.bool_],
+    data: Data,
+    scales: tuple[float, float],
+    check: Callable[[], None] = unhurried,
+) -> Pairs:
+    """Every link of the cloud on every link of Γ, in every cell that shows both features; those whose arms fit best, at most ``MOST_PAIRS``.
+
+    ``links`` (N, 2) as from ``feature_links``; ``allowed`` (F, A) the compatible types; ``scales`` the range of pixels
+    a metre; ``check`` is called between blocks, and may raise to end it.
+    """
+    found = data_links(data, check)
+    cell, link = np.nonzero(cells.visible[:, links[:, 0]] & cells.visible[:, links[:, 1]])
+    f, g = links[link, 0], links[link, 1]
+    step = cells.xy[cell, g] - cells.xy[cell, f]
+    length, angle = np.hypot(step[:, 0], step[:, 1]), np.arctan2(step[:, 1], step[:, 0])
+    ends = [
+        (
+            feature,
+            datum,
+            _words(cells.arms[cell, feature] - angle[:, None]),
+            _bins(data.arms[datum] - found.angle[:, None]),
+        )
+        for feature, datum in ((f, found.first), (g, found.second))
+    ]
+    row, column, score = np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0, np.int8)
+    for some in blocks(len(cell), len(found.first)):
+        check()
+        scale = _scales(found.length, length[some])
+        legal = (scale > scales[0]) & (scale < scales[1])
+        for feature, datum, _, _ in ends:
+            legal &= allowed[feature[some]][:, datum]
+        more, beside = np.nonzero(legal)
+        more, fits = more + some.start, np.zeros(len(more), np.int8)
+        for _, _, masks, bins in ends:
+            hits, enough = _agreement(masks, bins, more, beside)
+            more, beside, fits = more[enough], beside[enough], (fits + hits)[enough]
+        row, column, score = (np.concatenate(both) for both in ((row, more), (column, beside), (score, fits)))
+        if len(row) > MOST_PAIRS:
+            best = np.sort(np.argsort(-score, kind="stable")[:MOST_PAIRS])
+            row, column, score = row[best], column[best], score[best]
+    roll, scale = wrapped(found.angle[column] - angle[row]), _scales(found.length[column], length[row], each=True)
+    return Pairs(cell[row], f[row], found.first[column], g[row], found.second[column], roll, scale.astype(float))
+
+
+def _scales(image: NDArray[np.float64], cloud: NDArray[np.float64], *, each: bool = False) -> NDArray[np.float32]:
+    """Pixels a metre of lengths in the image (D,) by those of the cloud (M,): of all (M, D), or of ``each`` two (D,)."""
+    cloud = np.maximum(cloud, 1e-9)
+    return np.asarray((image / cloud if each else image[None] / cloud[:, None]).astype(np.float32))
+
+
+def _agreement(
+    masks: NDArray[np.uint64], bins: NDArray[np.int64], row: NDArray[np.intp], column: NDArray[np.intp]
+) -> tuple[NDArray[np.int8], NDArray[np.bool_]]:
+    """How many arms of datum ``column`` (N,) lie on edges of feature ``row`` (N,), (N,), and whether they are enough.
+
+    All arms of an L must fit, all but one of three or four, three of five: detectors lose arms, and texture adds some.
+    ``bins`` (D, K) are arms' bins, ``masks`` (M,) words of edges.
+    """
+    words, hits = masks[row], np.zeros(len(row), dtype=np.int8)
+    for k in range(bins.shape[1]):
+        shift = np.where(bins[:, k] >= 0, bins[:, k], 0).astype(np.uint64)
+        there = (bins[:, k] >= 0).astype(np.uint64)
+        hits += ((words >> shift[column]) & there[column]).astype(np.int8)
+    number = (bins >= 0).sum(axis=1)
+    needed = np.maximum(np.minimum(number, 2), np.ceil(0.6 * number)).astype(np.int8)
+    return hits, hits >= needed[column]
+
+
+def _bins(angles: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The bin of each angle, −1 for none."""
+    index = np.floor(np.nan_to_num(angles, nan=0.0) / (2.0 * np.pi) * BINS + 0.5).astype(np.int64) % BINS
+    return np.where(np.isnan(angles), -1, index)
+
+
+def _words(angles: NDArray[np.float64]) -> NDArray[np.uint64]:
+    """(M,) words with the bits set that lie within ``ARM_TOLERANCE`` of one of the angles (M, P)."""
+    spread = int(ARM_TOLERANCE / (2.0 * np.pi) * BINS + 0.5)
+    words = np.zeros(len(angles), dtype=np.uint64)
+    middle = _bins(angles)
+    for offset in range(-spread, spread + 1):
+        bits = np.where(middle >= 0, np.uint64(1) << ((middle + offset) % BINS).astype(np.uint64), np.uint64(0))
+        words |= np.bitwise_or.reduce(bits, axis=1) if bits.shape[1] else np.uint64(0)
+    return words
+
+
+MOST_OF_CELL = 4_000
+"""Pairs of one cell that are voted on; more are thinned evenly."""
+LARGEST_JOIN = 100_000
+"""Entries of one cell's join; of a larger one, pairs of features are left out evenly."""
+
+
+def open_pairs(
+    cells: ViewCells,
+    anchors: NDArray[np.intp],
+    allowed: NDArray[np.bool_],
+    data: Data,
+    scales: tuple[float, float],
+    check: Callable[[], None] = unhurried,
+) -> Pairs:
+    """Pairs of anchors and data that a cell allows within the range of ``scales``: at most ``MOST_PAIRS``, the best by the anchors' votes.
+
+    ``check`` is called between cells, and blocks of their data, and may raise to end it.
+    """
+    if not len(data.ids) or not allowed[anchors].any():
+        none = np.zeros(0, dtype=np.intp)
+        return Pairs(none, none, none, none, none, np.zeros(0), np.zeros(0))
+    maps = distance_maps(allowed, data)
+    found = [_of_cell(cells, c, anchors, allowed, data, scales, check) for c in range(len(cells.directions))]
+    worth = np.concatenate([_votes(pairs, cells, anchors, maps, data) for pairs in found])
+    every = Pairs(*(np.concatenate([getattr(pairs, name) for pairs in found]) for name in Pairs.__dataclass_fields__))
+    if len(worth) <= MOST_PAIRS:
+        return every
+    return every.take(np.sort(np.argsort(-worth, kind="stable")[:MOST_PAIRS]))
+
+
+def _votes(
+    pairs: Pairs, cells: ViewCells, anchors: NDArray[np.intp], maps: DistanceMaps, data: Data
+) -> NDArray[np.float64]:
+    """(N,) the share of the visible anchors that find a datum, each by how near it is."""
+    return votes(pairs, cells, maps, np.ones(cells.visible.shape[1]), data, anchors)
+
+
+def _of_cell(
+    cells: ViewCells,
+    c: int,
+    anchors: NDArray[np.intp],
+    allowed: NDArray[np.bool_],
+    data: Data,
+    scales: tuple[float, float],
+    check: Callable[[], None],
+) -> Pairs:
+    """The pairs of one cell, thinned evenly to ``MOST_OF_CELL``.
+
+    Where more than one pair of features is left, ``LARGEST_JOIN`` bounds the join; of one alone it is made in blocks,
+    whose order is its own.
+    """
+    seen = anchors[cells.visible[c, anchors]]
+    first, second = (seen[i] for i in np.triu_indices(len(seen), 1)[:2])
+    stride = max(1, int(np.ceil(len(first) * len(data.ids) ** 2 / LARGEST_JOIN)))
+    first, second = first[::stride], second[::stride]
+    model = cells.xy[c, second] - cells.xy[c, first]
+    length = np.maximum(np.hypot(model[:, 0], model[:, 1]), 1e-9)
+    number, packed = len(data.ids), []
+    for some in blocks(number, number) if len(first) == 1 else [slice(number)]:
+        check()
+        image = data.ideal[None] - data.ideal[some][:, None]
+        scale = np.hypot(image[..., 0], image[..., 1])[None] / length[:, None, None]
+        good = allowed[first][:, some, None] & allowed[second][:, None, :] & (scale > scales[0]) & (scale < scales[1])
+        packed.append((int(np.count_nonzero(good)), good.size, np.packbits(good)))
+    p, a, b = np.unravel_index(_thinned(packed), (len(first), number, number))
+    step = data.ideal[b] - data.ideal[a]
+    angle = np.arctan2(step[:, 1], step[:, 0]) - np.arctan2(model[p, 1], model[p, 0])
+    return Pairs(
+        np.full(len(p), c), first[p], a, second[p], b, wrapped(angle), np.hypot(step[:, 0], step[:, 1]) / length[p]
+    )
+
+
+def _thinned(packed: list[tuple[int, int, NDArray[np.uint8]]]) -> NDArray[np.intp]:
+    """Where bits are set in blocks of them, one after the other: all, or ``MOST_OF_CELL`` evenly; a block: how many are set, and are there."""
+    total = sum(count for count, _, _ in packed)
+    wanted = np.arange(total) if total <= MOST_OF_CELL else np.linspace(0, total - 1, MOST_OF_CELL).astype(np.intp)
+    found, before, start = [np.zeros(0, np.intp)], 0, 0
+    for count, size, bits in packed:
+        here = wanted[np.searchsorted(wanted, before) : np.searchsorted(wanted, before + count)]
+        if len(here):
+            found.append(start + np.flatnonzero(np.unpackbits(bits, count=size))[here - before])
+        before, start = before + count, start + size
+    return np.concatenate(found)
