@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from plogic.facts.document import Interpretation, WorldRow
     from plogic.facts.fact_rows import Interval, Pose
     from plogic.facts.situation import Reading
+    from plogic.match.kinds import Models
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
     from plogic.sequence.views.merging import Found
@@ -161,16 +162,21 @@ def _together(looks: Sequence[_Look], perceiver: Perceiver) -> Together:
 
     found = [look.found for look in looks]
     both, ranking = joint(
-        [one.seen for one in found], merged(found, perceiver.kb), perceiver, Options(reading="posterior")
+        [one.seen for one in found],
+        merged(found, perceiver.models, perceiver.kb),
+        perceiver,
+        Options(reading="posterior"),
     )
-    return _told(both.standing, ranking, looks[0])
+    return _told(both.standing, ranking, looks[0], perceiver.models)
 
 
-def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look) -> Together:
+def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look, models: Models) -> Together:
     """As ``worlds`` has it, so that the same table shows it."""
     from plogic.sequence.views.standing import standing_of
 
-    old = {f"h{i}": standing_of(belief, first.found.seen.view) for i, belief in enumerate(first.found.beliefs, 1)}
+    old = {
+        f"h{i}": standing_of(belief, first.found.seen.view, models) for i, belief in enumerate(first.found.beliefs, 1)
+    }
     names: dict[str, str] = {}
     for i, some in enumerate(standing, 1):
         known = [

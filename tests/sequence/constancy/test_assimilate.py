@@ -115,7 +115,7 @@ def test_the_draft_stands_where_it_was(kb, moved, constancy):
     assert np.allclose(np.mean([f.at for f in kind.features], axis=0), 0.0, atol=1e-9)
     middle = np.mean([f.at for f in features], axis=0)
     (accepted,) = [b for b, _ in Perceiver(replace(kb, types=(kind,))).accepted(moved.views[1].gamma)]
-    world = moved.views[1].world_from_camera @ accepted.posed.camera_from_object
+    world = moved.views[1].world_from_camera @ accepted.camera_from_object
     assert np.linalg.norm(world[:3, 3] - middle) < 0.03
     assert np.degrees(np.arccos((np.trace(world[:3, :3]) - 1) / 2)) < 3.0
 
