@@ -45,13 +45,8 @@ def _compound(term: Any, names: Names) -> Any:  # noqa: ANN401
 
 
 def _case(term: Any) -> Any:  # noqa: ANN401
-<<<<<<< HEAD
-    letter = _label(term)
-    return Term(CASE_ATOMS[letter], location=term.location) if letter in CASE_ATOMS else term
-=======
     letter = label_of(term)
-    return Term(CASES[letter], location=term.location) if letter in CASES else term
->>>>>>> origin/main
+    return Term(CASE_ATOMS[letter], location=term.location) if letter in CASE_ATOMS else term
 
 
 def _leaf(term: Any, names: Names) -> Any | None:  # noqa: ANN401
