@@ -9,8 +9,8 @@ import click
 import pytest
 
 from cli import cli
-from plogic.cycle.belief import MOST_RIVALS
-from plogic.cycle.perception import FEWEST
+from plogic.cycle.judging import FEWEST
+from plogic.cycle.state import MOST_RIVALS
 from plogic.facts.dependence import LARGEST_BLOCK, MOST_OCCLUDERS
 from plogic.facts.vocabulary import VOCABULARY
 from plogic.match.hand.correspondences import MOST_PAIRS
@@ -87,6 +87,10 @@ def test_the_vocabulary_is_current(generate):
     text = read(DOCS / "vocabulary.md")
     assert text == generate.vocabulary(), HOW
     assert all(f"`{entry.usage}`" in text for entry in VOCABULARY)
+
+
+def test_the_page_of_the_face_for_python_is_current(generate):
+    assert read(DOCS / "api.md") == generate.api(), HOW + " --quick"
 
 
 def test_the_drawing_of_floors_and_rooms_is_current(generate):

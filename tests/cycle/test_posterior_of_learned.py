@@ -14,9 +14,8 @@ from made_meshes import CORNERS, box_triangles
 
 from geometry.frames import from_rotation_translation, transform_points
 from kb.surfaces.surface import Surface
-from plogic.cycle.belief import Cycle
 from plogic.cycle.delta import Options, delta_of
-from plogic.cycle.trace import Trace
+from plogic.cycle.state import Cycle, Trace
 from plogic.logic.safety.author import load_problog
 from plogic.match.judged.evidence import CLEAR, clarity, evidence, hit_rates
 from plogic.match.judged.expectation import hidden_by

@@ -178,4 +178,4 @@ def judged(
     found = evidence(posed, data, kb, hidden)
     ev = explanatory_value(posed.support(), dv)
     again = ev if hidden is None else explanatory_value(posed.support(hidden), dv)
-    return posed.told(worth=found.ratio, surplus=found.surplus, ev=ev, ev_reconsidered=again)
+    return posed.told(worth=found.ratio, surplus=found.surplus, ev=ev, ev_reconsidered=again, hidden=hidden)

@@ -19,10 +19,9 @@ import numpy as np
 from geometry.poses.refine_sights import turned_step
 from geometry.poses.reprojection import information
 from plogic.base.bounds import LEAST
-from plogic.cycle.belief import Cycle
 from plogic.cycle.delta import delta_of, instances
 from plogic.cycle.holding import gravity_of_view
-from plogic.cycle.trace import Trace
+from plogic.cycle.state import Cycle, Trace
 from plogic.match.judged.disjoint import moved_apart, pose_information
 from plogic.match.judged.evidence import as_counted, evidence, judged
 from plogic.match.judged.pose_information import known, share_of
