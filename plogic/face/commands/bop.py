@@ -94,7 +94,7 @@ def bop_command(
 def look_of(kb: KnowledgeBase) -> Look:
     """The KB's own perceiver: what it accepts, scored by its probability. Raises InputError where no detector reports a type of the KB."""
     from plogic.base.errors import InputError
-    from plogic.base.forked import processors
+    from plogic.base.jobs import processors
     from plogic.base.remembered import cache_folder
     from plogic.run.perceive import Perceiver
     from plogic.run.sources import detectable

@@ -33,7 +33,7 @@ def perceive_command(
     write: Callable[[str], None],
 ) -> int:
     """Read, interpret, write; returns the exit status. Nothing is written where something is wrong with the input."""
-    from plogic.base.forked import processors
+    from plogic.base.jobs import processors
     from plogic.base.remembered import cache_folder
     from plogic.base.stopwatch import Stopwatch
     from plogic.cycle.delta import Options

@@ -41,7 +41,7 @@ def sequence_command(
     Where a frame cannot be read, what was made of those before it is written first. Raises InputError, CameraError and
     the like.
     """
-    from plogic.base.forked import processors
+    from plogic.base.jobs import processors
     from plogic.base.remembered import cache_folder
     from plogic.cycle.delta import Options
     from plogic.facts.interpretation import text_of
