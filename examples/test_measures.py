@@ -4,15 +4,21 @@ from pathlib import Path
 
 import pytest
 
-from plogic import KnowledgeBase, Measure, perceive
+from plogic import KnowledgeBase, Measure, Measures, perceive
 
 GAMMA = Path(__file__).parent / "first_gamma.json"
 
 
 @pytest.fixture(scope="module")
-def box() -> Measure:
+def measures() -> Measures:
+    """The measures of the hypotheses, and of the types of features."""
+    return perceive(GAMMA, KnowledgeBase.load("first")).measures()
+
+
+@pytest.fixture(scope="module")
+def box(measures: Measures) -> Measure:
     """The measures of the one object that is there."""
-    (accepted,) = (m for m in perceive(GAMMA, KnowledgeBase.load("first")).measures() if m.status == "accepted")
+    (accepted,) = (m for m in measures if m.status == "accepted")
     return accepted
 
 
@@ -28,5 +34,6 @@ def test_one_missed_corner_costs_ev_more_than_it_costs_the_posterior(box: Measur
     assert box.posterior > (box.ev + 1.0) / 2.0
 
 
-def test_the_rarer_type_is_the_more_distinctive(box: Measure) -> None:
-    assert box.dv["sticker"] > box.dv["corner"]
+def test_the_rarer_type_is_the_more_distinctive(measures: Measures) -> None:
+    dv = {feature.type: feature.over_types for feature in measures.features}
+    assert dv["sticker"] > dv["corner"]

@@ -39,10 +39,11 @@ if TYPE_CHECKING:
     from plogic.face.python.asking import Explanation, Program, Session
     from plogic.face.python.interpretation import Hypotheses, Hypothesis, Interpretation, Relation, Relations
     from plogic.face.python.knowledge import KnowledgeBase
-    from plogic.face.python.measures import Measure, Measures
+    from plogic.face.python.measures import Measures
     from plogic.face.python.perceiving import detect, perceive
     from plogic.face.python.pictures import Camera, Gamma
     from plogic.face.session.results import AnswerRow, Answers, Predictions, World, Worlds
+    from plogic.run.measured import Measure
     from sensing.appearance import Appearance
 else:
     _PLACES = {
@@ -57,7 +58,7 @@ else:
         "Hypothesis": "plogic.face.python.interpretation",
         "Interpretation": "plogic.face.python.interpretation",
         "KnowledgeBase": "plogic.face.python.knowledge",
-        "Measure": "plogic.face.python.measures",
+        "Measure": "plogic.run.measured",
         "Measures": "plogic.face.python.measures",
         "Predictions": "plogic.face.session.results",
         "Program": "plogic.face.python.asking",

@@ -2,7 +2,7 @@
 
 Vocabulary, each with an example value:
 
-* ``Measured``: one hypothesis, ``Measured("h1", "t1", "accepted", ev=0.88, ..., posterior=0.97)``
+* ``Measure``: one hypothesis, ``Measure("h1", "t1", "accepted", ev=0.88, ..., posterior=0.97)``
 * ``Distinctive``: one feature type, ``Distinctive("apex", over_types=0.99, over_instances=0.98)``
 * ``Measures``: both tables
 """
@@ -36,7 +36,7 @@ MODES: tuple[Reconsider, ...] = ("to_B", "drop", "reassign")
 
 
 @dataclass(frozen=True)
-class Measured:
+class Measure:
     """The measures of one hypothesis; None where one is undefined (0/0) or the document does not tell what it takes.
 
     ``ev`` is that of the hypothesis alone (§5.4), ``ev_to_B``, ``ev_drop`` and ``ev_reassign`` beside Δi (§5.5).
@@ -73,7 +73,7 @@ class Distinctive:
 class Measures:
     """A row for each hypothesis of Δh, and for each feature type."""
 
-    hypotheses: tuple[Measured, ...]
+    hypotheses: tuple[Measure, ...]
     features: tuple[Distinctive, ...]
 
 
@@ -88,7 +88,7 @@ def measured(document: Interpretation) -> Measures:
     sensing = document.get("sensing")
     noise = None if sensing is None else _noise(situation, sensing["match_tolerance"])
     rows = [
-        Measured(
+        Measure(
             id=h.id,
             type=h.type,
             status=status[h.id],

@@ -240,8 +240,7 @@ class Interpretation(Asked):
         """Return ev in each mode, Shanahan's value, the posterior, dv and rank: a row each hypothesis that is not rejected."""
         from plogic.face.python.measures import measures_of
 
-        found = self._document["hypotheses"]
-        return measures_of(self.subject, {h["id"]: h.get("ev") for h in found}, {h["id"]: h["status"] for h in found})
+        return measures_of(self._document)
 
     def program(self) -> Program:
         """Return the ProbLog program with its queries: it runs unchanged in a stock ``problog``, with the same numbers."""
