@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from kb.intake.new_type import NewType
-    from plogic.sequence.constancy.sightings import SeenFeature
+    from plogic.sequence.constancy.result import SeenFeature
 
 
 def assimilate_command(panorama: str, unknown: str, kb_folder: str, name: str, *, as_json: bool) -> str:

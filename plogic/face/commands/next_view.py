@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from plogic.facts.document import Interpretation
     from plogic.facts.situation import Reading, Situation
     from plogic.sequence.next_view.moves import Candidate, MovesRow
-    from plogic.sequence.next_view.of_sequence import LastView
     from plogic.sequence.next_view.prospect import Prospect
+    from plogic.sequence.next_view.reading import LastView
 
     Worlds = list[tuple[float, Sequence[str]]]
 
@@ -90,7 +90,7 @@ def next_view_command(source: str, number: int, seed: int, options: Moves, *, as
     """The table, or the document ``next-view/1``."""
     from plogic.base.errors import InterpretationError
     from plogic.face.commands.next_view_table import table_of
-    from plogic.sequence.next_view.of_sequence import read_looked
+    from plogic.sequence.next_view.reading import read_looked
 
     document = read_looked(source)
     try:
@@ -101,7 +101,7 @@ def next_view_command(source: str, number: int, seed: int, options: Moves, *, as
 
 
 def looked(document: Looked, number: int, seed: int, options: Moves) -> NextView:
-    """The document of an interpretation's next views, or of those of what stands for one (``plogic.sequence.next_view.of_sequence``)."""
+    """The document of an interpretation's next views, or of those of what stands for one (``plogic.sequence.next_view.reading``)."""
     from geometry.camera import camera_from_dict
     from plogic.face.commands.next_view_table import outlook_document
     from plogic.facts.interpretation import situation_of
