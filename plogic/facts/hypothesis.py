@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from geometry.frames import transform_points
+from plogic.facts.expected import expected
 from plogic.measures.crowding import shares
 from plogic.measures.explanatory import Support, tally
 
@@ -152,14 +153,17 @@ class Hypothesis:
         return self.known_type
 
     def expects(self, feature: FeatureFact) -> bool:
-        """Whether the feature is Expected where no other object of the world hides it (D7 within the hypothesis alone)."""
-        return feature.in_image and feature.in_lobe and not (feature.self_hidden and self.opaque)
+        """Return whether the feature is Expected where no other object of the world hides it (D7)."""
+        return expected(feature, self.opaque)
 
     @cached_property
     def candidate(self) -> NDArray[np.bool_]:
         """(F,) Expected where no other object hides it (D7)."""
-        hidden = self.self_hidden if self.opaque else np.zeros_like(self.self_hidden)
-        return self.in_image & self.in_lobe & ~hidden
+        return expected(self, self.opaque)
+
+    def expected(self, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
+        """(F,) Expected where opaque objects of the world hide the ``hidden`` features (F,) (D7); None: where there are none."""
+        return self.candidate if hidden is None else expected(self, self.opaque, hidden)
 
     @cached_property
     def counted(self) -> NDArray[np.float64]:
@@ -204,10 +208,9 @@ class Hypothesis:
 
     def support(self, hidden: NDArray[np.bool_] | None = None) -> Support:
         """The four cases over the features in the image, a compound once (A1); ``hidden`` (F,): what accepted opaque objects hide (strict D7)."""
-        expected = self.candidate & ~hidden if hidden is not None else self.candidate
         names, kind = self.object_type.kind_codes
         inside = self.in_image & self.stands
-        return tally(names, kind[self.object_type.whole[inside]], expected[inside], self.detected[inside])
+        return tally(names, kind[self.object_type.whole[inside]], self.expected(hidden)[inside], self.detected[inside])
 
 
 ARRAYS = tuple(row.name for row in fields(Hypothesis) if "NDArray" in str(row.type))

@@ -249,7 +249,7 @@ def _looked(
 
 def _slot(one: Hypothesis, hidden: NDArray[np.bool_], data: Data, kb: KnowledgeBase, *, present: bool | None) -> Slot:
     kind = one.object_type
-    expected = np.flatnonzero(one.candidate & ~hidden)
+    expected = np.flatnonzero(one.expected(hidden))
     sightings = tuple(
         Sighting(seen.type, near=bool(one.detected[f]), chance=_chance(seen.appearances, data, kb))
         for f, seen in ((f, kind.seen_features[f]) for f in expected)
@@ -266,7 +266,7 @@ def _chance(appearances: Sequence[Any], data: Data, kb: KnowledgeBase) -> float:
 
 def _clutter(looked: Sequence[tuple[Hypothesis, NDArray[np.bool_]]], data: Data, kb: KnowledgeBase) -> dict[str, int]:
     """Per appearance type what no expected feature of a true object takes."""
-    used = {int(m) for one, hidden in looked for m in one.matches[one.candidate & ~hidden & one.detected]}
+    used = {int(m) for one, hidden in looked for m in one.matches[one.expected(hidden) & one.detected]}
     left = Counter(kind for a, kind in enumerate(data.types) if a not in used)
     return {name: left[name] for name in kb.appearance_types}
 

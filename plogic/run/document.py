@@ -203,7 +203,7 @@ def _hidden(belief: Belief, beside: Sequence[Belief]) -> NDArray[np.bool_]:
 def _cases(belief: Belief, beside: Sequence[Belief]) -> dict[str, tuple[bool, bool, Case | None]]:
     """(expected, detected, case) of each feature that is told, beside Δi; outside the image, no case."""
     posed = belief.posed
-    expected = posed.candidate & ~_hidden(belief, beside)
+    expected = posed.expected(_hidden(belief, beside))
     some = told(posed)
     rows = zip(some, *(mask[some].tolist() for mask in (expected, posed.detected, posed.in_image)), strict=True)
     cases: dict[str, tuple[bool, bool, Case | None]] = {

@@ -33,11 +33,20 @@ def import_all():
         for package in map(importlib.import_module, PACKAGES):
             for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
                 if not module.name.startswith(LEFT_OUT):
-                    importlib.import_module(module.name)
+                    import_one(module.name)
         importlib.import_module("cli")
     assert "problog" not in sys.modules, "it would change what commands do that do without"
     gc.collect()
     gc.freeze()  # a copy's collector would write to, and so copy, the memory of what is imported
+
+
+def import_one(name):
+    """Import a module of ours, if what it needs of others is there: there are Pythons without pybullet."""
+    try:
+        importlib.import_module(name)
+    except ModuleNotFoundError as missing:
+        if missing.name.split(".")[0] in (*PACKAGES, "cli"):
+            raise
 
 
 def serve():

@@ -3,9 +3,9 @@
     python tests/helpers/mutants.py --seed 38 --count 40 -o mutants.jsonl
 
 Draws places by the seed from all packages but the commands, and runs for each mutant, in a copy of the repository, the
-tests that name its module, then those of its room, of its floor, and the rest, until one fails or a group takes longer
-than it may. What is done stands in the file given, a line a mutant, and is not done again. At the end: a table, and of
-each survivor its diff.
+tests that name its module, then those of its room, of its floor, and the rest, until one fails or a group takes more of
+a processor than it may. What is done stands in the file given, a line a mutant, and is not done again. At the end: a
+table, and of each survivor its diff.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import difflib
 import json
 import os
 import random
+import resource
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -152,12 +152,12 @@ def stages(root: Path, file: str):
         lambda _: True,
     ]
     for condition in about:
-        chosen = [path for path in every if condition(path)]
+        chosen = sorted(filter(condition, every), key=lambda path: -len(os.path.commonpath([path, place])))
         every = [path for path in every if path not in chosen]
         yield chosen
 
 
-def found_by(root: Path, mutant: Mutant, most_stages: int, seconds: float):
+def found_by(root: Path, mutant: Mutant, most_stages: int, seconds: int):
     """What finds the mutant: the first test that fails, or the stage whose time was over; None where it survives."""
     source = (root / mutant.file).read_bytes()
     (root / mutant.file).write_bytes(mutant.applied(source))
@@ -171,28 +171,22 @@ def found_by(root: Path, mutant: Mutant, most_stages: int, seconds: float):
         (root / mutant.file).write_bytes(source)
 
 
-def first_failure(root: Path, files, seconds: float):
+def first_failure(root: Path, files, seconds: int):
     """The name of the first test that fails, of those in the files; None where all pass."""
     command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "--tb=no", "-p", "no:cacheprovider", "-p", "no:xdist"]
     environment = os.environ | {"PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": "1"}
-    with subprocess.Popen(
-        [*command, *map(str, files)],
-        cwd=root,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        start_new_session=True,
-    ) as run:
-        try:
-            said, _ = run.communicate(timeout=seconds)
-        except subprocess.TimeoutExpired:
-            os.killpg(run.pid, signal.SIGKILL)
-            return "takes too long"
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
+
+    options = {"cwd": root, "env": environment, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    run = subprocess.run([*command, *map(str, files)], check=False, preexec_fn=limit, **options)
+    if run.returncode < 0:
+        return "takes too long"
     if run.returncode == 0:
         return None
-    marked = [line for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    return (marked or said.splitlines() or ["no word"])[-1].split(" - ")[0]
+    marked = [line for line in run.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    return (marked or run.stdout.splitlines() or ["no word"])[-1].split(" - ")[0]
 
 
 def diff(root: Path, mutant: Mutant):
@@ -228,7 +222,7 @@ def main():
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--stages", type=int, default=5, help="how many of the five groups of tests are run")
-    parser.add_argument("--seconds", type=float, default=1800.0, help="what one group may take")
+    parser.add_argument("--seconds", type=int, default=1800, help="of a processor that one group may take")
     parser.add_argument("-o", "--out", type=Path, default=Path("mutants.jsonl"))
     asked = parser.parse_args()
     done = [json.loads(line) for line in asked.out.read_text().splitlines()] if asked.out.exists() else []

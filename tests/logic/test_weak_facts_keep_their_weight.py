@@ -13,7 +13,7 @@ from plogic.logic.grounding.load import ground, request_from
 
 
 def test_thousands_of_weak_facts_as_evidence():
-    n = 3000
+    n = 2000
     text = "0.3::h.\n" + "".join(
         f"0.01::x({i}). 0.02::y({i}). e({i}) :- h, x({i}). e({i}) :- \\+ h, y({i}). evidence(e({i})).\n"
         for i in range(n)

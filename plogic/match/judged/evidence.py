@@ -51,10 +51,6 @@ LEAST_CLEAR, LEAST_HIT, MOST_HIT = 0.04, 0.005, 0.98
 """Least share of the measured hit rates that an image can keep; bounds of what remains."""
 
 
-def _expected(posed: Hypothesis, hidden: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
-    return posed.candidate if hidden is None else posed.candidate & ~hidden
-
-
 def clarity(posed: Hypothesis, hidden: NDArray[np.bool_] | None = None, of: NDArray[np.bool_] | None = None) -> float:
     """Which share of the measured hit rates, of features ``of`` (F,) or of all, holds of this instance in this image.
 
@@ -63,7 +59,7 @@ def clarity(posed: Hypothesis, hidden: NDArray[np.bool_] | None = None, of: NDAr
     """
     if posed.hit is None:
         return 1.0
-    expected, shares = _expected(posed, hidden) & (True if of is None else of), posed.counted
+    expected, shares = posed.expected(hidden) & (True if of is None else of), posed.counted
     hoped = float((shares * posed.hit)[expected].sum())
     return float(np.clip(shares[expected & posed.detected].sum() / hoped, LEAST_CLEAR, 1.0)) if hoped > 0.0 else 1.0
 
@@ -119,7 +115,7 @@ def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[n
 
     ``hidden`` (F,) are the features that accepted opaque objects hide: not expected.
     """
-    expected, shares = _expected(posed, hidden), posed.counted
+    expected, shares = posed.expected(hidden), posed.counted
     hit = hit_rates(posed, kb, hidden)
     found = expected & posed.detected
     clutter = clutter_density(kb, data, posed.matches[found])

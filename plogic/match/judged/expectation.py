@@ -85,7 +85,7 @@ def matched(
     feature; a feature takes one.
     """
     free = np.ones(len(data.ids), dtype=bool) if free is None else free
-    expected = posed.candidate if hidden is None else posed.candidate & ~hidden
+    expected = posed.expected(hidden)
     off = np.linalg.norm(np.nan_to_num(posed.uv, nan=1e9)[:, None] - data.uv[None], axis=2)
     near = off <= tolerance
     matches = np.full(len(posed.uv), -1, dtype=np.intp)

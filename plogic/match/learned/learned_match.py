@@ -113,7 +113,7 @@ def matched(
     Sides of edges are looked for where they are expected alone: edges are everywhere, and those of a hidden feature
     would be found by chance.
     """
-    expected = posed.candidate if hidden is None else posed.candidate & ~hidden
+    expected = posed.expected(hidden)
     described = data.described if free is None else data.described & free
     about = lobes_about(index, posed.camera_from_object)
     features, tolerance = np.flatnonzero(posed.in_image & ~index.sided), kb.rates.match_tolerance

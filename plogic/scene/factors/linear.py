@@ -15,6 +15,7 @@ import numpy as np
 
 from plogic.base.bounds import alternative
 from plogic.facts.dependence import ordered
+from plogic.facts.expected import expected
 from plogic.scene.factors.weight_tables import LONGEST_LIST
 
 if TYPE_CHECKING:
@@ -62,13 +63,13 @@ def linear(cast: Cast, h: Hypothesis) -> Linear:
             continue
         found = f.match is not None
         detected = detected or found
-        candidate = f.in_lobe and not (f.self_hidden and solid)
-        hiders = {g for g in f.hidden_by if g in opaque and g not in unhiding} if candidate and f.hidden_by else None
+        awaited = expected(f, solid)
+        hiders = {g for g in f.hidden_by if g in opaque and g not in unhiding} if awaited and f.hidden_by else None
         if hiders:
             for g in hiders:
                 cells[g] = cells.get(g, 0) + 1
             changing.append((len(weights), hiders, found))
-        elif candidate == found:
+        elif awaited == found:
             same.append(len(weights))
         weights.append(f.dv)
     names = ordered(cells)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.base.bounds import LEAST, bounded
+from plogic.facts.expected import expected
 from plogic.scene.factors.claims import Claim, add_datum, add_miss, datum_of, scope_of
 from plogic.scene.factors.weight_tables import IMPOSSIBLE, log, logs_of, too_wide
 from plogic.scene.readings.posterior_reading import DEFAULT_PRIOR
@@ -64,7 +65,7 @@ def _add_features(tables: Tables, cast: Cast) -> dict[str, list[Claim]]:
         v, s = cast.place[name]
         weight = tables.unary[v][s]
         for f in h.features:
-            if not f.in_image or not f.in_lobe or (f.self_hidden and solid):
+            if not expected(f, solid):
                 continue
             names = [g for g in f.hidden_by if g in opaque and g not in unhiding] if f.hidden_by else None
             hiders = _hiders(tables, cast, v, names) if names else ()

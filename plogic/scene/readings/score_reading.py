@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.base.bounds import LEAST, alternative
+from plogic.facts import expected as d7
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -41,10 +42,8 @@ def hidden(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Fla
 
 
 def expected(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Flags:
-    """D7, given that ``h`` is in the world."""
-    if not h.expects(f):
-        return np.zeros_like(next(iter(present.values())))
-    return ~hidden(scene, h, f, present)
+    """D7 in every world, given that ``h`` is in it."""
+    return d7.expected(f, h.opaque, hidden(scene, h, f, present))
 
 
 def cells(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Cells:

@@ -20,7 +20,15 @@ FALLBACKS = (
     "rank/2", "ev_given/3", "context/2",
 )  # fmt: skip
 
-COMMON = r"""
+EXPECTED = r"""% D4, D7: what a hypothesis alone leads to expect, and what a present opaque object, no rival, hides.
+own_host_hides(H, F) :- self_hidden(H, F), opaque(H).
+candidate(H, F) :- in_image(H, F), in_lobe(H, F), \+ own_host_hides(H, F).
+hidden(H, F) :- behind_surface(H, F, G), G \= H, opaque(G), \+ rival(H, G), present(G).
+in_view(H, F) :- candidate(H, F), \+ hidden(H, F).
+"""
+"""D7: Expected is ``in_view`` of a hypothesis that is present; stated as a function by ``plogic.facts.expected``."""
+COMMON = (
+    r"""
 % A3: proper parts; belongs(X, H): node X is of the tree of hypothesis H.
 proper_part(X, Y) :- part_of(X, Y).
 proper_part(X, Y) :- part_of(X, Z), proper_part(Z, Y).
@@ -31,17 +39,15 @@ belongs(H/X, H) :- part_of(H/X, _).
 rival(X, Y) :- rival_pair(X, Y).
 rival(X, Y) :- rival_pair(Y, X).
 
-% D4, D7: what a hypothesis alone leads to expect, and what a present opaque object, no rival, hides.
-own_host_hides(H, F) :- self_hidden(H, F), opaque(H).
-candidate(H, F) :- in_image(H, F), in_lobe(H, F), \+ own_host_hides(H, F).
-hidden(H, F) :- behind_surface(H, F, G), G \= H, opaque(G), \+ rival(H, G), present(G).
-in_view(H, F) :- candidate(H, F), \+ hidden(H, F).
-claims(H, F, A) :- match(H, F, A), present(H), in_view(H, F).
+"""
+    + EXPECTED
+    + r"""claims(H, F, A) :- match(H, F, A), present(H), in_view(H, F).
 
 % D5, feature form: Y has a self-visible feature, and every one of them is behind X.
 not_behind(Y, X) :- candidate(Y, F), \+ behind_surface(Y, F, X).
 all_behind(Y, X) :- behind_surface(Y, F, X), candidate(Y, F), X \= Y, \+ not_behind(Y, X).
 """
+)
 
 FOUND = r"""
 % D8: a feature is detected if the hypothesis' one matching gives it an appearance.

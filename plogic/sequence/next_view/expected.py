@@ -13,6 +13,7 @@ import numpy as np
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import behind
 from kb.clouds.lobes import in_lobe
+from plogic.facts.expected import Seen, expected
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,9 +43,11 @@ class Sightings:
     names: tuple[str, ...]
 
     def expected(self, present: Flags) -> Flags:
-        """(W, N) Expected in each world (D7): ``present`` (W, B)."""
+        """(W, N) Expected in each world (D7), where all are Expected alone: ``present`` (W, B)."""
         veiled = present.astype(np.float64) @ self.hidden.T.astype(np.float64) > 0.0
-        return np.asarray(present[:, self.body] & ~veiled)
+        everywhere = np.ones(len(self.body), bool)
+        alone = Seen(everywhere, everywhere, ~everywhere)
+        return np.asarray(present[:, self.body] & expected(alone, opaque=False, hidden=veiled))
 
 
 class _Alone(NamedTuple):
@@ -90,9 +93,10 @@ def _alone(body: Body, pose: Floats, camera: Camera, granularity: float, names: 
     first[table.feature[::-1]] = np.arange(len(table.feature))[::-1]
     feature = np.flatnonzero(looks.any(axis=1))
     at = transform_points(pose, table.at[first[feature]])
-    shown = camera.contains(camera.project(at))
+    own = np.zeros(len(at), bool)
     if body.opaque and cloud.rays is not None and not cloud.measured:
-        shown &= ~behind(at, cloud.rays, pose, cloud.slack)
+        own = behind(at, cloud.rays, pose, cloud.slack)
+    shown = expected(Seen(camera.contains(camera.project(at)), np.ones(len(at), bool), own), body.opaque)
     return _Alone(feature[shown], at[shown], looks[feature[shown]], hit[feature[shown]])
 
 

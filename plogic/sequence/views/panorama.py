@@ -14,6 +14,8 @@ from collections import Counter
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.beside import FEWEST
 from plogic.cycle.recall import Seed
@@ -27,7 +29,6 @@ from plogic.sequence.views.standing import Seen, Standing, seen_alone, standing_
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from plogic.cycle.belief import Cycle
@@ -205,11 +206,11 @@ def _left(cycle: Cycle, seen: Seen) -> tuple[str, ...]:
 
 def _awaited(posed: Hypothesis, others: Sequence[tuple[Known, Hypothesis]]) -> NDArray[np.bool_]:
     """(F,) the features that are expected where all of Δp stands as it is remembered."""
-    mask = posed.candidate.copy()
+    hidden = np.zeros(len(posed.uv), bool)
     for _, other in others:
         if other is not posed and other.object_type.opaque:
-            mask &= ~hidden_by(posed, other)
-    return mask
+            hidden |= hidden_by(posed, other)
+    return posed.expected(hidden)
 
 
 def _told(known: Known, posed: Hypothesis, perceiver: Perceiver) -> ExpectedRow:
