@@ -227,8 +227,7 @@ def report(interpretation: str, out: str) -> None:
 @ROBOT
 def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **options: Any) -> None:
     """Render a physically settled scene with its ground truth."""
-    from plogic.face.commands.simulate import simulate_command
-    from plogic.face.shown.simulated_scenes import tell_without_physics
+    from plogic.face.commands.simulate import simulate_command, tell_without_physics
 
     tell_without_physics(_say)
     simulate_command(kb_folder, number, decoys, seed, out, **options)

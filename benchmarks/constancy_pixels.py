@@ -70,7 +70,7 @@ def main(scenes: int) -> None:
         if constancy.unknown:
             draft = draft_type("draft", seen_features(constancy.unknown[0], views), whole.f_ref)
             perceiver = Perceiver(replace(less, types=(*less.types, draft)))
-            found = sum(any(b.posed.object_type is draft for b, _ in perceiver.accepted(view.gamma)) for view in views)
+            found = sum(any(b.object_type is draft for b, _ in perceiver.accepted(view.gamma)) for view in views)
         sys.stdout.write(f"{seed}: both: {both}; t2 alone: {alone}; draft accepted in {found} of {len(views)}\n")
         sys.stdout.flush()
 

@@ -12,7 +12,7 @@ from kb.files.folder import shipped
 from kb.files.read import read_kb
 from kb.shown.show import check_report
 from plogic.cycle.delta import Options
-from plogic.face.authoring.kb import measures_command
+from plogic.face.authoring.kb_show import measures_command
 from plogic.run.perceive import Perceiver
 from sensing.files.gamma_files import read_gamma
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.belief import Belief
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.run.perceive import Perceiver
 
 ROOT = Path(__file__).parents[2]
@@ -117,9 +117,9 @@ def answered(kb: KnowledgeBase, say: Callable[[str], None]) -> list[Answer]:
         start = perf_counter()
         beliefs, accepted = seen(kb, perceiver, DATA / frame, right)
         seconds = perf_counter() - start
-        box = next((belief for belief in accepted if belief.posed.object_type.name == "box"), None)
+        box = next((belief for belief in accepted if belief.object_type.name == "box"), None)
         off = () if box is None else _distances(box, right, [places[name] for name in corners], list(corners.values()))
-        others = tuple(belief.posed.object_type.name for belief in accepted if belief is not box)
+        others = tuple(belief.object_type.name for belief in accepted if belief is not box)
         answers.append(
             Answer(frame, off, _best(beliefs), _best(seen(kb, perceiver, DATA / frame, wrong)[0]), others, seconds)
         )
@@ -128,7 +128,9 @@ def answered(kb: KnowledgeBase, say: Callable[[str], None]) -> list[Answer]:
     return answers
 
 
-def seen(kb: KnowledgeBase, perceiver: Perceiver, frame: Path, camera: Camera) -> tuple[list[Belief], list[Belief]]:
+def seen(
+    kb: KnowledgeBase, perceiver: Perceiver, frame: Path, camera: Camera
+) -> tuple[list[Hypothesis], list[Hypothesis]]:
     """All hypotheses of a picture, and those accepted, best first."""
     from plogic.base.stopwatch import Stopwatch
     from plogic.cycle.delta import Options
@@ -162,14 +164,14 @@ def drawn(kb: KnowledgeBase, frame: str) -> bytes:
     return bytes(cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, 85])[1].tobytes())
 
 
-def _best(beliefs: Sequence[Belief]) -> float:
+def _best(beliefs: Sequence[Hypothesis]) -> float:
     """The explanatory value of the box that beats clutter by most."""
-    boxes = [belief for belief in beliefs if belief.posed.object_type.name == "box"]
+    boxes = [belief for belief in beliefs if belief.object_type.name == "box"]
     return float(max(boxes, key=lambda belief: belief.worth).ev or 0.0) if boxes else 0.0
 
 
-def _distances(box: Belief, camera: Camera, places: Sequence[Any], pixels: Sequence[Any]) -> tuple[float, ...]:
-    uv = camera.project(transform_points(box.posed.camera_from_object, places))
+def _distances(box: Hypothesis, camera: Camera, places: Sequence[Any], pixels: Sequence[Any]) -> tuple[float, ...]:
+    uv = camera.project(transform_points(box.camera_from_object, places))
     return tuple(np.linalg.norm(uv - np.array(pixels), axis=1).tolist())
 
 

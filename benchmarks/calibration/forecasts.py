@@ -19,13 +19,13 @@ import numpy as np
 from benchmarks.calibration.truth import true_ones
 from plogic.base.errors import InconsistentError
 from plogic.base.stopwatch import Stopwatch
-from plogic.cycle.belief import Belief, Cycle
+from plogic.cycle.belief import Cycle
 from plogic.cycle.delta import Delta, Options, delta_of
 from plogic.cycle.trace import Trace
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.evidence import as_counted, evidence
+from plogic.match.judged.evidence import as_counted, judged
 from plogic.match.judged.type_models import Given, Request
-from plogic.measures.explanatory import explanatory_value, probability_of_ev
+from plogic.measures.explanatory import probability_of_ev
 from plogic.run.perceive import SMOOTHED
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
     from benchmarks.calibration.scenes import CalibrationScene
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.situation import Situation
     from plogic.match.gamma.data import Data
     from plogic.run.perceive import Perceiver
@@ -69,12 +70,11 @@ def forecasts_of(perceiver: Perceiver, scene: CalibrationScene, number: int) -> 
 def gated(perceiver: Perceiver, data: Data) -> Delta:
     """Δh of all types before anything is accepted or rejected."""
     nothing = Given((), lambda posed: np.zeros(len(posed.uv), bool), lambda _: None, lambda _: None)
-    beliefs: list[Belief] = []
+    beliefs: list[Hypothesis] = []
     for kind in perceiver.models.kinds.values():
         proposed = kind.search(Request(data, perceiver.kb)).propose(list(kind.models), data, nothing)
         for _, posed in chain.from_iterable(proposed):
-            told, ev = evidence(posed, data, perceiver.kb), explanatory_value(posed.support(), perceiver.dv)
-            beliefs.append(Belief(posed, kind.models[posed.object_type.name], told.ratio, told.surplus, ev, ev))
+            beliefs.append(judged(posed, data, perceiver.kb, perceiver.dv))
     best = sorted(beliefs, key=lambda b: -b.worth)
     return delta_of(
         Cycle((), tuple(best), (), (), Trace()), data, perceiver.kb, perceiver.dv, Options(reading="posterior")
@@ -86,7 +86,7 @@ def _judged(
 ) -> list[Forecast]:
     if not delta.beliefs:
         return []
-    poses = {name: (b.posed.object_type, b.posed.camera_from_object) for name, b in delta.beliefs.items()}
+    poses = {name: (b.object_type, b.camera_from_object) for name, b in delta.beliefs.items()}
     true = true_ones(poses, scene.truth.objects)
     said = {
         POSTERIOR: presences(delta.situation),
@@ -112,7 +112,7 @@ def _as_given(delta: Delta, data: Data, kb: KnowledgeBase) -> Situation:
     """The situation whose densities are those at the poses, as if these had been known before: for comparison."""
     hypotheses = []
     for h in delta.situation.hypotheses:
-        posed = delta.beliefs[h.id].posed
+        posed = delta.beliefs[h.id]
         at = {feature.name: f for f, feature in enumerate(posed.object_type.features)}
         near = as_counted(posed, data, kb)[1]
         hypotheses.append(replace(h, features=tuple(replace(f, density=float(near[at[f.id]])) for f in h.features)))

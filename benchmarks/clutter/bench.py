@@ -194,7 +194,7 @@ def ours(perceiver: Perceiver, gamma: Gamma) -> tuple[list[Found], list[Found]]:
 
     delta, rejected, _ = perceiver.delta(gamma, Options(reading="posterior"), Stopwatch())
     beliefs = sorted([*delta.beliefs.values(), *rejected], key=lambda b: -b.surplus)
-    found = [(b.status == "accepted", Found(b.posed.object_type.name, b.posed.camera_from_object)) for b in beliefs]
+    found = [(b.status == "accepted", Found(b.type, b.camera_from_object)) for b in beliefs]
     return [one for accepted, one in found if accepted], [one for accepted, one in found if not accepted]
 
 

@@ -77,7 +77,10 @@ class Tour:
     def _judged(self, visited: Sequence[int]) -> State:
         looks = [self.look(place) for place in visited]
         together, _ = joint(
-            [one.seen for one in looks], merged(looks, self.perceiver.kb), self.perceiver, Options(reading="posterior")
+            [one.seen for one in looks],
+            merged(looks, self.perceiver.models, self.perceiver.kb),
+            self.perceiver,
+            Options(reading="posterior"),
         )
         ranking = ranked_worlds(together.situation, LISTED)
         return State(

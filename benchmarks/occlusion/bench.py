@@ -24,7 +24,7 @@ from benchmarks.occlusion.witness import arrangements, checked, triples
 from benchmarks.shared.claims import Claim
 from geometry.visibility.occlusion import TOLERANCE, drawn, occlusion
 from geometry.visibility.roc import ROC20, coarse, converse
-from plogic.face.shown.printing import plain_table
+from plogic.face.shown.tables import plain_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

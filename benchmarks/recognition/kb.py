@@ -55,9 +55,8 @@ def ours(meshes: Mapping[str, Path], folder: Path, say: Callable[[str], None]) -
 
 def learn_into(folder: Path, meshes: Mapping[str, Path], say: Callable[[str], None], seed: int = 0) -> None:
     """``plogic kb new``, and ``kb add`` and ``kb learn`` of every mesh (metres), if any: the newcomer's path."""
-    from plogic.face.authoring.kb_add import add_command
     from plogic.face.authoring.kb_learn import learn_command
-    from plogic.face.authoring.kb_new import new_command
+    from plogic.face.authoring.kb_types import add_command, new_command
 
     new_command(folder, None)
     for name, mesh in meshes.items():

@@ -16,7 +16,7 @@ from benchmarks.clutter.types import EASY
 from benchmarks.scale.table import CAPTION, Vocabulary, claims, tables
 from benchmarks.scale.types import FEATURES, bodies, disk_bytes, first, index_bytes, made_ready, object_bytes
 from benchmarks.scale.votes import Seen, entries, falsely_accepted, seen, standing, under_cap, with_more
-from plogic.face.shown.printing import plain_table
+from plogic.face.shown.tables import plain_table
 from plogic.match.oriented.pair_index import MOST
 
 if TYPE_CHECKING:

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from benchmarks.clutter.scenes import Trial
     from benchmarks.scale.types import Ready
-    from plogic.cycle.belief import Belief
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.oriented.oriented_search import Search
     from plogic.match.oriented.pair_votes import Votes
@@ -211,7 +211,7 @@ def _kind(ready: Ready, trial: Trial) -> int:
     return list(ready.indices).index(trial.truth.type)
 
 
-def _found(belief: Belief, trial: Trial) -> bool:
-    turned, away = pose_error(belief.posed.camera_from_object, trial.truth.camera_from_object)
+def _found(belief: Hypothesis, trial: Trial) -> bool:
+    turned, away = pose_error(belief.camera_from_object, trial.truth.camera_from_object)
     near = turned <= np.radians(5.0) and away <= 0.05 * np.linalg.norm(trial.truth.camera_from_object[:3, 3])
-    return belief.posed.object_type.name == trial.truth.type and bool(near)
+    return belief.object_type.name == trial.truth.type and bool(near)

@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from plogic.face.shown.printing import plain_table
+from plogic.face.shown.tables import plain_table
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

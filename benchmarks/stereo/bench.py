@@ -88,8 +88,8 @@ def off_of_pair(
     data, cycle = perceiver.cycle(both, Options(reading="posterior"), Stopwatch())
     kind, pose = truth
     accepted = sharpened(cycle, both, data, right, pair, perceiver).accepted
-    mine = sorted((b for b in accepted if b.posed.object_type.name == kind.name), key=lambda b: -b.surplus)
-    return error(mine[0].posed.camera_from_object, kind, pose) if mine else None
+    mine = sorted((b for b in accepted if b.object_type.name == kind.name), key=lambda b: -b.surplus)
+    return error(mine[0].camera_from_object, kind, pose) if mine else None
 
 
 def detected(kind: ObjectType, pose: Floats, kb: KnowledgeBase, rng: np.random.Generator) -> Gamma:

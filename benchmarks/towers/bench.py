@@ -95,7 +95,7 @@ def one_scene(kb: KnowledgeBase, perceiver: Perceiver, kind: str, seed: int) -> 
 
 def scene_of(kb: KnowledgeBase, kind: str, seed: int) -> Scene:
     """A scene of one kind; the seed decides which tower stands alone and how many decoys there are."""
-    from plogic.face.shown.simulated_scenes import shapes_of
+    from plogic.face.commands.simulate import shapes_of
     from sensing.simulated.scene import random_scene
 
     shapes = shapes_of(kb)

@@ -65,7 +65,7 @@ def run(*, seed: int, limit: float, quick: bool, as_json: bool, say: Callable[[s
     if as_json:
         return report("worlds", [row(m) | stages(m) for m in measured], promised, as_json=True)
     text, met = report("worlds", [row(m) for m in measured], promised, as_json=False)
-    from plogic.face.shown.printing import plain_table
+    from plogic.face.shown.tables import plain_table
 
     table = plain_table("stages: ProbLog's faster way, and ours", [_named(m) | stages(m) for m in measured])
     return f"{CAPTION}\n\n{table}\n{text}", met

@@ -56,7 +56,7 @@ def photographed(perceiver: Perceiver, objects: int, most: int, seed: int) -> Si
 
 def _scene(kb: KnowledgeBase, objects: int, seed: int) -> Scene:
     """The first scene from this seed on that the simulator finds room for."""
-    from plogic.face.shown.simulated_scenes import shapes_of
+    from plogic.face.commands.simulate import shapes_of
     from sensing.errors import SceneError
     from sensing.simulated.scene import random_scene
 

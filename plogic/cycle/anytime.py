@@ -9,7 +9,6 @@ comes to the same ones first, in the same order.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.cycle.beside import Beside, name_of, rounded
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from plogic.cycle.belief import Belief
     from plogic.facts.hypothesis import Hypothesis
 
 HEAVIER = 1e-6
@@ -34,9 +32,9 @@ there is a deadline or not."""
 class Stable(NamedTuple):
     """``of``: what was accepted; ``accepted``: what is left of it when it is stable; ``rejected``, ``steps``: what else came of that."""
 
-    of: tuple[Belief, ...] = ()
-    accepted: tuple[Belief, ...] = ()
-    rejected: tuple[Belief, ...] = ()
+    of: tuple[Hypothesis, ...] = ()
+    accepted: tuple[Hypothesis, ...] = ()
+    rejected: tuple[Hypothesis, ...] = ()
     steps: tuple[Step, ...] = ()
 
     @property
@@ -51,10 +49,10 @@ class Anytime(Beside):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.trace = Trace()
-        self.rejected: list[Belief] = []
+        self.rejected: list[Hypothesis] = []
         self.reach = self.data.camera.f, 2.0 * self.kb.rates.match_tolerance
         self.best = self.last = Stable()
-        self.reconsidered: dict[tuple[int, ...], tuple[tuple[Hypothesis, ...], Belief]] = {}
+        self.reconsidered: dict[tuple[int, ...], tuple[tuple[Hypothesis, ...], Hypothesis]] = {}
 
     @property
     def unfinished(self) -> bool:
@@ -74,7 +72,7 @@ class Anytime(Beside):
         self.accepted = list(self.last.accepted)
         self.rejected += self.last.rejected
         self.trace.steps += self.last.steps
-        self.refused += [belief.posed for belief in self.last.rejected]
+        self.refused += self.last.rejected
         self._keep()
         return True
 
@@ -85,7 +83,7 @@ class Anytime(Beside):
         """
         if self.deadline.end is None or not found or self.last.weight + found[0][0] <= self.best.weight:
             return
-        posed = self._judge(found[0][1], self.free(), rounds=0).posed
+        posed = self._judge(found[0][1], self.free(), rounds=0)
         self.deadline.check()
         belief = self._judge(posed, self.free(), rounds=2)
         if self._refusal(belief) is None:
@@ -97,19 +95,17 @@ class Anytime(Beside):
         some, self.accepted = self.accepted, list(self.best.accepted)
         kept = [*self.best.of, *self.best.accepted]
         lost = [
-            belief
-            for belief in some
-            if not any(belief.posed.camera_from_object is one.posed.camera_from_object for one in kept)
+            belief for belief in some if not any(belief.camera_from_object is one.camera_from_object for one in kept)
         ]
         self.rejected += [belief for belief in self.best.rejected if not any(belief is told for told in self.rejected)]
         self.trace.steps += self.best.steps
         for belief in lost:
-            why = "a pose nearby explains more" if self._is_accepted(belief.posed) else "Δi explains more without it"
+            why = "a pose nearby explains more" if self._is_accepted(belief) else "Δi explains more without it"
             why = "the deadline came first" if self.unfinished else why
-            self.rejected.append(replace(belief, status="rejected", why=why))
+            self.rejected.append(belief.told(status="rejected", why=why))
             self.trace.add("release", f"{why}; its data are released", of_type=name_of(belief))
 
-    def _stable(self, *more: Belief) -> Stable:
+    def _stable(self, *more: Hypothesis) -> Stable:
         """What is accepted, and some ``more``, kept apart (A4) and reconsidered; nothing else changes."""
         before = self.accepted, self.rejected, self.trace
         self.accepted, self.rejected, self.trace = list(self.accepted), [], Trace()
@@ -123,8 +119,8 @@ class Anytime(Beside):
         finally:
             self.accepted, self.rejected, self.trace = before
 
-    def _accept(self, belief: Belief) -> None:
-        self.accepted.append(replace(belief, status="accepted", why="explains its data better than chance, ev above 0"))
+    def _accept(self, belief: Hypothesis) -> None:
+        self.accepted.append(belief.told(status="accepted", why="explains its data better than chance, ev above 0"))
         self.trace.add(
             "accept", f"log-likelihood ratio {belief.worth:.1f}", of_type=name_of(belief), ev=belief.ev_reconsidered
         )
@@ -133,12 +129,12 @@ class Anytime(Beside):
         """A4 to a millimetre: move apart, all together, what reaches into another; of two that cannot be, the one of less worth is rejected."""
         while True:
             self.deadline.check()
-            poses, deep = moved_apart([b.posed for b in self.accepted], lambda k: self._told_of(self.accepted[k].posed))
+            poses, deep = moved_apart(self.accepted, lambda k: self._told_of(self.accepted[k]))
             if not deep:
                 break
             worst = min({k for pair in deep for k in pair}, key=lambda k: self.accepted[k].worth)
             self.rejected.append(
-                replace(self.accepted.pop(worst), status="rejected", why="shares volume with an accepted object (A4)")
+                self.accepted.pop(worst).told(status="rejected", why="shares volume with an accepted object (A4)")
             )
             self.trace.add(
                 "release",
@@ -146,16 +142,23 @@ class Anytime(Beside):
                 of_type=name_of(self.rejected[-1]),
             )
         for k, (belief, pose) in enumerate(zip(list(self.accepted), poses, strict=True)):
-            if pose is not belief.posed.camera_from_object:
-                posed = belief.index.settle(
+            if pose is not belief.camera_from_object:
+                posed = self.models[belief.type].settle(
                     pose,
                     self.data,
                     self.kb,
                     free=self.free(belief),
-                    hidden=self._hidden(belief.posed, belief),
+                    hidden=self._hidden(belief, belief),
                     rounds=0,
                 )
-                self.accepted[k] = replace(belief, posed=posed)
+                self.accepted[k] = posed.told(
+                    worth=belief.worth,
+                    surplus=belief.surplus,
+                    ev=belief.ev,
+                    ev_reconsidered=belief.ev_reconsidered,
+                    status=belief.status,
+                    why=belief.why,
+                )
                 self.trace.add(
                     "move", "a little, so that it does not reach into what it touches (A4)", of_type=name_of(belief)
                 )
@@ -173,27 +176,21 @@ class Anytime(Beside):
                 return
             worst = min(bad, key=lambda b: (b.ev_reconsidered is not None, b.ev_reconsidered or -1.0))
             self.accepted = [b for b in self.accepted if b is not worst]
-            self.rejected.append(
-                replace(worst, status="rejected", why="ev or evidence is not above 0 beside the others")
-            )
+            self.rejected.append(worst.told(status="rejected", why="ev or evidence is not above 0 beside the others"))
             self.trace.add(
                 "release",
                 "ev or evidence is not above 0 beside the others; its data are released",
                 of_type=name_of(worst),
             )
 
-    def _again(self, belief: Belief) -> Belief:
+    def _again(self, belief: Hypothesis) -> Hypothesis:
         """Ev of an accepted hypothesis with everything else that is accepted; as before where the same stand near it."""
-        near = [
-            b.posed
-            for b in self.accepted
-            if b is not belief and not apart_on_screen(belief.posed, b.posed, *self.reach)
-        ]
-        key = tuple(id(posed) for posed in (belief.posed, *near))
+        near = [b for b in self.accepted if b is not belief and not apart_on_screen(belief, b, *self.reach)]
+        key = tuple(id(posed) for posed in (belief, *near))
         if key not in self.reconsidered:
             self.deadline.check()
-            new = self._judge(belief.posed, self.free(belief), rounds=0, skip=belief)
-            self.reconsidered[key] = (belief.posed, *near), replace(new, status="accepted", why=belief.why)
+            new = self._judge(belief, self.free(belief), rounds=0, skip=belief)
+            self.reconsidered[key] = (belief, *near), new.told(status="accepted", why=belief.why)
         new = self.reconsidered[key][1]
         self.trace.add(
             "reconsider",

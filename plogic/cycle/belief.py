@@ -1,8 +1,4 @@
-"""What the perceptual cycle holds of a hypothesis, and what a run came to (§7).
-
-Vocabulary: ``Belief``, one hypothesis under consideration with its verdict; ``Cycle``, what a run came to: Δh, Δi and
-the trace.
-"""
+"""What a run of the perceptual cycle came to (§7): ``Cycle``, with Δh, Δi and the trace."""
 
 from __future__ import annotations
 
@@ -17,33 +13,15 @@ if TYPE_CHECKING:
     from plogic.cycle.attention import Attention
     from plogic.cycle.trace import Trace
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.judged.type_models import TypeModel
-
-
-@dataclass(frozen=True)
-class Belief:
-    """One hypothesis: its geometry and matching, its evidence, ev before and after reconsideration, and a verdict.
-
-    ``worth`` is its log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
-    """
-
-    posed: Hypothesis
-    index: TypeModel
-    worth: float
-    surplus: float
-    ev: float | None
-    ev_reconsidered: float | None
-    status: str = "open"
-    why: str = ""
 
 
 @dataclass(frozen=True)
 class Cycle:
     """``accepted`` is Δi in the order of acceptance; ``considered`` the rest of Δh; ``rejected`` what was tried and dropped."""
 
-    accepted: tuple[Belief, ...]
-    considered: tuple[Belief, ...]
-    rejected: tuple[Belief, ...]
+    accepted: tuple[Hypothesis, ...]
+    considered: tuple[Hypothesis, ...]
+    rejected: tuple[Hypothesis, ...]
     attention: tuple[Attention, ...]
     trace: Trace
 
@@ -59,11 +37,11 @@ MOST_RIVALS = 2
 """Rivals of an accepted hypothesis that enter Δh with it."""
 
 
-def considered(rivals: Sequence[Belief], accepted: Sequence[Belief]) -> list[Belief]:
+def considered(rivals: Sequence[Hypothesis], accepted: Sequence[Hypothesis]) -> list[Hypothesis]:
     """At most ``MOST_RIVALS`` rivals an accepted hypothesis, near-duplicates merged, best first."""
-    kept: list[Belief] = []
+    kept: list[Hypothesis] = []
     for rival in sorted(rivals, key=lambda b: -b.worth):
-        twin = any(same_hypothesis(rival.posed, b.posed) for b in [*kept, *accepted])
+        twin = any(same_hypothesis(rival, b) for b in [*kept, *accepted])
         if not twin and len(kept) < MOST_RIVALS * len(accepted):
             kept.append(rival)
     return kept

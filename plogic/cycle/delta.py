@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import networkx as nx
 import numpy as np
 
-from plogic.cycle.belief import Belief, Cycle
+from plogic.cycle.belief import Cycle
 from plogic.cycle.holding import gravity_of_view
 from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.cycle.placing import space_of_view
@@ -20,11 +20,10 @@ from plogic.facts.part_facts import part_facts
 from plogic.facts.situation import AppearanceFact, Reading, Reconsider, Situation
 from plogic.facts.spatial import Space
 from plogic.match.judged.disjoint import reaches_into
-from plogic.match.judged.evidence import clutter_density, evidence
+from plogic.match.judged.evidence import clutter_density, judged
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.fitted import as_fitted
 from plogic.match.judged.rivals import SHARED_CLAIMS, overlap, shared_claims
-from plogic.measures.explanatory import explanatory_value
 from sensing.uncollected import uncollected
 
 if TYPE_CHECKING:
@@ -57,7 +56,7 @@ class Options:
 class Delta:
     """Δh with its ids: ``beliefs`` by id in the order h1, h2, ..., accepted ones first."""
 
-    beliefs: dict[str, Belief]
+    beliefs: dict[str, Hypothesis]
     situation: Situation
 
 
@@ -71,15 +70,17 @@ def delta_of(
     fitted: Fitted = as_fitted,
     *,
     related: bool = True,
+    models: Mapping[str, TypeModel] | None = None,
 ) -> Delta:
     """Name the hypotheses that were not rejected and collect the facts that decide their probabilities.
 
     ``fitted(posed, data, kb, hidden)`` gives the hit rates (F,) and densities (F,) that the program is told.
+    ``models``: the types by name, by which it is known what they stand on; without them, nobody knows.
     ``related``: whether relations and space, which decide no probability of a world, are worked out as well.
     """
     beliefs = {f"h{i}": belief for i, belief in enumerate((*cycle.accepted, *cycle.considered), 1)}
     names = list(beliefs)
-    posed = {name: belief.posed for name, belief in beliefs.items()}
+    posed = beliefs
     pairs = list(combinations(names, 2))
     overlaps = frozenset(pair for pair in pairs if _share_volume(*(beliefs[name] for name in pair)))
     shared = {pair: shared_claims(posed[pair[0]], posed[pair[1]])[1] for pair in pairs if pair not in overlaps}
@@ -89,8 +90,7 @@ def delta_of(
     hiding = {(x, y): hidden_by(posed[x], posed[y]) for x in names for y in names if x != y}
     group = instances({name: p.object_type.name for name, p in posed.items()}, exclusive)
     rates = {
-        name: fitted(belief.posed, data, kb, _hidden(name, beliefs, hiding, exclusive))
-        for name, belief in beliefs.items()
+        name: fitted(belief, data, kb, _hidden(name, beliefs, hiding, exclusive)) for name, belief in beliefs.items()
     }
     hypotheses = tuple(_hypothesis(name, posed[name], group[name], hiding, rates[name], data, dv) for name in names)
     return Delta(
@@ -104,7 +104,7 @@ def delta_of(
             overlaps=overlaps,
             rivals=rivals,
             exclusive=exclusive,
-            space=space_of_view(beliefs, overlaps, data.camera, kb) if related else Space(),
+            space=space_of_view(beliefs, overlaps, data.camera, kb, models or {}) if related else Space(),
             gravity=gravity_of_view(posed, overlaps, data.camera, kb),
             relations=relations_of(posed, together, data.camera),
             part_relations=part_relations_of(posed, together, data.camera),
@@ -116,26 +116,19 @@ def delta_of(
     )
 
 
-def _share_volume(one: Belief, other: Belief) -> bool:
+def _share_volume(one: Hypothesis, other: Hypothesis) -> bool:
     """A4: what the cycle told apart, and moved apart where it could be, to a millimetre; open hypotheses as far as estimated poses go."""
     told = one.status != "open" and other.status != "open"
-    return overlap(one.posed, other.posed) or (told and reaches_into(one.posed, other.posed))
+    return overlap(one, other) or (told and reaches_into(one, other))
 
 
 def unpruned(
     data: Data, kb: KnowledgeBase, models: Iterable[TypeModel], dv: Mapping[str, float], options: Options, most: int
 ) -> Delta:
     """Δh before anything is accepted or rejected: every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth."""
-    found = [
-        _open_belief(posed, model, data, kb, dv) for model in models for _, posed in model.proposals(data, kb, EVERY)
-    ]
+    found = [judged(posed, data, kb, dv) for model in models for _, posed in model.proposals(data, kb, EVERY)]
     best = sorted(found, key=lambda b: -b.worth)[:most]
     return delta_of(Cycle((), tuple(best), (), (), Trace()), data, kb, dv, options)
-
-
-def _open_belief(posed: Hypothesis, model: TypeModel, data: Data, kb: KnowledgeBase, dv: Mapping[str, float]) -> Belief:
-    found, ev = evidence(posed, data, kb), explanatory_value(posed.support(), dv)
-    return Belief(posed, model, found.ratio, found.surplus, ev, ev)
 
 
 def _appearances(data: Data, kb: KnowledgeBase) -> tuple[AppearanceFact, ...]:
@@ -154,7 +147,7 @@ def instances(types: Mapping[str, str], exclusive: frozenset[tuple[str, str]]) -
 
 def _hidden(
     name: str,
-    beliefs: Mapping[str, Belief],
+    beliefs: Mapping[str, Hypothesis],
     hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
     exclusive: frozenset[tuple[str, str]],
 ) -> NDArray[np.bool_]:
@@ -162,10 +155,10 @@ def _hidden(
 
     So the cycle judges an accepted one: what it does not expect is no sign that the image is unclear.
     """
-    mask = np.zeros(len(beliefs[name].posed.uv), dtype=bool)
+    mask = np.zeros(len(beliefs[name].uv), dtype=bool)
     for other, belief in beliefs.items():
         together = other != name and (name, other) not in exclusive and (other, name) not in exclusive
-        if together and belief.status == "accepted" and belief.posed.object_type.opaque:
+        if together and belief.status == "accepted" and belief.opaque:
             mask |= hiding[name, other]
     return mask
 
@@ -200,8 +193,7 @@ def _hypothesis(
         )
         for f, feature in ((f, told_as(posed, f)) for f in told(posed))
     )
-    return replace(
-        posed,
+    return posed.told(
         id=name,
         group=group,
         features=features + lumped(posed, dv),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import ExitStack, closing, suppress
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.cycle.attention import Attention
-    from plogic.cycle.belief import Belief
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
 
@@ -43,9 +41,9 @@ class Perception(Anytime):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.rivals: list[Belief] = []
+        self.rivals: list[Hypothesis] = []
         self.standing = 0
-        self.known: dict[int, tuple[Belief, int]] = {}
+        self.known: dict[int, tuple[Hypothesis, int]] = {}
 
     def run(self, attention: Sequence[Attention]) -> Cycle:
         """Search the free data, judge all poses beside Δi, accept the best, and again, until nothing is acceptable.
@@ -70,9 +68,7 @@ class Perception(Anytime):
     def _round(self, attention: Sequence[Attention], pool: list[Hypothesis]) -> bool:
         """Accept the best acceptable pose of the pool; where it has none, add to it what the free data give first. True where one was accepted."""
         left = self.data.only(self.free())
-        if self._accepts(
-            [b for b in self._judged(pool) if self._keeps(b.posed) and self._refusal(b) is None], pool, left
-        ):
+        if self._accepts([b for b in self._judged(pool) if self._keeps(b) and self._refusal(b) is None], pool, left):
             return True
         given = self._given()
         with ExitStack() as stack:
@@ -85,18 +81,18 @@ class Perception(Anytime):
                 self.deadline.check()
                 pool += [posed for _, posed in next(found[row.type])]
         judged = sorted(self._judged(pool), key=lambda b: -b.worth)
-        pool[:] = [b.posed for b in judged[: max(POOL, POOL_OF_TYPE * len(self.models))]]
+        pool[:] = judged[: max(POOL, POOL_OF_TYPE * len(self.models))]
         return self._accepts(judged, pool, left)
 
-    def _accepts(self, judged: Sequence[Belief], pool: list[Hypothesis], left: Data) -> bool:
+    def _accepts(self, judged: Sequence[Hypothesis], pool: list[Hypothesis], left: Data) -> bool:
         """Accept the best of some that is acceptable, refined beside Δi; the pool loses it. True where there is one."""
         for belief in sorted(judged, key=lambda b: -b.worth)[:POLISHED]:
             self.deadline.check()
-            if belief.index.settled_when_found and not self._hopeful(belief):
+            if self.models[belief.type].settled_when_found and not self._hopeful(belief):
                 continue
-            better = self._tilted(self._judge(belief.posed, self.free(), rounds=2), left)
+            better = self._tilted(self._judge(belief, self.free(), rounds=2), left)
             either = (
-                [better] if belief.index.settled_when_found else [better, belief]
+                [better] if self.models[belief.type].settled_when_found else [better, belief]
             )  # places alone may fit better and lose a match
             holds = next((b for b in either if self._refusal(b) is None), None)
             if holds is not None:
@@ -108,18 +104,16 @@ class Perception(Anytime):
 
     def _given(self) -> Given:
         """What searches are given besides the free data."""
-        return Given(
-            [b.posed for b in self.accepted], self._hidden, self._glance, lambda why: self.trace.add("deepen", why)
-        )
+        return Given(self.accepted, self._hidden, self._glance, lambda why: self.trace.add("deepen", why))
 
     def _keeps(self, posed: Hypothesis) -> bool:
         """Whether it is accepted, if it can be, before more is searched for."""
         search = self._search_for(posed)
         return search is not None and search.keeps
 
-    def _hopeful(self, belief: Belief) -> bool:
+    def _hopeful(self, belief: Hypothesis) -> bool:
         """Whether refinement may add to its evidence what it lacks."""
-        return belief.surplus >= belief.index.significance(belief.posed) - POLISH
+        return belief.surplus >= self.models[belief.type].significance(belief) - POLISH
 
     def _rested(self, pool: list[Hypothesis]) -> bool:
         """Add to the pool what may stand where accepted objects do, where gravity holds and more were accepted since. True where something may."""
@@ -148,32 +142,32 @@ class Perception(Anytime):
         self.known, self.standing = {}, 0
         return True
 
-    def _judged(self, pool: Sequence[Hypothesis]) -> list[Belief]:
+    def _judged(self, pool: Sequence[Hypothesis]) -> list[Hypothesis]:
         """Each pose beside what is accepted: matched on free data, hidden features not expected; as before where nothing near was accepted."""
         free, judged = self.free(), []
         for posed in pool:
             self.deadline.check()
             known, accepted = self.known.get(id(posed), (None, 0))
-            stale = known is None or any(
-                not apart_on_screen(posed, b.posed, *self.reach) for b in self.accepted[accepted:]
-            )
+            stale = known is None or any(not apart_on_screen(posed, b, *self.reach) for b in self.accepted[accepted:])
             judged.append(self._judge(posed, free, rounds=0) if known is None or stale else known)
-        self.known = {id(belief.posed): (belief, len(self.accepted)) for belief in judged}
+        self.known = {id(belief): (belief, len(self.accepted)) for belief in judged}
         return judged
 
-    def _tilted(self, belief: Belief, left: Data) -> Belief:
+    def _tilted(self, belief: Hypothesis, left: Data) -> Hypothesis:
         """The best of a hypothesis and of itself at other tilts, where it was searched for with others: in one place it may fit in several ways."""
-        search = self._search_for(belief.posed)
+        search = self._search_for(belief)
         if search is None or not self._hopeful(belief):
             return belief
-        poses = search.tilted(belief.posed, left)
-        others = [belief.index.settle(pose, self.data, self.kb, free=self.free(), rounds=0) for pose in poses]
+        poses = search.tilted(belief, left)
+        others = [
+            self.models[belief.type].settle(pose, self.data, self.kb, free=self.free(), rounds=0) for pose in poses
+        ]
         return max([belief, *(self._judge(posed, self.free(), rounds=1) for posed in others)], key=lambda b: b.worth)
 
     def _compare(self, pool: list[Hypothesis]) -> None:
         """Tell what is left in the pool from rivals of Δi; what is told leaves the pool."""
         judged = self._judged(pool)
-        pool[:] = [belief.posed for belief in judged]
+        pool[:] = judged
         for belief in judged:
             self.deadline.check()
             self._set_aside(
@@ -186,58 +180,59 @@ class Perception(Anytime):
         for belief in (
             self.known[id(posed)][0] for posed in pool if id(posed) in self.known and not self._is_accepted(posed)
         ):
-            self.rejected.append(replace(belief, status="rejected", why="the deadline came first"))
+            self.rejected.append(belief.told(status="rejected", why="the deadline came first"))
 
-    def _set_aside(self, belief: Belief, reason: str) -> None:
+    def _set_aside(self, belief: Hypothesis, reason: str) -> None:
         """Keep as a rival what would be acceptable alone; reject the rest, which releases its data."""
         alone = self._alone(belief)
         if alone is not None:
             self.rivals.append(
-                replace(
-                    alone,
+                alone.told(
                     status="rival",
                     why=f"would be accepted in the place of what it conflicts with; beside that, {reason}",
                 )
             )
         else:
-            self.rejected.append(replace(belief, status="rejected", why=reason))
+            self.rejected.append(belief.told(status="rejected", why=reason))
             self.trace.add("reject", reason, of_type=name_of(belief), ev=belief.ev_reconsidered)
 
-    def _alone(self, belief: Belief) -> Belief | None:
+    def _alone(self, belief: Hypothesis) -> Hypothesis | None:
         """The hypothesis beside the other accepted ones, with the data of those that it would replace; None where it explains them worse by far."""
-        replaced = [b for b in self.accepted if excludes(belief.posed, b.posed)]
+        replaced = [b for b in self.accepted if excludes(belief, b)]
         if not replaced:
             return None
-        others = [b.posed for b in self.accepted if not any(b is other for other in replaced)]
-        found = self._among(belief, belief.posed.camera_from_object, others, rounds=1)
-        if self._is_accepted(found.posed):
+        others = [b for b in self.accepted if not any(b is other for other in replaced)]
+        found = self._among(belief, belief.camera_from_object, others, rounds=1)
+        if self._is_accepted(found):
             return None
-        posed, hidden = found.posed, hidden_among(found.posed, others)
+        posed, hidden = found, hidden_among(found, others)
         enough = int((posed.candidate & posed.detected & ~hidden).sum()) >= FEWEST
-        near = found.worth > sum(b.worth for b in replaced) - belief.index.significance(belief.posed)
+        near = found.worth > sum(b.worth for b in replaced) - self.models[belief.type].significance(belief)
         return found if enough and found.ev_reconsidered is not None and near else None
 
-    def _makes_way(self, rival: Belief) -> Belief:
+    def _makes_way(self, rival: Hypothesis) -> Hypothesis:
         """A rival, moved out of the accepted that it leaves where they are (A4), if it can be and there is time."""
         if self.unfinished:
             return rival
-        others = [b.posed for b in self.accepted if not excludes(rival.posed, b.posed)]
-        beside = [*others, rival.posed]
+        others = [b for b in self.accepted if not excludes(rival, b)]
+        beside = [*others, rival]
         poses, deep = moved_apart(beside, lambda k: self._told_of(beside[k]), still=len(others))
-        if deep or poses[-1] is rival.posed.camera_from_object:
+        if deep or poses[-1] is rival.camera_from_object:
             return rival
         self.trace.add(
             "move",
             "a little, so that it does not reach into an accepted object that it touches (A4)",
             of_type=name_of(rival),
         )
-        return replace(self._among(rival, poses[-1], others, rounds=0), status=rival.status, why=rival.why)
+        return self._among(rival, poses[-1], others, rounds=0).told(status=rival.status, why=rival.why)
 
-    def _among(self, belief: Belief, pose: NDArray[np.float64], others: Sequence[Hypothesis], rounds: int) -> Belief:
+    def _among(
+        self, belief: Hypothesis, pose: NDArray[np.float64], others: Sequence[Hypothesis], rounds: int
+    ) -> Hypothesis:
         """The hypothesis near another pose (4, 4), beside these alone, and on the data that they leave."""
         free = np.ones(len(self.data.ids), dtype=bool)
         for other in others:
             free[list(claims(other))] = False
-        hidden = hidden_among(belief.posed, others)
-        posed = belief.index.settle(pose, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
-        return self._believed(posed, belief.index, hidden_among(posed, others))
+        hidden = hidden_among(belief, others)
+        posed = self.models[belief.type].settle(pose, self.data, self.kb, free=free, hidden=hidden, rounds=rounds)
+        return self._believed(posed, hidden_among(posed, others))

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from geometry.bodies.overlap import Solid
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.belief import Belief
     from plogic.facts.hypothesis import Hypothesis
+    from plogic.match.judged.type_models import TypeModel
 
     Floats = NDArray[np.float64]
     Pair = tuple[str, str]
@@ -57,11 +57,15 @@ class _Placed(NamedTuple):
 
 
 def space_of_view(
-    beliefs: Mapping[str, Belief], overlaps: Iterable[tuple[str, str]], camera: Camera, kb: KnowledgeBase
+    beliefs: Mapping[str, Hypothesis],
+    overlaps: Iterable[tuple[str, str]],
+    camera: Camera,
+    kb: KnowledgeBase,
+    models: Mapping[str, TypeModel],
 ) -> Space:
     """Of Δh, its hypotheses by id; ``overlaps``: the pairs that A4 excludes from one world."""
-    placed = {name: _placed(name, belief.posed) for name, belief in beliefs.items()}
-    up, up_from = upward(beliefs.values(), camera, gravity=kb.gravity)
+    placed = {name: _placed(name, belief) for name, belief in beliefs.items()}
+    up, up_from = upward(beliefs.values(), camera, models, gravity=kb.gravity)
     apart = {frozenset(pair) for pair in overlaps}
     pairs = [
         (x, y) for x, y in combinations(list(placed.values())[:MOST], 2) if frozenset((x.name, y.name)) not in apart
@@ -79,14 +83,16 @@ def space_of_view(
     )
 
 
-def upward(beliefs: Iterable[Belief], camera: Camera, *, gravity: bool) -> tuple[Floats | None, str]:
+def upward(
+    beliefs: Iterable[Hypothesis], camera: Camera, models: Mapping[str, TypeModel], *, gravity: bool
+) -> tuple[Floats | None, str]:
     """The unit vector (3,), camera frame, against gravity, and what says so; None and '' where nothing does."""
     if camera.world_from_camera is not None:
         return np.asarray(camera.world_from_camera[2, :3]), "T_world_camera"
-    if not gravity:
+    if not gravity or not models:
         return None, ""
     accepted = [belief for belief in beliefs if belief.status == "accepted"]
-    support = support_of([(b.index, b.posed.camera_from_object) for b in accepted])
+    support = support_of([(models[b.type], b.camera_from_object) for b in accepted])
     return (None, "") if support is None else (support.plane.up, "support plane")
 
 

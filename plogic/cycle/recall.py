@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.attention import Attention
-    from plogic.cycle.belief import Belief, Cycle
+    from plogic.cycle.belief import Cycle
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.match.judged.type_models import TypeModel
 
 RARE = 0.001
@@ -59,22 +60,22 @@ class Recall(Perception):
         self.searches = []
         return self._with(refused, replace(self.run(()), attention=tuple(attention)))
 
-    def _recalled(self, seed: Seed) -> Belief | None:
+    def _recalled(self, seed: Seed) -> Hypothesis | None:
         """Accept a seed that holds here; give it back where it does not."""
         posed = seed.of.settle(seed.camera_from_object, self.data, self.kb, free=self.free(), rounds=0)
         belief = self._judge(posed, self.free(), rounds=2)
         refusal = self._refusal(belief)
         if refusal is not None:
-            return replace(belief, why=refusal)
+            return belief.told(why=refusal)
         self.trace.add("recall", "stands where it is remembered", of_type=name_of(belief), ev=belief.ev_reconsidered)
         self._accept(belief)
         return None
 
-    def _with(self, refused: Sequence[Belief], cycle: Cycle) -> Cycle:
+    def _with(self, refused: Sequence[Hypothesis], cycle: Cycle) -> Cycle:
         """The cycle's outcome, and the seeds that did not hold, as rivals where each would alone."""
         rivals, rejected = len(self.rivals), len(self.rejected)
         for belief in refused:
-            if not self._is_accepted(belief.posed):
+            if not self._is_accepted(belief):
                 self._set_aside(belief, f"remembered here, but: {belief.why}")
         more = tuple(map(self._makes_way, self.rivals[rivals:]))
         return replace(

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.cycle.belief import Belief
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import Given, Request, TypeModel
@@ -107,13 +106,13 @@ def _spread(some: Sequence[_Stand]) -> float:
 
 
 def supported(
-    accepted: Sequence[Belief], models: Models, left: Data, given: Given, request: Request
+    accepted: Sequence[Hypothesis], models: Models, left: Data, given: Given, request: Request
 ) -> tuple[list[Hypothesis], str | None]:
     """The hypotheses that the free data suggest on the plane that accepted objects stand on, and that in words; nothing, and None, without a plane.
 
     Only types are looked for of which none is accepted.
     """
-    support = support_of([(belief.index, belief.posed.camera_from_object) for belief in accepted])
+    support = support_of([(models[belief.type], belief.camera_from_object) for belief in accepted])
     if support is None:
         return [], None
     found: list[Hypothesis] = []
@@ -123,7 +122,7 @@ def supported(
             for some in searches:
                 found += [posed for _, posed in some]
                 request.check()
-    who = ", ".join(accepted[i].posed.object_type.name for i in support.by)
+    who = ", ".join(accepted[i].object_type.name for i in support.by)
     return (
         found,
         f"{who} stand on one plane, {support.plane.offset:.2f} m below the camera: {len(found)} poses that stand there are tried",

@@ -13,6 +13,7 @@ and its verdict (§5.4, §7), and Δh its id, its group and its features as fact
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -152,6 +153,17 @@ class Hypothesis:
             raise LookupError(f"hypothesis {self.id}: a document does not hold the whole type {self.type}")
         return self.known_type
 
+    def told(self, **said: object) -> Hypothesis:
+        """The same hypothesis with another id, verdict or facts: nothing that its arrays give changes."""
+        result = copy(self)
+        for name, value in said.items():
+            object.__setattr__(result, name, value)
+        return result
+
+    def verdict(self) -> dict[str, object]:
+        """What was judged of it: another hypothesis can be ``told`` the same."""
+        return {name: getattr(self, name) for name in VERDICT}
+
     def expects(self, feature: FeatureFact) -> bool:
         """Return whether the feature is Expected where no other object of the world hides it (D7)."""
         return expected(feature, self.opaque)
@@ -215,3 +227,5 @@ class Hypothesis:
 
 ARRAYS = tuple(row.name for row in fields(Hypothesis) if "NDArray" in str(row.type))
 """The fields that are arrays."""
+VERDICT = "worth", "surplus", "ev", "ev_reconsidered", "status", "why"
+"""The fields that say what was judged."""

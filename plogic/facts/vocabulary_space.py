@@ -1,4 +1,4 @@
-"""The vocabulary of space: each predicate with its definition, over the facts that ``plogic.scene.text.space_facts`` writes.
+"""The vocabulary of space: each predicate with its definition, over the facts that ``plogic.scene.text.fact_layers`` writes.
 
 They speak of bodies, not of origins of meshes: docs/space.md has the definitions, the frames and the tolerances.
 """

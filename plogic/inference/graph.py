@@ -118,6 +118,14 @@ def _pieces(cards: Sequence[int], joined: dict[tuple[int, ...], NDArray[np.float
     return [Part(tuple(piece), tuple([cards[v] for v in piece]), tuple(tables[r])) for r, piece in members.items()]
 
 
+def connected(graph: FactorGraph) -> list[tuple[int, ...]]:
+    """The variables of each connected piece, increasing, those of card 1 too; the pieces by their least variable."""
+    found: dict[int, list[int]] = {}
+    for v, root in enumerate(_roots(len(graph.cards), (factor.scope for factor in graph.factors))):
+        found.setdefault(root, []).append(v)
+    return [tuple(piece) for piece in found.values()]
+
+
 def _roots(count: int, scopes: Iterable[tuple[int, ...]]) -> list[int]:
     """Per variable, the least variable of its connected piece."""
     root = list(range(count))

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.belief import Belief
     from plogic.cycle.delta import Delta
     from plogic.facts.document import (
         ApartKey,
@@ -55,6 +54,7 @@ if TYPE_CHECKING:
         Verdict,
         WorldRow,
     )
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.situation import PairFact, Situation
     from plogic.scene.worlds.ranked_worlds import Ranking
     from sensing.appearance import Gamma
@@ -68,7 +68,7 @@ def document_of(
     kb: KnowledgeBase,
     gamma: Gamma,
     delta: Delta,
-    rejected: Sequence[Belief],
+    rejected: Sequence[Hypothesis],
     trace: list[StepRow],
     ranking: Ranking,
     image: NDArray[np.uint8] | None,
@@ -79,7 +79,7 @@ def document_of(
     situation = delta.situation
     counts = instance_counts(kb.types)
     dv = distinctiveness(counts)
-    kinds = {b.posed.object_type.name: b.posed.object_type for b in delta.beliefs.values()}
+    kinds = {b.object_type.name: b.object_type for b in delta.beliefs.values()}
     return {
         "format": FORMAT,
         "reading": situation.reading,
@@ -155,7 +155,7 @@ def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, f
     return [
         {
             **hypothesis_document(facts[name], _cases(belief, _beside(name, delta))),
-            "label": belief.posed.object_type.name,
+            "label": belief.object_type.name,
             "status": cast("Status", belief.status),
             **_verdict(belief, gamma, dv),
             "ev_reconsidered": _reconsidered(name, delta),
@@ -180,7 +180,7 @@ def _reconsidered(name: str, delta: Delta) -> float | None:
     return None if np.isnan(share) else 2.0 * share - 1.0
 
 
-def _beside(name: str, delta: Delta) -> list[Belief]:
+def _beside(name: str, delta: Delta) -> list[Hypothesis]:
     """The accepted opaque objects that may hide features of a hypothesis: its rivals hide nothing (D7)."""
     rivals = {frozenset(pair) for pair in delta.situation.rivals}
     return [
@@ -188,21 +188,21 @@ def _beside(name: str, delta: Delta) -> list[Belief]:
         for key, other in delta.beliefs.items()
         if key != name
         and other.status == "accepted"
-        and other.posed.object_type.opaque
+        and other.object_type.opaque
         and frozenset((name, key)) not in rivals
     ]
 
 
-def _hidden(belief: Belief, beside: Sequence[Belief]) -> NDArray[np.bool_]:
-    mask = np.zeros(len(belief.posed.uv), dtype=bool)
+def _hidden(belief: Hypothesis, beside: Sequence[Hypothesis]) -> NDArray[np.bool_]:
+    mask = np.zeros(len(belief.uv), dtype=bool)
     for other in beside:
-        mask |= hidden_by(belief.posed, other.posed)
+        mask |= hidden_by(belief, other)
     return mask
 
 
-def _cases(belief: Belief, beside: Sequence[Belief]) -> dict[str, tuple[bool, bool, Case | None]]:
+def _cases(belief: Hypothesis, beside: Sequence[Hypothesis]) -> dict[str, tuple[bool, bool, Case | None]]:
     """(expected, detected, case) of each feature that is told, beside Δi; outside the image, no case."""
-    posed = belief.posed
+    posed = belief
     expected = posed.expected(_hidden(belief, beside))
     some = told(posed)
     rows = zip(some, *(mask[some].tolist() for mask in (expected, posed.detected, posed.in_image)), strict=True)
@@ -212,9 +212,9 @@ def _cases(belief: Belief, beside: Sequence[Belief]) -> dict[str, tuple[bool, bo
     return cases | {OTHERS: (False, False, "B")}
 
 
-def _verdict(belief: Belief, gamma: Gamma, dv: Mapping[str, float]) -> Verdict:
+def _verdict(belief: Hypothesis, gamma: Gamma, dv: Mapping[str, float]) -> Verdict:
     """What the cycle decided of one hypothesis, with its measures and outline."""
-    posed, ev = belief.posed, belief.ev
+    posed, ev = belief, belief.ev
     missing = left_out(posed)
     verdict: Verdict = {
         "why": belief.why,
@@ -230,20 +230,20 @@ def _verdict(belief: Belief, gamma: Gamma, dv: Mapping[str, float]) -> Verdict:
     return verdict
 
 
-def _rejected(rejected: Sequence[Belief], gamma: Gamma, dv: Mapping[str, float]) -> list[RejectedRow]:
+def _rejected(rejected: Sequence[Hypothesis], gamma: Gamma, dv: Mapping[str, float]) -> list[RejectedRow]:
     best = sorted(rejected, key=lambda b: -b.worth)[:LISTED_REJECTED]
     ids = [a.id for a in gamma.appearances]
     return [
         {
             "id": f"r{i}",
-            "type": b.posed.object_type.name,
-            "T_camera_object": b.posed.camera_from_object.tolist(),
-            "opaque": b.posed.object_type.opaque,
+            "type": b.object_type.name,
+            "T_camera_object": b.camera_from_object.tolist(),
+            "opaque": b.object_type.opaque,
             "group": None,
             "probability": 0.0,
             "parts": [],
-            "features": looked_at(b.posed, ids, dv),
-            "label": b.posed.object_type.name,
+            "features": looked_at(b, ids, dv),
+            "label": b.object_type.name,
             "status": "rejected",
             **_verdict(b, gamma, dv),
         }

@@ -28,9 +28,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.belief import Belief, Cycle
+    from plogic.cycle.belief import Cycle
     from plogic.cycle.recall import Seed
     from plogic.facts.document import Interpretation, StepRow
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.stopped import Stopped
     from plogic.match.gamma.data import Data
     from sensing.appearance import Gamma
@@ -107,7 +108,7 @@ class Perceiver:
             )
         return marked(document, ranking, stopped) if stopped else document
 
-    def accepted(self, gamma: Gamma) -> list[tuple[Belief, float]]:
+    def accepted(self, gamma: Gamma) -> list[tuple[Hypothesis, float]]:
         """What is accepted of one Γ, with its probability: what the interpretation document says of it, where nobody reads the rest."""
         data, cycle = self.cycle(gamma, Options(), Stopwatch())
         delta = delta_of(cycle, data, self.kb, self.dv, Options(), related=False)
@@ -118,15 +119,15 @@ class Perceiver:
 
     def delta(
         self, gamma: Gamma, options: Options, clock: Stopwatch
-    ) -> tuple[Delta, tuple[Belief, ...], list[StepRow]]:
+    ) -> tuple[Delta, tuple[Hypothesis, ...], list[StepRow]]:
         """Δh with its facts, what was rejected, and the trace."""
         return self._facts(*self.cycle(gamma, options, clock), options, clock)
 
     def _facts(
         self, data: Data, cycle: Cycle, options: Options, clock: Stopwatch
-    ) -> tuple[Delta, tuple[Belief, ...], list[StepRow]]:
+    ) -> tuple[Delta, tuple[Hypothesis, ...], list[StepRow]]:
         with clock.stage("facts"):
-            delta = delta_of(cycle, data, self.kb, self.dv, options)
+            delta = delta_of(cycle, data, self.kb, self.dv, options, models=self.models)
         return delta, cycle.rejected, cycle.trace.document()
 
     def cycle(

@@ -81,7 +81,7 @@ def test_the_nearest_of_the_right_type_and_about_the_pose_is_true_and_no_other(w
 def test_hypotheses_passed_the_gate_and_are_merged(world, perceiver):
     gamma = scene(world, 5).gamma
     delta = gated(perceiver, data_of(gamma.appearances, gamma.camera))
-    posed = [b.posed for b in delta.beliefs.values()]
+    posed = list(delta.beliefs.values())
     assert len(posed) > 1
     assert all((p.candidate & p.detected).sum() >= FEWEST for p in posed)
     assert not any(same_hypothesis(one, other) for one, other in combinations(posed, 2))

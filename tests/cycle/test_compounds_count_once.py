@@ -188,7 +188,7 @@ def test_telling_what_is_left_out_changes_no_probability(perceiver, gamma, monke
 
 
 def test_a_rejected_hypothesis_tells_its_parts_too(perceiver, gamma):
-    posed = perceiver.delta(gamma, Options(), Stopwatch())[0].beliefs["h1"].posed
+    posed = perceiver.delta(gamma, Options(), Stopwatch())[0].beliefs["h1"]
     rows = looked_at(posed, [a.id for a in gamma.appearances], perceiver.dv)
     assert len(rows) == len(told(posed)) + 1
     assert sum(row.get("stands_for", 1) == 0 for row in rows) == sum(not posed.stands[f] for f in told(posed)) > 5

@@ -13,9 +13,9 @@ def told(cycle):
     return [
         [
             (
-                b.posed.object_type.name,
-                b.posed.camera_from_object.tobytes(),
-                b.posed.matches.tolist(),
+                b.object_type.name,
+                b.camera_from_object.tobytes(),
+                b.matches.tolist(),
                 b.worth,
                 b.ev,
                 b.why,

@@ -53,7 +53,7 @@ def test_features_say_what_geometry_says(rich):
     ids = data(shot).ids
     assert delta.situation.hypotheses
     for h in delta.situation.hypotheses:
-        posed = delta.beliefs[h.id].posed
+        posed = delta.beliefs[h.id]
         assert len(h.features) == len(posed.uv)
         for f, fact in enumerate(h.features):
             assert fact.in_image == posed.in_image[f]
@@ -70,7 +70,7 @@ def test_hidden_by_names_exactly_those_before_the_feature(rich):
     for h in delta.situation.hypotheses:
         for other, belief in delta.beliefs.items():
             if other != h.id:
-                mask = hidden_by(delta.beliefs[h.id].posed, belief.posed)
+                mask = hidden_by(delta.beliefs[h.id], belief)
                 assert [other in f.hidden_by for f in h.features] == mask.tolist()
                 told += mask.sum()
         assert all(h.id not in f.hidden_by for f in h.features)
@@ -81,9 +81,9 @@ def test_overlaps_exclusions_and_rivals_are_nested(rich):
     _, delta = rich
     situation = delta.situation
     pairs = list(combinations(delta.beliefs, 2))
-    assert situation.overlaps == {p for p in pairs if overlap(delta.beliefs[p[0]].posed, delta.beliefs[p[1]].posed)}
+    assert situation.overlaps == {p for p in pairs if overlap(delta.beliefs[p[0]], delta.beliefs[p[1]])}
     assert situation.overlaps <= situation.exclusive <= situation.rivals <= set(pairs)
-    shares = {p: shared_claims(delta.beliefs[p[0]].posed, delta.beliefs[p[1]].posed)[1] for p in pairs}
+    shares = {p: shared_claims(delta.beliefs[p[0]], delta.beliefs[p[1]])[1] for p in pairs}
     assert situation.exclusive == situation.overlaps | {p for p in pairs if shares[p] > SHARED_CLAIMS}
     assert situation.rivals == situation.exclusive | {p for p in pairs if shares[p] > 0}
     assert len(situation.overlaps) == 3, "the three hypotheses in t2's place"
@@ -92,7 +92,7 @@ def test_overlaps_exclusions_and_rivals_are_nested(rich):
 def test_groups_are_rivals_of_one_type_for_one_instance(rich):
     _, delta = rich
     group = {h.id: h.group for h in delta.situation.hypotheses}
-    place = {name: (b.posed.object_type.name, name in ("h3", "h4")) for name, b in delta.beliefs.items()}
+    place = {name: (b.object_type.name, name in ("h3", "h4")) for name, b in delta.beliefs.items()}
     true_t2 = next(name for name, (kind, rival) in place.items() if kind == "t2" and not rival)
     assert group[true_t2] == group["h4"]
     assert len(set(group.values())) == 3
@@ -104,12 +104,8 @@ def test_every_pair_that_can_be_together_has_one_relation(rich):
     for pair in combinations(delta.beliefs, 2):
         facts = [r for r in situation.relations if {r.x, r.y} == set(pair)]
         assert len({r.relation for r in facts}) == (0 if pair in situation.exclusive else 1)
-    front = next(
-        name for name, b in delta.beliefs.items() if b.posed.object_type.name == "t1" and b.status == "accepted"
-    )
-    back = next(
-        name for name, b in delta.beliefs.items() if b.posed.object_type.name == "t2" and b.status == "accepted"
-    )
+    front = next(name for name, b in delta.beliefs.items() if b.object_type.name == "t1" and b.status == "accepted")
+    back = next(name for name, b in delta.beliefs.items() if b.object_type.name == "t2" and b.status == "accepted")
     assert ("partially_occludes", front, back) in {(r.relation, r.x, r.y) for r in situation.relations}
 
 
@@ -152,7 +148,7 @@ def test_the_true_pair_is_the_best_world_among_rivals(reading, rich):
     shot, delta = rich
     ranking = ranked_worlds(replace(delta.situation, reading=reading))
     assert set(ranking.worlds[0].present) == {"h1", "h2"}
-    assert shot.poses.keys() == {delta.beliefs[h].posed.object_type.name for h in ranking.worlds[0].present}
+    assert shot.poses.keys() == {delta.beliefs[h].object_type.name for h in ranking.worlds[0].present}
 
 
 def test_an_empty_delta_is_the_empty_situation():

@@ -13,7 +13,7 @@ from made_meshes import CORNERS, box_triangles
 
 from geometry.frames import from_rotation_translation, transform_points
 from kb.surfaces.surface import Surface
-from plogic.cycle.belief import Belief, Cycle
+from plogic.cycle.belief import Cycle
 from plogic.cycle.delta import Options, delta_of
 from plogic.cycle.perception import Perception
 from plogic.cycle.trace import Trace
@@ -36,20 +36,13 @@ def behind_a_plate(hidden, status="accepted", *, opaque=True, away=0.4):
     kb = replace(mine.kb, types=(mine.kind, plate))
     of = gamma_at(mine.cloud, np.flatnonzero(at[:, 0] / at[:, 2] * away > edge), pose)
     place = from_rotation_translation(np.eye(3), [edge - 2.0, -1.0, away])
-    beside = Belief(
-        replace(wall.index.settle(place, of, kb, rounds=0), known_type=plate, opaque=plate.opaque),
-        wall.index,
-        1.0,
-        1.0,
-        0.5,
-        0.5,
-        status,
+    verdict = {"worth": 1.0, "surplus": 1.0, "ev": 0.5, "ev_reconsidered": 0.5}
+    beside = replace(
+        wall.index.settle(place, of, kb, rounds=0), known_type=plate, opaque=plate.opaque, status=status, **verdict
     )
     dv = dict.fromkeys(kb.words.names, 0.5)
     perception = Perception(of, kb, Models({"learned": LearnedModels({"thing": mine.index, "plate": wall.index})}), dv)
-    perception.accepted = [
-        Belief(mine.index.settle(pose, of, kb, rounds=0), mine.index, 1.0, 1.0, 0.5, 0.5, "accepted")
-    ]
+    perception.accepted = [mine.index.settle(pose, of, kb, rounds=0).told(status="accepted", **verdict)]
     perception.accepted += [beside] if status == "accepted" else []
     belief = perception._again(perception.accepted[0])
     return perception, belief, delta_of(Cycle((belief, beside), (), (), (), Trace()), of, kb, dv, Options())
@@ -57,7 +50,7 @@ def behind_a_plate(hidden, status="accepted", *, opaque=True, away=0.4):
 
 def rates_of(belief, perception, mask=None):
     """(F,) the hit rates of the thing, each as much as it is counted, where ``mask`` (F,) is hidden."""
-    return as_counted(belief.posed, perception.data, perception.kb, mask)[0]
+    return as_counted(belief, perception.data, perception.kb, mask)[0]
 
 
 def told_rates(delta):
@@ -73,14 +66,14 @@ def told_rates(delta):
 @given(st.integers(0, 30))
 def test_what_is_half_hidden_is_as_clear_to_the_program_as_to_the_cycle(hidden):
     perception, belief, delta = behind_a_plate(hidden)
-    mask = perception._hidden(belief.posed, perception.accepted[0])
+    mask = perception._hidden(belief, perception.accepted[0])
     assert hidden <= mask.sum() <= hidden + 1  # the plate is 1 mm thick: one may stand in the shadow of its side
     rates = told_rates(delta)
     told = ~np.isnan(rates)
     assert told.sum() >= 30 - mask.sum()
     np.testing.assert_array_equal(rates[told], rates_of(belief, perception, mask)[told])
-    whole = np.clip(belief.posed.hit * clarity(belief.posed, mask), LEAST_HIT, MOST_HIT)
-    np.testing.assert_array_equal(rates[told], (1.0 - (1.0 - whole) ** belief.posed.counted)[told])
+    whole = np.clip(belief.hit * clarity(belief, mask), LEAST_HIT, MOST_HIT)
+    np.testing.assert_array_equal(rates[told], (1.0 - (1.0 - whole) ** belief.counted)[told])
 
 
 @pytest.mark.parametrize(
@@ -90,8 +83,8 @@ def test_what_is_half_hidden_is_as_clear_to_the_program_as_to_the_cycle(hidden):
 )
 def test_only_accepted_opaque_objects_take_features_out_of_clarity(changed, hides):
     perception, belief, delta = behind_a_plate(20, **changed)
-    mask = behind_a_plate(20)[0]._hidden(belief.posed)
-    assert clarity(belief.posed, mask) > 1.5 * clarity(belief.posed)
+    mask = behind_a_plate(20)[0]._hidden(belief)
+    assert clarity(belief, mask) > 1.5 * clarity(belief)
     rates = told_rates(delta)
     told = ~np.isnan(rates)
     assert told.any()
@@ -103,7 +96,7 @@ def test_what_cannot_be_there_together_takes_nothing_out_of_clarity():
     perception, belief, _ = behind_a_plate(20)
     plate = perception.accepted[1]
     body = Surface((CORNERS - 0.5) * (0.5, 0.5, 1.6), box_triangles())
-    within = replace(belief, posed=replace(belief.posed, known_type=replace(belief.posed.object_type, surface=body)))
+    within = replace(belief, known_type=replace(belief.object_type, surface=body))
     delta = delta_of(
         Cycle((plate,), (replace(within, status="rival"),), (), (), Trace()),
         perception.data,

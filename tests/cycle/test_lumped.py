@@ -101,7 +101,7 @@ def test_what_no_question_needs_is_not_carried(document, gamma):
 
 def test_a_rejected_hypothesis_can_be_looked_at(perceiver, gamma):
     delta, _, _ = perceiver.delta(gamma, Options(), Stopwatch())
-    posed = delta.beliefs["h1"].posed
+    posed = delta.beliefs["h1"]
     rows = looked_at(posed, [a.id for a in gamma.appearances], perceiver.dv)
     assert [row["stands_for"] for row in rows if row["id"] == OTHERS] == [
         sum(left_out(posed).values()) - left_out(posed)["outside_image"]

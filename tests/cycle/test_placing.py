@@ -36,9 +36,7 @@ def seen(surface, at, camera_from_world):
     pose[:3, 3] = transform_points(camera_from_world, np.array([at], float))[0]
     kind = SimpleNamespace(surface=surface, name="brick", opaque=True)
     middle = pose[:3, 3] if surface is None else transform_points(pose, surface.centre[None])[0]
-    return SimpleNamespace(
-        posed=SimpleNamespace(object_type=kind, camera_from_object=pose, middle=middle), status="accepted", index=None
-    )
+    return SimpleNamespace(object_type=kind, type=kind.name, camera_from_object=pose, middle=middle, status="accepted")
 
 
 def camera(eye=(0.2, -2.5, 1.6), up=(0.0, 0.0, 1.0), *, knows=True):
@@ -56,7 +54,9 @@ STACK = {
 
 def space_of(view, things=STACK, overlaps=(), kb=GRAVITY):
     some, camera_from_world = view
-    return space_of_view({name: seen(*thing, camera_from_world) for name, thing in things.items()}, overlaps, some, kb)
+    return space_of_view(
+        {name: seen(*thing, camera_from_world) for name, thing in things.items()}, overlaps, some, kb, {}
+    )
 
 
 @pytest.mark.parametrize("up", [(0, 0, 1), (1, 0.3, 0.2), (0, 0.1, -1)])
@@ -74,7 +74,7 @@ def test_a_camera_that_is_turned_keeps_above_and_on(eye, up):
 def test_without_a_known_up_nothing_is_above_anything():
     space = space_of(camera(knows=False))
     assert (space.up, space.up_from, space.above, space.on) == (None, "", (), ())
-    assert upward([], CAMERA, gravity=False) == (None, "")
+    assert upward([], CAMERA, {}, gravity=False) == (None, "")
     assert len(space.gaps) == 6
 
 

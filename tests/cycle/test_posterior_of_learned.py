@@ -14,7 +14,7 @@ from made_meshes import CORNERS, box_triangles
 
 from geometry.frames import from_rotation_translation, transform_points
 from kb.surfaces.surface import Surface
-from plogic.cycle.belief import Belief, Cycle
+from plogic.cycle.belief import Cycle
 from plogic.cycle.delta import Options, delta_of
 from plogic.cycle.trace import Trace
 from plogic.logic.safety.author import load_problog
@@ -43,7 +43,7 @@ def stand(seed, wide, found):
 
 def believed(posed, thing, of):
     told = evidence(posed, of, thing.kb)
-    return Belief(posed, thing.index, told.ratio, told.surplus, 0.5, 0.5, "accepted")
+    return posed.told(worth=told.ratio, surplus=told.surplus, ev=0.5, ev_reconsidered=0.5, status="accepted")
 
 
 def situation_of(beliefs, of, kb):
@@ -74,9 +74,9 @@ def log_odds(p):
 def test_log_odds_are_prior_plus_what_a_fitted_pose_says(seed, wide, found, prior):
     thing, belief, of = stand(seed, wide, found)
     kb = replace(thing.kb, rates=replace(thing.kb.rates, prior={"thing": prior}))
-    ratio = said(belief.posed, of, kb)
+    ratio = said(belief, of, kb)
     assume(abs(ratio + log_odds(prior)) < SURE)
-    assert belief.posed.counted.min() < 0.5, "features crowd, so that shares make a difference"
+    assert belief.counted.min() < 0.5, "features crowd, so that shares make a difference"
     p = ranked_worlds(situation_of([belief], of, kb)).marginals["h1"]
     assert log_odds(p) == pytest.approx(log_odds(prior) + ratio, abs=1e-3)
 
@@ -89,7 +89,7 @@ def test_a_stock_problog_says_the_same_of_the_text(seed, wide, found):
 
     thing, belief, of = stand(seed, wide, found)
     situation = situation_of([belief], of, thing.kb)
-    ratio = said(belief.posed, of, thing.kb)
+    ratio = said(belief, of, thing.kb)
     assert abs(ratio) < SURE
     text = program_text(situation) + query_lines(situation)
     (p,) = get_evaluatable("ddnnf").create_from(PrologString(text)).evaluate().values()
@@ -101,7 +101,7 @@ def test_behind_an_accepted_plate_they_are_those_of_what_is_to_be_seen():
     """Given that the plate is there: hidden features neither count, nor make the image unclear."""
     seed = 5
     thing, belief, of = stand(seed, 0.05, 12)
-    at = transform_points(belief.posed.camera_from_object, thing.cloud.at)
+    at = transform_points(belief.camera_from_object, thing.cloud.at)
     edge = float(np.median(0.3 * at[:, 0] / at[:, 2]))
     wall = ready(one_sided(2, 12), Surface(CORNERS * (2.0, 2.0, 0.001), box_triangles()), name="plate")
     kb = replace(thing.kb, types=(thing.kind, wall.kind))
@@ -111,10 +111,10 @@ def test_behind_an_accepted_plate_they_are_those_of_what_is_to_be_seen():
         kb,
         rounds=0,
     )
-    hidden = hidden_by(belief.posed, plate)
-    left = ~np.isin(np.arange(12), belief.posed.matches[hidden])
+    hidden = hidden_by(belief, plate)
+    left = ~np.isin(np.arange(12), belief.matches[hidden])
     of = of.only(left)
-    posed = thing.index.settle(belief.posed.camera_from_object, of, kb, rounds=0)
+    posed = thing.index.settle(belief.camera_from_object, of, kb, rounds=0)
     assert 5 < hidden.sum() < FEATURES - 5
     assert not (hidden & posed.detected).any()
     situation = situation_of([believed(posed, thing, of), believed(plate, wall, of)], of, kb)

@@ -18,10 +18,10 @@ def shown():
     rng = np.random.default_rng(7411)
     shot = scene(rng, one_before_the_other(rng))
     of = data(shot)
-    posed = {name: belief_at(name, pose, of).posed for name, pose in shot.poses.items()}
+    posed = {name: belief_at(name, pose, of) for name, pose in shot.poses.items()}
     far = shot.poses["t1"].copy()
     far[2, 3] += 1.5
-    return posed | {"far": belief_at("t1", far, of).posed}, list(combinations([*posed, "far"], 2)), shot.gamma.camera
+    return posed | {"far": belief_at("t1", far, of)}, list(combinations([*posed, "far"], 2)), shot.gamma.camera
 
 
 def told(facts):

@@ -17,12 +17,10 @@ from kb.clouds.lobes import in_lobe
 from kb.files.folder import shipped
 from kb.files.read import read_kb
 from plogic.cycle.attention import attend
-from plogic.cycle.belief import Belief
 from plogic.cycle.perception import Perception
 from plogic.match.gamma.data import data_of
 from plogic.match.hand.generate import settle
-from plogic.match.judged.evidence import evidence
-from plogic.measures.explanatory import explanatory_value
+from plogic.match.judged.evidence import judged
 from plogic.run.perceive import Perceiver
 from sensing.appearance import Appearance, Gamma
 
@@ -179,5 +177,4 @@ def posed_at(name, pose, of):
 
 def belief_at(name, pose, of, status="accepted"):
     posed = posed_at(name, pose, of)
-    found, ev = evidence(posed, of, towers()), explanatory_value(posed.support(), perceiver().dv)
-    return Belief(posed, perceiver().models[name], found.ratio, found.surplus, ev, ev, status)
+    return judged(posed, of, towers(), perceiver().dv).told(status=status)

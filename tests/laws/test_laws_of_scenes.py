@@ -268,14 +268,16 @@ def test_what_is_rejected_releases_its_data(subject):
     perceiving, gamma = SUBJECTS[subject]()
     beliefs, _ = judged(subject)
     data = data_of(gamma.appearances, gamma.camera, perceiving.width)
-    taken = [set(claims(belief.posed)) for belief in beliefs]
+    taken = [set(claims(belief)) for belief in beliefs]
     everybodys = set().union(*taken)
     assert len(everybodys) == sum(len(some) for some in taken), "an appearance has one cause"
     for belief, mine in zip(beliefs, taken, strict=True):
-        free, posed = np.ones(len(data.ids), bool), belief.posed
+        free, posed = np.ones(len(data.ids), bool), belief
         free[list(everybodys - mine)] = False
-        hidden = np.any([hidden_by(posed, other.posed) for other in beliefs if other is not belief], axis=0)
-        alone = belief.index.settle(posed.camera_from_object, data, perceiving.kb, free=free, hidden=hidden, rounds=0)
+        hidden = np.any([hidden_by(posed, other) for other in beliefs if other is not belief], axis=0)
+        alone = perceiving.models[belief.type].settle(
+            posed.camera_from_object, data, perceiving.kb, free=free, hidden=hidden, rounds=0
+        )
         assert np.array_equal(alone.matches, posed.matches)
 
 
@@ -284,8 +286,11 @@ def test_what_rejected_ones_would_explain_is_explained_by_accepted_ones():
     perceiving, gamma = SUBJECTS["towers"]()
     beliefs, rejected = judged("towers")
     data = data_of(gamma.appearances, gamma.camera, perceiving.width)
-    tried = [belief.index.settle(belief.posed.camera_from_object, data, perceiving.kb, rounds=0) for belief in rejected]
-    claimed = set().union(*(claims(belief.posed) for belief in beliefs))
+    tried = [
+        perceiving.models[belief.type].settle(belief.camera_from_object, data, perceiving.kb, rounds=0)
+        for belief in rejected
+    ]
+    claimed = set().union(*(claims(belief) for belief in beliefs))
     assert len(tried) > 3
     assert sum(bool(set(claims(posed)) & claimed) for posed in tried) > 3
 

@@ -32,8 +32,8 @@ def test_the_data_of_one_that_had_to_go_are_searched_again(monkeypatch, seed):
     monkeypatch.setattr(hand_models, "generate", looked_at)
     monkeypatch.setattr(anytime, "moved_apart", never_apart)
     found = cycle_of(gamma)
-    assert [same_hypothesis(belief.posed, stronger.posed) for belief in found.accepted] == [True]
-    released = {gamma.appearances[i].id for i in claims(weaker.posed)}
+    assert [same_hypothesis(belief, stronger) for belief in found.accepted] == [True]
+    released = {gamma.appearances[i].id for i in claims(weaker)}
     free = [released <= some for some in searched]
     assert free[0]
     assert not all(free), "claimed for a while"

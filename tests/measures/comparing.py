@@ -59,9 +59,9 @@ def rows_of(poses, shot):
     """The three numbers of each of several rival hypotheses about one scene."""
     of = data(shot)
     beliefs = beliefs_of(poses, of)
-    shanahan = shanahan_values({label: abducibles(b.posed, of) for label, b in beliefs.items()})
+    shanahan = shanahan_values({label: abducibles(b, of) for label, b in beliefs.items()})
     marginals = ranked_worlds(situation_with(beliefs.values(), of, shot)).marginals
     return [
-        Row(label, explanatory_value(b.posed.support(), perceiver().dv), shanahan[label], p)
+        Row(label, explanatory_value(b.support(), perceiver().dv), shanahan[label], p)
         for (label, b), p in zip(beliefs.items(), marginals.values(), strict=True)
     ]

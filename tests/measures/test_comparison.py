@@ -148,7 +148,7 @@ def test_duplicating_every_feature_multiplies_shanahans_log_odds(seed, times):
     poses |= {"far": ("t1", turned(poses["one"][1], 0.0, (0.03, 0.0, 0.0)))}
     of = data(shot)
     beliefs = beliefs_of(poses, of)
-    priors = {label: abducibles(b.posed, of) for label, b in beliefs.items()}
+    priors = {label: abducibles(b, of) for label, b in beliefs.items()}
     once, more = shanahan_values(priors), shanahan_values({label: p * times for label, p in priors.items()})
     assert once["one"] != once["far"]
     for label in ("two", "far"):
@@ -166,9 +166,9 @@ def evs(shot):
     beliefs = {name: belief_at(name, pose, of) for name, pose in shot.poses.items()}
     alone, beside = {}, {}
     for name, other in (("t1", "t2"), ("t2", "t1")):
-        posed = beliefs[name].posed
+        posed = beliefs[name]
         alone[name] = explanatory_value(posed.support(), run.dv)
-        beside[name] = explanatory_value(posed.support(hidden_by(posed, beliefs[other].posed)), run.dv)
+        beside[name] = explanatory_value(posed.support(hidden_by(posed, beliefs[other])), run.dv)
     return alone, beside, beliefs
 
 
@@ -183,7 +183,7 @@ def test_non_occlusion_changes_neither_ev(seed):
 def test_partial_occlusion_leaves_the_one_in_front_and_raises_what_is_behind(seed):
     rng = np.random.default_rng(seed)
     alone, beside, beliefs = evs(scene(rng, one_before_the_other(rng), clutter=0))
-    front, back = beliefs["t1"].posed, beliefs["t2"].posed
+    front, back = beliefs["t1"], beliefs["t2"]
     hidden = hidden_by(back, front)
     assert not (back.candidate & back.detected & hidden).any(), "it hides no detected feature: the law's condition"
     assert (back.candidate & ~back.detected & hidden).any()
@@ -262,7 +262,7 @@ def test_duplicates_of_a_hypothesis_change_no_types_presence(reading, stand):
     run = perception(shot.gamma)
     run.accepted = list(cycle.accepted)
     run.rivals = [
-        replace(b, posed=posed_at(b.posed.object_type.name, nudged(b.posed), of), status="rival")
+        posed_at(b.type, nudged(b), of).told(worth=b.worth, surplus=b.surplus, ev=b.ev, status="rival")
         for b in cycle.accepted
         for _ in range(3)
     ]
@@ -297,7 +297,7 @@ def test_with_both_towers_present_dv_is_that_of_the_background(seed):
     """Δ holds one instance of each type of Σo: the same composition."""
     rng = np.random.default_rng(seed)
     cycle = cycle_of(scene(rng, side_by_side(rng)).gamma)
-    present = [b.posed.object_type for b in cycle.accepted]
+    present = [b.object_type for b in cycle.accepted]
     assert sorted(t.name for t in present) == ["t1", "t2"]
     assert distinctiveness_over_delta(present, towers().types) == perceiver().dv
 
@@ -311,7 +311,7 @@ def test_with_both_towers_present_dv_is_that_of_the_background(seed):
 )
 def test_with_one_tower_present_dv_differs_as_by_hand(name, dv):
     shot = one_tower(name, 8062)
-    present = [b.posed.object_type for b in cycle_of(shot.gamma).accepted]
+    present = [b.object_type for b in cycle_of(shot.gamma).accepted]
     assert [t.name for t in present] == [name]
     over_delta = distinctiveness_over_delta(present, towers().types)
     assert over_delta == pytest.approx(dv)
@@ -334,8 +334,8 @@ def test_ev_by_either_dv_keeps_the_order_of_rivals(name):
     beliefs = beliefs_of(rivals(name, shot.poses[name]), of)
     over_delta = distinctiveness_over_delta([kind], towers().types)
     for dv in (perceiver().dv, over_delta):
-        values = {label: explanatory_value(b.posed.support(), dv) for label, b in beliefs.items()}
+        values = {label: explanatory_value(b.support(), dv) for label, b in beliefs.items()}
         assert max(values, key=values.get) == "right"
-    assert explanatory_value(beliefs["turned"].posed.support(), over_delta) != explanatory_value(
-        beliefs["turned"].posed.support(), perceiver().dv
+    assert explanatory_value(beliefs["turned"].support(), over_delta) != explanatory_value(
+        beliefs["turned"].support(), perceiver().dv
     )

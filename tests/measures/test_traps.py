@@ -117,8 +117,8 @@ def test_b_a_phantom_in_delta_has_no_world():
     away[:3, 3] = 4.0 * front[:3, 3]
     empty = data(replace(shot, gamma=replace(shot.gamma, appearances=())))
     phantom = belief_at("t2", away, empty)
-    hidden = np.ones(len(phantom.posed.uv), dtype=bool)
-    assert explanatory_value(phantom.posed.support(hidden), perceiver().dv) == 1.0
+    hidden = np.ones(len(phantom.uv), dtype=bool)
+    assert explanatory_value(phantom.support(hidden), perceiver().dv) == 1.0
     cycle = cycle_of(shot.gamma)
     subject = situation_of(shot, replace(cycle, considered=(replace(phantom, status="rival"),)), "score")
     for mode in ("to_B", "drop", "reassign"):

@@ -7,7 +7,7 @@ import math
 import pytest
 from situations import feature, hypothesis, situation
 
-from plogic.scene.readings.contributions import contributions
+from plogic.scene.asking.presence import contributions
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 

@@ -7,7 +7,7 @@ from situations import towers
 
 from plogic.face.session.account_text import account_text
 from plogic.scene.asking.explanations import explain, present
-from plogic.scene.readings.contributions import contributions
+from plogic.scene.asking.presence import contributions
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 

@@ -76,7 +76,7 @@ def test_auxiliary_variables_change_no_weight(subject):
 @given(random_situations())
 def test_arrays_weigh_what_lists_do(subject):
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("weight_tables", "claims", "linear"):
+        for module in ("weight_tables", "posterior_factors", "score_factors"):
             patch.setattr(f"plogic.scene.factors.{module}.LONGEST_LIST", 1)
         assert_equal(by_graph(subject), log_weights(subject))
 

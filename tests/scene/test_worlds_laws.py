@@ -16,9 +16,8 @@ from tangles import tangle
 from plogic.base.clock import Clock
 from plogic.base.errors import InconsistentError, LimitError
 from plogic.facts.situation import AppearanceFact
-from plogic.scene.factors import summed_ranking as ranking
 from plogic.scene.factors.scene_graph import scene_graph
-from plogic.scene.worlds.ranked_worlds import ranked_worlds
+from plogic.scene.worlds.ranked_worlds import ranked_worlds, weighed
 
 QUICK = settings(max_examples=80, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 
@@ -133,7 +132,7 @@ def test_a_ranking_that_gives_up_keeps_what_it_has_only_under_a_deadline(monkeyp
     whole = ranked_worlds(chain(4), 2)
 
     def two_and_no_more(scene, _):
-        every = ranking.weighed(scene, Clock(None))
+        every = weighed(scene, Clock(None))
         yield next(every)
         yield next(every)
         raise LimitError("the queue is full")

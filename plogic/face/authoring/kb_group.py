@@ -27,7 +27,7 @@ def kb() -> None:
 @click.option("--name", help="Name of the knowledge base (default: the folder's).")
 def kb_new(folder: Path, name: str | None) -> None:
     """Make a new knowledge base: kb.yaml, its schemas for the editor, rules.pl and objects/."""
-    from plogic.face.authoring.kb_new import new_command
+    from plogic.face.authoring.kb_types import new_command
 
     _out(new_command(folder, name))
 
@@ -47,7 +47,7 @@ def kb_new(folder: Path, name: str | None) -> None:
 @AS_JSON
 def kb_add(name: str, mesh: Path, units: str | None, kb_folder: Path, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
     """Make the object type NAME from a mesh, repaired, its pieces as parts, with its texture kept for rendering."""
-    from plogic.face.authoring.kb_add import add_command
+    from plogic.face.authoring.kb_types import add_command
 
     _out(add_command(name, mesh, units, kb_folder, as_json=as_json))
 
@@ -101,7 +101,7 @@ def kb_learn(names: tuple[str, ...], kb_folder: Path, **options: Any) -> None:  
 @AS_JSON
 def kb_import(source: Path, kb_folder: Path, units: str | None, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
     """Make object types from a URDF or SDF file, or from a BOP `models` folder with its symmetries."""
-    from plogic.face.authoring.kb_import import import_command
+    from plogic.face.authoring.kb_types import import_command
 
     _out(import_command(source, kb_folder, units, as_json=as_json))
 
@@ -111,7 +111,7 @@ def kb_import(source: Path, kb_folder: Path, units: str | None, as_json: bool) -
 @AS_JSON
 def kb_check(folder: str, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
     """Report every mistake of a knowledge base at its file, line and column, and what in it may be meant otherwise."""
-    from plogic.face.authoring.kb import check_command
+    from plogic.face.authoring.kb_show import check_command
 
     _out(check_command(folder, as_json=as_json))
 
@@ -126,11 +126,11 @@ def kb_show(folder: str, name: str | None, html: str | None, as_json: bool) -> N
     if html is not None:
         if as_json:
             raise click.UsageError("--html and --json do not go together")
-        from plogic.face.authoring.kb_page import page_command
+        from plogic.face.authoring.kb_show import page_command
 
         page_command(folder, name, html, say=_say, write=_out)
         return
-    from plogic.face.authoring.kb import show_command
+    from plogic.face.authoring.kb_show import show_command
 
     _out(show_command(folder, name, as_json=as_json))
 
@@ -141,7 +141,7 @@ def kb_show(folder: str, name: str | None, html: str | None, as_json: bool) -> N
 @AS_JSON
 def kb_measures(folder: str, gamma: str | None, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
     """Print |S(F)|, P(dv) and dv of every feature type; with a Γ, the rank of every object type."""
-    from plogic.face.authoring.kb import measures_command
+    from plogic.face.authoring.kb_show import measures_command
 
     _out(measures_command(folder, gamma, as_json=as_json))
 
@@ -150,7 +150,7 @@ def kb_measures(folder: str, gamma: str | None, as_json: bool) -> None:  # noqa:
 @click.argument("which", type=click.Choice(["kb", "object"]))
 def kb_schema(which: Any) -> None:  # noqa: ANN401 - click's choice
     """Print the JSON Schema of `kb.yaml` or `object.yaml`."""
-    from plogic.face.authoring.kb import schema_command
+    from plogic.face.authoring.kb_show import schema_command
 
     _out(schema_command(which))
 

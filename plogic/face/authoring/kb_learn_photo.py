@@ -117,8 +117,7 @@ def _fault(kind: ObjectType, folder: Path) -> str | None:
 def _new(kb_folder: Path, name: str, sources: Sources) -> tuple[NewType, ObjectType]:
     from kb.intake.new_type import check_name, new_type
     from kb.intake.source import read_source
-    from plogic.face.authoring.kb_new import new_command
-    from plogic.face.authoring.kb_types import check_places
+    from plogic.face.authoring.kb_types import check_places, new_command
 
     if sources.mesh is None:
         raise InputError(f"{name}: no such object type; add it with plogic kb add, or give --mesh and --units")
@@ -228,7 +227,7 @@ def _answer(
 ) -> str:
     from geometry.camera import camera_to_dict
     from plogic.face.authoring.kb_learn import row_of
-    from plogic.face.shown.printing import plain_table
+    from plogic.face.shown.tables import plain_table
 
     row = row_of(kind.name, cloud) | {
         "shown": round(_share(mesh), 3),

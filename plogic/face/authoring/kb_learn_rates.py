@@ -90,7 +90,7 @@ def _rows(kb: KnowledgeBase, rates: Rates, counts: Counts) -> list[dict[str, Any
 
 
 def _table(kb: KnowledgeBase, rates: Rates, counts: Counts) -> str:
-    from plogic.face.shown.printing import plain_table
+    from plogic.face.shown.tables import plain_table
 
     return plain_table(f"rates of {kb.name}", _rows(kb, rates, counts))
 

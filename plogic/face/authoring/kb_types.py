@@ -1,12 +1,14 @@
-"""New types into the folder of a knowledge base: each whole or not at all, none over another."""
+"""``plogic kb new``, ``add`` and ``import``: new knowledge bases, and new types in their folders, each whole or not at all."""
 
 from __future__ import annotations
 
 import json
+import os.path
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geometry.files.plain_files import IS_FOLDER, fault_of, is_there
+from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
 from plogic.base.errors import InputError
 
 if TYPE_CHECKING:
@@ -68,7 +70,6 @@ def write_types(folder: Path, types: Sequence[NewType], *, new: bool = False) ->
     Raises IntakeError, SensingError.
     """
     from kb.intake.new_kb import schema_files
-    from plogic.face.authoring.kb_new import new_command
     from sensing.files.whole_files import write_folder, write_whole
 
     if new:
@@ -89,3 +90,79 @@ def told(folder: Path, types: Sequence[NewType], what: str, *, new: bool, as_jso
         f" and {len(types) - 3} more" if len(types) > 3 else ""
     )
     return "\n".join([*lines, f"wrote {wrote}"])
+
+
+def new_command(folder: Path, name: str | None) -> str:
+    """Write a new knowledge base, whole or not at all, and never over anything. Raises IntakeError, SensingError."""
+    from kb.intake.new_kb import new_kb_files
+    from sensing.files.whole_files import write_folder
+
+    write_folder(folder, new_kb_files(name or Path(os.path.realpath(folder)).name))
+    (folder / "objects").mkdir()
+    return f"wrote {folder}: kb.yaml, rules.pl, their schemas and objects/\nnext: plogic kb add NAME --mesh FILE --units m|cm|mm --kb {folder}"
+
+
+def add_command(name: str, mesh: Path, units: str | None, folder: Path, *, as_json: bool) -> str:
+    """Make a type from a mesh file; the text says what was done. Where there is no such folder, a new knowledge base is made first.
+
+    Raises IntakeError, InputError, SensingError.
+    """
+    from kb.intake.new_type import check_name, new_type
+    from kb.intake.source import read_source
+
+    fresh = is_new(folder)
+    check_name(name)
+    check_places(folder, [name])
+    new = new_type(name, read_source(mesh), units, mesh)
+    write_types(folder, [new], new=fresh)
+    return told(folder, [new], "kb_add", new=fresh, as_json=as_json)
+
+
+def import_command(source: Path, folder: Path, units: str | None, *, as_json: bool) -> str:
+    """Make types from a URDF, an SDF, or a BOP models folder; all are made before the first is written.
+
+    Where there is no such KB folder, a new knowledge base is made first.
+
+    Raises:
+        IntakeError: a file that no type can be made of. InputError: no such file, a folder that is no KB, a type that
+        exists. SensingError.
+    """
+    new = is_new(folder)
+    fault = fault_of(source)
+    if fault not in (None, IS_FOLDER):
+        raise InputError(f"{source}: {'there is no such file or folder' if fault == IS_MISSING else fault}")
+    types = _of_bop(source, folder, units) if fault == IS_FOLDER else [_of_robot(source, folder, units)]
+    write_types(folder, types, new=new)
+    return told(folder, types, "kb_import", new=new, as_json=as_json)
+
+
+def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
+    """One type of one description, its meshes merged in the zero pose. URDF and SDF are in metres."""
+    from kb.intake.new_type import new_type
+    from kb.intake.robots import sdf_visuals, urdf_visuals
+    from kb.intake.visuals import merged
+
+    readers = {".urdf": urdf_visuals, ".sdf": sdf_visuals, ".world": sdf_visuals}
+    reader = readers.get(path.suffix.lower())
+    if reader is None:
+        raise InputError(
+            f"{path}: is neither a .urdf nor an .sdf, nor a BOP models folder; a mesh comes with: plogic kb add NAME --mesh {path}"
+        )
+    stem = path.resolve().parent.name if path.stem == "model" else path.stem  # Gazebo's: NAME/model.sdf
+    name = re.sub(r"[^A-Za-z0-9_.-]", "_", stem).lstrip(".-") or "robot"
+    check_places(folder, [name])
+    return new_type(name, merged(path, reader(path)), units or "m", path)
+
+
+def _of_bop(models: Path, folder: Path, units: str | None) -> list[NewType]:
+    from kb.intake.bop_models import bop_models, bop_symmetries
+    from kb.intake.new_type import new_type
+    from kb.intake.source import read_source
+
+    unit = units or "mm"
+    rows = bop_models(models)
+    check_places(folder, [name for name, _, _ in rows])
+    known = [bop_symmetries(entry, unit, f"{models / 'models_info.json'}: {name}") for name, _, entry in rows]
+    return [
+        new_type(name, read_source(path), unit, path, turns) for (name, path, _), turns in zip(rows, known, strict=True)
+    ]

@@ -108,10 +108,7 @@ def look_of(kb: KnowledgeBase) -> Look:
 
     def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
         accepted = perceiver.accepted(detect(image, camera, kb.sought, kb.words))
-        return [
-            (belief.posed.object_type.name, belief.posed.camera_from_object, probability)
-            for belief, probability in accepted
-        ]
+        return [(belief.object_type.name, belief.camera_from_object, probability) for belief, probability in accepted]
 
     return look
 
@@ -170,7 +167,7 @@ def _rows(scores: Scores) -> list[dict[str, Any]]:
 
 
 def _text(scores: Scores | None, why: str) -> str:
-    from plogic.face.shown.printing import plain_table
+    from plogic.face.shown.tables import plain_table
 
     if scores is None:
         return why

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import InputError
 from plogic.face.commands.perceive_command import picture_of
+from plogic.face.commands.simulate import shapes_of, tell_without_physics
 from plogic.face.shown import tables
-from plogic.face.shown.printing import text_of_table
-from plogic.face.shown.simulated_scenes import shapes_of, tell_without_physics
+from plogic.face.shown.tables import text_of_table
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypedDict, cast
 
 from plogic.base.errors import InputError
 from plogic.face.commands.demo import check_folder, json_bytes, write_into
+from plogic.face.commands.simulate import shapes_of, tell_without_physics
 from plogic.face.shown import tables
-from plogic.face.shown.printing import text_of_table
-from plogic.face.shown.simulated_scenes import shapes_of, tell_without_physics
+from plogic.face.shown.tables import text_of_table
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
@@ -24,10 +24,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.face.commands.next_view_table import CandidateRow, NextView
+    from plogic.face.commands.next_view import CandidateRow, NextView
     from plogic.facts.document import Interpretation, WorldRow
     from plogic.facts.fact_rows import Interval, Pose
     from plogic.facts.situation import Reading
+    from plogic.match.kinds import Models
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
     from plogic.sequence.views.merging import Found
@@ -70,8 +71,7 @@ class _Look(NamedTuple):
 def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json: bool = False) -> str:
     """Look, ask where to look next, go there, look again; write the folder ``out`` and return the text to print."""
     check_folder(out)
-    from plogic.face.commands.next_view import Moves, looked
-    from plogic.face.commands.next_view_table import table_of
+    from plogic.face.commands.next_view import Moves, looked, table_of
     from plogic.run.perceive import Perceiver
     from sensing.simulated.robot import Robot
     from sensing.simulated.scene import random_scene
@@ -162,16 +162,21 @@ def _together(looks: Sequence[_Look], perceiver: Perceiver) -> Together:
 
     found = [look.found for look in looks]
     both, ranking = joint(
-        [one.seen for one in found], merged(found, perceiver.kb), perceiver, Options(reading="posterior")
+        [one.seen for one in found],
+        merged(found, perceiver.models, perceiver.kb),
+        perceiver,
+        Options(reading="posterior"),
     )
-    return _told(both.standing, ranking, looks[0])
+    return _told(both.standing, ranking, looks[0], perceiver.models)
 
 
-def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look) -> Together:
+def _told(standing: Sequence[Standing], ranking: Ranking, first: _Look, models: Models) -> Together:
     """As ``worlds`` has it, so that the same table shows it."""
     from plogic.sequence.views.standing import standing_of
 
-    old = {f"h{i}": standing_of(belief, first.found.seen.view) for i, belief in enumerate(first.found.beliefs, 1)}
+    old = {
+        f"h{i}": standing_of(belief, first.found.seen.view, models) for i, belief in enumerate(first.found.beliefs, 1)
+    }
     names: dict[str, str] = {}
     for i, some in enumerate(standing, 1):
         known = [

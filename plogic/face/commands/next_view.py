@@ -1,4 +1,4 @@
-"""``plogic next-view``: where to look next, and why."""
+"""``plogic next-view``: the camera moves that would tell most, as a document ``next-view/1`` and as a table."""
 
 from __future__ import annotations
 
@@ -6,25 +6,29 @@ import json
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Literal, NotRequired, TypedDict, cast
 
 import click
 
 from plogic.face.shown.options import AS_JSON, INTERPRETATION, READING, SEED, Number
+from plogic.facts.document import Marks
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from geometry.camera import Camera
-    from plogic.face.commands.next_view_table import NextView
     from plogic.facts.document import Interpretation
+    from plogic.facts.fact_rows import Interval, Pose
     from plogic.facts.situation import Reading, Situation
+    from plogic.sequence.next_view.look import Outlook
     from plogic.sequence.next_view.moves import Candidate, MovesRow
     from plogic.sequence.next_view.prospect import Prospect
     from plogic.sequence.next_view.reading import LastView
 
     Worlds = list[tuple[float, Sequence[str]]]
-
     Looked = Interpretation | LastView
 
 LISTED_WORLDS = 100
@@ -89,7 +93,6 @@ def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **o
 def next_view_command(source: str, number: int, seed: int, options: Moves, *, as_json: bool) -> str:
     """The table, or the document ``next-view/1``."""
     from plogic.base.errors import InterpretationError
-    from plogic.face.commands.next_view_table import table_of
     from plogic.sequence.next_view.reading import read_looked
 
     document = read_looked(source)
@@ -103,7 +106,6 @@ def next_view_command(source: str, number: int, seed: int, options: Moves, *, as
 def looked(document: Looked, number: int, seed: int, options: Moves) -> NextView:
     """The document of an interpretation's next views, or of those of what stands for one (``plogic.sequence.next_view.reading``)."""
     from geometry.camera import camera_from_dict
-    from plogic.face.commands.next_view_table import outlook_document
     from plogic.facts.interpretation import situation_of
     from plogic.facts.stopped import stopped_in
     from plogic.scene.readings.unfinished import marks
@@ -193,3 +195,112 @@ def _candidates(prospect: Prospect, camera: Camera, options: Moves) -> tuple[lis
     if options.within is not None:
         return within(prospect, stand, options.within)
     return ring(prospect, stand, options.ring)
+
+
+SHOWN = 0.0005
+"""Least standard error that the table shows."""
+DIGITS = 6
+"""Of bits and masses in the document."""
+
+
+class WhyRow(TypedDict):
+    """One reason in words, with the mass that it tells apart and its bits."""
+
+    text: str
+    mass: float
+    sites: int
+    bits: float
+
+
+class WorldPoseKey(TypedDict):
+    """Where the camera's pose in the world is known."""
+
+    T_world_camera: NotRequired[Pose]
+
+
+class CandidateRow(WorldPoseKey):
+    """One candidate: where, how much it would tell, and why."""
+
+    name: str
+    T_present_candidate: Pose
+    gain_bits: float
+    standard_error: float
+    sites: int
+    why: list[WhyRow]
+
+
+class NextView(Marks):
+    """The document ``next-view/1``; ``of``: how many candidates there were."""
+
+    format: Literal["next-view/1"]
+    about: str | None
+    reading: Reading
+    entropy_bits: float
+    worlds: int
+    unlisted_mass: Interval
+    moves: MovesRow
+    seed: int
+    of: int
+    candidates: list[CandidateRow]
+
+
+def outlook_document(look: Outlook, world_from_reference: NDArray[np.float64] | None) -> CandidateRow:
+    """One candidate: where, how much it would tell, and why."""
+    pose = look.candidate.reference_from_camera
+    world: WorldPoseKey = {}
+    if world_from_reference is not None:
+        world = {"T_world_camera": (world_from_reference @ pose).tolist()}
+    return {
+        "name": look.candidate.name,
+        "T_present_candidate": pose.tolist(),
+        **world,
+        "gain_bits": round(look.gain.bits, DIGITS),
+        "standard_error": round(look.gain.error, DIGITS),
+        "sites": look.gain.sites,
+        "why": [
+            {"text": r.text, "mass": round(r.mass, DIGITS), "sites": r.sites, "bits": round(r.bits, DIGITS)}
+            for r in look.why
+        ],
+    }
+
+
+def table_of(document: NextView) -> str:
+    """The candidates with their gains and reasons, under what would be told."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    from plogic.face.shown.tables import text_of_table
+    from plogic.facts.stopped import stopped_in
+    from plogic.scene.readings.unfinished import notice
+
+    table = Table(title="next view", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("rank", justify="right")
+    table.add_column("move")
+    table.add_column("gain, bits", justify="right")
+    table.add_column("why")
+    for i, row in enumerate(document["candidates"], 1):
+        bits = f"{row['gain_bits']:.3f}" + (f" ± {row['standard_error']:.3f}" if row["standard_error"] >= SHOWN else "")
+        table.add_row(
+            str(i), Text(row["name"]), Text(bits), Text("\n".join(r["text"] for r in row["why"]) or _nothing(row))
+        )
+    unfinished = notice(stopped_in(document), anew=False)
+    return "\n".join([_open(document), *[unfinished] * bool(unfinished), text_of_table(table)])
+
+
+def _nothing(row: CandidateRow) -> str:
+    return (
+        "no feature that would tell the worlds apart"
+        if row["sites"] == 0
+        else "no feature that tells more than 0.001 bits by itself"
+    )
+
+
+def _open(document: NextView) -> str:
+    """What is uncertain, and of how much of the mass that is said."""
+    low, high = document["unlisted_mass"]
+    about = "the worlds" if document["about"] is None else document["about"]
+    missing = "" if high <= 0.0 else f"; worlds of mass {low:.3g} to {high:.3g} are not listed and left out"
+    worlds = f"{document['worlds']} world{'s' * (document['worlds'] != 1)}"
+    listed = f"{len(document['candidates'])} of {document['of']} candidates" if document["of"] else "no candidates"
+    return f"uncertain of {about}: {document['entropy_bits']:.3f} bits over {worlds}{missing}; {listed}"

@@ -20,7 +20,7 @@ def query_command(
 ) -> tuple[str, int]:
     """P(goal) of an interpretation or a program; exit 3 where the deadline was reached, answers then being intervals."""
     from plogic.face.shown import tables
-    from plogic.face.shown.printing import text_of_table
+    from plogic.face.shown.tables import text_of_table
     from plogic.logic.served.engine import Limits
     from plogic.scene.asking.query import answers, answers_until
     from plogic.scene.readings.unfinished import flagged, stopped_of, with_notice

@@ -1,4 +1,7 @@
-"""``plogic simulate``: a settled scene, rendered, with its ground truth; and such scenes as a BOP dataset."""
+"""``plogic simulate``: a settled scene, rendered, with its ground truth; and such scenes as a BOP dataset.
+
+The wiring between meshes of Σ and the simulated camera, which knows no types, is here.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +10,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plogic.face.shown.simulated_scenes import shapes_of
+from plogic.base.errors import InputError
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
-    from kb.clouds.cloud import KnowledgeBase
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
     from sensing.simulated.body import TexturedMesh
     from sensing.simulated.scene import Scene
+
 
 BOP = click.option("--bop", type=click.Path(path_type=Path), help="New folder for scenes as a BOP dataset as well.")
 BOP_IMAGES = click.option(
@@ -126,3 +130,25 @@ def _check_apart(out: Path, bop: Path) -> None:
     if a == b or a in b.parents or b in a.parents:
         raise InputError(f"{bop}: is named for two outputs, or lies in the other")
     check_new_folder(bop)
+
+
+def shapes_of(kb: KnowledgeBase, names: Sequence[str] | None = None) -> list[tuple[str, TexturedMesh]]:
+    """(label, textured mesh) of the named types, or of all that have a mesh. Raises InputError where a type has none."""
+    types = kb.types if names is None else [kb.type(name) for name in names]
+    return [(t.name, _mesh(t)) for t in types]
+
+
+def tell_without_physics(say: Callable[[str], None]) -> None:
+    """Say how pictures are made on this machine where pybullet is not installed."""
+    from sensing.simulated.client import INSTALL, NO_PHYSICS, has_physics
+
+    if not has_physics():
+        say(f"pictures are drawn by rays, and nothing falls or settles, for {NO_PHYSICS}: {INSTALL}")
+
+
+def _mesh(object_type: ObjectType) -> TexturedMesh:
+    from sensing.simulated.meshes import read_mesh
+
+    if object_type.mesh_file is None:
+        raise InputError(f"{object_type.name}: has no mesh, so that it cannot be rendered")
+    return read_mesh(object_type.mesh_file, object_type.mesh_scale)

@@ -78,7 +78,7 @@ def _table_of_program(ranking: ProgramRanking, within: Sequence[Interval | None]
     from rich.text import Text as Cell
 
     from plogic.face.shown import tables
-    from plogic.face.shown.printing import text_of_table
+    from plogic.face.shown.tables import text_of_table
 
     table = Table(title="possible worlds", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("rank", justify="right")
@@ -143,7 +143,7 @@ def _of_scene(
     as_json: bool,
 ) -> tuple[str, int]:
     from plogic.face.shown import tables
-    from plogic.face.shown.printing import text_of_table
+    from plogic.face.shown.tables import text_of_table
     from plogic.facts.exclusions import exclusion_lines, exclusions
     from plogic.scene.readings.unfinished import flagged, proved, with_notice
     from plogic.scene.worlds.predictions import doubts, said

@@ -1,11 +1,11 @@
-"""The terminal's tables: worlds, answers and measures of an interpretation, as ``rich`` tables that the CLI prints.
-
-``worlds`` and ``measures`` take an ``interpretation/1`` document, ``answers`` an ``answers/1`` document.
-"""
+"""Tables as text: plain where stdout is no terminal, and where NO_COLOR is set; those of answers, worlds and measures."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import io
+import os
+import sys
+from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.table import Table
@@ -14,10 +14,11 @@ from rich.text import Text
 from plogic.scene.readings.unfinished import unlisted_beyond
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from plogic.facts.document import Cells, Interpretation
     from plogic.scene.document import Answers
+
 
 CELLS = ("expected_detected", "expected_missed", "hidden_missed", "hidden_detected")
 """The four cases in the paper's column order: A, C, B, D."""
@@ -123,3 +124,33 @@ def _table(title: str, *columns: tuple[str, str]) -> Table:
     for name, justify in columns:
         table.add_column(name, justify="right" if justify == "right" else "left", overflow="fold")
     return table
+
+
+WIDTH = 118
+"""Columns where stdout is no terminal: the same input gives the same bytes."""
+
+
+def text_of_table(table: Table) -> str:
+    """A table as the text to write; colours and emphasis only on a terminal, and not where NO_COLOR is set."""
+    from rich.console import Console
+
+    terminal = sys.stdout.isatty()
+    buffer = io.StringIO()
+    width = None if terminal else WIDTH
+    styled = terminal and not os.environ.get("NO_COLOR")
+    Console(file=buffer, force_terminal=styled, width=width, highlight=False).print(table)
+    return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines())
+
+
+def plain_table(title: str, rows: Sequence[dict[str, Any]]) -> str:
+    """Rows of one shape as a table, numbers to the right."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    for name, value in rows[0].items() if rows else []:
+        table.add_column(name, justify="right" if isinstance(value, (int, float)) else "left")
+    for row in rows:
+        table.add_row(*(Text(f"{v:.3f}" if isinstance(v, float) else str(v)) for v in row.values()))
+    return text_of_table(table)

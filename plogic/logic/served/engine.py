@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 from plogic.base import errors
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from plogic.logic.safety.atoms import Names
 
@@ -72,7 +72,7 @@ def run(
     InconsistentError, LimitError.
     """
     reply = ask(request_of(texts, goals, given, names), limits or Limits())
-    return [sorted((_answer(goal, p) for goal, p in answers), key=_order) for answers in reply["answers"]]
+    return [in_order(answers) for answers in reply["answers"]]
 
 
 def run_until(
@@ -93,8 +93,7 @@ def run_until(
     reply = ask_until({**request_of(texts, goals, given, names), "anytime": True}, limits, seconds)
     if reply is None:
         return [unknown(goal, names) for goal in goals] or [[]], False
-    found = [sorted((_answer(*row) for row in answers), key=_order) for answers in reply["answers"]]
-    return found, not reply.get("partial", False)
+    return [in_order(answers) for answers in reply["answers"]], not reply.get("partial", False)
 
 
 def ask_until(request: dict[str, Any], limits: Limits, seconds: float) -> dict[str, Any] | None:
@@ -146,14 +145,15 @@ def request_of(
     }
 
 
+def in_order(rows: Iterable[Sequence[Any]]) -> list[Answer]:
+    """Answers from rows ``(goal, p)`` or ``(goal, low, high)``, most probable first, ties by text."""
+    return sorted((_answer(*row) for row in rows), key=lambda found: (-float(f"{found.probability:.11e}"), found.goal))
+
+
 def _answer(goal: str, low: float, high: float | None = None) -> Answer:
     low = min(max(low, 0.0), 1.0)
-    high = low if high is None else high
+    high = low if high is None else min(max(high, 0.0), 1.0)
     return Answer(goal, low if high == low else (low + high) / 2, (low, high))
-
-
-def _order(answer: Answer) -> tuple[float, str]:
-    return -float(f"{answer.probability:.11e}"), answer.goal
 
 
 _ASKED: contextvars.ContextVar[Callable[[dict[str, Any]], dict[str, Any]] | None] = contextvars.ContextVar(

@@ -9,8 +9,11 @@ import numpy as np
 
 from plogic.match.judged.freedom import log_share
 from plogic.match.judged.pose_information import known, sigmas
+from plogic.measures.explanatory import explanatory_value
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
@@ -129,3 +132,13 @@ def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[n
         ratio += CLEAR * float(np.sum([np.log(clarity(posed, hidden, kind)) for kind in kinds(posed)]))
     at, precision, middle, across = known(posed, found, data, kb)
     return Evidence(ratio, ratio + log_share(at, precision, middle, data.camera, across))
+
+
+def judged(
+    posed: Hypothesis, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], hidden: NDArray[np.bool_] | None = None
+) -> Hypothesis:
+    """The hypothesis with its evidence, and its ev alone and beside the accepted opaque objects that hide the features ``hidden`` (F,)."""
+    found = evidence(posed, data, kb, hidden)
+    ev = explanatory_value(posed.support(), dv)
+    again = ev if hidden is None else explanatory_value(posed.support(hidden), dv)
+    return posed.told(worth=found.ratio, surplus=found.surplus, ev=ev, ev_reconsidered=again)

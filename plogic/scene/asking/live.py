@@ -22,7 +22,8 @@ from plogic.facts.sanity import check
 from plogic.inference.gates import Literal, observed, with_formulas
 from plogic.inference.marginals import Remembered
 from plogic.inference.ranked import best
-from plogic.logic.served.engine import Answer, Limits, Text
+from plogic.logic.served.engine import Answer, Limits, Text, in_order
+from plogic.scene.asking.relevant import restricted
 from plogic.scene.factors.asked_formulas import Asked
 from plogic.scene.factors.goal_meaning import Meaning, meaning
 from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
@@ -184,7 +185,7 @@ def answers_of(meant: Meaning, scene: SceneGraph, asked: Asked) -> list[list[Ans
     keys = list(dict.fromkeys(key for found in meant.answers for _, key in found))
     chances = {key: asked.probability(formula) for key, formula in zip(keys, meant.formulas(keys, scene), strict=True)}
     return [
-        sorted((_answer(shown, *chances[key]) for shown, key in found if single or chances[key][1] > 0), key=_order)
+        in_order((shown, *chances[key]) for shown, key in found if single or chances[key][1] > 0)
         for found, single in zip(meant.answers, meant.single, strict=True)
     ]
 
@@ -210,25 +211,15 @@ def scene_answers(
 
 def without(situation: Situation, name: str) -> Situation:
     """The situation without one hypothesis."""
-
-    def kept(pairs: Pairs) -> Pairs:
-        return frozenset(pair for pair in pairs if name not in pair)
-
-    hypotheses = tuple(
-        replace(h, features=tuple(replace(f, hidden_by=tuple(g for g in f.hidden_by if g != name)) for f in h.features))
-        for h in situation.hypotheses
-        if h.id != name
-    )
+    part = restricted(situation, {h.id for h in situation.hypotheses} - {name})
     return replace(
-        situation,
-        hypotheses=hypotheses,
-        overlaps=kept(situation.overlaps),
-        rivals=kept(situation.rivals),
-        exclusive=kept(situation.exclusive),
-        relations=tuple(r for r in situation.relations if name not in (r.x, r.y)),
-        space=situation.space.among(h.id for h in hypotheses),
-        gravity=None if situation.gravity is None else situation.gravity.among(h.id for h in hypotheses),
-        part_relations=tuple(r for r in situation.part_relations if name not in (r.x, r.y)),
+        part,
+        hypotheses=tuple(
+            replace(
+                h, features=tuple(replace(f, hidden_by=tuple(g for g in f.hidden_by if g != name)) for f in h.features)
+            )
+            for h in part.hypotheses
+        ),
     )
 
 
@@ -242,12 +233,3 @@ def _causes(held: SceneGraph, present: Sequence[str]) -> dict[str, str]:
     states = dict.fromkeys(range(len(held.variables)), 0) | dict(held.place[name] for name in present)
     (_, found), *_ = best(observed(held.graph, [Literal(v, frozenset({s})) for v, s in states.items()]), 1)
     return {name: "/".join(cause.states[found[cause.variable]]) for name, cause in held.causes.items()}
-
-
-def _answer(goal: str, low: float, high: float) -> Answer:
-    low, high = min(max(low, 0.0), 1.0), min(max(high, 0.0), 1.0)
-    return Answer(goal, low if low == high else (low + high) / 2, (low, high))
-
-
-def _order(answer: Answer) -> tuple[float, str]:
-    return -float(f"{answer.probability:.11e}"), answer.goal

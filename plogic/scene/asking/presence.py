@@ -1,11 +1,17 @@
-"""Why an interpretation's hypothesis is present, as a user wants to read it: what its features say, from the situation itself (§4, §5, §8).
+"""The presence of an interpretation's hypothesis as a user wants to read it: its features' evidence, from the situation itself (§4, §5, §8).
 
 The exact explanations pick one feature at a time; this is their sum. Everything is said of one world: the most probable
 one that holds the hypothesis. Lines of text; nothing here is a probability that the program does not give.
+
+In the posterior reading each datum speaks by its log-likelihood ratio: ``Contribution("a3", 5.9)``, that a3 is there
+makes the hypothesis e^5.9 times likelier; ``Contribution("h1/roof/apex", -1.6)``, that nothing was detected where h1's
+apex should be seen speaks against it. The features of others that it hides count for it: explaining away.
 """
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -14,8 +20,7 @@ from plogic.facts.dependence import Scene
 from plogic.facts.situation import OTHERS
 from plogic.facts.spatial import words_of_shared
 from plogic.measures.explanatory import case_of
-from plogic.scene.readings.contributions import contributions
-from plogic.scene.readings.posterior_reading import group_shares
+from plogic.scene.readings.posterior_reading import appearance_weight, group_shares, miss_weight, unmatched
 from plogic.scene.readings.score_reading import cells, p_ev
 
 if TYPE_CHECKING:
@@ -23,8 +28,44 @@ if TYPE_CHECKING:
 
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.facts.situation import Situation
-    from plogic.scene.readings.contributions import Contribution
     from plogic.scene.readings.score_reading import Present
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """``datum``: an appearance, or a feature that has none; ``llr``: ln P(datum | hypothesis) − ln P(datum | without it)."""
+
+    datum: str
+    llr: float
+
+
+def contributions(situation: Situation, hypothesis: str, world: Iterable[str]) -> list[Contribution]:
+    """Every datum that tells ``world`` with the hypothesis from ``world`` without it, the strongest first; ties by name.
+
+    The ratios sum to the logarithm of the Bayes factor between these two worlds. A ratio may be infinite (a hit rate of
+    1).
+    """
+    others = set(world) - {hypothesis}
+    scene = Scene(situation)
+    present = {h.id: np.array([h.id in others, h.id in others or h.id == hypothesis]) for h in situation.hypotheses}
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = [
+            Contribution(name, float(np.log(weight[1]) - np.log(weight[0])))
+            for name, weight in _weights(scene, present)
+        ]
+    told = [c for c in ratios if not math.isnan(c.llr) and abs(c.llr) > 1e-12]
+    return sorted(told, key=lambda c: (-abs(c.llr), c.datum))
+
+
+def _weights(
+    scene: Scene, present: dict[str, np.ndarray[tuple[int], np.dtype[np.bool_]]]
+) -> Iterator[tuple[str, np.ndarray[tuple[int], np.dtype[np.float64]]]]:
+    for appearance in scene.claimants:
+        yield appearance, appearance_weight(scene, appearance, present)
+    for h in scene.situation.hypotheses:
+        for f in unmatched(h):
+            yield f"{h.id}/{f.id}", miss_weight(scene, h, f, present)
+
 
 LISTED = 8
 """Features, or data, that a line names; the rest is counted."""

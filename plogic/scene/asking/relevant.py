@@ -15,7 +15,7 @@ from plogic.facts.vocabulary import VOCABULARY
 from plogic.logic.safety.author import load_problog
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from plogic.facts.situation import Situation
 
@@ -123,22 +123,25 @@ def _together(situation: Situation, named: set[str]) -> set[str]:
 
 
 def _part(situation: Situation, kept: set[str], named: set[str]) -> Situation:
-    hypotheses = tuple(h for h in situation.hypotheses if h.id in kept)
-    data = {f.match for h in hypotheses for f in h.features} | named
+    part = restricted(situation, kept)
+    data = {f.match for h in part.hypotheses for f in h.features} | named
+    return replace(part, appearances=tuple(a for a in situation.appearances if a.id in data), rules="")
 
-    def inside(pairs: Iterable[tuple[str, str]]) -> frozenset[tuple[str, str]]:
-        return frozenset((x, y) for x, y in pairs if x in kept and y in kept)
+
+def restricted(situation: Situation, kept: set[str]) -> Situation:
+    """The situation with some of its hypotheses: all pairs, relations, space and gravity are among those."""
+
+    def inside(pairs: frozenset[tuple[str, str]]) -> frozenset[tuple[str, str]]:
+        return frozenset(pair for pair in pairs if kept.issuperset(pair))
 
     return replace(
         situation,
-        hypotheses=hypotheses,
-        appearances=tuple(a for a in situation.appearances if a.id in data),
+        hypotheses=tuple(h for h in situation.hypotheses if h.id in kept),
         overlaps=inside(situation.overlaps),
         rivals=inside(situation.rivals),
         exclusive=inside(situation.exclusive),
-        relations=tuple(r for r in situation.relations if r.x in kept and r.y in kept),
+        relations=tuple(r for r in situation.relations if kept.issuperset((r.x, r.y))),
         space=situation.space.among(kept),
         gravity=None if situation.gravity is None else situation.gravity.among(kept),
-        part_relations=tuple(r for r in situation.part_relations if r.x in kept and r.y in kept),
-        rules="",
+        part_relations=tuple(r for r in situation.part_relations if kept.issuperset((r.x, r.y))),
     )

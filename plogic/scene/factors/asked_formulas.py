@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 
 from plogic.base.errors import InconsistentError
 from plogic.inference.gates import And, Literal, Not, Or, observed, probability, with_formulas
-from plogic.inference.graph import Factor, FactorGraph
+from plogic.inference.graph import Factor, FactorGraph, connected
 from plogic.inference.marginals import beliefs
-from plogic.scene.factors.pieces import pieces
 from plogic.scene.factors.scene_graph import scene_graph
 
 if TYPE_CHECKING:
@@ -36,7 +35,7 @@ class Asked:
         self.beliefs = solve(graph)
         if self.beliefs.log_z[1] == -math.inf:
             raise InconsistentError("no world satisfies the evidence: its probability is 0")
-        self._pieces = [tuple(sorted(piece)) for piece in pieces(graph)]
+        self._pieces = connected(graph)
         self._of = {v: i for i, piece in enumerate(self._pieces) for v in piece}
         self._factors: dict[int, list[Factor]] = {}
         for factor in graph.factors:

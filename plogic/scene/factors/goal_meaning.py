@@ -1,7 +1,11 @@
-"""What a goal of the vocabulary means on a scene's graph: a boolean formula over who is present and what causes what.
+"""The meaning of a goal of the vocabulary on a scene's graph: a boolean formula over who is present and what causes what.
 
-The goal is ground in the child process, over the program with its choices left open
-(``plogic.scene.text.open_choices``), and comes back as data. Vocabulary:
+The goal is ground in the child process, over the program with its choices left open (``free_program``), and comes back
+as data. Layers 1, 2 and 4 of that program are those of ``program_text``; layer 3 says only what can be chosen, not how
+probable it is. Given the evidence that every appearance is explained, chosen(A, H/F) holds exactly where F of H causes
+A: it hits, and no other claimant does. So the goals of the vocabulary need no hits, and given that nothing floats
+without an excuse they need no excuses. A goal about other choices (``OUTSIDE``) has no meaning here, and is left to the
+program itself. Vocabulary:
 
 * ``Meaning``, of one or several goals and pieces of evidence: nodes, and keys into them
   (``plogic.logic.served.goal_formulas``)
@@ -15,20 +19,101 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import OutsideError
+from plogic.facts.dependence import Scene, dependence
 from plogic.facts.names import names_of
 from plogic.inference.gates import And, Literal, Not, Or
-from plogic.logic.safety.atoms import own_atom
+from plogic.logic.safety.atoms import own_atom, quoted
+from plogic.logic.safety.author import author_rules
 from plogic.logic.served.engine import Limits, Text, ask, request_of
-from plogic.scene.text.open_choices import OUTSIDE, free_program
+from plogic.scene.readings.posterior_reading import causes_of
+from plogic.scene.text import fact_layers as facts
+from plogic.scene.text.contexts import context_clauses, contexts, ev_facts
+from plogic.scene.text.layout import Writer
+from plogic.scene.text.rules import (
+    COMMON,
+    CONCORDANT,
+    EXCLUSIVE,
+    FOUND,
+    FOUND_REASSIGN,
+    SUPPORTED,
+    VIOLATED,
+    defined,
+    fallbacks,
+    vocabulary_rules,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from plogic.facts.situation import Situation
     from plogic.inference.gates import Formula
     from plogic.scene.factors.scene_graph import SceneGraph
 
     Key = int | None
+
+OUTSIDE = ("hit/2", "pick/2", "luck/2", "ok/2", "joint/3", "agrees/1", "excused/1")
+"""Choices that the factor graph has summed out, and what is said in terms of them."""
+
+CHOSEN = r"""
+hitting(A, H, F) :- match(H, F, A), chosen(A, H/F).
+other_hit(A, H, F) :- match(G, E, A), G/E \= H/F, hitting(A, G, E).
+any_hit(A) :- hitting(A, _, _).
+missed(H, F) :- hitting(_, H, F).
+explained(A) :- chosen(A, _).
+explained(A) :- claimed(A).
+claimed(_) :- fail. chosen(_, _) :- fail.
+"""
+
+
+def free_program(situation: Situation) -> str:
+    """Its text: every present/1, and every chosen/2 that the alternatives of causes have, is a choice with a label of no meaning."""
+    scene = Scene(situation)
+    return "\n".join(_lines(Writer(scene, dependence(scene), names_of(situation)))) + "\n"
+
+
+def _lines(w: Writer) -> Iterator[str]:
+    situation = w.scene.situation
+    score = situation.reading == "score"
+    yield "present(_) :- fail."
+    yield from facts.trees(w)
+    yield from facts.geometry(w)
+    yield from ev_facts(w)
+    yield from ("0.5::" + w.fact("present", h.id) for h in situation.hypotheses)
+    yield from _score(w) if score else _posterior(w)
+    yield from (f"{s.split('/')[0]}({', '.join('_' * int(s[-1]))}) :- fail." for s in OUTSIDE)
+    yield fallbacks()
+    reassigned = score and situation.reconsider == "reassign"
+    yield from (COMMON, FOUND_REASSIGN if reassigned else FOUND, VIOLATED)
+    yield from vocabulary_rules(situation.reading)
+    yield from author_rules(situation.rules, w.names, defined())
+
+
+def _score(w: Writer) -> Iterator[str]:
+    """Who is decided alone, and who jointly: no choice, but it can be asked for."""
+    yield "alone(_) :- fail. member_of(_, _) :- fail. includes(_, _) :- fail."
+    joint = [block for block in w.graph.blocks if len(block) > 1]
+    yield from (w.fact("alone", block[0]) for block in w.graph.blocks if len(block) == 1)
+    for i, block in enumerate(joint, start=1):
+        yield from (f"member_of({w.names.atom(name)}, block({i}))." for name in block)
+        yield from (f"includes({w.list(state)}, {w.names.atom(name)})." for state in contexts(block) for name in state)
+        yield from context_clauses(w, f"block({i})", w.graph.outside(block))
+    yield from (SUPPORTED, EXCLUSIVE)
+    if w.scene.situation.reconsider != "drop":
+        yield CONCORDANT
+
+
+def _posterior(w: Writer) -> Iterator[str]:
+    for appearance in w.scene.claimants:
+        causes = causes_of(w.scene, appearance)
+        named = [(p, w.node(h, f.id)) for p, (h, f) in zip(causes.shares, causes.claimants, strict=True)]
+        yield w.fact("claimed", appearance)
+        yield from (
+            f"0.5::chosen({w.names.atom(appearance)}, {cause})."
+            for p, cause in [*named, (causes.noise, "noise")]
+            if p > 0
+        )
+    yield CHOSEN
+
 
 TRUE, FALSE = And(()), Or(())
 
@@ -115,21 +200,21 @@ def _direct(situation: Situation, goals: Sequence[str], given: Sequence[str]) ->
     if situation.rules.strip() or not known <= said.keys() or any(_squeezed(text) == "present(H)" for text in given):
         return None
     nodes: tuple[tuple[str, Any], ...] = tuple(("present", [[name]]) for name in ids)
-    everyone = tuple((f"present({_written(name)})", i) for i, name in enumerate(ids, 1))
+    everyone = tuple((f"present({quoted(name)})", i) for i, name in enumerate(ids, 1))
     answers = tuple(everyone if _squeezed(g) == "present(H)" else (_shown(ids, said[_squeezed(g)]),) for g in goals)
     single = tuple(_squeezed(g) != "present(H)" for g in goals)
     return Meaning(nodes, answers, single, tuple(said[_squeezed(g)] for g in given))
 
 
 def _shown(ids: list[str], key: int) -> tuple[str, int]:
-    return ("" if key > 0 else "\\+ ") + f"present({_written(ids[abs(key) - 1])})", key
+    return ("" if key > 0 else "\\+ ") + f"present({quoted(ids[abs(key) - 1])})", key
 
 
 def _spellings(ids: list[str]) -> dict[str, int]:
     r"""``present(h1)`` → 1, ``\+present('h1')`` → -1: as ``_squeezed`` leaves them."""
     found: dict[str, int] = {}
     for i, name in enumerate(ids, 1):
-        for form in (name, f"'{name}'") if own_atom(name) else (_written(name),):
+        for form in (name, f"'{name}'") if own_atom(name) else (quoted(name),):
             found[f"present({form})"], found[f"\\+present({form})"] = i, -i
     return found
 
@@ -138,8 +223,3 @@ def _squeezed(text: str) -> str:
     """Without the full stop, and without spaces before and after it and after the negation."""
     bare = text.strip().removesuffix(".").rstrip()
     return "\\+" + bare[2:].lstrip() if bare.startswith("\\+") else bare
-
-
-def _written(label: str) -> str:
-    """The label as users write it."""
-    return label if own_atom(label) else "'" + label.replace("\\", "\\\\").replace("'", "\\'") + "'"

@@ -1,4 +1,16 @@
-"""The factors of the score reading: P(present(H) | its occluders) = P(ev), picks summed out analytically; cyclic blocks jointly (§8)."""
+"""The factors of the score reading: P(present(H) | its occluders) = P(ev), picks summed out analytically; cyclic blocks jointly (§8).
+
+In mode `to_B` P(ev) is linear in the features: one look at each, then a sum for every set of others that are present.
+This is the second form of ``plogic.scene.readings.score_reading.acceptance`` in this mode, tested equal to it.
+
+* ``Linear(["h2", "h5"], 0.7, [(1, 0.1, True), (3, 0.2, False)])``: of the shares of dv, 0.7 is concordant whoever is
+  present; 0.1 where h2 (bit 0 of 1) is absent, since an appearance was found for it; and 0.2 where h2 or h5 is present,
+  since none was
+
+Where very many others bear on a hypothesis, so that one factor over all is too wide, its pick is a variable of its own:
+present(h) holds iff h is supported and the feature that it picks is concordant, a boolean formula over the pick and over
+who is present, which the graph takes as gates.
+"""
 
 from __future__ import annotations
 
@@ -6,25 +18,143 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from plogic.base.bounds import LEAST
-from plogic.facts.dependence import Scene, arranged, dependence
-from plogic.scene.factors.linear import linear
-from plogic.scene.factors.pick import add_pick
-from plogic.scene.factors.weight_tables import IMPOSSIBLE, WIDEST, log, logs_of
+from plogic.base.bounds import LEAST, alternative
+from plogic.facts.dependence import Scene, arranged, dependence, ordered
+from plogic.facts.expected import expected
+from plogic.inference.gates import And, Literal, Not, Or
+from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, log, logs_of
 from plogic.scene.readings.score_reading import acceptance, lifted_smoothing
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
     from plogic.facts.dependence import Dependence
-    from plogic.facts.hypothesis import Hypothesis
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
+    from plogic.inference.gates import Formula
     from plogic.scene.factors.alternatives import Cast
-    from plogic.scene.factors.linear import Linear
     from plogic.scene.factors.weight_tables import Tables
 
+    Cell = tuple[int, float, bool]
     Chances = NDArray[np.float64]
+
+
+class Linear(NamedTuple):
+    """``names``: who changes a cell, most cells first; ``fixed``: None where nothing is detected or ev is undefined; ``cells`` that change."""
+
+    names: list[str]
+    fixed: float | None
+    cells: list[Cell]
+
+    def chances(self, epsilon: float) -> list[float] | NDArray[np.float64]:
+        """P(present(h) | which of ``names`` are present), a bit table (2^n,); of length 1 where it is impossible."""
+        if self.fixed is None:
+            return [0.0]
+        size = 1 << len(self.names)
+        if size > LONGEST_LIST:
+            return _array(size, self.fixed, self.cells, epsilon)
+        changing = [0.0] * size
+        for mask, share, found in self.cells:
+            changing = [x if (row & mask != 0) is found else x + share for row, x in enumerate(changing)]
+        fixed, spread = self.fixed, 1.0 - 2.0 * epsilon
+        return [epsilon + spread * _snapped(x + fixed) for x in changing]
+
+
+def linear(cast: Cast, h: Hypothesis) -> Linear:
+    """One look at the features of a hypothesis."""
+    opaque, unhiding, solid = cast.opaque, cast.unhiding[h.id], h.opaque
+    weights: list[float] = []
+    same: list[int] = []
+    changing: list[tuple[int, set[str], bool]] = []
+    cells: dict[str, int] = {}
+    detected = False
+    for f in h.features:
+        if not f.in_image:
+            continue
+        found = f.match is not None
+        detected = detected or found
+        awaited = expected(f, solid)
+        hiders = {g for g in f.hidden_by if g in opaque and g not in unhiding} if awaited and f.hidden_by else None
+        if hiders:
+            for g in hiders:
+                cells[g] = cells.get(g, 0) + 1
+            changing.append((len(weights), hiders, found))
+        elif awaited == found:
+            same.append(len(weights))
+        weights.append(f.dv)
+    names = ordered(cells)
+    shares = alternative(weights) if detected else []
+    if not shares:
+        return Linear(names, None, [])
+    bit = {name: 1 << i for i, name in enumerate(names)}
+    fixed = sum([shares[i] for i in same], 0.0)
+    return Linear(names, fixed, [(sum([bit[g] for g in hiders]), shares[i], found) for i, hiders, found in changing])
+
+
+def _snapped(total: float) -> float:
+    """A sum of shares that is 0 or 1 but for rounding is 0 or 1: the certain stays certain."""
+    return 1.0 if total > 1.0 - 1e-12 else 0.0 if total < 1e-12 else total
+
+
+def _array(size: int, fixed: float, cells: Sequence[Cell], epsilon: float) -> NDArray[np.float64]:
+    rows, changing = np.arange(size), np.zeros(size)
+    for mask, share, found in cells:
+        changing += share * (((rows & mask) > 0) != found)
+    total = changing + fixed
+    total = np.where(total > 1.0 - 1e-12, 1.0, np.where(total < 1e-12, 0.0, total))
+    return epsilon + (1.0 - 2.0 * epsilon) * total
+
+
+def add_pick(tables: Tables, cast: Cast, scene: Scene, h: Hypothesis, epsilon: float) -> None:
+    """Modes `to_B` and `reassign`: state 0 and 1 of the pick are luck, good and bad (ε each); state i > 1 is the i-th feature in the image."""
+    seen = [f for f in h.features if f.in_image]
+    shares = alternative([f.dv for f in seen])
+    if not shares:  # every dv is 0: ev is undefined, and the hypothesis is never present
+        variable, state = cast.place[h.id]
+        tables.unary[variable][state] = IMPOSSIBLE
+        return
+    pick = tables.variable([log(epsilon), log(epsilon), *(log((1 - 2 * epsilon) * share) for share in shares)])
+    agrees = [_picked(pick, 0)]
+    agrees += [And((_picked(pick, i), _concordant(cast, scene, h, f))) for i, f in enumerate(seen, 2)]
+    accepted = And((Or(tuple(_is_found(cast, scene, h, f) for f in seen)), Or(tuple(agrees))))
+    present = _is_present(cast, h.id)
+    tables.required.append(Or((And((present, accepted)), And((Not(present), Not(accepted))))))
+
+
+def _picked(pick: int, state: int) -> Formula:
+    return Literal(pick, frozenset({state}))
+
+
+def _is_present(cast: Cast, name: str) -> Formula:
+    variable, state = cast.place[name]
+    return Literal(variable, frozenset({state}))
+
+
+def _any_of(cast: Cast, names: Iterable[str]) -> Formula:
+    return Or(tuple(Literal(v, frozenset(states)) for v, states in cast.literals(names)))
+
+
+def _in_view(cast: Cast, h: Hypothesis, f: FeatureFact) -> Formula:
+    """D7, given that ``h`` is in the world."""
+    return Not(_any_of(cast, cast.hiders(h, f))) if h.expects(f) else Or(())
+
+
+def _robbed(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:
+    """Mode `reassign`: another present object's expected feature claims the appearance (§5.5)."""
+    robbers = scene.robbers(h, f) if cast.situation.reconsider == "reassign" else []
+    return Or(tuple(And((_is_present(cast, g.id), _in_view(cast, g, e))) for g, e in robbers))
+
+
+def _is_found(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:
+    """D8."""
+    return Or(()) if f.match is None else Or((_in_view(cast, h, f), Not(_robbed(cast, scene, h, f))))
+
+
+def _concordant(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:
+    """Expected ⇔ Detected: what is matched is in view or lost to another; what is not is out of view."""
+    in_view = _in_view(cast, h, f)
+    return Not(in_view) if f.match is None else Or((in_view, _robbed(cast, scene, h, f)))
 
 
 class Seen(NamedTuple):

@@ -1,21 +1,119 @@
-"""Layers 1 and 2 of the program: the trees of the hypotheses, and what geometry computed."""
+"""Layers 1 and 2 of the program: the trees of the hypotheses, and the facts that geometry computed; constraints and support.
+
+The facts of space: middles, distances, who is over and on whom, which way is up; a hypothesis whose body nobody
+described is a point at its origin. Support: who may hold whom (layer 2), an excuse for each that may float (layer 3),
+and that none floats without one (evidence).
+"""
 
 from __future__ import annotations
 
 import math
+from itertools import combinations
 from typing import TYPE_CHECKING
 
+from plogic.base.bounds import bounded
+from plogic.facts.gravity import GROUND
 from plogic.facts.pair_facts import both_ways
-from plogic.scene.text import support_text as floating
+from plogic.facts.spatial import BodyFact, words_of_shared
 from plogic.scene.text.layout import coordinate, number, quoted
-from plogic.scene.text.space_facts import whereabouts
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from plogic.facts.gravity import Gravity
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.facts.situation import PairFact
     from plogic.scene.text.layout import Writer
+
+
+def holds(w: Writer) -> Iterator[str]:
+    """``weighs(h1). open_foot(h1, 0.0, 0.02).``, then ``body_rests(h2, h1).``; nothing where nobody said that gravity holds."""
+    gravity = w.scene.situation.gravity
+    if gravity is None:
+        return
+    yield "% Gravity: whom it is said of; between which heights they begin, m, where the ground's is not told; who rests on whom."
+    if gravity.silent:
+        yield f"% It keeps silent: {gravity.silent}"
+    for foot in gravity.feet:
+        height = (
+            f" open_foot({w.names.atom(foot.id)}, {number(foot.low)}, {number(foot.high)})."
+            if gravity.ground is None
+            else ""
+        )
+        yield w.fact("weighs", foot.id) + height
+    yield from (
+        f"body_rests({w.names.atom(x)}, {GROUND if y == GROUND else w.names.atom(y)})." for x, y in gravity.rests
+    )
+
+
+def excuses(w: Writer) -> Iterator[str]:
+    """``0.1::excused(h2).`` for each that floats in some world."""
+    gravity = w.scene.situation.gravity
+    if gravity is None:
+        return
+    yield ""
+    yield "% Something that the KB does not know may hold what seems to float, each by itself."
+    yield "excused(_) :- fail."
+    yield from (
+        f"{number(bounded(gravity.unknown_support))}::excused({w.names.atom(name)})." for name in may_float(gravity)
+    )
+
+
+def support_evidence(w: Writer) -> Iterator[str]:
+    """Nothing floats without an excuse."""
+    gravity = w.scene.situation.gravity
+    if gravity is not None:
+        yield from (f"evidence(\\+ violated(floats({w.names.atom(name)})))." for name in may_float(gravity))
+
+
+def may_float(gravity: Gravity) -> list[str]:
+    """Those that float in some assignment of present/1."""
+    return [
+        foot.id
+        for foot in gravity.feet
+        if (gravity.lower(foot.id) if gravity.ground is None else GROUND not in gravity.holders(foot.id))
+    ]
+
+
+VIEWS = {"inside": "inside_image", "cut": "cut_by_image"}
+
+
+def whereabouts(w: Writer) -> Iterator[str]:
+    """One line a hypothesis, one a pair that can be together, then who is over whom."""
+    situation = w.scene.situation
+    space, known = situation.space, {body.id: body for body in situation.space.bodies}
+    yield "% Space: the middles of bodies and their nearest places to the camera, metres, camera frame; then the gaps between two, and up."
+    bodies = [known.get(h.id) or _point(h) for h in situation.hypotheses]
+    yield from (_body(w, body) for body in bodies)
+    yield from (f"body_gap({w.atoms(x, y)}, {coordinate(gap)})." for x, y, gap in space.gaps)
+    yield from (
+        f"body_gap({w.atoms(x.id, y.id)}, {coordinate(math.dist(x.middle, y.middle))})."
+        for x, y in _unmeasured(bodies, known)
+    )
+    if space.up is not None:
+        yield f"up_direction({', '.join(coordinate(x) for x in space.up)}). % from: {space.up_from}"
+    yield from (w.fact("body_over", *pair) for pair in space.above)
+    yield from (w.fact("stands_on", *pair) for pair in space.on)
+    yield from (w.fact("stands_on_both", *three) for three in space.on_both)
+    yield from (f"% overlap({w.atoms(s.x, s.y)}): {words_of_shared(s)}" for s in space.shared)
+    yield from holds(w)
+
+
+def _point(h: Hypothesis) -> BodyFact:
+    x, y, z = h.camera_from_object[:3, 3].tolist()
+    return BodyFact(h.id, (x, y, z), math.hypot(x, y, z), "outside")
+
+
+def _body(w: Writer, body: BodyFact) -> str:
+    """``body_middle(h1, 0.1, 0.0, 0.9). body_nearest(h1, 0.85). inside_image(h1).``."""
+    at = ", ".join(coordinate(x) for x in body.middle)
+    facts = f"body_middle({w.names.atom(body.id)}, {at}). body_nearest({w.names.atom(body.id)}, {coordinate(body.nearest)})."
+    return f"{facts} {w.fact(VIEWS[body.view], body.id)}" if body.view in VIEWS else facts
+
+
+def _unmeasured(bodies: list[BodyFact], known: dict[str, BodyFact]) -> Iterator[tuple[BodyFact, BodyFact]]:
+    """Pairs of which one is a point at its origin: nobody measured the gap."""
+    return ((x, y) for x, y in combinations(bodies, 2) if x.id not in known or y.id not in known)
 
 
 def label_comments(w: Writer) -> Iterator[str]:
@@ -141,7 +239,7 @@ def constraints(w: Writer) -> Iterator[str]:
     if situation.reading == "score":
         for x, y in _once(w, situation.exclusive):
             yield f"evidence(\\+ violated(shares_data({w.atoms(x, y)})))."
-    yield from floating.evidence(w)
+    yield from support_evidence(w)
 
 
 def _measures(w: Writer) -> Iterator[str]:

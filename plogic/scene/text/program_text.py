@@ -1,31 +1,137 @@
 """The program text of a situation: four layers, then the evidence (§8). Making it and running it are two functions; this one makes it.
 
 The text *is* the definition of the semantics: ``plogic.scene.worlds.ranked_worlds`` is tested equal to it. It is
-deterministic.
+deterministic. Layer 3, the choices, depends on the reading. Score: the choices that make P(present(H) | its occluders)
+= P(ev). Posterior: which instance is which hypothesis, what hits, what causes what.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from plogic.base.bounds import alternative, bounded
 from plogic.facts.dependence import Scene, dependence
 from plogic.facts.names import names_of
 from plogic.facts.sanity import check
 from plogic.logic.safety.author import author_rules
+from plogic.scene.readings.posterior_reading import causes_of, group_shares, unmatched
 from plogic.scene.readings.score_reading import lifted_smoothing
 from plogic.scene.readings.unfinished import notice
 from plogic.scene.text import fact_layers as facts
-from plogic.scene.text import posterior_choices as posterior
-from plogic.scene.text import score_choices as score
-from plogic.scene.text import support_text as floating
-from plogic.scene.text.contexts import ev_facts
-from plogic.scene.text.layout import Writer, title
+from plogic.scene.text.contexts import accepted_given, context_clauses, contexts, ev_facts, listed
+from plogic.scene.text.layout import Writer, disjunction, number, title
 from plogic.scene.text.rules import defined, fallbacks, rules, vocabulary_rules
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.situation import Situation
+
+
+def posterior_choices(w: Writer) -> Iterator[str]:
+    """One alternative per instance and per claimed appearance, one hit per candidate feature."""
+    yield "hit(_, _) :- fail. chosen(_, _) :- fail. present(_) :- fail."
+    yield "% Rivals for one instance are one alternative; the rest of the prior says that there is none."
+    for shares in group_shares(w.scene).values():
+        yield disjunction([(p, f"present({w.names.atom(name)})") for name, p in shares])
+    yield "% Each expected feature is detected with its hit rate."
+    for h in w.scene.situation.hypotheses:
+        for f in (f for f in h.features if h.expects(f)):
+            yield f"{number(bounded(f.hit_rate))}::hit({w.feature(h, f)})."
+    yield "% Each claimed appearance has one cause: densities over their sum (bounded, so that ProbLog can read them)."
+    for appearance in w.scene.claimants:
+        yield from _causes(w, appearance)
+
+
+def _causes(w: Writer, appearance: str) -> Iterator[str]:
+    causes = causes_of(w.scene, appearance)
+    named = [(p, w.node(h, f.id)) for p, (h, f) in zip(causes.shares, causes.claimants, strict=True)]
+    heads = [
+        (p, f"chosen({w.names.atom(appearance)}, {cause})") for p, cause in [*named, (causes.noise, "noise")] if p > 0
+    ]
+    if heads:
+        yield disjunction(heads)
+    else:
+        yield f"% {w.names.atom(appearance)}: every density is 0: nothing can cause it."
+
+
+def posterior_evidence(w: Writer) -> Iterator[str]:
+    """Γ, and what is not in Γ."""
+    yield from (f"evidence(explained({w.names.atom(appearance)}))." for appearance in w.scene.claimants)
+    for h in w.scene.situation.hypotheses:
+        yield from (f"evidence(\\+ missed({w.feature(h, f)}))." for f in unmatched(h))
+
+
+SCORE_FALLBACKS = """alone(_) :- fail. ok(_, _) :- fail. pick(_, _) :- fail. luck(_, _) :- fail.
+member_of(_, _) :- fail. joint(_, _, _) :- fail. includes(_, _) :- fail."""
+
+
+def score_choices(w: Writer) -> Iterator[str]:
+    """One alternative per hypothesis, or per cyclic component."""
+    yield SCORE_FALLBACKS
+    for number_of_block, block in enumerate((b for b in w.graph.blocks if len(b) > 1), start=1):
+        yield from _joint(w, f"block({number_of_block})", block)
+    cyclic = {name for block in w.graph.blocks if len(block) > 1 for name in block}
+    for h in w.scene.situation.hypotheses:
+        if h.id not in cyclic:
+            yield from _alone(w, h)
+
+
+def _alone(w: Writer, h: Hypothesis) -> Iterator[str]:
+    yield ""
+    yield w.fact("alone", h.id)
+    yield from _dropping(w, h) if w.scene.situation.reconsider == "drop" else _picking(w, h)
+
+
+def _picking(w: Writer, h: Hypothesis) -> Iterator[str]:
+    """``dv_F/Σdv::pick(H, F)`` over the features in the image."""
+    seen = [f for f in h.features if f.in_image]
+    shares = alternative([f.dv for f in seen])
+    if not shares:
+        yield f"% {w.names.atom(h.id)}: no feature in the image, or every dv is 0: ev is undefined, never present."
+        return
+    heads = [(p, f"pick({w.feature(h, f)})") for p, f in zip(shares, seen, strict=True) if p > 0]
+    yield disjunction(heads)
+    epsilon = lifted_smoothing(w.scene)
+    if epsilon > 0:
+        atom = w.names.atom(h.id)
+        yield disjunction(
+            [(epsilon, f"luck({atom}, yes)"), (epsilon, f"luck({atom}, no)"), (1 - 2 * epsilon, f"luck({atom}, as_is)")]
+        )
+
+
+def _dropping(w: Writer, h: Hypothesis) -> Iterator[str]:
+    """``P(ev)::ok(H, Context)`` for each set of accepted occluders."""
+    for context in contexts(listed(w, h)):
+        yield f"{number(accepted_given(w, h, context))}::ok({w.names.atom(h.id)}, {w.list(context)})."
+
+
+def _joint(w: Writer, key: str, block: tuple[str, ...]) -> Iterator[str]:
+    """One alternative over the joint states S, weight Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)), for each context of outside occluders."""
+    yield ""
+    yield f"% {w.atoms(*block)} occlude each other in a cycle: decided jointly."
+    outside = w.graph.outside(block)
+    yield from (f"member_of({w.names.atom(name)}, {key})." for name in block)
+    yield from (f"includes({w.list(state)}, {w.names.atom(name)})." for state in contexts(block) for name in state)
+    yield from context_clauses(w, key, outside)
+    for context in contexts(outside):
+        yield disjunction(_states(w, key, block, context))
+
+
+def _states(w: Writer, key: str, block: tuple[str, ...], context: tuple[str, ...]) -> list[tuple[float, str]]:
+    states = contexts(block)
+    weights = [_weight(w, block, state, context) for state in states]
+    shares = alternative(weights) or [1.0] + [0.0] * (len(states) - 1)  # no stable state: none of them is accepted
+    return [(p, f"joint({key}, {w.list(context)}, {w.list(s)})") for p, s in zip(shares, states, strict=True) if p > 0]
+
+
+def _weight(w: Writer, block: tuple[str, ...], state: tuple[str, ...], context: tuple[str, ...]) -> float:
+    weight = 1.0
+    for name in block:
+        p = accepted_given(w, w.scene.by_id[name], (*state, *context))
+        weight *= p if name in state else 1.0 - p
+    return weight
 
 
 def program_text(situation: Situation) -> str:
@@ -67,8 +173,8 @@ def _lines(w: Writer) -> Iterator[str]:
     yield from facts.geometry(w)
     yield from ev_facts(w)
     yield from ("", title(3, "The choices"))
-    yield from score.choices(w) if is_score else posterior.choices(w)
-    yield from floating.excuses(w)
+    yield from score_choices(w) if is_score else posterior_choices(w)
+    yield from facts.excuses(w)
     yield from ("", title(4, "Σc: constraints and definitions D1-D8, free of any object type"))
     yield from ("% Predicates that may have no facts in this image.", fallbacks(), "")
     for block in rules(situation, smoothed=lifted_smoothing(w.scene) > 0):
@@ -81,7 +187,7 @@ def _lines(w: Writer) -> Iterator[str]:
     )
     yield from facts.constraints(w)
     if not is_score:
-        yield from posterior.evidence(w)
+        yield from posterior_evidence(w)
 
 
 def _author(w: Writer) -> Iterator[str]:

@@ -5,11 +5,18 @@ Vocabulary:
 * ``World``, one assignment of present/1, ``World(0.961, ("h1", "h2"), {"a1": "h1/roof/apex", "a9": "noise"}, (0.961,
   0.961))``
 * ``Ranking``, the most probable worlds with everything that a caller would otherwise normalise again
+
+Where the graph has auxiliary variables, a world weighs the sum over them (``weighed``). Most are summed out first;
+those that a world decides need not be, for they add no joint state to it. Where one would take too large a table (an
+appearance that very many claim), joint states with it are ranked instead: a world weighs at most its heaviest joint
+state times the number of joint auxiliary states, so a world whose sum is known may be told as soon as no world that is
+yet unseen can be heavier.
 """
 
 from __future__ import annotations
 
 import contextlib
+import heapq
 import math
 import time
 from dataclasses import dataclass
@@ -18,23 +25,70 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.clock import Clock, OutOfTimeError
-from plogic.base.errors import InconsistentError, LimitError
+from plogic.base.errors import InconsistentError, LimitError, WidthError
 from plogic.facts.sanity import check
-from plogic.inference.graph import FactorGraph
-from plogic.inference.marginals import beliefs
+from plogic.inference.gates import Literal, observed
+from plogic.inference.graph import FactorGraph, connected
+from plogic.inference.marginals import beliefs, summed_out
+from plogic.inference.ranked import Ranked
 from plogic.scene.factors.alternatives import cast_of
-from plogic.scene.factors.pieces import pieces
 from plogic.scene.factors.scene_graph import scene_graph
-from plogic.scene.factors.summed_ranking import weighed
 from plogic.scene.worlds.causes import CauseTable
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from plogic.facts.situation import Situation
     from plogic.inference.graph import Beliefs
     from plogic.scene.factors.scene_graph import SceneGraph
 
+    Weighed = tuple[float, tuple[int, ...]]
     Interval = tuple[float, float]
     Listed = list[tuple[float, tuple[str, ...]]]
+
+
+def weighed(scene: SceneGraph, clock: Clock) -> Iterator[Weighed]:
+    """(log weight, one state a variable of the scene's alternatives) of every possible world, heaviest first; OutOfTimeError past the clock."""
+    graph, left = scene.graph, []
+    for v in (v for v in scene.auxiliary if v not in scene.decided):
+        clock.check()
+        try:
+            graph = summed_out(graph, [v])
+        except WidthError:
+            left.append(v)
+    count = len(scene.variables)
+    if left:
+        yield from _lazily(graph, count, math.log(math.prod(graph.cards[v] for v in left)), clock)
+    else:
+        yield from ((weight, states[:count]) for weight, states in _ranked(graph, clock))
+
+
+def _ranked(graph: FactorGraph, clock: Clock) -> Iterator[Weighed]:
+    states = Ranked(graph, seconds=None if clock.end is None else clock.left())
+    yield from states
+    if not states.finished:
+        raise OutOfTimeError
+
+
+def _lazily(graph: FactorGraph, count: int, spread: float, clock: Clock) -> Iterator[Weighed]:
+    """``spread``: logarithm of how many joint states one world has."""
+    waiting: list[tuple[float, tuple[int, ...]]] = []
+    seen: set[tuple[int, ...]] = set()
+    for weight, states in _ranked(graph, clock):
+        while waiting and -waiting[0][0] >= weight + spread:
+            minus, world = heapq.heappop(waiting)
+            yield -minus, world
+        world = states[:count]
+        if world not in seen:
+            clock.check()
+            seen.add(world)
+            heapq.heappush(waiting, (-_sum(graph, world), world))
+    yield from ((-minus, world) for minus, world in sorted(waiting))
+
+
+def _sum(graph: FactorGraph, world: tuple[int, ...]) -> float:
+    return beliefs(observed(graph, [Literal(v, frozenset({s})) for v, s in enumerate(world)])).log_z[1]
+
 
 TIE = 1e-9
 """Log weights as near as this may be ties: they are all looked at before the list is cut."""
@@ -168,7 +222,7 @@ def _log_sum(logs: list[float]) -> float:
 
 def _reason(scene: SceneGraph) -> str:
     """Which hypotheses cannot be reconciled: those of the first piece of the graph without a possible joint state."""
-    for piece in pieces(scene.graph):
+    for piece in connected(scene.graph):
         factors = tuple(f for f in scene.graph.factors if f.scope and f.scope[0] in piece)
         if beliefs(FactorGraph(scene.graph.cards, factors)).log_z[1] == -math.inf:
             names = [name for name, (v, _) in scene.place.items() if v in piece]

@@ -19,16 +19,15 @@ import numpy as np
 from geometry.poses.refine_sights import turned_step
 from geometry.poses.reprojection import information
 from plogic.base.bounds import LEAST
-from plogic.cycle.belief import Belief, Cycle
+from plogic.cycle.belief import Cycle
 from plogic.cycle.delta import delta_of, instances
 from plogic.cycle.holding import gravity_of_view
 from plogic.cycle.trace import Trace
 from plogic.match.judged.disjoint import moved_apart, pose_information
-from plogic.match.judged.evidence import as_counted, evidence
+from plogic.match.judged.evidence import as_counted, evidence, judged
 from plogic.match.judged.freedom import share_of
 from plogic.match.judged.pose_information import known
 from plogic.match.judged.rivals import excludes
-from plogic.measures.explanatory import explanatory_value
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, seen_beside
 
@@ -208,9 +207,8 @@ def _parted(posed: Sequence[Hypothesis], first: int) -> tuple[tuple[Sequence[Hyp
     return (posed[:first], "accepted"), (posed[first:], "rival")
 
 
-def _belief(posed: Hypothesis, status: str, seen: Seen, perceiver: Perceiver) -> Belief:
-    found, ev = evidence(posed, seen.data, perceiver.kb), explanatory_value(posed.support(), perceiver.dv)
-    return Belief(posed, perceiver.models[posed.object_type.name], found.ratio, found.surplus, ev, ev, status)
+def _belief(posed: Hypothesis, status: str, seen: Seen, perceiver: Perceiver) -> Hypothesis:
+    return judged(posed, seen.data, perceiver.kb, perceiver.dv).told(status=status)
 
 
 def _known(posed: Hypothesis, hidden: NDArray[np.bool_] | None, seen: Seen, kb: KnowledgeBase) -> _Known | None:

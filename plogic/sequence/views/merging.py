@@ -12,11 +12,11 @@ from plogic.match.judged.evidence import evidence
 from plogic.sequence.views.standing import Standing, refined, seen_alone, standing_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.belief import Belief
     from plogic.facts.hypothesis import Hypothesis
+    from plogic.match.judged.type_models import TypeModel
     from plogic.sequence.views.standing import Seen
 
 
@@ -24,7 +24,7 @@ class Found(NamedTuple):
     """A view, and the hypotheses that it led to by itself."""
 
     seen: Seen
-    beliefs: Sequence[Belief]
+    beliefs: Sequence[Hypothesis]
 
 
 class _Member(NamedTuple):
@@ -33,23 +33,23 @@ class _Member(NamedTuple):
     posed: Hypothesis
 
 
-def merged(found: Sequence[Found], kb: KnowledgeBase) -> list[Standing]:
+def merged(found: Sequence[Found], models: Mapping[str, TypeModel], kb: KnowledgeBase) -> list[Standing]:
     """The distinct hypotheses of all views, each where it explains all views' data best, of the places at which any view has something like it.
 
     Tried are the poses of its own views, one through all their matches, and those of what else may stand there: what
     looks alike fits alike.
     """
-    heaps = _heaps(found)
+    heaps = _heaps(found, models)
     everybody = [member for heap in heaps for member in heap]
     return [_best(heap, everybody, [one.seen for one in found], kb) for heap in heaps]
 
 
-def _heaps(found: Sequence[Found]) -> list[list[_Member]]:
+def _heaps(found: Sequence[Found], models: Mapping[str, TypeModel]) -> list[list[_Member]]:
     """Near-duplicates together, told from where the first view stands."""
     heaps: list[list[_Member]] = []
     for v, (seen, beliefs) in enumerate(found):
         for belief in beliefs:
-            member = _Member(standing_of(belief, seen.view), v, belief.posed)
+            member = _Member(standing_of(belief, seen.view, models), v, belief)
             heap = next((some for some in heaps if some[0].standing.same(member.standing, found[0].seen.view)), None)
             if heap is None:
                 heaps.append([member])

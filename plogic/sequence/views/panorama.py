@@ -136,7 +136,9 @@ class Panorama:
         """Drop from Δp what is expected here, was not found, and is plainly not there. Its ids."""
         gone = []
         for known, _ in expected:
-            found = any(known.standing.same(standing_of(b, seen.view), seen.view) for b in cycle.accepted)
+            found = any(
+                known.standing.same(standing_of(b, seen.view, self.perceiver.models), seen.view) for b in cycle.accepted
+            )
             if not found and self._speaks(known, cycle, seen) < GONE:
                 gone.append(known.id)
         self.known = [known for known in self.known if known.id not in gone]
@@ -145,13 +147,13 @@ class Panorama:
     def _speaks(self, known: Known, cycle: Cycle, seen: Seen) -> float:
         """The log-likelihood ratio of one object in one view, where what was accepted there hides what it hides."""
         posed = seen_alone(known.standing, seen, self.perceiver.kb)
-        hidden = hidden_among(posed, [belief.posed for belief in cycle.accepted])
+        hidden = hidden_among(posed, cycle.accepted)
         return evidence(posed, seen.data, self.perceiver.kb, hidden).ratio
 
     def _remember(self, cycle: Cycle, view: View, in_view: Sequence[str]) -> None:
         """Judge what is known and what is new in all views together, and keep what is probable."""
         standing = [known.standing for known in self.known]
-        fresh = [standing_of(b, view) for b in (*cycle.accepted, *cycle.considered)]
+        fresh = [standing_of(b, view, self.perceiver.models) for b in (*cycle.accepted, *cycle.considered)]
         for some in (*fresh, *self.rivals):
             if not any(some.same(other, view) for other in standing):
                 standing.append(some)
@@ -174,24 +176,25 @@ class Panorama:
         """Δp after a view: what is believed, under its old name where it has one, and what no view of the window shows, as it was."""
         kept = [known for known in self.known if not self._shown(known.standing)]
         others = [known for known in self.known if self._shown(known.standing)]
+        there = [standing_of(b, view, self.perceiver.models) for b in cycle.accepted]
         for some, chance in believed:
             old = next((known for known in others if some.same(known.standing, view)), None)
             if old is None:
                 self.named += 1
                 old = Known(f"p{self.named}", some, chance, view.id)
-                kept.append(_aged(old, some, chance, cycle, view, here=True))
+                kept.append(_aged(old, some, chance, there, view, here=True))
             else:
                 others = [known for known in others if known is not old]
-                kept.append(_aged(old, some, chance, cycle, view, here=old.id in in_view))
+                kept.append(_aged(old, some, chance, there, view, here=old.id in in_view))
         outside = [replace(k, age=k.age + 1) for k in kept if k.last_seen != view.id]
         self.known = sorted(
             [*(k for k in kept if k.last_seen == view.id), *outside], key=lambda known: int(known.id[1:])
         )
 
 
-def _aged(old: Known, standing: Standing, chance: float, cycle: Cycle, view: View, *, here: bool) -> Known:
-    """The same object after one more view, in which it was found or was expected (``here``), or which did not show it."""
-    names = [f"h{i}" for i, b in enumerate(cycle.accepted, 1) if standing.same(standing_of(b, view), view)]
+def _aged(old: Known, standing: Standing, chance: float, there: Sequence[Standing], view: View, *, here: bool) -> Known:
+    """The same object after one more view, in which it was found or was expected (``here``), or which did not show it; ``there``: Δi of that view."""
+    names = [f"h{i}" for i, some in enumerate(there, 1) if standing.same(some, view)]
     by_view = {**old.by_view, **({view.id: names[0]} if names else {})}
     if names or here:
         return Known(old.id, standing, chance, view.id, 0, by_view)
@@ -200,7 +203,7 @@ def _aged(old: Known, standing: Standing, chance: float, cycle: Cycle, view: Vie
 
 def _left(cycle: Cycle, seen: Seen) -> tuple[str, ...]:
     """Ids of a view's data that no accepted hypothesis claims."""
-    taken = {i for belief in cycle.accepted for i in claims(belief.posed)}
+    taken = {i for belief in cycle.accepted for i in claims(belief)}
     return tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
 
 

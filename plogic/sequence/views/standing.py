@@ -18,12 +18,11 @@ from plogic.match.judged.pose_information import sigmas
 from plogic.match.judged.rivals import claims, excludes, hidden_among
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.cycle.belief import Belief
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import TypeModel
@@ -64,9 +63,9 @@ class Standing:
         return self.object_type.name == other.object_type.name and same_place(self.object_type, mine, theirs)
 
 
-def standing_of(belief: Belief, view: View) -> Standing:
+def standing_of(belief: Hypothesis, view: View, models: Mapping[str, TypeModel]) -> Standing:
     """Where a hypothesis of one view stands in the world."""
-    return Standing(belief.index, np.asarray(view.world_from_camera @ belief.posed.camera_from_object))
+    return Standing(models[belief.type], np.asarray(view.world_from_camera @ belief.camera_from_object))
 
 
 def seen_alone(standing: Standing, seen: Seen, kb: KnowledgeBase) -> Hypothesis:

@@ -9,16 +9,15 @@ import numpy as np
 
 from geometry.frames import inverse
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.evidence import evidence
+from plogic.match.judged.evidence import judged
 from plogic.match.judged.rivals import hidden_among
-from plogic.measures.explanatory import explanatory_value
 from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, seen_beside
 from plogic.sequence.views.view import View
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plogic.cycle.belief import Belief, Cycle
+    from plogic.cycle.belief import Cycle
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.run.perceive import Perceiver
@@ -39,7 +38,7 @@ def sharpened(cycle: Cycle, left: Gamma, data: Data, right: Gamma, pair: Pair, p
     aside = Seen(
         View("right", right, inverse(pair.right_from_left)), data_of(right.appearances, right.camera, perceiver.width)
     )
-    standing = [Standing(b.index, b.posed.camera_from_object) for b in cycle.accepted]
+    standing = [Standing(perceiver.models[b.type], b.camera_from_object) for b in cycle.accepted]
     for _ in range(ROUNDS):
         posed = [_posed(standing, seen, perceiver) for seen in (near, aside)]
         standing = [
@@ -60,9 +59,7 @@ def _posed(standing: Sequence[Standing], seen: Seen, perceiver: Perceiver) -> li
 
 
 def _judged(
-    belief: Belief, posed: Hypothesis, others: Sequence[Hypothesis], data: Data, perceiver: Perceiver
-) -> Belief:
-    hidden = hidden_among(posed, others)
-    found = evidence(posed, data, perceiver.kb, hidden)
-    ev, again = (explanatory_value(posed.support(mask), perceiver.dv) for mask in (None, hidden))
-    return replace(belief, posed=posed, worth=found.ratio, surplus=found.surplus, ev=ev, ev_reconsidered=again)
+    belief: Hypothesis, posed: Hypothesis, others: Sequence[Hypothesis], data: Data, perceiver: Perceiver
+) -> Hypothesis:
+    again = judged(posed, data, perceiver.kb, perceiver.dv, hidden_among(posed, others))
+    return again.told(status=belief.status, why=belief.why)

@@ -61,20 +61,22 @@ class Perceiver:
 
     kb = None
 
-    class Belief:
+    class Hypothesis:
         """What is asked of one."""
 
         def __init__(self, name, surplus, status="accepted"):
             self.surplus, self.status = surplus, status
-            self.posed = type(
-                "Posed", (), {"object_type": type("Kind", (), {"name": name}), "camera_from_object": np.eye(4)}
-            )
+            self.type, self.camera_from_object = name, np.eye(4)
 
     def delta(self, *asked):
         """As the real one's."""
         assert asked[1] == Options(reading="posterior")
-        beliefs = {"h1": self.Belief("a", 3.0), "h2": self.Belief("b", 7.0), "h3": self.Belief("c", 9.0, "rival")}
-        return type("Delta", (), {"beliefs": beliefs}), (self.Belief("d", 10.0, "rejected"),), []
+        beliefs = {
+            "h1": self.Hypothesis("a", 3.0),
+            "h2": self.Hypothesis("b", 7.0),
+            "h3": self.Hypothesis("c", 9.0, "rival"),
+        }
+        return type("Delta", (), {"beliefs": beliefs}), (self.Hypothesis("d", 10.0, "rejected"),), []
 
 
 def test_the_accepted_ones_and_the_others_each_the_best_first():
@@ -185,7 +187,7 @@ def test_without_the_meshes_it_goes_on_and_says_so(monkeypatch, tmp_path):
 
 def test_what_is_learned_is_read_back(monkeypatch, tmp_path):
     """As for ``recognition``; here an empty one is written."""
-    from plogic.face.authoring.kb_new import new_command
+    from plogic.face.authoring.kb_types import new_command
 
     monkeypatch.setattr(recognition_scenes, "ycb_meshes", lambda: {"it": tmp_path})
     monkeypatch.setattr("benchmarks.recognition.kb.learn_into", lambda folder, *_: new_command(folder, None))

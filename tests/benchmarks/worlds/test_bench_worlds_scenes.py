@@ -27,7 +27,7 @@ def perceiver():
 
 @pytest.fixture(scope="module")
 def gamma(perceiver):
-    from plogic.face.shown.simulated_scenes import shapes_of
+    from plogic.face.commands.simulate import shapes_of
     from sensing.detectors.detector import detect
     from sensing.simulated.scene import random_scene
 
@@ -56,7 +56,7 @@ def test_ten_rivals_and_more_an_object(number):
 
 
 def test_no_two_hypotheses_are_near_duplicates(delta):
-    posed = [belief.posed for belief in delta.beliefs.values()]
+    posed = list(delta.beliefs.values())
     assert len(posed) >= 2 * RIVALS
     assert not [pair for pair in combinations(posed, 2) if same_hypothesis(*pair)]
 
@@ -65,7 +65,7 @@ def test_what_the_cycle_accepts_leads_them_and_each_has_rivals(perceiver, gamma,
     accepted = [h for h in perceiver(gamma)["hypotheses"] if h["status"] == "accepted"]
     beliefs = list(delta.beliefs.values())
     assert len(accepted) == 2
-    assert {h["type"] for h in accepted} == {b.posed.object_type.name for b in beliefs[:2]}
+    assert {h["type"] for h in accepted} == {b.object_type.name for b in beliefs[:2]}
     rivals = [sum(name in pair for pair in delta.situation.rivals) for name in ("h1", "h2")]
     assert min(rivals) >= 5
     assert sum(rivals) >= RIVALS

@@ -12,7 +12,7 @@ from made_meshes import obj_text, split_box, write_box
 from small_kb import KB, OBJECT, write_small
 
 from kb.files.read import read_kb
-from plogic.face.authoring.kb_new import new_command
+from plogic.face.authoring.kb_types import new_command
 
 LONG = "n" * 300
 TOO_LONG = "has a name that is too long for a file"

@@ -325,8 +325,8 @@ def test_a_reader_that_leaves_early_sees_no_traceback(interpretation):
 
 def test_an_error_of_ours_is_one_line_too(tmp_path):
     """No traceback reaches a user, whatever is broken; PLOGIC_TRACEBACK=1 shows it."""
-    broken = "import cli, plogic.face.authoring.kb\ndef no(*a, **k): raise ZeroDivisionError('by\\nzero')\n"
-    broken += "plogic.face.authoring.kb.check_command = no\ncli.main()"
+    broken = "import cli, plogic.face.authoring.kb_show\ndef no(*a, **k): raise ZeroDivisionError('by\\nzero')\n"
+    broken += "plogic.face.authoring.kb_show.check_command = no\ncli.main()"
     command = [BIN / "python", "-c", broken, "kb", "check", "towers"]
     quiet = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert (quiet.returncode, quiet.stdout) == (1, "")

@@ -14,7 +14,7 @@ from kb.errors import KBErrors
 from kb.files.read import read_kb
 from kb.shown.learned_summary import MANY, learned_summary
 from kb.shown.show import check_report, tree_document, tree_text
-from plogic.face.authoring.kb import measures_command, show_command
+from plogic.face.authoring.kb_show import measures_command, show_command
 
 
 def many(seed, axis=(0.0, 0, 1), features=300, spread=0.1):

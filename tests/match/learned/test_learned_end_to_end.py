@@ -125,7 +125,7 @@ def test_what_is_accepted_is_what_the_document_says(perceiver):
     seen_now = gamma(perceiver, picture([pose_towards(CORNER, 0.6, 0.2, (-0.09, 0.0))]))
     accepted = perceiver.accepted(seen_now)
     told = [h for h in perceiver(seen_now)["hypotheses"] if h["status"] == "accepted"]
-    assert [(b.posed.object_type.name, b.posed.camera_from_object.tolist(), chance) for b, chance in accepted] == [
+    assert [(b.object_type.name, b.camera_from_object.tolist(), chance) for b, chance in accepted] == [
         (h["type"], h["T_camera_object"], h["probability"]) for h in told
     ]
     assert len(told) == 1

@@ -41,9 +41,9 @@ def test_easy_trials_are_accepted_with_the_right_pose():
         _, case, _ = a_trial(clouds(), seed)
         found = accepted(perceiver(), case.gamma)
         errors = [
-            errors_of(Found(b.posed.object_type.name, b.posed.camera_from_object), case.truth)
+            errors_of(Found(b.object_type.name, b.camera_from_object), case.truth)
             for b in found
-            if b.posed.object_type.name == case.truth.type
+            if b.object_type.name == case.truth.type
         ]
         right += any(turned < np.radians(10.0) and moved < 0.06 for turned, moved in errors)
         false += len(found) - len(errors)
@@ -55,10 +55,10 @@ def test_what_is_accepted_claims_its_own_data():
     for seed in range(4):
         _, case, data = a_trial(clouds(), seed)
         (belief,) = accepted(perceiver(), case.gamma)
-        claimed = {data.ids[i] for i in belief.posed.matches[belief.posed.detected]}
+        claimed = {data.ids[i] for i in belief.matches[belief.detected]}
         assert len(claimed & set(case.causes)) >= 0.8 * len(claimed)
         assert len(claimed & set(case.causes)) >= 0.7 * len(case.causes)
-        wrong = belief.posed.likeness[belief.posed.detected] < np.exp(-4.6) * np.sqrt(2 * np.pi) / EASY.turn
+        wrong = belief.likeness[belief.detected] < np.exp(-4.6) * np.sqrt(2 * np.pi) / EASY.turn
         assert not wrong.any(), "nothing is matched beyond three deviations"
 
 
@@ -78,7 +78,7 @@ def two_objects():
 
 def test_two_objects_of_different_types_are_both_accepted():
     names, gamma = two_objects()
-    assert names <= {belief.posed.object_type.name for belief in accepted(perceiver(), gamma)}
+    assert names <= {belief.object_type.name for belief in accepted(perceiver(), gamma)}
 
 
 def test_what_one_search_found_is_accepted_before_there_is_another(monkeypatch):
@@ -92,7 +92,7 @@ def test_what_one_search_found_is_accepted_before_there_is_another(monkeypatch):
     monkeypatch.setattr(generate.Search, "proposals", counting)
     found = accepted(perceiver(), two_objects()[1])
     assert len(found) == 2
-    assert asked == [len(two_objects()[1].appearances), asked[0] - sum(int(b.posed.detected.sum()) for b in found)]
+    assert asked == [len(two_objects()[1].appearances), asked[0] - sum(int(b.detected.sum()) for b in found)]
 
 
 def test_without_sigma_angle_the_same_kb_goes_the_old_way():
@@ -100,14 +100,12 @@ def test_without_sigma_angle_the_same_kb_goes_the_old_way():
     assert without_angles().shared is None
     _, case, _ = a_trial(clouds(), 7)
     delta, _, _ = without_angles().delta(case.gamma, Options(reading="posterior"), Stopwatch())
-    assert all(belief.posed.likeness is None for belief in delta.beliefs.values())
+    assert all(belief.likeness is None for belief in delta.beliefs.values())
     silent = Gamma(case.gamma.camera, tuple(replace(a, angle=None) for a in case.gamma.appearances))
     again, _, _ = without_angles().delta(silent, Options(reading="posterior"), Stopwatch())
     assert list(again.beliefs) == list(delta.beliefs)
     for name, belief in delta.beliefs.items():
-        assert np.array_equal(again.beliefs[name].posed.camera_from_object, belief.posed.camera_from_object), (
-            "angles say nothing"
-        )
+        assert np.array_equal(again.beliefs[name].camera_from_object, belief.camera_from_object), "angles say nothing"
 
 
 def test_a_deadline_in_the_past_gives_an_unfinished_answer():
@@ -132,13 +130,13 @@ def test_a_document_tells_of_what_was_found():
     assert case.truth.type in {row["type"] for row in document["hypotheses"]}
     assert sum(world["probability"] for world in document["worlds"]) == pytest.approx(1.0)
     (belief,) = accepted(perceiver(), case.gamma)
-    assert is_rigid(belief.posed.camera_from_object)
+    assert is_rigid(belief.camera_from_object)
 
 
 def steps(gamma, perceiving=None):
     """Accepted types and the events of the trace."""
     delta, _, trace = (perceiving or perceiver()).delta(gamma, Options(reading="posterior"), Stopwatch())
-    return [b.posed.object_type.name for b in delta.beliefs.values() if b.status == "accepted"], [
+    return [b.object_type.name for b in delta.beliefs.values() if b.status == "accepted"], [
         step["event"] for step in trace
     ]
 

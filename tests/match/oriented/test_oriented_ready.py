@@ -117,9 +117,7 @@ def test_few_types_and_places_that_cannot_be_written_are_not_kept(tmp_path):
 
 def answer_of(kb, cache, gamma):
     delta, _, _ = Perceiver(kb, cache).delta(gamma, Options(reading="posterior"), Stopwatch())
-    return {
-        belief.posed.object_type.name: belief.posed.camera_from_object.tobytes() for belief in delta.beliefs.values()
-    }
+    return {belief.object_type.name: belief.camera_from_object.tobytes() for belief in delta.beliefs.values()}
 
 
 def test_a_perceiver_answers_alike_with_and_without_whatever_was_kept_before(tmp_path):

@@ -45,13 +45,13 @@ def interpreted(objects, seed, angles, generator):
 
 def apart(one, other):
     """Degrees, and share of the distance, by which two hypotheses differ; infinite of different types."""
-    if one.posed.object_type.name != other.posed.object_type.name:
+    if one.object_type.name != other.object_type.name:
         return np.inf, np.inf
-    pose = other.posed.camera_from_object
-    rotation, translation = pose_error(one.posed.camera_from_object, pose, other.posed.object_type.symmetries)
+    pose = other.camera_from_object
+    rotation, translation = pose_error(one.camera_from_object, pose, other.object_type.symmetries)
     return np.degrees(rotation), translation / np.linalg.norm(pose[:3, 3])
 
 
 def claimed(belief):
     """The rows of the data that it claims."""
-    return frozenset(belief.posed.matches[belief.posed.detected].tolist())
+    return frozenset(belief.matches[belief.detected].tolist())

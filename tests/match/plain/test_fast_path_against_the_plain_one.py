@@ -51,7 +51,7 @@ def one_match(kb):
 
 def clear(belief):
     """Whether it would be accepted without one of its matches, too."""
-    return (belief.posed.candidate & belief.posed.detected).sum() > FEWEST
+    return (belief.candidate & belief.detected).sum() > FEWEST
 
 
 @pytest.mark.parametrize(("objects", "seed", "angles"), LAW)
@@ -61,7 +61,7 @@ def test_the_fast_path_explains_no_less_than_the_plain_one(objects, seed, angles
     some = [belief for belief in plain if clear(belief)]
     assert sum(b.worth for b in fast) >= sum(b.worth for b in some) - edge * len(some)
     for belief in some:
-        (same,) = [b for b in fast if b.posed.object_type is belief.posed.object_type]
+        (same,) = [b for b in fast if b.object_type is belief.object_type]
         assert same.worth >= belief.worth - edge
 
 
@@ -87,8 +87,8 @@ def test_the_scenes_have_something_to_accept():
 def test_what_posit_makes_no_pose_of_the_fast_path_has_more():
     fast, plain = (interpreted(2, 4, ANGLES, generator)[0] for generator in ("index", "quadruples"))
     assert sum(b.worth for b in fast) > sum(b.worth for b in plain) + 50.0
-    (more,) = [b for b in fast if b.posed.object_type.name not in {other.posed.object_type.name for other in plain}]
-    assert (more.posed.candidate & more.posed.detected).sum() == FEWEST
+    (more,) = [b for b in fast if b.object_type.name not in {other.object_type.name for other in plain}]
+    assert (more.candidate & more.detected).sum() == FEWEST
 
 
 def test_what_only_the_plain_one_accepts_the_fast_one_proposed_and_judged_at_the_edge():
@@ -107,6 +107,6 @@ def test_what_only_the_plain_one_accepts_the_fast_one_proposed_and_judged_at_the
 def test_what_either_accepts_is_there(seed):
     _, _, truths = world(2, seed, ANGLES)
     for generator in ("index", "quadruples"):
-        assert {b.posed.object_type.name for b in interpreted(2, seed, ANGLES, generator)[0]} <= {
+        assert {b.object_type.name for b in interpreted(2, seed, ANGLES, generator)[0]} <= {
             truth.type for truth in truths
         }

@@ -139,7 +139,7 @@ def test_what_is_out_of_time_is_unfinished():
 
 def test_softposit_in_the_cycle_accepts_what_the_others_do():
     (mine,), (other,) = interpreted(*SCENE, "softposit")[0], interpreted(*SCENE, "index")[0]
-    assert mine.posed.object_type.name == other.posed.object_type.name
+    assert mine.object_type.name == other.object_type.name
     assert mine.worth == pytest.approx(other.worth, abs=1.0)
 
 

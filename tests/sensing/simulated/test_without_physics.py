@@ -11,7 +11,7 @@ from geometry.camera import Camera
 from geometry.frames import inverse, look_at
 from kb.files.folder import shipped
 from kb.files.read import read_kb
-from plogic.face.shown.simulated_scenes import shapes_of
+from plogic.face.commands.simulate import shapes_of
 from sensing.simulated.body import Body
 from sensing.simulated.camera import render, visible_fractions
 from sensing.simulated.client import has_physics, physics_version

@@ -16,8 +16,8 @@ from geometry.camera import camera_to_dict
 from geometry.errors import PlogicError
 from kb.files.read import read_kb
 from plogic.cycle.delta import Options
-from plogic.face.authoring.kb import check_command
 from plogic.face.authoring.kb_assimilate import assimilate_command
+from plogic.face.authoring.kb_show import check_command
 from plogic.run.perceive import Perceiver
 from plogic.sequence.constancy.decide import unknown_objects
 from plogic.sequence.constancy.draft import draft_type
@@ -114,7 +114,7 @@ def test_the_draft_stands_where_it_was(kb, moved, constancy):
     assert np.allclose(np.mean([f.at for f in kind.features], axis=0), 0.0, atol=1e-9)
     middle = np.mean([f.at for f in features], axis=0)
     (accepted,) = [b for b, _ in Perceiver(replace(kb, types=(kind,))).accepted(moved.views[1].gamma)]
-    world = moved.views[1].world_from_camera @ accepted.posed.camera_from_object
+    world = moved.views[1].world_from_camera @ accepted.camera_from_object
     assert np.linalg.norm(world[:3, 3] - middle) < 0.03
     assert np.degrees(np.arccos((np.trace(world[:3, :3]) - 1) / 2)) < 3.0
 

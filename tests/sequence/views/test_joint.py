@@ -86,7 +86,7 @@ def test_poses_are_better_of_views_that_lie_apart():
 def test_of_one_view_the_joint_worlds_are_those_of_the_image():
     v = view(1, turned(4.0), hit=0.35, patch_hit=0.35, seed=1)
     delta, _, _ = perceiver().delta(v.gamma, POSTERIOR, Stopwatch())
-    some = [standing_of(b, v) for b in delta.beliefs.values()]
+    some = [standing_of(b, v, perceiver().models) for b in delta.beliefs.values()]
     found, ranking = joint(seen(v), some, perceiver(), POSTERIOR)
     order = [f"h{1 + next(i for i, one in enumerate(some) if one is mine)}" for mine in found.standing]
     image = ranked_worlds(delta.situation)

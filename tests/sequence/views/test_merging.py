@@ -31,8 +31,8 @@ def test_two_views_place_it_better_than_one_and_once(perceiver):
     begun = tour(one, perceiver)
     looks = [begun.look(0), begun.look(3)]
     name = one.objects[0].kind.name
-    alone = [some for some in merged(looks[:1], perceiver.kb) if some.object_type.name == name]
-    both = [some for some in merged(looks, perceiver.kb) if some.object_type.name == name]
+    alone = [some for some in merged(looks[:1], perceiver.models, perceiver.kb) if some.object_type.name == name]
+    both = [some for some in merged(looks, perceiver.models, perceiver.kb) if some.object_type.name == name]
     assert min(_off(some.world_from_object, one) for some in both) < 0.006
     assert min(_off(some.world_from_object, one) for some in both) <= min(
         _off(some.world_from_object, one) for some in alone
@@ -44,8 +44,8 @@ def test_two_views_place_it_better_than_one_and_once(perceiver):
 def test_one_view_leaves_hypotheses_where_they_were(perceiver):
     begun = tour(scene(perceiver.kb, 3), perceiver)
     look = begun.look(0)
-    found = merged([look], perceiver.kb)
-    poses = [look.seen.view.world_from_camera @ belief.posed.camera_from_object for belief in look.beliefs]
+    found = merged([look], perceiver.models, perceiver.kb)
+    poses = [look.seen.view.world_from_camera @ belief.camera_from_object for belief in look.beliefs]
     assert len(found) == len(poses)
     assert all(np.allclose(some.world_from_object, pose) for some, pose in zip(found, poses, strict=True))
 

@@ -1,16 +1,19 @@
-"""``plogic kb ...``."""
+"""``plogic kb check``, ``show`` and ``measures``: what a knowledge base holds, as text, as JSON and as a page."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from plogic.face.authoring.kb_page import type_of
+from plogic.base.errors import InputError
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
-    from kb.clouds.cloud import KnowledgeBase
+    from collections.abc import Callable
+
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
 
 
 def check_command(folder: str, *, as_json: bool) -> str:
@@ -40,7 +43,7 @@ def show_command(folder: str, name: str | None = None, *, as_json: bool) -> str:
 
 def measures_command(folder: str, gamma: str | None, *, as_json: bool) -> str:
     """|S(F)|, P(dv), dv; with a Γ, every type's rank and what decides ties."""
-    from plogic.face.shown.printing import plain_table
+    from plogic.face.shown.tables import plain_table
     from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 
     kb = kb_of(folder)
@@ -87,3 +90,30 @@ def schema_command(which: Literal["kb", "object"]) -> str:
     from kb.files.schema import json_schema
 
     return json.dumps(json_schema(which), indent=1)
+
+
+def page_command(
+    folder: str, name: str | None, out: str, *, say: Callable[[str], None], write: Callable[[str], None]
+) -> None:
+    """Write the page of a type, the KB's only one where none is named; `-` is stdout. Raises InputError."""
+    from plogic.face.pages.type_page import type_page
+    from sensing.files.whole_files import write_whole
+
+    kb = kb_of(folder)
+    text = type_page(kb, type_of(kb, name))
+    if out == "-":
+        write(text)
+        return
+    write_whole(Path(out), text.encode())
+    say(f"wrote {out}")
+
+
+def type_of(kb: KnowledgeBase, name: str | None) -> ObjectType:
+    """The type of that name. Raises InputError, naming those that there are."""
+    known = {kind.name: kind for kind in kb.types}
+    there = f"there are: {', '.join(known) or 'none (plogic kb add)'}"
+    if name is not None and name not in known:
+        raise InputError(f"{name}: no such object type; {there}")
+    if name is None and len(known) != 1:
+        raise InputError(f"{kb.name}: a page shows one object type: name it; {there}")
+    return known[name] if name is not None else kb.types[0]
