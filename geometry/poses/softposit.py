@@ -82,10 +82,6 @@ class SoftPositResult:
     error: Floats  # (K,) mean squared distance of reprojection over the matches, normalised units^2; inf without any or with one behind
     converged: Mask  # (K,) near (`Annealing.nearest`), by at least four matches, all before the camera
 
-    def first(self, count: int) -> "SoftPositResult":
-        """The result of the first `count` starts alone."""
-        return SoftPositResult(*(getattr(self, field.name)[:count] for field in fields(self)))
-
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
@@ -339,30 +335,3 @@ def random_starts(
         * z
     )
     return from_rotation_translation(rotation, place - rotation @ objects.mean(axis=0))
-
-
-def softposit_restarts(
-    points: ArrayLike,
-    xy: ArrayLike,
-    start: ArrayLike,
-    enough: int,
-    *,
-    allowed: ArrayLike | None = None,
-    annealing: Annealing | None = None,
-    at_once: int = 16,
-) -> SoftPositResult:
-    """The starts `start` (K, 4, 4) one after the other, up to and with the first that converges with `enough` matches; all if none does.
-
-    The paper takes 0.8 x the expected rate of detection x N for enough. Starts are annealed `at_once`, which changes
-    the time only: what comes after the first success is dropped. The result has K' <= K starts; where it was found, the
-    last is the one.
-    """
-    starts = last_axes(start, (4, 4), "start")
-    parts: list[SoftPositResult] = []
-    for i in range(0, max(1, len(starts)), at_once):
-        part = softposit(points, xy, starts[i : i + at_once], allowed=allowed, annealing=annealing)
-        hits = np.nonzero(part.converged & (part.count >= enough))[0]
-        parts.append(part if not len(hits) else part.first(int(hits[0]) + 1))
-        if len(hits):
-            break
-    return joined(parts)

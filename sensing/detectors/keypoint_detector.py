@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Literal, Protocol
 import numpy as np
 
 from sensing.appearance import Appearance
-from sensing.detectors.colour import colours, is_grey
-from sensing.detectors.edge_points import edge_points
-from sensing.detectors.edge_sides import edge_sides
+from sensing.detectors.edge_sides import edge_points, edge_sides
+from sensing.detectors.keypoint_colours import colours, is_grey
 from sensing.detectors.keypoints import MOST, Keypoints, grey_of, keypoints, sift_at
 from sensing.detectors.regions import MOST as REGIONS
 from sensing.detectors.regions import regions

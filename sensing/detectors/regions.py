@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from sensing.detectors.colour import WIDTH, is_grey, ratios
+from sensing.detectors.keypoint_colours import WIDTH, is_grey, ratios
 from sensing.detectors.keypoints import Keypoints, grey_of, sift_at
 
 if TYPE_CHECKING:
