@@ -47,7 +47,7 @@ HUGE = 1e6  # a start's greatest entry, and the sizes and depths of the image be
 NEARER, FARTHER = -0.95, 20.0  # bounds of w - 1, as in `geometry.poses.posit`
 EXPONENT = 100.0  # bound of |beta (d^2 - alpha)|: what is smaller than exp(-100) is nothing
 MATCHED = 0.51  # m above which a pair is a match: above both slacks and all rivals, as rows and columns sum to 1
-FEWEST = 4  # matches below which a pose is not determined
+LEAST_MATCHED = 4  # matches below which a pose is not determined
 
 
 @dataclass(frozen=True)
@@ -286,7 +286,7 @@ def _result(problem: _Problem, ends: _State, sound: Mask) -> SoftPositResult:
         np.append(problem.of_image, -1)[matches],
         count,
         error,
-        sound & near & (count >= FEWEST) & np.isfinite(error),
+        sound & near & (count >= LEAST_MATCHED) & np.isfinite(error),
     )
 
 
