@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 _CELLS = attrgetter("size")
 DIGITS = 42  # binary digits behind the point
-FEWEST = 36  # digits that 64-bit costs keep at least
+LEAST_DIGITS = 36  # digits that 64-bit costs keep at least
 ROOM = 57  # every possible cost of a piece is below 2^57
 IMPOSSIBLE = 1 << (ROOM + 1)  # so that 31 of them still fit in 64 bits
 
@@ -84,7 +84,7 @@ def _scaled(
     ranges = np.maximum.reduceat(np.where(below < np.inf, below, 0.0), cuts[:-1])
     span = sum(ranges.tolist())
     digits = DIGITS if span < 2.0 ** (ROOM - DIGITS) else ROOM - 1 - math.ceil(math.log2(span))
-    if digits >= FEWEST:
+    if digits >= LEAST_DIGITS:
         return (
             np.where(below < np.inf, np.rint(below * 2.0**digits), float(IMPOSSIBLE)).astype(np.int64),
             IMPOSSIBLE,

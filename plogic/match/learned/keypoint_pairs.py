@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.match.learned.lexicon import NTH
-from sensing.fairness import fairly
+from sensing.detectors.edge_sides import fairly
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -38,7 +38,7 @@ NEIGHBOURS = 3
 """The spacing of some places is the median distance to the neighbour of this number."""
 SHARE = 0.5
 """Share of the features that are taken to be near certain ones; the others are anywhere."""
-FEWEST = 4
+LEAST_CERTAIN = 4
 """Certain features below which nothing is said of where others are."""
 
 
@@ -77,7 +77,7 @@ class Company:
 def company_of(data: Ints, at: Floats) -> Company | None:
     """Of certain tracks (G, V) at places (G, 3); None of too few."""
     reach = spacing(at)
-    return Company(data, at, reach) if len(at) >= FEWEST and reach > 0.0 else None
+    return Company(data, at, reach) if len(at) >= LEAST_CERTAIN and reach > 0.0 else None
 
 
 ODDS = 1.0
