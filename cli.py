@@ -12,6 +12,7 @@ import click
 from plogic.face.authoring.kb_group import kb
 from plogic.face.commands.batch import batch
 from plogic.face.commands.bop import bop
+from plogic.face.commands.measures import measures
 from plogic.face.commands.next_view import next_view
 from plogic.face.commands.simulate import BOP, BOP_IMAGES, ROBOT
 from plogic.face.shown.options import (
@@ -280,6 +281,7 @@ cli.add_command(kb)
 cli.add_command(bop)
 cli.add_command(batch)
 cli.add_command(next_view)
+cli.add_command(measures)
 
 
 def _warn(source: str, *, trust: bool) -> None:

@@ -23,7 +23,7 @@ def test_no_library_prints():
 
 
 def test_an_init_hands_names_on_and_does_nothing_else():
-    found = [p for p in modules().values() if p.name == "__init__.py"]
+    found = [p for p in modules().values() if p.name == "__init__.py" and p.parent.name != "plogic"]
     assert len(found) > 1
     for path in found:
         statements_of = ast.parse(path.read_text(encoding="utf-8")).body
@@ -34,6 +34,19 @@ def test_an_init_hands_names_on_and_does_nothing_else():
             for s in statements_of
         )
         assert allowed, path
+
+
+def test_the_init_of_plogic_holds_a_table_of_names_that_load_when_they_are_used():
+    statements_of = ast.parse(modules()["plogic"].read_text(encoding="utf-8")).body
+    text, flag, listed, branch = statements_of
+    assert isinstance(text.value, ast.Constant)
+    assert ast.unparse(flag) == "TYPE_CHECKING = False"
+    assert _is_all(listed)
+    assert ast.unparse(branch.test) == "TYPE_CHECKING"
+    assert {type(s) for s in branch.body} == {ast.ImportFrom}
+    table, *functions = branch.orelse
+    assert [target.id for target in table.targets] == ["_PLACES"]
+    assert [function.name for function in functions] == ["__getattr__", "__dir__"]
 
 
 def _is_all(statement):

@@ -4,15 +4,14 @@
 * ``Range(0.0, 1.0)``: a number's bounds, both included
 * ``Row(str, str, float)``: a list whose elements have these types
 
-``Annotated[list[float], Size(2)]`` holds such a bound. A shape is strict: a key that it does not name is a mistake, a
-truth value is no number, and no number is infinite. A check costs some 0.1 µs a value, and its classes cost no import;
-pydantic, which reads Γ, takes 0.14 s to import, and msgspec stops at the first mistake (docs/dependencies.md).
+``Annotated[list[float], Size(2)]`` holds such a bound; a module of shapes keeps its annotations as types, not as text.
+A shape is strict: a key that it does not name is a mistake, a truth value is no number, and no number is infinite.
+Why this and no library: docs/dependencies.md.
 """
 
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
 from functools import cache
 from reprlib import repr as repr_of
 from types import NoneType, UnionType
@@ -21,11 +20,12 @@ from typing import (
     Annotated,
     Any,
     Literal,
+    NamedTuple,
     NotRequired,
+    Self,
     Union,
     get_args,
     get_origin,
-    get_type_hints,
     is_typeddict,
 )
 
@@ -40,8 +40,7 @@ LARGEST = sys.float_info.max
 NONE: tuple[Mistake, ...] = ()
 
 
-@dataclass(frozen=True)
-class Size:
+class Size(NamedTuple):
     """Length: from ``least`` to ``most``, exactly ``least`` where no ``most`` is given."""
 
     least: int
@@ -53,22 +52,21 @@ class Size:
         return self.least, most, f"{self.least}" if self.least == most else f"{self.least} to {most}"
 
 
-@dataclass(frozen=True)
-class Range:
+class Range(NamedTuple):
     """Bounds of a number, both included."""
 
     low: float = -LARGEST
     high: float = LARGEST
 
 
-@dataclass(frozen=True, init=False)
-class Row:
+class Row(tuple[Any, ...]):
     """The types of a list's elements, one by one."""
 
-    types: tuple[Any, ...]
+    __slots__ = ()
 
-    def __init__(self, *types: Any) -> None:  # noqa: ANN401 - types
-        object.__setattr__(self, "types", types)
+    def __new__(cls, *types: Any) -> Self:  # noqa: ANN401 - types
+        """A row of these types."""
+        return super().__new__(cls, types)
 
 
 ANY_SIZE, ANY_NUMBER = Size(0, 10_000_000), Range()
@@ -89,7 +87,7 @@ def check_of(shape: Any) -> Callable[[object], Sequence[Mistake]]:  # noqa: ANN4
     of, *bounds = get_args(shape)
     row = next((b for b in bounds if type(b) is Row), None)
     if row is not None:
-        return _row(tuple(check_of(t) for t in row.types))
+        return _row(tuple(check_of(t) for t in row))
     return _bounded(of, tuple(bounds), next((b for b in bounds if type(b) is Size), ANY_SIZE))
 
 
@@ -210,7 +208,7 @@ def _names(inner: Callable[[object], Sequence[Mistake]], size: Size) -> Callable
 
 
 def _table(shape: Any) -> Callable[[object], Sequence[Mistake]]:  # noqa: ANN401 - a TypedDict
-    checks = {key: check_of(of) for key, of in get_type_hints(shape, include_extras=True).items()}
+    checks = {key: check_of(of) for key, of in shape.__annotations__.items()}
     required = shape.__required_keys__
 
     def check(value: object) -> Sequence[Mistake]:
@@ -255,7 +253,7 @@ def _first_of(checks: tuple[Callable[[object], Sequence[Mistake]], ...]) -> Call
 
 
 def _tagged(tables: tuple[Any, ...]) -> Callable[[object], Sequence[Mistake]]:
-    hints = [get_type_hints(table, include_extras=True) for table in tables]
+    hints = [table.__annotations__ for table in tables]
     tag = next(key for key in hints[0] if all(get_origin(h.get(key)) is Literal for h in hints))
     checks = {text: check_of(table) for table, h in zip(tables, hints, strict=True) for text in get_args(h[tag])}
 

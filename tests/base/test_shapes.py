@@ -1,7 +1,5 @@
 """Documents against their shapes: each mistake with its place, all of them at once, and the verdict that pydantic comes to."""
 
-from __future__ import annotations
-
 import copy
 from functools import reduce
 from operator import or_
@@ -119,7 +117,7 @@ def model_of(shape: Any) -> Any:
 def bounded(of: Any, bound: Any) -> Any:
     """The pydantic type of a shape with its bound."""
     if isinstance(bound, Row):
-        return Annotated[tuple[tuple(map(model_of, bound.types))], Field(strict=False)]
+        return Annotated[tuple[tuple(map(model_of, bound))], Field(strict=False)]
     if isinstance(bound, Size):
         least, most, _ = bound.ends()
         return Annotated[model_of(of), Field(min_length=least, max_length=most)]

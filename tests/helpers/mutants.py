@@ -180,7 +180,7 @@ def first_failure(root: Path, files, seconds: int):
         resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
 
     options = {"cwd": root, "env": environment, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-    run = subprocess.run([*command, *map(str, files)], check=False, preexec_fn=limit, **options)
+    run = subprocess.run([*command, *map(str, files)], check=False, preexec_fn=limit, start_new_session=True, **options)
     if run.returncode < 0:
         return "takes too long"
     if run.returncode == 0:

@@ -9,7 +9,7 @@ from geometry.errors import PlogicError
 from plogic.face.session.verbs import perform
 
 if TYPE_CHECKING:
-    from plogic.face.session.results import Result
+    from plogic.face.session.rows import Result
     from plogic.face.session.session import Session
 
 

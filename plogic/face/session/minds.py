@@ -13,19 +13,21 @@ from plogic.logic.served.staying_process import Process
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from plogic.face.session.results import WorldRow
+    from plogic.face.session.results import World
     from plogic.logic.served.engine import Answer
     from plogic.logic.served.outline import Outline, Predicate
     from plogic.scene.asking.explanations import Account
     from plogic.scene.asking.query import Subject
 
-Ranked = tuple[tuple["WorldRow", ...], tuple[float, float]]
+Ranked = tuple[tuple["World", ...], tuple[float, float]]
 
 
 class Mind(Protocol):
     """What a session asks of its subject; every method raises as ``plogic.scene.asking.query.answers`` does."""
 
-    scene: bool
+    @property
+    def types(self) -> dict[str, str] | None:
+        """The type of each of a scene's hypotheses, by id; None of a program."""
 
     def answers(self, goal: str | None, given: Sequence[str]) -> list[Answer]:
         """P(goal | given), every answer."""

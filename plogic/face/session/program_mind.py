@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from plogic.base.errors import InputError
 from plogic.face.session.minds import Asked
-from plogic.face.session.results import WorldRow
+from plogic.face.session.results import World
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,7 +23,7 @@ DIRECTIVES = {"query", "evidence"}
 class ProgramMind(Asked):
     """Everything through the process that stays: it has the program, and what it compiled."""
 
-    scene = False
+    types = None
 
     def __init__(self, text: Text, limits: Limits | None) -> None:
         super().__init__(text, limits)
@@ -34,7 +34,7 @@ class ProgramMind(Asked):
         from plogic.logic.served.program_worlds import program_worlds
 
         ranking = self._through(lambda: program_worlds(self.text, n + 1, given=given, limits=self.limits))
-        rows = tuple(WorldRow((w.probability, w.probability), w.holds, None, w.choices) for w in ranking.worlds[:n])
+        rows = tuple(World(w.probability, w.holds, None, (w.probability,) * 2, w.choices) for w in ranking.worlds[:n])
         return rows, rest(rows, complete=len(ranking.worlds) <= n)
 
     def contents(self) -> tuple[tuple[str, str], ...]:
@@ -59,9 +59,9 @@ class ProgramMind(Asked):
         return f"{self.text.file}: {sum(len(p.clauses) for p in found)} clauses of {len(found)} predicates"
 
 
-def rest(rows: Sequence[WorldRow], *, complete: bool) -> tuple[float, float]:
+def rest(rows: Sequence[World], *, complete: bool) -> tuple[float, float]:
     """The mass that is not in ``rows``."""
-    mass = 0.0 if complete else max(0.0, 1.0 - math.fsum(row.probability[0] for row in rows))
+    mass = 0.0 if complete else max(0.0, 1.0 - math.fsum(row.probability for row in rows))
     return mass, mass
 
 

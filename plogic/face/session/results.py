@@ -3,10 +3,10 @@
 ``str(result)`` is the text, the same bytes each time; ``result.text(width=80, styled=True)`` is the text for a
 terminal. Vocabulary:
 
-* ``Answers`` of ``ask``, ``Predictions`` of ``predict`` with rows such as ``Prediction("present(h1)", Answer(...),
-  Answer(...))``
+* ``Answers`` of ``ask``, with rows such as ``AnswerRow("present(h1)", {"H": "h1"}, 0.97, (0.97, 0.97))``;
+  ``Predictions`` of ``predict``
 * ``Observed`` of ``observe``, ``Released`` of ``unobserve``
-* ``Worlds`` of ``worlds``, with rows such as ``WorldRow(0.96, ("t1 h1", "t2 h2"), {"a1": "h1/roof/apex"})``
+* ``Worlds`` of ``worlds``, with rows such as ``World(0.96, ("h1", "h2"), {"a1": "h1/roof/apex"}, (0.96, 0.96))``
 * ``Explained`` of ``why`` and ``whynot``, ``Listing`` of ``listing``, ``Saved`` of ``save``, ``Replayed`` of ``load``
 """
 
@@ -16,7 +16,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from plogic.face.session.blocks import Column, Lines, Note, Table, html_of, text_of
+from plogic.face.session.blocks import Column, Lines, Note, Table
+from plogic.face.session.rows import Result, Rows
+from plogic.logic.safety.bindings import bindings
 from plogic.scene.readings.unfinished import notice, proved
 
 if TYPE_CHECKING:
@@ -28,31 +30,32 @@ if TYPE_CHECKING:
 PROBABILITY = Column("probability", right=True)
 
 
-class Result:
-    """Anything that a verb answers; the subclasses are frozen dataclasses."""
-
-    def blocks(self) -> tuple[Block, ...]:
-        """What there is to show, in order."""
-        raise NotImplementedError
-
-    def text(self, *, width: int = 118, styled: bool = False) -> str:
-        """The text for a terminal of so many columns."""
-        return text_of(self.blocks(), width=width, styled=styled)
-
-    def __str__(self) -> str:
-        return self.text()
-
-    def _repr_html_(self) -> str:
-        return html_of(self.blocks())
-
-
 @dataclass(frozen=True)
-class Answers(Result):
-    """P(goal) without what the session observed: every answer, most probable first."""
+class AnswerRow:
+    """One answer: the ``goal`` with the values of its variables, which ``bindings`` gives by name; its probability, and bounds of it."""
+
+    goal: str
+    bindings: dict[str, str | int | float]
+    probability: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True, repr=False)
+class Answers(Rows[AnswerRow]):
+    """P(goal): every answer, most probable first. ``complete``: whether no deadline came before all was known."""
 
     goal: str | None
     answers: tuple[Answer, ...]
     stopped: Stopped = ""
+    complete: bool = True
+
+    @property
+    def rows(self) -> tuple[AnswerRow, ...]:
+        """The answers with the bindings of the goal's variables."""
+        return tuple(
+            AnswerRow(a.goal, bindings(self.goal, a.goal) if self.goal else {}, a.probability, a.interval)
+            for a in self.answers
+        )
 
     def blocks(self) -> tuple[Block, ...]:
         """The table of ``plogic query``."""
@@ -73,24 +76,50 @@ class Prediction:
 
 
 @dataclass(frozen=True)
-class Predictions(Result):
+class PredictionRow:
+    """One answer: its ``probability`` given what was observed, with bounds, and what it was ``before``."""
+
+    goal: str
+    bindings: dict[str, str | int | float]
+    probability: float
+    interval: tuple[float, float]
+    before: float
+
+
+@dataclass(frozen=True, repr=False)
+class Predictions(Rows[PredictionRow]):
     """P(goal | everything observed) beside P(goal), most probable now first."""
 
     goal: str | None
-    rows: tuple[Prediction, ...]
+    predictions: tuple[Prediction, ...]
     observed: tuple[str, ...]
     stopped: Stopped = ""
+
+    @property
+    def rows(self) -> tuple[PredictionRow, ...]:
+        """The answers with the bindings of the goal's variables."""
+        return tuple(
+            PredictionRow(
+                p.goal,
+                bindings(self.goal, p.goal) if self.goal else {},
+                p.now.probability,
+                p.now.interval,
+                p.before.probability,
+            )
+            for p in self.predictions
+        )
 
     def blocks(self) -> tuple[Block, ...]:
         """The table of the answers, two columns of probabilities."""
         columns = (PROBABILITY, *_between(self.stopped), Column("before", right=True), Column("goal"))
         rows = tuple(
-            (*_chances(row.now, self.stopped), _chances(row.before, self.stopped)[0], row.goal) for row in self.rows
+            (*_chances(row.now, self.stopped), _chances(row.before, self.stopped)[0], row.goal)
+            for row in self.predictions
         )
         return (Table(f"answers {_given(self.observed)}", columns, rows), *_unfinished(self.stopped))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Observed(Result):
     """``literal`` is observed from now on; it had the ``probability`` given what was ``observed`` up to then."""
 
@@ -121,7 +150,7 @@ class Observed(Result):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Released(Result):
     """The ``literals`` are no longer observed; these still are."""
 
@@ -137,36 +166,49 @@ class Released(Result):
 
 
 @dataclass(frozen=True)
-class WorldRow:
-    """One possible world: what ``holds`` in it; of a scene, the cause of each appearance.
+class World:
+    """One possible world, with its ``probability`` and bounds of it.
 
-    Of a program, the worlds in which the queries come to the same are one row, with the most probable total choice
-    among them.
+    Of a scene: the hypotheses that are ``present``, and the cause of each appearance (None where evidence speaks of what
+    causes leave open). Of a program: the queries that are ``present``, true, in it; worlds in which these are the same
+    are one, with the most probable total choice among them.
     """
 
-    probability: tuple[float, float]
-    holds: tuple[str, ...]
+    probability: float
+    present: tuple[str, ...]
     causes: dict[str, str] | None
+    interval: tuple[float, float]
     choices: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class Worlds(Result):
-    """The most probable worlds given what was ``observed``, and the interval of the mass that is not listed."""
+@dataclass(frozen=True, repr=False)
+class Worlds(Rows[World]):
+    """The most probable worlds given what was ``observed``, and the interval of the mass that is not listed.
 
-    worlds: tuple[WorldRow, ...]
+    ``types`` of a scene's hypotheses by id; None of a program. ``complete``: whether no deadline came before all was
+    known.
+    """
+
+    worlds: tuple[World, ...]
     unlisted: tuple[float, float]
     observed: tuple[str, ...]
-    scene: bool
+    types: dict[str, str] | None
     stopped: Stopped = ""
+    complete: bool = True
+
+    @property
+    def rows(self) -> tuple[World, ...]:
+        """The listed worlds, most probable first."""
+        return self.worlds
 
     def blocks(self) -> tuple[Block, ...]:
         """The table of ``plogic worlds``."""
         from plogic.face.shown.tables import interval
 
+        scene = self.types is not None
         more = (
             (Column("explained", right=True), Column("noise", right=True))
-            if self.scene
+            if scene
             else (Column("most probable choices"),)
         )
         between = _between(self.stopped)
@@ -174,17 +216,17 @@ class Worlds(Result):
             Column("rank", right=True),
             PROBABILITY,
             *between,
-            Column("present" if self.scene else "holds"),
+            Column("present" if scene else "holds"),
             *more,
         )
-        rows = [_world(i, row, self.stopped, scene=self.scene) for i, row in enumerate(self.worlds, 1)]
+        rows = [_world(i, row, self.stopped, self.types) for i, row in enumerate(self.worlds, 1)]
         if self.unlisted[1] > 0:
             rows.append(("", *("" for _ in between), interval(*self.unlisted), "not listed", *("" for _ in more)))
         title = "possible worlds" + (f" {_given(self.observed)}" if self.observed else "")
         return (Table(title, columns, tuple(rows)), *_unfinished(self.stopped))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Explained(Result):
     """The account of a goal given what was ``observed``: why it holds, or (``against``) why it does not.
 
@@ -223,7 +265,7 @@ class Explained(Result):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Listing(Result):
     """Clauses under a title, or what there is to list; and what is ``observed`` where that was asked for."""
 
@@ -245,7 +287,7 @@ class Listing(Result):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Help(Result):
     """What verbs or predicates mean: (usage, meaning)."""
 
@@ -257,7 +299,7 @@ class Help(Result):
         return (Table(self.title, (Column("usage"), Column("meaning")), self.rows),)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Saved(Result):
     """The session's ``lines`` are in the ``file``."""
 
@@ -269,7 +311,7 @@ class Saved(Result):
         return (Note(f"saved {len(self.lines)} lines to {self.file}"),)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Replayed(Result):
     """What each line of a saved session came to."""
 
@@ -311,17 +353,18 @@ def _given(observed: tuple[str, ...]) -> str:
     return f"given {'; '.join(observed)}" if observed else "with nothing observed"
 
 
-def _world(rank: int, row: WorldRow, stopped: Stopped, *, scene: bool) -> tuple[str, ...]:
+def _world(rank: int, row: World, stopped: Stopped, types: dict[str, str] | None) -> tuple[str, ...]:
     from plogic.face.shown.tables import NONE, interval
 
-    within = (interval(*proved(stopped, row.probability)),) if stopped else ()
+    within = (interval(*proved(stopped, row.interval)),) if stopped else ()
+    names = row.present if types is None else tuple(f"{types[h]} {h}" for h in row.present)
     shown = (
         str(rank),
-        interval(*row.probability),
+        interval(*row.interval),
         *within,
-        ", ".join(row.holds) or ("nothing known" if scene else NONE),
+        ", ".join(names) or (NONE if types is None else "nothing known"),
     )
-    if not scene:
+    if types is None:
         return (*shown, ", ".join(row.choices) or NONE)
     if row.causes is None:
         return (*shown, NONE, NONE)

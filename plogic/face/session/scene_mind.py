@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from plogic.base.errors import OutsideError
 from plogic.face.session.minds import Asked
 from plogic.face.session.program_mind import clauses_of, rest
-from plogic.face.session.results import WorldRow
+from plogic.face.session.results import World
 from plogic.facts.vocabulary import entries
 from plogic.logic.safety.atoms import quoted
 from plogic.logic.served.outline import Predicate
@@ -28,8 +28,6 @@ LAYER = "% ==== ("
 class SceneMind(Asked):
     """Worlds and answers from the scene's graph; explanations through the process that stays."""
 
-    scene = True
-
     def __init__(self, situation: Situation, limits: Limits | None) -> None:
         super().__init__(situation, limits)
         self.situation = situation
@@ -44,17 +42,18 @@ class SceneMind(Asked):
 
     def worlds(self, n: int, given: Sequence[str]) -> Ranked:
         """The ``n`` best assignments of present/1."""
-        types = {h.id: h.type for h in self.situation.hypotheses}
         try:
             ranking = self._through(lambda: self._given(given).worlds(n))
         except OutsideError:
-            return self._worlds_of_text(n, given, {f"present({quoted(h)})": f"{kind} {h}" for h, kind in types.items()})
-        rows = tuple(
-            WorldRow(w.interval, tuple(f"{types[h]} {h}" for h in w.present), w.causes) for w in ranking.worlds
-        )
-        return rows, ranking.unlisted
+            return self._worlds_of_text(n, given)
+        return tuple(World(w.probability, w.present, w.causes, w.interval) for w in ranking.worlds), ranking.unlisted
 
-    def _worlds_of_text(self, n: int, given: Sequence[str], names: dict[str, str]) -> Ranked:
+    @property
+    def types(self) -> dict[str, str]:
+        """The type of each hypothesis, by id."""
+        return {h.id: h.type for h in self.situation.hypotheses}
+
+    def _worlds_of_text(self, n: int, given: Sequence[str]) -> Ranked:
         """The same by the program text, where the evidence speaks of what the graph has summed out; the causes are not told then."""
         from plogic.logic.served.program_worlds import program_worlds
         from plogic.scene.asking.query import subject_text
@@ -63,8 +62,9 @@ class SceneMind(Asked):
         ranking = self._through(
             lambda: program_worlds(text, n + 1, given=given, goals=("present(H)",), names=table, limits=self.limits)
         )
+        ids = {f"present({quoted(h)})": h for h in self.types}
         rows = tuple(
-            WorldRow((w.probability, w.probability), tuple(names[goal] for goal in w.holds), None)
+            World(w.probability, tuple(ids[goal] for goal in w.holds), None, (w.probability,) * 2, w.choices)
             for w in ranking.worlds[:n]
         )
         return rows, rest(rows, complete=len(ranking.worlds) <= n)

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Self, TypeVar
 from plogic.base.errors import InconsistentError, InputError, ProgramError
 from plogic.face.session import results
 from plogic.face.session.minds import mind_of
+from plogic.face.session.rows import Result
 from plogic.logic.safety.atoms import is_ground, one_line, tokens
 from plogic.scene.readings.unfinished import REASONS, opened, proved, stopped_of
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from plogic.logic.served.outline import Predicate
     from plogic.scene.asking.query import Subject
 
-_R = TypeVar("_R", bound=results.Result)
+_R = TypeVar("_R", bound=Result)
 
 EXPLANATIONS = 5
 """Explanations of each kind, where no number is asked for."""
@@ -122,7 +123,7 @@ class Session:
         return self._done(
             "worlds",
             str(n),
-            results.Worlds(rows, proved(self._stopped, unlisted), self._evidence, self._mind.scene, self._stopped),
+            results.Worlds(rows, proved(self._stopped, unlisted), self._evidence, self._mind.types, self._stopped),
         )
 
     def why(self, goal: str, most: int | None = None) -> results.Explained:

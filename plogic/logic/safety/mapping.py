@@ -45,13 +45,13 @@ def _compound(term: Any, names: Names) -> Any:  # noqa: ANN401
 
 
 def _case(term: Any) -> Any:  # noqa: ANN401
-    letter = _label(term)
+    letter = label_of(term)
     return Term(CASES[letter], location=term.location) if letter in CASES else term
 
 
 def _leaf(term: Any, names: Names) -> Any | None:  # noqa: ANN401
     """A quoted name, a string, or an atom that stands for a label; None where the term is none of these."""
-    label = _label(term)
+    label = label_of(term)
     if label is None:
         return None
     if label in names.atoms:
@@ -82,14 +82,14 @@ def _flat(term: Any) -> str | None:  # noqa: ANN401
     if isinstance(term, Term) and term.signature == "//2":
         left, right = _flat(term.args[0]), _flat(term.args[1])
         return None if left is None or right is None else f"{left}/{right}"
-    return _label(term)
+    return label_of(term)
 
 
 def _plain(term: Any) -> str:  # noqa: ANN401
     return str(term.functor).strip("'")
 
 
-def _label(term: Any) -> str | None:  # noqa: ANN401
+def label_of(term: Any) -> str | None:  # noqa: ANN401
     """The name that a constant writes: ``'roof/apex'``, ``"roof/apex"`` and ``roof`` alike; None of a number or a compound."""
     if isinstance(term, Constant):
         return str(term.functor)[1:-1] if term.is_string() else None

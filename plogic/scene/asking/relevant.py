@@ -72,7 +72,7 @@ def _atoms(goal: Any) -> Iterator[Any]:  # noqa: ANN401 - a term of ProbLog's
 
 
 def _of_atom(atom: Any, ids: set[str]) -> set[str] | None:  # noqa: ANN401 - a term of ProbLog's
-    from plogic.logic.safety.mapping import _label
+    from plogic.logic.safety.mapping import label_of
 
     signature = getattr(atom, "signature", "")
     if signature not in {f"{entry.name}/{entry.arity}" for entry in VOCABULARY}:
@@ -80,7 +80,7 @@ def _of_atom(atom: Any, ids: set[str]) -> set[str] | None:  # noqa: ANN401 - a t
     places = [atom.args[i] for i in WHOSE.get(signature, ())] or ([atom] if atom.is_ground() else [])
     if not places or not all(place.is_ground() for place in places):
         return None
-    labels = [_label(part) for place in places for part in _inside(place)]
+    labels = [label_of(part) for place in places for part in _inside(place)]
     found = {label.split("/")[0] for label in labels if label is not None} & ids
     return found or None
 

@@ -66,7 +66,7 @@ def test_predict_against_the_program_text(drawn):
     situation, literals = drawn
     with Session(situation) as session:
         taken = observe_what_is_possible(session, literals[:2])
-        predicted = {row.goal: row.now.probability for row in session.predict("present(H)").rows}
+        predicted = {row.goal: row.now.probability for row in session.predict("present(H)").predictions}
         expected = {a.goal: a.probability for a in answers(situation, "present(H)", given=taken)}
         assert {goal: p for goal, p in predicted.items() if p > 0} == pytest.approx(expected, abs=1e-9)
 
@@ -79,8 +79,8 @@ def test_surprises_add_up_to_the_improbability_of_it_all(drawn):
     with Session(situation) as session:
         everything = session.worlds(1000)
         taken = [session.observe(literal) for literal in observe_what_is_possible(Session(situation), literals)]
-        left = {row.holds for row in session.worlds(1000).worlds}
-        mass = sum(row.probability[0] for row in everything.worlds if row.holds in left)
+        left = {row.present for row in session.worlds(1000).worlds}
+        mass = sum(row.probability for row in everything.worlds if row.present in left)
         product = 1.0
         for result in taken:
             product *= result.probability

@@ -1,0 +1,197 @@
+"""Questions that an interpretation and a program answer alike, and a session about either."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Self
+
+from plogic.base.errors import LimitError
+from plogic.face.session import session
+from plogic.face.session.account_text import account_text
+from plogic.face.session.blocks import Lines
+from plogic.face.session.results import Answers, World, Worlds
+from plogic.face.session.rows import Result
+from plogic.logic.served.engine import TOO_DEEP, Limits, Text
+from plogic.scene.asking.explanations import Account, Reason, explain, present
+from plogic.scene.readings.unfinished import stopped_of, with_notice
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from plogic.face.session.blocks import Block
+    from plogic.facts.situation import Reading
+    from plogic.facts.stopped import Stopped
+    from plogic.scene.asking.query import Subject
+
+EXPLANATIONS = 5
+"""Explanations of each kind, where no number is asked for."""
+
+
+class Asked:
+    """Anything that can be asked: the verbs ``query`` and ``explain``."""
+
+    @property
+    def subject(self) -> Subject:
+        """The situation, or the program's text, that questions are put to."""
+        raise NotImplementedError
+
+    @property
+    def limits(self) -> Limits:
+        """The wall time and memory that one question may take."""
+        return Limits()
+
+    def query(
+        self,
+        goal: str | None = None,
+        *,
+        given: str | Sequence[str] = (),
+        rules: str | Path | None = None,
+        deadline: float | None = None,
+    ) -> Answers:
+        """Return P(goal) with every answer substitution, most probable first.
+
+        Args:
+            goal: a conjunction, maybe with variables; without one a program's own ``query/1``, of an interpretation
+                ``present(H)``.
+            given: literals that are observed.
+            rules: a file of rules of one's own.
+            deadline: seconds, after which each answer is an interval that contains the exact one.
+
+        Raises:
+            Error: naming file, line and column where the goal or the program cannot be used.
+        """
+        from plogic.run.sources import rules_from
+        from plogic.scene.asking.query import answers, answers_until
+
+        subject, evidence = self.subject, literals(given)
+        goal = goal if goal is not None or isinstance(subject, Text) else "present(H)"
+        own = rules_from(None if rules is None else str(rules))
+        if deadline is None:
+            found, exact = answers(subject, goal, given=evidence, rules=own, limits=self.limits), True
+        else:
+            found, exact = answers_until(subject, goal, seconds=deadline, given=evidence, rules=own, limits=self.limits)
+        return Answers(goal, tuple(found), stopped_of(subject), exact)
+
+    def explain(self, goal: str, *, given: str | Sequence[str] = (), n: int | None = None) -> Explanation:
+        """Say why the goal holds, and why not; printed, it is the text of ``plogic explain``.
+
+        Args:
+            goal: what is to be explained.
+            given: literals that are observed.
+            n: explanations of each kind; without a number five, and of ``present(h)`` a summary.
+
+        Raises:
+            Error: as ``query``.
+        """
+        subject, evidence = self.subject, literals(given)
+        summary = present(subject, goal, given=evidence) if n is None else None
+
+        def whole() -> Account:
+            try:
+                return explain(subject, goal, given=evidence, most=EXPLANATIONS if n is None else n, limits=self.limits)
+            except RecursionError:
+                raise LimitError(TOO_DEEP) from None
+
+        brief = summary is not None and bool(summary.summary)
+        account = summary if summary is not None and brief else whole()
+        return Explanation(account, brief, stopped_of(subject), whole)
+
+
+@dataclass(frozen=True, repr=False)
+class Explanation(Result):
+    """Why a goal holds, and why not: ``account`` is all that there is to say, or, where it is ``brief``, a summary."""
+
+    account: Account
+    brief: bool
+    stopped: Stopped = ""
+    whole: Callable[[], Account] | None = field(default=None, compare=False)
+
+    @cached_property
+    def tree(self) -> Reason:
+        """The explanations as one tree down to the data: the goal, and below it each explanation's own tree, most probable first."""
+        account = self.whole() if self.brief and self.whole is not None else self.account
+        return Reason(account.goal, "explained", tuple(e.tree for e in account.why), account.probability)
+
+    def text(self, *, width: int = 118, styled: bool = False) -> str:  # noqa: ARG002 - trees have a width of their own
+        """The text of ``plogic explain``."""
+        return with_notice(account_text(self.account, brief=self.brief), self.stopped)
+
+    def blocks(self) -> tuple[Block, ...]:
+        """The text, preformatted."""
+        return (Lines("", tuple(self.text().splitlines())),)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Take the tree along, and not the question that it would be asked by."""
+        return Explanation, (self.account, self.brief, self.stopped)
+
+
+class Program(Asked):
+    """A ProbLog program. It may neither read files nor run Python unless it is one's own and ``trust`` says so."""
+
+    def __init__(self, text: str, file: str = "program", *, trust: bool = False) -> None:
+        """Take the text; ``file`` is what errors name."""
+        self.text, self.file, self.trust = text, file, trust
+
+    @classmethod
+    def load(cls, path: str | Path, *, trust: bool = False) -> Self:
+        """Read a program's file. Raises Error where it cannot be read."""
+        from plogic.run.sources import program_text_of
+
+        return cls(program_text_of(str(path)), str(path), trust=trust)
+
+    @property
+    def subject(self) -> Text:
+        """The text with its file."""
+        return Text(self.text, self.file)
+
+    @property
+    def limits(self) -> Limits:
+        """The limits of one question, with the trust."""
+        return Limits(trust=self.trust)
+
+    def worlds(self, n: int = 10, *, given: str | Sequence[str] = (), deadline: float | None = None) -> Worlds:
+        """Return the ``n`` most probable worlds, and the interval of the mass of all others. Raises Error as ``query``."""
+        from plogic.logic.served.program_worlds import program_worlds
+
+        evidence = literals(given)
+        ranking = program_worlds(self.subject, n, given=evidence, limits=self.limits, seconds=deadline)
+        rows = tuple(World(w.probability, w.holds, None, (w.probability,) * 2, w.choices) for w in ranking.worlds)
+        return Worlds(rows, ranking.unlisted, evidence, None, complete=ranking.complete)
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        return f"<Program {self.file}: {len(self.text.splitlines())} lines>"
+
+    def __eq__(self, other: object) -> bool:
+        return self.text == other.text if isinstance(other, Program) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
+
+class Session(session.Session):
+    """A session about an interpretation or a program: what is observed stays, and is taken back."""
+
+    def __init__(self, about: Asked) -> None:
+        """Begin with nothing observed."""
+        super().__init__(about.subject, limits=about.limits)
+
+    @classmethod
+    def open(cls, path: str | Path, *, reading: Reading | None = None, trust: bool = False) -> Self:
+        """Begin a session about an ``interpretation.json`` or a program's file. Raises Error where it cannot be read."""
+        from plogic.face.python.interpretation import Interpretation
+        from plogic.run.sources import is_program
+
+        if is_program(str(path)):
+            return cls(Program.load(path, trust=trust))
+        found = Interpretation.load(path)
+        return cls(found if reading is None else found.read_as(reading))
+
+
+def literals(given: str | Sequence[str]) -> tuple[str, ...]:
+    """One literal, or several."""
+    return (given,) if isinstance(given, str) else tuple(given)

@@ -1,0 +1,352 @@
+"""An interpretation for Python: what a picture shows, and everything that can be asked of it."""
+
+from __future__ import annotations
+
+import base64
+import time
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Self, get_args
+
+import numpy as np
+
+from plogic.base.errors import InputError, OutsideError
+from plogic.face.python.asking import Asked, Program, literals
+from plogic.face.session.blocks import Column, Table, html_of, text_of
+from plogic.face.session.results import World, Worlds
+from plogic.face.session.rows import Rows
+from plogic.facts.situation import Reading
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from plogic.face.python.measures import Measures
+    from plogic.face.python.pictures import Camera
+    from plogic.face.session.blocks import Block
+    from plogic.facts import document as rows
+    from plogic.facts.situation import Situation
+    from plogic.scene.worlds.ranked_worlds import Ranking
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """One hypothesis: that an object of this ``type`` stands at this pose.
+
+    ``T_camera_object`` (4, 4) maps points of the object's frame to the camera's, metres. ``status`` is accepted, rival
+    or rejected. ``cases`` gives each feature its case A, B, C or D of §4, None outside the image. ``interval`` bounds the
+    probability.
+    """
+
+    id: str
+    type: str
+    T_camera_object: NDArray[np.float64]
+    ev: float | None
+    p_ev: float | None
+    probability: float
+    interval: tuple[float, float]
+    status: str
+    cases: dict[str, str | None]
+
+    def __eq__(self, other: object) -> bool:
+        return _plain(self) == _plain(other) if isinstance(other, Hypothesis) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash((self.id, self.type, self.probability))
+
+
+@dataclass(frozen=True, repr=False)
+class Hypotheses(Rows[Hypothesis]):
+    """The hypotheses, accepted ones first, then rivals, then the best of the rejected."""
+
+    hypotheses: tuple[Hypothesis, ...]
+
+    @property
+    def rows(self) -> tuple[Hypothesis, ...]:
+        """The hypotheses."""
+        return self.hypotheses
+
+    def blocks(self) -> tuple[Block, ...]:
+        """One table."""
+        from plogic.face.shown.tables import chance, signed
+
+        columns = (
+            Column("hypothesis"),
+            Column("status"),
+            *(Column(n, right=True) for n in ("ev", "P(ev)", "probability")),
+        )
+        rows = tuple(
+            (f"{h.type} {h.id}", h.status, signed(h.ev), chance(h.p_ev), chance(h.probability)) for h in self.hypotheses
+        )
+        return (Table("hypotheses", columns, rows),)
+
+
+@dataclass(frozen=True)
+class Relation:
+    """A relation that geometry found of two hypotheses; its probability is that both are present."""
+
+    relation: str
+    args: tuple[str, str]
+    probability: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True, repr=False)
+class Relations(Rows[Relation]):
+    """Who occludes whom, most probable first."""
+
+    relations: tuple[Relation, ...]
+
+    @property
+    def rows(self) -> tuple[Relation, ...]:
+        """The relations."""
+        return self.relations
+
+    def blocks(self) -> tuple[Block, ...]:
+        """One table."""
+        from plogic.face.shown.tables import interval
+
+        columns = (Column("probability", right=True), Column("relation"))
+        rows = tuple((interval(*r.interval), f"{r.relation}({', '.join(r.args)})") for r in self.relations)
+        return (Table("relations", columns, rows),)
+
+
+class Picture(np.ndarray[tuple[int, ...], np.dtype[np.uint8]]):
+    """An image (H, W, 3) uint8, blue first, that shows itself in a notebook."""
+
+    def _repr_png_(self) -> bytes:
+        import cv2
+
+        return bytes(cv2.imencode(".png", np.asarray(self))[1].tobytes())
+
+
+class Interpretation(Asked):
+    """What one picture shows: hypotheses, possible worlds, relations; self-contained, so that no image or KB has to be at hand."""
+
+    def __init__(self, document: rows.Interpretation, *, image: NDArray[np.uint8] | None = None) -> None:
+        """Take an ``interpretation/1`` document, and the image (H, W, 3) uint8, blue first, that it is of, if it is at hand."""
+        self._document, self._image = document, image
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read an ``interpretation.json``. Raises Error where it is none."""
+        from plogic.facts.interpretation import read_interpretation
+
+        return cls(read_interpretation(path))
+
+    @property
+    def document(self) -> rows.Interpretation:
+        """The ``interpretation/1`` document."""
+        return self._document
+
+    @property
+    def reading(self) -> Reading:
+        """The reading that probabilities are of: score or posterior."""
+        return self._document["reading"]
+
+    def read_as(self, reading: Reading) -> Self:
+        """Return the same hypotheses and facts in the other reading, for ``worlds``, ``query``, ``explain`` and ``program``."""
+        if reading not in get_args(Reading):
+            raise InputError(f"reading: {reading!r:.60} should be one of {', '.join(get_args(Reading))}")
+        return type(self)({**self._document, "reading": reading}, image=self._image)
+
+    @property
+    def unfinished(self) -> bool:
+        """Whether a deadline came before all was done; probabilities are then known within their intervals."""
+        return bool(self._document.get("unfinished"))
+
+    @property
+    def camera(self) -> Camera:
+        """The camera."""
+        from geometry.camera import camera_from_dict
+        from plogic.face.python.pictures import Camera
+
+        return Camera.of(camera_from_dict(self._document["camera"]))
+
+    @property
+    def hypotheses(self) -> Hypotheses:
+        """The hypotheses: accepted ones, rivals, and the best of the rejected."""
+        return Hypotheses(tuple(_hypothesis(h) for h in self._document["hypotheses"]))
+
+    @property
+    def relations(self) -> Relations:
+        """The relations between hypotheses."""
+        return Relations(
+            tuple(
+                Relation(r["relation"], (r["args"][0], r["args"][1]), r["probability"], _interval(r))
+                for r in self._document.get("relations", [])
+            )
+        )
+
+    @cached_property
+    def subject(self) -> Situation:
+        """The typed situation that questions are put to."""
+        from plogic.facts.interpretation import situation_of
+
+        return situation_of(self._document)
+
+    def worlds(self, n: int = 10, *, given: str | Sequence[str] = (), deadline: float | None = None) -> Worlds:
+        """Return the ``n`` most probable possible worlds, and the interval of the mass of all others.
+
+        Args:
+            n: how many.
+            given: literals that are observed.
+            deadline: seconds, after which probabilities are intervals that contain the exact ones.
+
+        Raises:
+            Error: where evidence cannot be used or leaves no world.
+        """
+        evidence = literals(given)
+        try:
+            ranking = _ranking(self.subject, n, evidence, deadline)
+        except OutsideError:
+            return self._worlds_of_text(n, evidence, deadline)
+        return self._worlds(
+            tuple(World(w.probability, w.present, w.causes, w.interval) for w in ranking.worlds),
+            ranking.unlisted,
+            evidence,
+            complete=ranking.exact,
+        )
+
+    def _worlds_of_text(self, n: int, evidence: tuple[str, ...], deadline: float | None) -> Worlds:
+        """By the program text, where the evidence speaks of choices that the graph has summed out; causes are not told then."""
+        from plogic.logic.safety.atoms import quoted
+        from plogic.logic.served.program_worlds import program_worlds
+        from plogic.scene.asking.query import subject_text
+
+        text, names = subject_text(self.subject)
+        found = program_worlds(text, n, given=evidence, goals=("present(H)",), seconds=deadline, names=names)
+        ids = {f"present({quoted(h.id)})": h.id for h in self.subject.hypotheses}
+        rows = tuple(
+            World(w.probability, tuple(ids[goal] for goal in w.holds), None, (w.probability,) * 2, w.choices)
+            for w in found.worlds
+        )
+        return self._worlds(rows, found.unlisted, evidence, complete=found.complete)
+
+    def _worlds(
+        self, rows: tuple[World, ...], unlisted: tuple[float, float], evidence: tuple[str, ...], *, complete: bool
+    ) -> Worlds:
+        """With what is proved of a search that was stopped."""
+        from plogic.scene.readings.unfinished import proved
+
+        stopped = self.subject.stopped
+        rows = tuple(replace(row, interval=proved(stopped, row.interval)) for row in rows)
+        types = {h.id: h.type for h in self.subject.hypotheses}
+        return Worlds(rows, proved(stopped, unlisted), evidence, types, stopped, complete)
+
+    def measures(self) -> Measures:
+        """Return ev in each mode, Shanahan's value, the posterior, dv and rank: a row each hypothesis that is not rejected."""
+        from plogic.face.python.measures import measures_of
+
+        found = self._document["hypotheses"]
+        return measures_of(self.subject, {h["id"]: h.get("ev") for h in found}, {h["id"]: h["status"] for h in found})
+
+    def program(self) -> Program:
+        """Return the ProbLog program with its queries: it runs unchanged in a stock ``problog``, with the same numbers."""
+        from plogic.scene.text.program_text import program_text, query_lines
+
+        return Program(program_text(self.subject) + "\n" + query_lines(self.subject), "interpretation.pl")
+
+    def picture(self) -> Picture:
+        """Return the hypotheses drawn over the image: (H, W, 3) uint8, blue first."""
+        from plogic.face.shown.overlay import overlay
+
+        return overlay(self._document, self.image).view(Picture)
+
+    @property
+    def image(self) -> NDArray[np.uint8] | None:
+        """The image (H, W, 3) uint8, blue first: the one that was perceived, else the one that is carried along, maybe smaller; or None."""
+        from sensing.files.images import image_from
+
+        carried = self._document.get("assets", {}).get("image")
+        if self._image is not None or carried is None:
+            return self._image
+        return image_from(base64.b64decode(carried["base64"]), "the carried image")
+
+    def report(self, path: str | Path) -> Path:
+        """Write one self-contained page that works offline, and return its path."""
+        from plogic.face.pages.report import page
+        from sensing.files.whole_files import write_whole
+
+        write_whole(Path(path), page(self._document).encode())
+        return Path(path)
+
+    def save(self, path: str | Path) -> Path:
+        """Write an ``interpretation.json``, whole or not at all, and return its path."""
+        from plogic.facts.interpretation import text_of
+        from sensing.files.whole_files import write_whole
+
+        write_whole(Path(path), text_of(self._document).encode())
+        return Path(path)
+
+    def blocks(self) -> tuple[Block, ...]:
+        """The hypotheses and the worlds that are listed."""
+        types = {h["id"]: h["type"] for h in self._document["hypotheses"]}
+        listed = tuple(
+            World(w["probability"], tuple(w["present"]), self._causes(w.get("causes", {})), _interval(w))
+            for w in self._document.get("worlds", [])[:10]
+        )
+        low, high = self._document.get("unlisted_mass", (0.0, 0.0))
+        return (*self.hypotheses.blocks(), *Worlds(listed, (low, high), (), types, self.subject.stopped).blocks())
+
+    def _causes(self, listed: Mapping[str, str]) -> dict[str, str]:
+        """The cause of every appearance; where only some are listed, the others are noise."""
+        rest = self._document["appearances"] if self._document.get("causes_else") == "noise" else []
+        return {a["id"]: "noise" for a in rest} | dict(listed)
+
+    def __repr__(self) -> str:
+        return text_of(self.blocks())
+
+    def _repr_html_(self) -> str:
+        return html_of(self.blocks())
+
+    def __eq__(self, other: object) -> bool:
+        return self._document == other.document if isinstance(other, Interpretation) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash((self.reading, tuple(h["id"] for h in self._document["hypotheses"])))
+
+
+def _ranking(situation: Situation, n: int, given: Sequence[str], seconds: float | None) -> Ranking:
+    """With a deadline, grounding the evidence included; what it takes then is left of the time."""
+    from plogic.scene.asking.live import LiveScene
+    from plogic.scene.worlds.ranked_worlds import ranked_worlds
+
+    if not given:
+        return ranked_worlds(situation, n, seconds=seconds)
+    end = None if seconds is None else time.monotonic() + seconds
+    scene = LiveScene(situation)
+    for goal in given:
+        scene.observe(goal, seconds=_left(end))
+    return scene.worlds(n, seconds=_left(end))
+
+
+def _left(end: float | None) -> float | None:
+    return None if end is None else max(end - time.monotonic(), 0.0)
+
+
+def _hypothesis(row: rows.HypothesisRow | rows.RejectedRow) -> Hypothesis:
+    return Hypothesis(
+        row["id"],
+        row["type"],
+        np.array(row["T_camera_object"], dtype=float),
+        row.get("ev"),
+        row.get("p_ev"),
+        row.get("probability", 0.0),
+        _interval(row),
+        row["status"],
+        {f["id"]: f.get("case") for f in row["features"]},
+    )
+
+
+def _interval(row: rows.Verdict | rows.WorldRow | rows.RelationRow) -> tuple[float, float]:
+    """The bounds that are told, else the probability twice."""
+    low, high = row.get("interval") or (row.get("probability", 0.0),) * 2
+    return low, high
+
+
+def _plain(h: Hypothesis) -> tuple[object, ...]:
+    rest = {name: value for name, value in vars(h).items() if name != "T_camera_object"}
+    return h.T_camera_object.tolist(), rest

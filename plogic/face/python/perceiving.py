@@ -1,0 +1,108 @@
+"""``perceive`` and ``detect``: from an image or Γ to an interpretation."""
+
+from __future__ import annotations
+
+from math import isnan
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, get_args
+
+from plogic.base.errors import InputError
+from plogic.base.stopwatch import Stopwatch
+from plogic.face.python.interpretation import Interpretation
+from plogic.face.python.knowledge import KnowledgeBase
+from plogic.face.python.pictures import Gamma, Image, camera_for, pixels_of
+from plogic.facts.situation import Reading, Reconsider
+from plogic.run.gamma_source import detected, is_gamma
+from sensing import appearance
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from geometry.camera import Camera
+
+
+def detect(image: Image, kb: KnowledgeBase | str | Path, camera: Camera | str | Path | None = None) -> Gamma:
+    """Return Γ of an image: what the detectors report that the knowledge base has types for.
+
+    Args:
+        image: a file, or pixels (H, W, 3) uint8, blue first.
+        kb: a knowledge base, its folder, or the name of a shipped one.
+        camera: the image's camera, or its file.
+
+    Raises:
+        Error: where the image, the knowledge base or the camera cannot be used.
+    """
+    pixels = pixels_of(image)
+    return Gamma.of(detected(pixels, camera_for(image, pixels, camera), _kb(kb).sigma, Stopwatch()))
+
+
+def perceive(
+    source: Image | appearance.Gamma,
+    kb: KnowledgeBase | str | Path,
+    camera: Camera | str | Path | None = None,
+    *,
+    reading: Reading = "score",
+    reconsider: Reconsider = "to_B",
+    smoothing: float = 0.0,
+    generator: str = "index",
+    deadline: float | None = None,
+) -> Interpretation:
+    """Interpret an image or Γ with a knowledge base, as ``plogic perceive`` does.
+
+    Args:
+        source: an image's file, its pixels (H, W, 3) uint8 (blue first), Γ, or its file (``.json``).
+        kb: a knowledge base, its folder, or the name of a shipped one.
+        camera: an image's camera, or its file; Γ has its own.
+        reading: ``"score"`` (the paper's), or ``"posterior"``.
+        reconsider: how explained misses count: ``"to_B"``, ``"drop"`` or ``"reassign"`` (score reading).
+        smoothing: ε of the score program's choices, 0 to below 0.5.
+        generator: who proposes poses of hand-modelled types: ``"index"``, or ``"quadruples"`` or ``"softposit"``.
+        deadline: seconds from when the knowledge base and Γ are there; what was found by then is marked ``unfinished``.
+
+    Raises:
+        Error: where any of these cannot be used.
+    """
+    _check(reading, reconsider, smoothing, deadline)
+    from plogic.cycle.delta import Options
+
+    kb = _kb(kb)
+    gamma, image = _gamma(source, kb, camera)
+    perceiver = kb.perceiver(generator)
+    end = None if deadline is None else monotonic() + deadline
+    document = perceiver(gamma, Options(reading, reconsider, float(smoothing), end), image)
+    return Interpretation(document, image=image)
+
+
+def _kb(kb: KnowledgeBase | str | Path) -> KnowledgeBase:
+    return kb if isinstance(kb, KnowledgeBase) else KnowledgeBase.load(kb)
+
+
+def _gamma(
+    source: Image | appearance.Gamma, kb: KnowledgeBase, camera: Camera | str | Path | None
+) -> tuple[appearance.Gamma, NDArray[np.uint8] | None]:
+    """Γ, and the image where there is one."""
+    from sensing.files.gamma_files import gamma_from_dict, gamma_to_dict, read_gamma
+
+    if isinstance(source, appearance.Gamma):
+        gamma_from_dict(gamma_to_dict(source), "gamma", kb.appearance_types)  # raises with every mistake
+        return source, None
+    if isinstance(source, (str, Path)) and is_gamma(str(source)):
+        return read_gamma(source, kb.appearance_types), None
+    pixels = pixels_of(source)
+    return detected(pixels, camera_for(source, pixels, camera), kb.sigma, Stopwatch()), pixels
+
+
+def _check(reading: str, reconsider: str, smoothing: float, deadline: float | None) -> None:
+    """Raise InputError where an option has a value that it cannot have."""
+    for name, value, known in (
+        ("reading", reading, get_args(Reading)),
+        ("reconsider", reconsider, get_args(Reconsider)),
+    ):
+        if value not in known:
+            raise InputError(f"{name}: {value!r:.60} should be one of {', '.join(known)}")
+    if not 0.0 <= smoothing < 0.5:
+        raise InputError(f"smoothing: {smoothing!r:.60} should be at least 0 and below 0.5")
+    if deadline is not None and (isnan(deadline) or deadline <= 0.0):
+        raise InputError(f"deadline: {deadline!r:.60} should be a number of seconds above 0")

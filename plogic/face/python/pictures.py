@@ -1,0 +1,176 @@
+"""Cameras, images and Γ as a user of Python gives them."""
+
+from __future__ import annotations
+
+from math import radians, tan
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from geometry import camera as geometry_camera
+from geometry.errors import CameraError
+from plogic.base.errors import InputError
+from plogic.face.session.blocks import Column, Table
+from plogic.face.session.rows import Rows
+from sensing import appearance as sensing_appearance
+from sensing.appearance import Appearance
+from sensing.errors import ImageError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from plogic.face.session.blocks import Block
+
+Image = str | Path | np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
+"""An image: its file, or its pixels (H, W, 3) uint8, blue first."""
+
+
+class Camera(geometry_camera.Camera):
+    """A pinhole camera with OpenCV's lens distortion: x right, y down, z forward; an integer pixel is a pixel's centre."""
+
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        K: ArrayLike,
+        dist: ArrayLike = (),
+        T_world_camera: ArrayLike | None = None,
+    ) -> None:
+        """Take the size in pixels, ``K`` (3, 3), ``dist`` (0, 4, 5, 8, 12 or 14), and the pose (4, 4) in the world, metres, if known.
+
+        Raises:
+            Error: telling everything that is wrong with the numbers.
+        """
+        super().__init__(width, height, K, dist, T_world_camera)  # type: ignore[arg-type]  # its checks make arrays of them
+
+    @classmethod
+    def load(cls, path: str | Path, frame: str | int | None = None, *, size: tuple[int, int] | None = None) -> Self:
+        """Read a camera from a file of ours, ROS, OpenCV, BOP or COLMAP.
+
+        Args:
+            path: the file.
+            frame: which camera, where the file has many.
+            size: (width, height) in pixels, where the file states none.
+
+        Raises:
+            Error: with the file, the key or the line, and what is wrong.
+        """
+        from geometry.files.camera_files import read_camera
+
+        return cls.of(read_camera(path, frame, size=size))
+
+    @classmethod
+    def of(cls, camera: geometry_camera.Camera) -> Self:
+        """Return the same camera as one of this class."""
+        return cls(camera.width, camera.height, camera.K, camera.dist, camera.world_from_camera)
+
+    @classmethod
+    def from_fov(
+        cls, width: int, height: int, *, horizontal: float | None = None, vertical: float | None = None
+    ) -> Self:
+        """Return an ideal camera with square pixels and one field of view, in degrees, looking through the image's middle.
+
+        Raises:
+            Error: unless exactly one field of view is given, between 0 and 180 degrees.
+        """
+        given = [(angle, side) for angle, side in ((horizontal, width), (vertical, height)) if angle is not None]
+        if len(given) != 1:
+            raise CameraError("from_fov: give either horizontal or vertical, in degrees")
+        ((angle, side),) = given
+        if not 0.0 < angle < 180.0:
+            raise CameraError(f"from_fov: a field of view must be between 0 and 180 degrees, not {angle:g}")
+        f = side / 2.0 / tan(radians(angle) / 2.0)
+        return cls(width, height, [[f, 0.0, (width - 1) / 2.0], [0.0, f, (height - 1) / 2.0], [0.0, 0.0, 1.0]])
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, geometry_camera.Camera):
+            return NotImplemented
+        return _values(self) == _values(other)
+
+    def __hash__(self) -> int:
+        return hash((self.width, self.height, self.K.tobytes()))
+
+
+def _values(camera: geometry_camera.Camera) -> tuple[object, ...]:
+    pose = None if camera.world_from_camera is None else camera.world_from_camera.tolist()
+    return camera.width, camera.height, camera.K.tolist(), camera.dist.tolist(), pose
+
+
+class Gamma(sensing_appearance.Gamma, Rows[Appearance]):
+    """The data of one view: a camera, and what detectors reported. A table with a row each appearance."""
+
+    def __init__(self, camera: geometry_camera.Camera, appearances: Sequence[Appearance] = ()) -> None:
+        super().__init__(Camera.of(camera), tuple(appearances))
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a ``gamma/1`` file. Raises Error with every mistake of the file."""
+        from sensing.files.gamma_files import read_gamma
+
+        return cls.of(read_gamma(path))
+
+    @classmethod
+    def of(cls, gamma: sensing_appearance.Gamma) -> Self:
+        """Return the same Γ as one of this class."""
+        return cls(gamma.camera, gamma.appearances)
+
+    def save(self, path: str | Path) -> Path:
+        """Write a ``gamma/1`` file, whole or not at all, and return its path."""
+        from sensing.files.gamma_files import write_gamma
+
+        write_gamma(self, path)
+        return Path(path)
+
+    @property
+    def rows(self) -> tuple[Appearance, ...]:
+        """The appearances."""
+        return self.appearances
+
+    def blocks(self) -> tuple[Block, ...]:
+        """One table."""
+        names = ("id", "type", "u", "v", "detector")
+        rows = tuple((a.id, a.type, f"{a.uv[0]:.1f}", f"{a.uv[1]:.1f}", a.detector) for a in self.appearances)
+        columns = tuple(Column(name, right=name in ("u", "v")) for name in names)
+        return (Table(f"{len(rows)} appearances in {self.camera.width}x{self.camera.height}", columns, rows),)
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
+def pixels_of(image: Image) -> NDArray[np.uint8]:
+    """Return the pixels (H, W, 3) of a file or of an array. Raises ImageError for anything else."""
+    from sensing.files.images import read_image
+
+    if isinstance(image, (str, Path)):
+        return read_image(image)
+    if not isinstance(image, np.ndarray) or image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
+        raise ImageError(
+            f"an image must be a file, or an array (H, W, 3) of uint8, blue first, not {_described(image)}"
+        )
+    return image
+
+
+def _described(value: object) -> str:
+    if isinstance(value, np.ndarray):
+        return f"one {value.shape} of {value.dtype}"
+    return f"{type(value).__name__}"
+
+
+def camera_for(
+    image: Image, pixels: NDArray[np.uint8], camera: geometry_camera.Camera | str | Path | None
+) -> geometry_camera.Camera:
+    """Return the camera of an image. Raises InputError where there is none, or where it is of another size."""
+    source = str(image) if isinstance(image, (str, Path)) else "the image"
+    if camera is None:
+        raise InputError(
+            f"{source}: an image needs its camera: give a Camera or its file (ours, ROS, OpenCV, BOP or COLMAP)"
+        )
+    found = Camera.load(camera) if isinstance(camera, (str, Path)) else camera
+    height, width = pixels.shape[:2]
+    if (found.width, found.height) != (width, height):
+        name = str(camera) if isinstance(camera, (str, Path)) else "camera"
+        raise InputError(f"{name}: the camera is {found.width}x{found.height}, but {source} is {width}x{height}")
+    return found

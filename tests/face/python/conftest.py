@@ -1,0 +1,46 @@
+"""The shipped KB ``first`` with its Γ, and the demo's picture of the towers, as a user of Python has them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from plogic import KnowledgeBase, perceive
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+@pytest.fixture(scope="session")
+def gamma_file():
+    """The Γ of the guide."""
+    return EXAMPLES / "first_gamma.json"
+
+
+@pytest.fixture(scope="session")
+def first():
+    """The guide's knowledge base."""
+    return KnowledgeBase.load("first")
+
+
+@pytest.fixture(scope="session")
+def scene(first, gamma_file):
+    """What the guide's Γ comes to."""
+    return perceive(gamma_file, first)
+
+
+@pytest.fixture(scope="session")
+def towers_picture(tmp_path_factory):
+    """A folder with ``image.png`` and ``camera.json`` of two towers."""
+    from plogic.face.shown.simulated_scenes import shapes_of
+
+    from geometry.camera import camera_to_dict
+    from plogic.face.commands.demo import SCENE, json_bytes
+    from plogic.run.sources import kb_of
+    from sensing.simulated.scene import png, random_scene
+
+    made = random_scene(shapes_of(kb_of("towers")), SCENE, placement="hiding")
+    folder = tmp_path_factory.mktemp("towers")
+    (folder / "image.png").write_bytes(png(made.photograph().image))
+    (folder / "camera.json").write_bytes(json_bytes(camera_to_dict(made.camera)))
+    return folder
