@@ -20,7 +20,7 @@ from kb.clouds.words import SIDE
 from plogic.match.gamma import side_looks
 from plogic.match.gamma.screen_angles import screen_angle, wrapped
 from plogic.match.judged.evidence import LEAST_HIT, MOST_HIT, clutter_density, hit_rates, kinds, match_density
-from plogic.match.learned import agreement, looks, side_pairs, sides
+from plogic.match.learned import agreement, looks, sides
 from plogic.match.learned import learned_poses as generate
 from plogic.match.learned.held_lobes import lobes_about, lobes_held
 from plogic.match.learned.learned_match import matched, pose_of
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.learned.learned_index import LearnedIndex
+    from plogic.match.learned.learned_models import LearnedIndex
 
     Floats = NDArray[np.float64]
 
@@ -127,9 +127,9 @@ def _sides(index: LearnedIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase
     lobes = lobes[cloud.sided[lobes] & posed.candidate[cloud.feature[lobes]]]
     feature = cloud.feature[lobes]
     angle = screen_angle(cloud.up[lobes] @ pose[:3, :3].T, posed.at[feature])
-    place, datum = _near(posed.uv[feature], data.sided, data, side_pairs.AROUND)
+    place, datum = _near(posed.uv[feature], data.sided, data, sides.AROUND)
     turned = wrapped(data.angle[datum] - angle[place])
-    kept = (np.abs(turned) < side_pairs.TURNED) & ((posed.matches[feature[place]] == datum) | (not true))
+    kept = (np.abs(turned) < sides.TURNED) & ((posed.matches[feature[place]] == datum) | (not true))
     place, datum, turned = place[kept], datum[kept], turned[kept]
     mine, its = index.looks[lobes[place]], data.looks[datum]
     colours = side_looks.colours_off(mine, its, coloured=data.coloured)

@@ -23,7 +23,7 @@ from geometry.frames import transform_points
 from kb.files.read import read_kb
 from plogic.match.gamma import side_looks
 from plogic.match.gamma.data import data_of
-from plogic.match.learned import agreement, looks, side_pairs, sides
+from plogic.match.learned import agreement, looks, sides
 from plogic.match.learned import learned_poses as generate
 from plogic.measures import crowding
 from plogic.run.perceive import Perceiver
@@ -40,8 +40,7 @@ if TYPE_CHECKING:
     from benchmarks.recognition.scenes import Case
     from benchmarks.recognition.score import Truth
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.match.learned.learned_index import LearnedIndex
-    from plogic.match.learned.learned_models import LearnedModels
+    from plogic.match.learned.learned_models import LearnedIndex, LearnedModels
 
     Floats = NDArray[np.float64]
 
@@ -255,7 +254,7 @@ def side_lines(right: Seen, wrong: Seen) -> list[str]:
         return bell(contrast - mean * (1.0 - (spread / side_looks.EDGES) ** 2), spread)
 
     facing, any_way, loss = fitted(
-        partial(bell, turned), np.full(len(turned), 0.5 / side_pairs.TURNED), sides.TURNS, sides.WILD
+        partial(bell, turned), np.full(len(turned), 0.5 / sides.TURNED), sides.TURNS, sides.WILD
     )
     bright, wild, lost = fitted(own, usual, side_looks.BRIGHT, side_looks.WILD)
     return [
@@ -266,9 +265,7 @@ def side_lines(right: Seen, wrong: Seen) -> list[str]:
             facing,
             f"radians that a right one is turned, standard deviation; both lose {loss:.3f} nats each",
         ),
-        line(
-            sides, "WILD", any_way, f"share of them that is turned anyhow; {spread_of(clutter[0], side_pairs.TURNED)}"
-        ),
+        line(sides, "WILD", any_way, f"share of them that is turned anyhow; {spread_of(clutter[0], sides.TURNED)}"),
         line(
             side_looks,
             "OFF",

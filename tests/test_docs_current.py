@@ -9,11 +9,11 @@ import click
 import pytest
 
 from cli import cli
-from plogic.cycle.belief import MOST_RIVALS
-from plogic.cycle.perception import FEWEST
+from plogic.cycle.judging import FEWEST
+from plogic.cycle.state import MOST_RIVALS
 from plogic.facts.dependence import LARGEST_BLOCK, MOST_OCCLUDERS
 from plogic.facts.vocabulary import VOCABULARY
-from plogic.match.hand.coarse_pairs import MOST_PAIRS
+from plogic.match.hand.correspondences import MOST_PAIRS
 from plogic.match.hand.view_cells import CELLS
 from plogic.match.judged.alike import SAME_PLACE, SAME_ROTATION
 from plogic.match.judged.evidence import FIXED_BY

@@ -19,9 +19,8 @@ import numpy as np
 from benchmarks.calibration.truth import true_ones
 from plogic.base.errors import InconsistentError
 from plogic.base.stopwatch import Stopwatch
-from plogic.cycle.belief import Cycle
 from plogic.cycle.delta import Delta, Options, delta_of
-from plogic.cycle.trace import Trace
+from plogic.cycle.state import Cycle, Trace
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import as_counted, judged
 from plogic.match.judged.type_models import Given, Request

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.poses.refine import refine_poses
-from plogic.match.plain.typed_pairs import FEWEST, Typed
+from plogic.match.plain.extended import FEWEST, Typed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from benchmarks.clutter.pairs import Answer
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.match.plain.typed_pairs import Typed
+    from plogic.match.plain.extended import Typed
     from sensing.appearance import Gamma
 
 NARROW = 0.5

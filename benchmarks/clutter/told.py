@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.recognition.score import Found
 from plogic.match.oriented.angle_refinement import Held, Noise, refined
-from plogic.match.plain.typed_pairs import FEWEST
+from plogic.match.plain.extended import FEWEST
 
 if TYPE_CHECKING:
     from benchmarks.clutter.scenes import Trial

@@ -17,16 +17,15 @@ import numpy as np
 
 from benchmarks.clutter.types import EASY, HALF_ANGLE, knowledge_base, made, random_types, type_names
 from plogic.match.hand.view_cells import view_cells
-from plogic.match.oriented.oriented_index import oriented_index
-from plogic.match.oriented.pair_index import PairIndex, pair_index
-from plogic.match.oriented.sights import Sights
+from plogic.match.oriented.pair_index import PairIndex, Sights, pair_index
+from plogic.match.oriented.ready import oriented_index
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.match.hand.type_index import TypeIndex
+    from plogic.match.hand.hand_models import TypeIndex
     from plogic.match.hand.view_cells import ViewCells
 
 FEATURES = 100

@@ -19,14 +19,15 @@ import numpy as np
 from benchmarks.scale.recall import Standing
 from geometry.frames import pose_error
 from plogic.cycle.attention import attend
-from plogic.cycle.perception import Perception
+from plogic.cycle.perception import perceive
+from plogic.cycle.state import Task
 from plogic.match.gamma.data import data_of
 from plogic.match.kinds import Models
+from plogic.match.oriented.asked import typed_data
 from plogic.match.oriented.oriented_models import OrientedModels, search_of
 from plogic.match.oriented.oriented_search import USUAL, coarse_poses
 from plogic.match.oriented.pair_index import MOST, PairIndex
 from plogic.match.oriented.pair_votes import counted, raw_votes
-from plogic.match.oriented.typed_data import typed_data
 from sensing.appearance import Gamma
 from sensing.uncollected import uncollected
 
@@ -110,7 +111,7 @@ def seen(ready: Ready, trial: Trial) -> Seen:
         times.append(process_time())
         search.proposals(data)
         times.append(process_time())
-        cycle = Perception(data, ready.kb, _models(ready), ready.dv).run(attention)
+        cycle = perceive(Task(data, ready.kb, _models(ready), ready.dv), attention)
         times.append(process_time())
     first, voting, counting, proposing, whole = np.diff(times).tolist()
     laying = max(0.0, proposing - counting)
@@ -189,7 +190,7 @@ def falsely_accepted(ready: Ready, gamma: Gamma, rng: np.random.Generator) -> in
     data = data_of(exchanged.appearances, exchanged.camera, WIDTH)
     attention = attend(ready.indices.values(), data.types, ready.kb)
     with uncollected():
-        return len(Perception(data, ready.kb, _models(ready), ready.dv).run(attention).accepted)
+        return len(perceive(Task(data, ready.kb, _models(ready), ready.dv), attention).accepted)
 
 
 def _models(ready: Ready) -> Models:

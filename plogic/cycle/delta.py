@@ -9,20 +9,18 @@ from typing import TYPE_CHECKING
 import networkx as nx
 import numpy as np
 
-from plogic.cycle.belief import Cycle
 from plogic.cycle.holding import gravity_of_view
 from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.cycle.placing import space_of_view
 from plogic.cycle.relations import part_relations_of, relations_of
-from plogic.cycle.trace import Trace
+from plogic.cycle.state import Cycle, Trace
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.part_facts import part_facts
 from plogic.facts.situation import AppearanceFact, Reading, Reconsider, Situation
 from plogic.facts.spatial import Space
 from plogic.match.judged.disjoint import reaches_into
-from plogic.match.judged.evidence import clutter_density, judged
+from plogic.match.judged.evidence import as_fitted, clutter_density, judged
 from plogic.match.judged.expectation import hidden_by
-from plogic.match.judged.fitted import as_fitted
 from plogic.match.judged.rivals import SHARED_CLAIMS, overlap, shared_claims
 from sensing.uncollected import uncollected
 
@@ -54,10 +52,14 @@ class Options:
 
 @dataclass(frozen=True)
 class Delta:
-    """Δh with its ids: ``beliefs`` by id in the order h1, h2, ..., accepted ones first."""
+    """Δh with its ids, in the order h1, h2, ..., accepted ones first, and what decides its probabilities."""
 
-    beliefs: dict[str, Hypothesis]
     situation: Situation
+
+    @property
+    def beliefs(self) -> dict[str, Hypothesis]:
+        """The hypotheses by id."""
+        return {hypothesis.id: hypothesis for hypothesis in self.situation.hypotheses}
 
 
 @uncollected()
@@ -78,23 +80,21 @@ def delta_of(
     ``models``: the types by name, by which it is known what they stand on; without them, nobody knows.
     ``related``: whether relations and space, which decide no probability of a world, are worked out as well.
     """
-    beliefs = {f"h{i}": belief for i, belief in enumerate((*cycle.accepted, *cycle.considered), 1)}
-    names = list(beliefs)
-    posed = beliefs
-    pairs = list(combinations(names, 2))
-    overlaps = frozenset(pair for pair in pairs if _share_volume(*(beliefs[name] for name in pair)))
+    posed = {f"h{i}": hypothesis for i, hypothesis in enumerate((*cycle.accepted, *cycle.considered), 1)}
+    pairs = list(combinations(posed, 2))
+    overlaps = frozenset(pair for pair in pairs if _share_volume(*(posed[name] for name in pair)))
     shared = {pair: shared_claims(posed[pair[0]], posed[pair[1]])[1] for pair in pairs if pair not in overlaps}
     exclusive = overlaps | {pair for pair, share in shared.items() if share > SHARED_CLAIMS}
     together = [pair for pair in pairs if pair not in exclusive] if related else []
     rivals = exclusive | {pair for pair, share in shared.items() if share > 0.0}
-    hiding = {(x, y): hidden_by(posed[x], posed[y]) for x in names for y in names if x != y}
-    group = instances({name: p.object_type.name for name, p in posed.items()}, exclusive)
-    rates = {
-        name: fitted(belief, data, kb, _hidden(name, beliefs, hiding, exclusive)) for name, belief in beliefs.items()
-    }
-    hypotheses = tuple(_hypothesis(name, posed[name], group[name], hiding, rates[name], data, dv) for name in names)
+    hiding = {(x, y): hidden_by(posed[x], posed[y]) for x in posed for y in posed if x != y}
+    posed = {name: some.told(hidden=_hidden(name, posed, hiding, rivals)) for name, some in posed.items()}
+    group = instances({name: some.type for name, some in posed.items()}, exclusive)
+    rates = {name: fitted(some, data, kb, some.hidden) for name, some in posed.items()}
+    hypotheses = tuple(
+        _hypothesis(name, some, group[name], hiding, rates[name], data, dv) for name, some in posed.items()
+    )
     return Delta(
-        beliefs,
         Situation(
             reading=options.reading,
             reconsider=options.reconsider,
@@ -104,7 +104,7 @@ def delta_of(
             overlaps=overlaps,
             rivals=rivals,
             exclusive=exclusive,
-            space=space_of_view(beliefs, overlaps, data.camera, kb, models or {}) if related else Space(),
+            space=space_of_view(posed, overlaps, data.camera, kb, models or {}) if related else Space(),
             gravity=gravity_of_view(posed, overlaps, data.camera, kb),
             relations=relations_of(posed, together, data.camera),
             part_relations=part_relations_of(posed, together, data.camera),
@@ -147,18 +147,18 @@ def instances(types: Mapping[str, str], exclusive: frozenset[tuple[str, str]]) -
 
 def _hidden(
     name: str,
-    beliefs: Mapping[str, Hypothesis],
+    posed: Mapping[str, Hypothesis],
     hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
-    exclusive: frozenset[tuple[str, str]],
+    rivals: frozenset[tuple[str, str]],
 ) -> NDArray[np.bool_]:
-    """(F,) the features that accepted opaque hypotheses hide, those aside that cannot be present together with this one.
+    """(F,) the features that accepted opaque hypotheses hide: its rivals hide nothing of it (D7).
 
-    So the cycle judges an accepted one: what it does not expect is no sign that the image is unclear.
+    This is who hides what beside Δi, for the program's rates and for the cases of the document.
     """
-    mask = np.zeros(len(beliefs[name].uv), dtype=bool)
-    for other, belief in beliefs.items():
-        together = other != name and (name, other) not in exclusive and (other, name) not in exclusive
-        if together and belief.status == "accepted" and belief.opaque:
+    mask = np.zeros(len(posed[name].uv), dtype=bool)
+    for other, some in posed.items():
+        rival = (name, other) in rivals or (other, name) in rivals
+        if other != name and not rival and some.status == "accepted" and some.opaque:
             mask |= hiding[name, other]
     return mask
 

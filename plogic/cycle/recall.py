@@ -1,7 +1,6 @@
-"""The cycle with something remembered: what Δp says should be here is looked at first, and a search is made only for what it leaves (§1, §7).
+"""Begin with what is remembered: what Δp says should be here is looked at first, and a search is made only for what it leaves (§1, §7).
 
 * ``Seed``: a type and the pose that it is expected at, ``Seed(of, camera_from_object)``
-* ``Recall``: one run of the cycle that begins with such
 """
 
 from __future__ import annotations
@@ -12,8 +11,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.base.clock import OutOfTimeError
-from plogic.cycle.beside import name_of
-from plogic.cycle.perception import Perception
+from plogic.cycle.judging import judge, refusal
+from plogic.cycle.stability import acceptance, accepted, kept
+from plogic.cycle.state import State, Step, Task, free, step_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.attention import Attention
-    from plogic.cycle.belief import Cycle
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.judged.type_models import TypeModel
 
@@ -39,48 +38,35 @@ class Seed(NamedTuple):
     camera_from_object: NDArray[np.float64]
 
 
-class Recall(Perception):
-    """A run of the cycle over one Γ that begins with what is remembered."""
-
-    def resume(self, attention: Sequence[Attention], seeds: Sequence[Seed], usual: Mapping[str, int]) -> Cycle:
-        """Accept of the seeds, in their order, what holds here; then search for more where what is left is more than clutter, or than ``usual``.
-
-        Without seeds that is the cycle.
-        """
-        refused = [belief for belief in map(self._recalled, seeds) if belief is not None]
-        if not self.accepted:
-            return self._with(refused, self.run(attention))
-        with suppress(OutOfTimeError):  # what is remembered is accepted only when it is stable here
-            self._keep()
-        why = unexplained([self.data.types[i] for i in self.free().nonzero()[0]], self.kb, usual)
+def recalled(task: Task, state: State, seeds: Sequence[Seed]) -> tuple[State, list[Hypothesis]]:
+    """Accept of the seeds, in their order, what holds here; and those that do not, each with the reason why."""
+    unheld = []
+    for seed in seeds:
+        left = free(task, state.accepted)
+        proposed = seed.of.settle(seed.camera_from_object, task.data, task.kb, free=left, rounds=0)
+        hypothesis = judge(task, state.accepted, proposed, 2)
+        why = refusal(task, state, hypothesis)
         if why is not None:
-            self.trace.add("search", why)
-            return self._with(refused, self.run(attention))
-        self.trace.add("no search", "what is left is no more than clutter")
-        self.searches = []
-        return self._with(refused, replace(self.run(()), attention=tuple(attention)))
+            unheld.append(hypothesis.told(why=why))
+            continue
+        state = replace(state, accepted=(*state.accepted, accepted(hypothesis)))
+        state = state.tells(step_of("recall", "stands where it is remembered", hypothesis), acceptance(hypothesis))
+    return state, unheld
 
-    def _recalled(self, seed: Seed) -> Hypothesis | None:
-        """Accept a seed that holds here; give it back where it does not."""
-        posed = seed.of.settle(seed.camera_from_object, self.data, self.kb, free=self.free(), rounds=0)
-        belief = self._judge(posed, self.free(), rounds=2)
-        refusal = self._refusal(belief)
-        if refusal is not None:
-            return belief.told(why=refusal)
-        self.trace.add("recall", "stands where it is remembered", of_type=name_of(belief), ev=belief.ev_reconsidered)
-        self._accept(belief)
-        return None
 
-    def _with(self, refused: Sequence[Hypothesis], cycle: Cycle) -> Cycle:
-        """The cycle's outcome, and the seeds that did not hold, as rivals where each would alone."""
-        rivals, rejected = len(self.rivals), len(self.rejected)
-        for belief in refused:
-            if not self._is_accepted(belief):
-                self._set_aside(belief, f"remembered here, but: {belief.why}")
-        more = tuple(map(self._makes_way, self.rivals[rivals:]))
-        return replace(
-            cycle, considered=cycle.considered + more, rejected=cycle.rejected + tuple(self.rejected[rejected:])
-        )
+def more_to_see(
+    task: Task, state: State, attention: Sequence[Attention], usual: Mapping[str, int]
+) -> tuple[State, tuple[Attention, ...]]:
+    """The types to search for: all, but none where what is remembered explains all but clutter, or what is ``usual``."""
+    if not state.accepted:
+        return state, tuple(attention)
+    with suppress(OutOfTimeError):  # what is remembered is accepted only when it is stable here
+        state = kept(task, state)
+    why = unexplained([task.data.types[i] for i in free(task, state.accepted).nonzero()[0]], task.kb, usual)
+    if why is not None:
+        return state.tells(Step("search", why)), tuple(attention)
+    task.searches.clear()
+    return state.tells(Step("no search", "what is left is no more than clutter")), ()
 
 
 def unexplained(types: Sequence[str], kb: KnowledgeBase, usual: Mapping[str, int]) -> str | None:

@@ -94,6 +94,7 @@ class Hypothesis:
 
     ``worth`` is the log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     ``ev`` is that of the hypothesis alone, ``ev_reconsidered`` that beside Δi; None where it is 0/0 or was not asked.
+    ``hidden`` (F,): what accepted opaque objects hide of it, where it was judged beside any.
 
     ``group`` names the instance that it and its rivals of the same type compete for (one alternative, §8).
     ``features`` and ``parts`` are facts. Two hypotheses are equal where their facts are.
@@ -112,6 +113,7 @@ class Hypothesis:
     surplus: float = 0.0
     ev: float | None = None
     ev_reconsidered: float | None = None
+    hidden: NDArray[np.bool_] | None = field(default=None, repr=False)
     known_type: ObjectType | None = field(default=None, repr=False)
     at: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)), repr=False)
     uv: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
@@ -157,12 +159,19 @@ class Hypothesis:
         """The same hypothesis with another id, verdict or facts: nothing that its arrays give changes."""
         result = copy(self)
         for name, value in said.items():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
             object.__setattr__(result, name, value)
         return result
 
     def verdict(self) -> dict[str, object]:
         """What was judged of it: another hypothesis can be ``told`` the same."""
         return {name: getattr(self, name) for name in VERDICT}
+
+    def bare(self) -> Hypothesis:
+        """The same hypothesis without its arrays: type, pose and verdict."""
+        pose = self.camera_from_object
+        return Hypothesis(self.type, pose, self.opaque, known_type=self.known_type).told(**self.verdict())
 
     def expects(self, feature: FeatureFact) -> bool:
         """Return whether the feature is Expected where no other object of the world hides it (D7)."""

@@ -20,7 +20,6 @@ from plogic.facts.gravity import gravity_document
 from plogic.facts.interpretation import FORMAT, facts_of, hypothesis_document
 from plogic.facts.situation import OTHERS
 from plogic.facts.spatial import space_document
-from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.outline_rings import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
@@ -150,12 +149,11 @@ def _relation(fact: PairFact, low: float, high: float, *, told: bool) -> Relatio
 
 
 def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, float]) -> list[HypothesisRow]:
-    facts = {h.id: h for h in delta.situation.hypotheses}
-    apart = apart_of(delta.situation.space, {name: h.type for name, h in facts.items()})
+    apart = apart_of(delta.situation.space, {name: h.type for name, h in delta.beliefs.items()})
     return [
         {
-            **hypothesis_document(facts[name], _cases(belief, _beside(name, delta))),
-            "label": belief.object_type.name,
+            **hypothesis_document(belief, _cases(belief)),
+            "label": belief.type,
             "status": cast("Status", belief.status),
             **_verdict(belief, gamma, dv),
             "ev_reconsidered": _reconsidered(name, delta),
@@ -180,30 +178,9 @@ def _reconsidered(name: str, delta: Delta) -> float | None:
     return None if np.isnan(share) else 2.0 * share - 1.0
 
 
-def _beside(name: str, delta: Delta) -> list[Hypothesis]:
-    """The accepted opaque objects that may hide features of a hypothesis: its rivals hide nothing (D7)."""
-    rivals = {frozenset(pair) for pair in delta.situation.rivals}
-    return [
-        other
-        for key, other in delta.beliefs.items()
-        if key != name
-        and other.status == "accepted"
-        and other.object_type.opaque
-        and frozenset((name, key)) not in rivals
-    ]
-
-
-def _hidden(belief: Hypothesis, beside: Sequence[Hypothesis]) -> NDArray[np.bool_]:
-    mask = np.zeros(len(belief.uv), dtype=bool)
-    for other in beside:
-        mask |= hidden_by(belief, other)
-    return mask
-
-
-def _cases(belief: Hypothesis, beside: Sequence[Hypothesis]) -> dict[str, tuple[bool, bool, Case | None]]:
+def _cases(posed: Hypothesis) -> dict[str, tuple[bool, bool, Case | None]]:
     """(expected, detected, case) of each feature that is told, beside Δi; outside the image, no case."""
-    posed = belief
-    expected = posed.expected(_hidden(belief, beside))
+    expected = posed.expected(posed.hidden)
     some = told(posed)
     rows = zip(some, *(mask[some].tolist() for mask in (expected, posed.detected, posed.in_image)), strict=True)
     cases: dict[str, tuple[bool, bool, Case | None]] = {

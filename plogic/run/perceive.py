@@ -10,7 +10,8 @@ from plogic.base.errors import InconsistentError, InputError
 from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.attention import attend
 from plogic.cycle.delta import Delta, Options, delta_of
-from plogic.cycle.recall import Recall
+from plogic.cycle.perception import perceive
+from plogic.cycle.state import Task
 from plogic.facts.stopped import SEARCH, WORLDS
 from plogic.match.gamma.data import data_of
 from plogic.match.kinds import FAST, GENERATORS, models_of
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.belief import Cycle
     from plogic.cycle.recall import Seed
+    from plogic.cycle.state import Cycle
     from plogic.facts.document import Interpretation, StepRow
     from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.stopped import Stopped
@@ -147,10 +148,8 @@ class Perceiver:
         with clock.stage("rank"):
             attention = attend(self.models.values(), data.types, self.kb)
         with clock.stage("search"), uncollected():
-            perception = Recall(data, self.kb, self.models, self.dv, options.end, self.processes)
-            cycle = perception.resume(attention, seeds, usual or {})
-            if perception.unfinished:
-                cycle.trace.add("deadline", "the deadline was reached: the search is unfinished")
+            task = Task(data, self.kb, self.models, self.dv, options.end, self.processes)
+            cycle = perceive(task, attention, seeds, usual)
         return data, cycle
 
 

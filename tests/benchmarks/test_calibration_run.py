@@ -19,8 +19,8 @@ from benchmarks.calibration.table import claims, rows
 from benchmarks.calibration.truth import true_ones
 from cli import cli
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw, transform_points
-from plogic.cycle.belief import same_hypothesis
-from plogic.cycle.perception import FEWEST
+from plogic.cycle.judging import FEWEST
+from plogic.cycle.state import same_hypothesis
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.alike import SAME_ROTATION
 from plogic.rates.scene_records import TrueObject

@@ -9,7 +9,7 @@ from synthetic import camera_pose, perceiver, scene, towers
 
 from benchmarks.clutter.types import random_types, type_names
 from plogic.cycle.attention import attend, chance_types
-from plogic.match.hand.type_index import type_index
+from plogic.match.hand.hand_models import type_index
 from plogic.measures.valuation import compatible, rank
 
 

@@ -16,9 +16,9 @@ from synthetic import (
     is_right,
     one_before_the_other,
     perceiver,
-    perception,
     scene,
     side_by_side,
+    task_of,
     upright,
 )
 
@@ -26,9 +26,11 @@ from geometry.frames import look_at
 from plogic.base import clock as deadline
 from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.attention import attend
-from plogic.cycle.belief import considered
 from plogic.cycle.delta import Options
-from plogic.cycle.perception import FEWEST
+from plogic.cycle.judging import FEWEST, judge, refusal
+from plogic.cycle.perception import perceive
+from plogic.cycle.stability import reconsidered
+from plogic.cycle.state import Stable, State, considered
 from plogic.match.judged.alike import same_place
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import claims, overlap
@@ -228,12 +230,12 @@ def test_b_a_fully_hidden_phantom_is_never_accepted(seed):
     poses = behind_the_tower(rng)
     shot = scene(rng, poses, clutter=0)
     assert not any(name.startswith("t2") for name in shot.visible)
-    run = perception(shot.gamma)
-    cycle = run.run(attend_to(shot.gamma))
+    task = task_of(shot.gamma)
+    cycle = perceive(task, attend_to(shot.gamma))
     assert [b.object_type.name for b in cycle.accepted] == ["t1"]
-    phantom = run._judge(belief_at("t2", poses["t2"], data(shot)), run.free(), rounds=0)
+    phantom = judge(task, cycle.accepted, belief_at("t2", poses["t2"], data(shot)), 0)
     assert phantom.ev_reconsidered == 1.0
-    assert "detected" in run._refusal(phantom)
+    assert "detected" in refusal(task, State(accepted=cycle.accepted), phantom)
 
 
 def attend_to(gamma):
@@ -258,10 +260,9 @@ def test_a_deadline_in_the_first_round_keeps_what_was_found(apart, monkeypatch):
     for end in range(1, 100):
         ticks = count()
         monkeypatch.setattr(deadline, "monotonic", lambda ticks=ticks: float(next(ticks)))
-        run = perception(shot.gamma, end=float(end))
-        cycle = run.run(attention)
-        assert run.unfinished
-        assert cycle.trace.steps[-1].event == "stable"
+        cycle = perceive(task_of(shot.gamma, end=float(end)), attention)
+        assert cycle.unfinished
+        assert [step.event for step in cycle.trace.steps[-2:]] == ["stable", "deadline"]
         if cycle.accepted:
             break
     assert [b.object_type.name for b in cycle.accepted] == [attention[0].type]
@@ -278,42 +279,35 @@ def test_time_enough_leaves_no_mark(apart):
 
 
 def test_near_duplicates_of_what_is_considered_are_merged(apart):
-    shot, cycle = apart[0]
-    run = perception(shot.gamma)
-    run.accepted = list(cycle.accepted)
+    _shot, cycle = apart[0]
     nearly = cycle.accepted[0].camera_from_object.copy()
     nearly[0, 3] += 0.01
     twin = replace(cycle.accepted[0], camera_from_object=nearly, status="rival")
-    run.rivals = [twin, twin]
-    assert considered(run.rivals, run.accepted) == []
+    assert considered([twin, twin], cycle.accepted) == []
 
 
 def test_rivals_that_differ_are_kept_once_each(apart):
-    shot, cycle = apart[0]
-    run = perception(shot.gamma)
-    run.accepted = list(cycle.accepted)
+    _shot, cycle = apart[0]
     away = cycle.accepted[0].camera_from_object.copy()
     away[0, 3] += 1.5
     other = replace(cycle.accepted[0], camera_from_object=away, status="rival")
-    run.rivals = [other, other, other]
-    assert considered(run.rivals, run.accepted) == [other]
+    assert considered([other, other, other], cycle.accepted) == [other]
 
 
 @pytest.mark.parametrize("place", ["in view", "out of view"])
 def test_what_does_not_hold_beside_the_others_is_released(place, apart):
     """Δi is made stable: what has an ev of at most 0, or none (0/0), is dropped, and the trace says so."""
     shot, cycle = apart[0]
-    run = perception(shot.gamma)
     eye = MIDDLE + 4.0 * direction(0.7, np.radians(40))
     wrong = look_at(eye, MIDDLE)
     wrong[0, 3] += {"in view": 0.0, "out of view": 50.0}[place]
     belief = belief_at("t1", wrong, data(shot))
     assert (belief.ev is None) == (place == "out of view")
     assert belief.ev is None or belief.ev < 0.0
-    run.accepted = [*cycle.accepted, belief]
-    run._stabilise()
-    assert [b.camera_from_object.tolist() for b in run.accepted] == [
+    some = (*cycle.accepted, belief)
+    found = reconsidered(task_of(shot.gamma), Stable(some, some))
+    assert [b.camera_from_object.tolist() for b in found.accepted] == [
         b.camera_from_object.tolist() for b in cycle.accepted
     ]
-    assert [step.event for step in run.trace.steps].count("release") == 1
-    assert run.rejected[0].why
+    assert [step.event for step in found.steps].count("release") == 1
+    assert found.rejected[0].why

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from synthetic import cycle_of, one_before_the_other, scene, side_by_side
 
-from plogic.cycle import anytime
-from plogic.cycle import perception as cycle_module
+from plogic.cycle import judging, stability
 
 
 def told(cycle):
@@ -32,6 +31,6 @@ def test_a_cycle_that_remembers_nothing_comes_to_the_same(monkeypatch, stand, se
     rng = np.random.default_rng(seed)
     gamma = scene(rng, stand(rng)).gamma
     with_memory = told(cycle_of(gamma))
-    for module in (cycle_module, anytime):
+    for module in (judging, stability):
         monkeypatch.setattr(module, "apart_on_screen", lambda *_: False)
     assert told(cycle_of(gamma)) == with_memory

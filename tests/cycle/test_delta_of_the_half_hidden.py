@@ -13,19 +13,19 @@ from made_meshes import CORNERS, box_triangles
 
 from geometry.frames import from_rotation_translation, transform_points
 from kb.surfaces.surface import Surface
-from plogic.cycle.belief import Cycle
 from plogic.cycle.delta import Options, delta_of
-from plogic.cycle.perception import Perception
-from plogic.cycle.trace import Trace
+from plogic.cycle.judging import judge
+from plogic.cycle.state import Cycle, Task, Trace
 from plogic.match.judged.evidence import LEAST_HIT, MOST_HIT, as_counted, clarity
+from plogic.match.judged.rivals import hidden_among
 from plogic.match.kinds import Models
 from plogic.match.learned.learned_models import LearnedModels
 
 
 def behind_a_plate(hidden, status="accepted", *, opaque=True, away=0.4):
-    """A learned thing of which a plate before it hides ``hidden`` of 30 features and the others are detected, in a perception that accepted it.
+    """A learned thing of which a plate before it hides ``hidden`` of 30 features and the others are detected.
 
-    The perception, the belief that it holds of the thing, and Δh of the two.
+    The task, what is accepted, the thing as it is judged beside the others, and Δh of the two.
     """
     mine, pose = ready(one_sided(1, 30)), pose_before(np.random.default_rng(5))
     at = transform_points(pose, mine.cloud.at)
@@ -41,16 +41,16 @@ def behind_a_plate(hidden, status="accepted", *, opaque=True, away=0.4):
         wall.index.settle(place, of, kb, rounds=0), known_type=plate, opaque=plate.opaque, status=status, **verdict
     )
     dv = dict.fromkeys(kb.words.names, 0.5)
-    perception = Perception(of, kb, Models({"learned": LearnedModels({"thing": mine.index, "plate": wall.index})}), dv)
-    perception.accepted = [mine.index.settle(pose, of, kb, rounds=0).told(status="accepted", **verdict)]
-    perception.accepted += [beside] if status == "accepted" else []
-    belief = perception._again(perception.accepted[0])
-    return perception, belief, delta_of(Cycle((belief, beside), (), (), (), Trace()), of, kb, dv, Options())
+    task = Task(of, kb, Models({"learned": LearnedModels({"thing": mine.index, "plate": wall.index})}), dv)
+    accepted = [mine.index.settle(pose, of, kb, rounds=0).told(status="accepted", **verdict)]
+    accepted += [beside] if status == "accepted" else []
+    belief = judge(task, accepted[1:], accepted[0], 0).told(status="accepted")
+    return task, accepted, belief, delta_of(Cycle((belief, beside), (), (), (), Trace()), of, kb, dv, Options())
 
 
-def rates_of(belief, perception, mask=None):
+def rates_of(belief, task, mask=None):
     """(F,) the hit rates of the thing, each as much as it is counted, where ``mask`` (F,) is hidden."""
-    return as_counted(belief, perception.data, perception.kb, mask)[0]
+    return as_counted(belief, task.data, task.kb, mask)[0]
 
 
 def told_rates(delta):
@@ -65,13 +65,14 @@ def told_rates(delta):
 @settings(max_examples=10, deadline=None, derandomize=True)
 @given(st.integers(0, 30))
 def test_what_is_half_hidden_is_as_clear_to_the_program_as_to_the_cycle(hidden):
-    perception, belief, delta = behind_a_plate(hidden)
-    mask = perception._hidden(belief, perception.accepted[0])
+    task, accepted, belief, delta = behind_a_plate(hidden)
+    mask = belief.hidden
+    np.testing.assert_array_equal(mask, hidden_among(belief, accepted[1:]))
     assert hidden <= mask.sum() <= hidden + 1  # the plate is 1 mm thick: one may stand in the shadow of its side
     rates = told_rates(delta)
     told = ~np.isnan(rates)
     assert told.sum() >= 30 - mask.sum()
-    np.testing.assert_array_equal(rates[told], rates_of(belief, perception, mask)[told])
+    np.testing.assert_array_equal(rates[told], rates_of(belief, task, mask)[told])
     whole = np.clip(belief.hit * clarity(belief, mask), LEAST_HIT, MOST_HIT)
     np.testing.assert_array_equal(rates[told], (1.0 - (1.0 - whole) ** belief.counted)[told])
 
@@ -82,30 +83,30 @@ def test_what_is_half_hidden_is_as_clear_to_the_program_as_to_the_cycle(hidden):
     ids=["accepted and opaque", "not accepted", "not opaque"],
 )
 def test_only_accepted_opaque_objects_take_features_out_of_clarity(changed, hides):
-    perception, belief, delta = behind_a_plate(20, **changed)
-    mask = behind_a_plate(20)[0]._hidden(belief)
+    task, _, belief, delta = behind_a_plate(20, **changed)
+    mask = behind_a_plate(20)[2].hidden
     assert clarity(belief, mask) > 1.5 * clarity(belief)
     rates = told_rates(delta)
     told = ~np.isnan(rates)
     assert told.any()
-    np.testing.assert_array_equal(rates[told], rates_of(belief, perception, mask if hides else None)[told])
+    np.testing.assert_array_equal(rates[told], rates_of(belief, task, mask if hides else None)[told])
 
 
 def test_what_cannot_be_there_together_takes_nothing_out_of_clarity():
     """A rival in the accepted one's place: where the rival is, the accepted one is not, and hides nothing of it."""
-    perception, belief, _ = behind_a_plate(20)
-    plate = perception.accepted[1]
+    task, accepted, belief, _ = behind_a_plate(20)
+    plate = accepted[1]
     body = Surface((CORNERS - 0.5) * (0.5, 0.5, 1.6), box_triangles())
     within = replace(belief, known_type=replace(belief.object_type, surface=body))
     delta = delta_of(
         Cycle((plate,), (replace(within, status="rival"),), (), (), Trace()),
-        perception.data,
-        perception.kb,
-        perception.dv,
+        task.data,
+        task.kb,
+        task.dv,
         Options(),
     )
     assert delta.situation.overlaps == {("h1", "h2")}
     facts = [fact for fact in delta.situation.hypotheses[1].features if fact.stands_for == 1]
     assert any(fact.hidden_by for fact in facts)
-    rates = rates_of(within, perception)
+    rates = rates_of(within, task)
     assert [fact.hit_rate for fact in facts] == [rates[int(fact.id.removeprefix("f")) - 1] for fact in facts]

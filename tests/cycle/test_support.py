@@ -13,8 +13,8 @@ from geometry.frames import from_rotation_translation, inverse, look_at, pose_er
 from kb.files.read import read_kb
 from plogic.cycle.support import support_of
 from plogic.match.gamma.data import data_of
-from plogic.match.learned.keypoint_pairs import pairs_of
-from plogic.match.learned.resting_poses import resting, set_down
+from plogic.match.learned.keypoints import pairs_of
+from plogic.match.learned.learned_poses import resting, set_down
 from plogic.run.perceive import Perceiver
 from sensing.detectors.detector import detect
 

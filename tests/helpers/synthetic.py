@@ -17,7 +17,8 @@ from kb.clouds.lobes import in_lobe
 from kb.files.folder import shipped
 from kb.files.read import read_kb
 from plogic.cycle.attention import attend
-from plogic.cycle.perception import Perception
+from plogic.cycle.perception import perceive
+from plogic.cycle.state import Task
 from plogic.match.gamma.data import data_of
 from plogic.match.hand.generate import settle
 from plogic.match.judged.evidence import judged
@@ -156,17 +157,17 @@ def data(shot):
     return data_of(shot.gamma.appearances, shot.gamma.camera)
 
 
-def perception(gamma, end=None):
+def task_of(gamma, end=None):
+    """What a run of the cycle over these data works on."""
     ready = perceiver()
-    return Perception(data_of(gamma.appearances, gamma.camera), ready.kb, ready.models, ready.dv, end)
+    return Task(data_of(gamma.appearances, gamma.camera), ready.kb, ready.models, ready.dv, end)
 
 
 def cycle_of(gamma, end=None):
     """One run of the perceptual cycle."""
     ready = perceiver()
-    return perception(gamma, end).run(
-        attend(list(ready.models.values()), [a.type for a in gamma.appearances], ready.kb)
-    )
+    attention = attend(list(ready.models.values()), [a.type for a in gamma.appearances], ready.kb)
+    return perceive(task_of(gamma, end), attention)
 
 
 def posed_at(name, pose, of):

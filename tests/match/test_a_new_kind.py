@@ -10,7 +10,7 @@ from synthetic import CAMERA, is_right, scene, side_by_side, towers
 from geometry.poses.posit import posit
 from plogic.cycle.delta import Options
 from plogic.match import kinds
-from plogic.match.hand.type_index import type_index
+from plogic.match.hand.hand_models import type_index
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.type_models import Search, TypeModels
 from plogic.match.kinds import Kind

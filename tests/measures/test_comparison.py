@@ -17,17 +17,16 @@ from synthetic import (
     data,
     one_before_the_other,
     perceiver,
-    perception,
     posed_at,
     scene,
     side_by_side,
     towers,
 )
 
-from plogic.cycle.belief import considered
 from plogic.cycle.delta import Options, delta_of
+from plogic.cycle.state import considered
 from plogic.match.gamma.data import data_of
-from plogic.match.hand.type_index import type_index
+from plogic.match.hand.hand_models import type_index
 from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from plogic.measures.distinctiveness import distinctiveness, distinctiveness_over_delta, instance_counts
 from plogic.measures.explanatory import explanatory_value
@@ -162,13 +161,13 @@ def test_duplicating_every_feature_multiplies_shanahans_log_odds(seed, times):
 
 def evs(shot):
     """The ev of both true hypotheses alone, and beside the other."""
-    of, run = data(shot), perception(shot.gamma)
+    of, dv = data(shot), perceiver().dv
     beliefs = {name: belief_at(name, pose, of) for name, pose in shot.poses.items()}
     alone, beside = {}, {}
     for name, other in (("t1", "t2"), ("t2", "t1")):
         posed = beliefs[name]
-        alone[name] = explanatory_value(posed.support(), run.dv)
-        beside[name] = explanatory_value(posed.support(hidden_by(posed, beliefs[other])), run.dv)
+        alone[name] = explanatory_value(posed.support(), dv)
+        beside[name] = explanatory_value(posed.support(hidden_by(posed, beliefs[other])), dv)
     return alone, beside, beliefs
 
 
@@ -259,14 +258,12 @@ def test_duplicates_of_a_hypothesis_change_no_types_presence(reading, stand):
     rng = np.random.default_rng(8050)
     shot = scene(rng, stand(rng))
     of, cycle = data(shot), cycle_of(shot.gamma)
-    run = perception(shot.gamma)
-    run.accepted = list(cycle.accepted)
-    run.rivals = [
+    rivals = [
         posed_at(b.type, nudged(b), of).told(worth=b.worth, surplus=b.surplus, ev=b.ev, status="rival")
         for b in cycle.accepted
         for _ in range(3)
     ]
-    twice = replace(cycle, considered=tuple(considered(run.rivals, run.accepted)))
+    twice = replace(cycle, considered=tuple(considered(rivals, cycle.accepted)))
     before, after = (presence(c, of, reading) for c in (cycle, twice))
     assert before.keys() == {"t1", "t2"}
     assert after == pytest.approx(before, abs=1e-12)

@@ -135,7 +135,7 @@ def test_c_where_certainties_clash_perceive_smooths_and_says_so():
     subject, trace = certain_rivals(), []
     with pytest.raises(InconsistentError):
         ranked_worlds(subject)
-    softer, ranking = ranked(Delta({}, subject), trace)
+    softer, ranking = ranked(Delta(subject), trace)
     assert softer.situation == replace(subject, smoothing=SMOOTHED)
     assert ranking.marginals["h1"] == pytest.approx(ranking.marginals["h2"])
     assert {w.present for w in ranking.worlds} == {("h1",), ("h2",), ()}
@@ -147,7 +147,7 @@ def test_c_where_certainties_clash_perceive_smooths_and_says_so():
 
 def test_c_without_a_clash_nothing_is_smoothed():
     subject, trace = replace(certain_rivals(), overlaps=frozenset()), []
-    delta, ranking = ranked(Delta({}, subject), trace)
+    delta, ranking = ranked(Delta(subject), trace)
     assert delta.situation.smoothing == 0.0
     assert trace == []
     assert ranking.marginals == {"h1": 1.0, "h2": 1.0}

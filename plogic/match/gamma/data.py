@@ -2,6 +2,10 @@
 
 Vocabulary: ``Data``, A appearances; *ideal pixels*, the pinhole image of focal length f with the principal point at the
 image's centre.
+
+* ``project_ideal(poses, points, data)``: thousands of posed clouds at once, in ideal pixels
+* ``blocks(20_000, 20_000)``: a large table in slices of 52 rows, so that memory is bounded, and the time can be asked
+  between them
 """
 
 from __future__ import annotations
@@ -18,12 +22,23 @@ from plogic.match.gamma.grid import grid_of
 from plogic.match.gamma.side_looks import contrasts_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
     from plogic.match.gamma.grid import Grid
     from sensing.appearance import Appearance
+
+
+ENTRIES = 2**20
+"""Entries of a block, one row at least: 8 MB of each array of floats; of the dozen that a search has at a time about
+100 MB."""
+
+
+def blocks(rows: int, columns: int) -> Iterator[slice]:
+    """The rows of a table, as many at a time as have ``ENTRIES`` entries; none of an empty table."""
+    some = max(1, ENTRIES // max(1, columns))
+    return (slice(start, min(start + some, rows)) for start in range(0, rows, some))
 
 
 @dataclass(frozen=True)
@@ -179,3 +194,26 @@ def _depths_of(appearances: Sequence[Appearance]) -> tuple[NDArray[np.float64] |
         (np.nan, np.nan) if a.depth is None or a.depth_sigma is None else (a.depth, a.depth_sigma) for a in appearances
     ]
     return np.array([d for d, _ in rows]), np.array([s for _, s in rows])
+
+
+FAR = np.float32(-1e6)
+"""Where a point behind the camera is put: outside every image."""
+
+
+def project_ideal(poses: NDArray[np.float64], points: NDArray[np.float64], data: Data) -> NDArray[np.float32]:
+    """(N, F, 2) ideal pixels of object points (F, 3) under poses (N, 4, 4), single precision; far outside the image where behind the camera."""
+    rotations = poses[:, :3, :3].astype(np.float32).reshape(-1, 3)
+    local = (rotations @ points.T.astype(np.float32)).reshape(len(poses), 3, len(points))
+    local += poses[:, :3, 3:].astype(np.float32)
+    seen = local[:, 2] > 1e-6
+    inverse = np.float32(data.camera.f) / np.where(seen, local[:, 2], np.float32(1.0))
+    places = np.empty((*seen.shape, 2), dtype=np.float32)
+    centre = centre_of(data.camera)
+    places[..., 0] = np.where(seen, local[:, 0] * inverse + np.float32(centre[0]), FAR)
+    places[..., 1] = np.where(seen, local[:, 1] * inverse + np.float32(centre[1]), FAR)
+    return places
+
+
+def viewpoints_of(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N, 3) the camera's place in the object's frame under each pose."""
+    return -np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3])

@@ -1,4 +1,8 @@
-"""Data by where they lie, and by which way they face: a grid over the image and the circle, so that many places are asked at once."""
+"""Data by where they lie, and by which way they face: a grid over the image and the circle, so that many places are asked at once.
+
+* ``Grid``: the data by cell
+* ``taken(low, high)``: many ranges of one sorted array at once
+"""
 
 from __future__ import annotations
 
@@ -7,14 +11,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.gamma.ranges import taken
 from plogic.match.gamma.screen_angles import part_of_circle
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
+    Floats = NDArray[np.float64]
+
+
+def taken(low: Indices, high: Indices) -> tuple[Indices, Indices]:
+    """Rows and positions, row by row, of the half-open ranges ``low`` to ``high`` (Q, R)."""
+    count = (high - low).ravel()
+    ends = np.cumsum(count)
+    at = np.arange(count.sum()) + np.repeat(low.ravel() - ends + count, count)
+    return np.repeat(np.arange(len(low)), (high - low).sum(axis=1)), at
+
 
 CELL, HALF = 16, 0.5
 """Pixels of a cell; and the first pixel's half that is left of, or above, its centre."""

@@ -9,17 +9,15 @@ import numpy as np
 
 from geometry.poses.posit import posit
 from geometry.poses.refine import Steps, refined_poses
-from plogic.match.gamma.data import centre_of
-from plogic.match.gamma.ideal_projection import project_ideal
-from plogic.match.hand.pose_votes import seen_cells, sizes
+from plogic.match.gamma.data import centre_of, project_ideal
 from plogic.match.hand.triples import turn_z_to
-from plogic.match.hand.votes import LOOSE
+from plogic.match.hand.votes import LOOSE, seen_cells, sizes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.match.gamma.data import Data
-    from plogic.match.hand.coarse_pairs import Pairs
+    from plogic.match.hand.correspondences import Pairs
     from plogic.match.hand.view_cells import ViewCells
     from plogic.match.hand.votes import DistanceMaps
 

@@ -9,13 +9,11 @@ import numpy as np
 
 from geometry.poses.refine import refined_poses
 from plogic.base.clock import unhurried
-from plogic.match.gamma.ideal_projection import project_ideal
+from plogic.match.gamma.data import project_ideal
+from plogic.match.hand.correspondences import linked_pairs, open_pairs
 from plogic.match.hand.extend import Candidates, coarse_poses, extend, firsts
-from plogic.match.hand.links import linked_pairs
-from plogic.match.hand.open_pairs import open_pairs
-from plogic.match.hand.pose_votes import best_apart, pose_votes
 from plogic.match.hand.triples import image_triples, triple_poses
-from plogic.match.hand.votes import DistanceMaps, distance_maps, votes
+from plogic.match.hand.votes import DistanceMaps, best_apart, distance_maps, pose_votes, votes
 from plogic.match.judged.alike import distinct, same_place
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import matched, pose_of
@@ -29,8 +27,8 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.hand.coarse_pairs import Pairs
-    from plogic.match.hand.type_index import TypeIndex
+    from plogic.match.hand.correspondences import Pairs
+    from plogic.match.hand.hand_models import TypeIndex
 
 VOTED = 2000
 """Coarse poses of each kind that all features vote on: the best by the votes of the anchors."""

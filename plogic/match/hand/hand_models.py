@@ -1,29 +1,225 @@
-"""Hand-modelled types whose data are places alone: one is searched for after another (``plogic.match.hand.generate``)."""
+"""Hand-modelled types whose data are places alone: one is searched for after another (``plogic.match.hand.generate``).
+
+* ``TypeIndex``: a type made ready: its view cells, its features' places and dv. A ``plogic.match.judged.type_models.TypeModel``
+* ``HandModels``: all types of this kind
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from math import log
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 import cv2
 import numpy as np
 
-from plogic.match.gamma.ideal_projection import project_ideal
-from plogic.match.hand.generate import generate
-from plogic.match.hand.type_index import type_index
-from plogic.match.judged.type_models import Search, TypeModels
+from geometry.bodies.resting import RestingFaces, resting_faces
+from plogic.match.gamma.data import project_ideal
+from plogic.match.hand.correspondences import MOST_PAIRS, feature_links
+from plogic.match.hand.generate import generate, settle
+from plogic.match.hand.triples import PlaneTriples, plane_triples
+from plogic.match.hand.view_cells import ViewCells, view_cells
+from plogic.match.judged.type_models import SURE, Ranks, Search, TypeModels
+from plogic.measures.valuation import compatible, rank
 
 if TYPE_CHECKING:
+    from collections import Counter
     from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
     from typing import Self
 
     from numpy.typing import NDArray
 
-    from kb.clouds.cloud import KnowledgeBase
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.hand.type_index import TypeIndex
     from plogic.match.judged.type_models import Found, Given, Request, Setup
+
+
+SAME = 1e-3
+"""Metres, per metre of the cloud's extent, within which a feature is carried onto another."""
+
+
+def permutations(points: NDArray[np.float64], symmetries: NDArray[np.float64]) -> NDArray[np.intp]:
+    """(S, F) where each symmetry (S, 4, 4) carries each feature (F, 3); a symmetry that carries one onto none is left out."""
+    extent = float(np.ptp(points, axis=0).max()) if len(points) else 1.0
+    rows = []
+    for motion in symmetries:
+        moved = points @ motion[:3, :3].T + motion[:3, 3]
+        gap = np.linalg.norm(moved[:, None] - points[None], axis=2)
+        if (gap.min(axis=1, initial=np.inf) < SAME * extent).all():
+            rows.append(gap.argmin(axis=1))
+    return np.array(rows, dtype=np.intp).reshape(-1, len(points))
+
+
+def unique_sets(rows: NDArray[np.intp], moves: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """(N,) one of each family of rows (N, k) of feature indices that the permutations (S, F) carry onto each other: the least."""
+    if not len(rows):
+        return np.zeros(0, dtype=bool)
+    base = moves.shape[1] ** np.arange(rows.shape[1])[::-1]
+    return np.asarray((moves[:, rows] @ base).min(axis=0) == rows @ base)
+
+
+CELLS_TRIED = 24
+"""View cells whose rank is taken for the tie-break of attention, about: every so many-th of them."""
+ANCHORS = 16
+"""Features that seeds and pairs are made of: the most distinctive ones."""
+
+
+@dataclass(frozen=True)
+class TypeIndex:
+    """One type made ready for search.
+
+    ``points`` (F, 3) metres; ``weights`` (F,) dv; ``anchors`` feature indices, the most distinctive; ``links`` (N, 2)
+    joined by edges.
+    """
+
+    settled_when_found: ClassVar[bool] = False
+    object_type: ObjectType
+    cells: ViewCells
+    points: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    anchors: NDArray[np.intp]
+    links: NDArray[np.intp]
+
+    @property
+    def centre(self) -> NDArray[np.float64]:
+        """(3,) m, the middle of the features, object frame."""
+        return self.cells.centre
+
+    @cached_property
+    def resting(self) -> RestingFaces:
+        """None: how a hand-modelled type stands is not asked."""
+        return resting_faces(np.zeros((0, 3)))
+
+    @cached_property
+    def triples(self) -> PlaneTriples:
+        """Triples of neighbours on planes."""
+        found = plane_triples(self.object_type.features)
+        return found.take(unique_sets(found.features, permutations(self.points, self.object_type.symmetries)))
+
+    @cached_property
+    def turns(self) -> NDArray[np.float64]:
+        """(F, 3) x axes of the features' frames, object frame: what a datum's angle is on the screen."""
+        return np.array([feature.rotation[:, 0] for feature in self.object_type.features]).reshape(-1, 3)
+
+    @cached_property
+    def neighbourhoods(self) -> NDArray[np.bool_]:
+        """(1 + C, F) all features, and what each of some view cells shows, evenly over the sphere."""
+        step = max(1, len(self.cells.visible) // CELLS_TRIED)
+        return np.concatenate([np.ones((1, len(self.weights)), bool), self.cells.visible[::step]])
+
+    @cached_property
+    def in_line(self) -> tuple[NDArray[np.intp], NDArray[np.float64], tuple[str, ...]] | None:
+        """Where each feature has one appearance type: (1 + C, F) the how many-th of its type it is in each neighbourhood, the heaviest the first.
+
+        Then (1 + C,) what each neighbourhood weighs, and (F,) the types' names; None where a feature looks like several
+        types, or none.
+        """
+        looks = [sorted({a.type for a in feature.appearances}) for feature in self.object_type.features]
+        if any(len(names) != 1 for names in looks):
+            return None
+        flat = tuple(name for names in looks for name in names)
+        codes = np.unique(np.array(flat), return_inverse=True)[1]
+        place = np.argsort(np.argsort(-self.weights, kind="stable"), kind="stable")
+        heavier = ((codes[:, None] == codes) & (place <= place[:, None])).astype(np.float32)
+        return (
+            (self.neighbourhoods.astype(np.float32) @ heavier.T).astype(np.intp),
+            self.neighbourhoods @ self.weights,
+            flat,
+        )
+
+    def ranks(self, here: Counter[str], by_chance: Counter[str]) -> Ranks:
+        """The ranks among so many data of each type: where each feature has one appearance type counting finds the best θ, else it is a matching."""
+        if self.in_line is not None:
+            counted, chance = self._counted(here), self._counted(by_chance, neighbourhoods=1)
+            return Ranks(float(counted[0]), float(chance[0]), float(counted[1:].max(initial=0.0)))
+        looks = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.features]
+        allowed, usual = (compatible(looks, list(some.elements())) for some in (here, by_chance))
+        some = (rank(self.weights[seen], allowed[seen]) for seen in self.neighbourhoods[1:] if seen.any())
+        return Ranks(rank(self.weights, allowed), rank(self.weights, usual), max(some, default=0.0))
+
+    def _counted(self, there: Counter[str], neighbourhoods: int | None = None) -> NDArray[np.float64]:
+        """The rank within each of the first ``neighbourhoods`` where each feature has one appearance type: of a type the heaviest that are there."""
+        assert self.in_line is not None  # noqa: S101 - the caller looks
+        number, whole, names = self.in_line
+        number, whole, shown = number[:neighbourhoods], whole[:neighbourhoods], self.neighbourhoods[:neighbourhoods]
+        matched = shown & (number <= np.array([there.get(name, 0) for name in names]))
+        return np.asarray(np.minimum(1.0, matched @ self.weights / np.where(whole > 0.0, whole, 1.0)))
+
+    def proposals(self, data: Data, kb: KnowledgeBase, most: int) -> Found:
+        """The hypotheses that the whole of Γ suggests, at most ``most`` of them refined."""
+        return generate(self, data, kb, refined=most, verified=most)
+
+    def settle(
+        self,
+        pose: NDArray[np.float64] | Hypothesis,
+        data: Data,
+        kb: KnowledgeBase,
+        free: NDArray[np.bool_] | None = None,
+        hidden: NDArray[np.bool_] | None = None,
+        rounds: int = 2,
+    ) -> Hypothesis:
+        """The type at a pose, matched and refined on places (``plogic.match.hand.generate``)."""
+        return settle(self, pose, data, kb, free, hidden, rounds)
+
+    def significance(self, posed: Hypothesis) -> float:
+        """By places alone the best of so many tries is good by luck: as many as there are pairs of data. Where angles count all poses are counted."""
+        return SURE if posed.axes is not None else log(MOST_PAIRS)
+
+    def allowed(self, data: Data) -> NDArray[np.bool_]:
+        """(F, A) the data of a type that the feature has in any of its lobes."""
+        names, which = data.by_look
+        return self._looking(names)[:, which]
+
+    def _looking(self, names: tuple[str, ...]) -> NDArray[np.bool_]:
+        """(F, N) which features look like what is so named."""
+        nobody = np.zeros(len(self.points), bool)
+        return (
+            np.array([self._features_by_look.get(name, nobody) for name in names], bool)
+            .reshape(len(names), len(nobody))
+            .T
+        )
+
+    @cached_property
+    def _features_by_look(self) -> dict[str, NDArray[np.bool_]]:
+        types = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.features]
+        names = sorted(frozenset().union(*types))
+        return dict(zip(names, compatible(types, names).T, strict=True))
+
+
+Made = TypeVar("Made", bound=TypeIndex)
+
+
+def type_index(
+    object_type: ObjectType,
+    dv: Mapping[str, float],
+    cells: ViewCells | None = None,
+    made: type[Made] = TypeIndex,  # type: ignore[assignment]
+) -> Made:
+    """Build the index of one type; dv 0 throughout (one feature type in all of Σo) counts every feature alike. ``cells``, where they are known."""
+    features = object_type.features
+    weights = np.array([dv[feature.type] for feature in features])
+    if not weights.any():
+        weights = np.ones(len(features))
+    points = np.array([feature.at for feature in features]).reshape(-1, 3)
+    links = feature_links(points, [feature.arms for feature in features])
+    moves = permutations(points, object_type.symmetries)
+    return made(
+        object_type,
+        cells or view_cells(object_type),
+        points,
+        weights,
+        _anchors(weights),
+        links[unique_sets(links, moves)],
+    )
+
+
+def _anchors(weights: NDArray[np.float64]) -> NDArray[np.intp]:
+    """The features at least half as distinctive as the best, or the ``ANCHORS`` most distinctive where those are fewer than four."""
+    order = np.argsort(-weights, kind="stable")[:ANCHORS]
+    top = order[weights[order] >= 0.5 * weights.max()]
+    return np.sort(top if len(top) >= 4 else order)
 
 
 @dataclass(frozen=True, eq=False)

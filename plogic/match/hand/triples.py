@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import centre_of
-from plogic.match.gamma.row_blocks import blocks
+from plogic.match.gamma.data import blocks, centre_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -18,8 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from geometry.bodies.overlap import reaches
 from geometry.poses.reprojection import information
-from plogic.match.judged.freedom import LOOSE
-from plogic.match.judged.pose_information import sigmas
+from plogic.match.judged.pose_information import LOOSE, sigmas
 from plogic.match.judged.rivals import solid_of
 
 if TYPE_CHECKING:
@@ -104,7 +103,7 @@ def contacts(posed: Sequence[Hypothesis], poses: Sequence[Floats], still: int = 
 
 
 def pose_information(posed: Hypothesis, camera: Camera, kb: KnowledgeBase) -> Floats:
-    """(6, 6) of turning about the middle, rad, and moving, m: of the matches, and of what is known of any pose (``plogic.match.judged.freedom``)."""
+    """(6, 6) of turning about the middle, rad, and moving, m: of the matches, and of what is known of any pose (``known``)."""
     used = np.flatnonzero(posed.candidate & posed.detected)
     precision = posed.counted[used] / sigmas(posed, kb)[used] ** 2
     across = None if posed.across is None else posed.across[used]

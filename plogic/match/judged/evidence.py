@@ -1,4 +1,12 @@
-"""The evidence for one hypothesis against clutter (§8, posterior, one claimant): the logarithm of a likelihood ratio."""
+"""The evidence for one hypothesis against clutter (§8, posterior, one claimant): the logarithm of a likelihood ratio.
+
+``as_fitted`` is what the program is told of a pose that was fitted to its matches: they say less than of a pose that was
+known before. The posterior of an object's presence sums over all poses that it may have; a hypothesis stands for those
+about its own. So its prior is the type's times the share of all poses that fit about as well
+(``plogic.match.judged.pose_information``), often below what ProbLog can read as a label. It is told with the matches
+instead, of which each gives up in proportion. The log odds of a lone hypothesis are then its type's prior, plus its
+evidence, plus the share.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.judged.freedom import log_share
-from plogic.match.judged.pose_information import known, sigmas
+from plogic.base.bounds import LEAST
+from plogic.match.judged.pose_information import known, log_share, sigmas
 from plogic.measures.explanatory import explanatory_value
 
 if TYPE_CHECKING:
@@ -19,6 +27,8 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
+
+    Floats = NDArray[np.float64]
 
 
 def density(residual: NDArray[np.float64], sigma: NDArray[np.float64] | float) -> NDArray[np.float64]:
@@ -134,6 +144,33 @@ def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[n
     return Evidence(ratio, ratio + log_share(at, precision, middle, data.camera, across))
 
 
+def as_fitted(
+    posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
+) -> tuple[Floats, Floats]:
+    """Hit rates (F,) and densities (F,) per pixel²: of expected matches such that Π (h·N + f − h·f) / f is that at the best pose times the share.
+
+    Each match gives up in proportion to how much better it is than a miss, ln(1 + h·N / (f − h·f)); where that is less
+    in all than the pose owes, the matches count as misses. ``hidden`` (F,) are the features that accepted opaque
+    objects hide: not expected.
+    """
+    hit, near = as_counted(posed, data, kb, hidden)
+    found = posed.candidate & posed.detected
+    found = found if hidden is None else found & ~hidden
+    if found.any():
+        h = np.clip(hit[found], LEAST, 1.0 - LEAST)
+        missed = (1.0 - h) * clutter_density(kb, data, posed.matches[found])
+        better = np.log1p(h * near[found] / missed)
+        kept = max(LEAST, 1.0 + _owed(posed, found, data, kb) / max(float(better.sum()), LEAST))
+        near[found] = np.expm1(kept * better) * missed / h
+    return hit, near
+
+
+def _owed(posed: Hypothesis, found: NDArray[np.bool_], data: Data, kb: KnowledgeBase) -> float:
+    """The logarithm of the share of all poses that fit the matches as well as this one."""
+    at, precision, middle, across = known(posed, found, data, kb)
+    return log_share(at, precision, middle, data.camera, across)
+
+
 def judged(
     posed: Hypothesis, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], hidden: NDArray[np.bool_] | None = None
 ) -> Hypothesis:
@@ -141,4 +178,4 @@ def judged(
     found = evidence(posed, data, kb, hidden)
     ev = explanatory_value(posed.support(), dv)
     again = ev if hidden is None else explanatory_value(posed.support(hidden), dv)
-    return posed.told(worth=found.ratio, surplus=found.surplus, ev=ev, ev_reconsidered=again)
+    return posed.told(worth=found.ratio, surplus=found.surplus, ev=ev, ev_reconsidered=again, hidden=hidden)

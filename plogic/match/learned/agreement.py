@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.match.gamma.data import Data
-    from plogic.match.learned.keypoint_pairs import Pairs
-    from plogic.match.learned.learned_index import LearnedIndex
+    from plogic.match.learned.keypoints import Pairs
+    from plogic.match.learned.learned_models import LearnedIndex
 
     Floats = NDArray[np.float64]
 

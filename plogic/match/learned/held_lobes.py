@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.learned import LearnedCloud
-    from plogic.match.learned.learned_index import LearnedIndex
+    from plogic.match.learned.learned_models import LearnedIndex
 
     Floats = NDArray[np.float64]
     Singles = NDArray[np.float32]

@@ -1,33 +1,199 @@
-"""Types learned from meshes or photographs: each by its keypoints' words, which all types look up together."""
+"""Types learned from meshes or photographs: each by its keypoints' words, which all types look up together.
+
+* ``LearnedIndex``: a type made ready, its appearances as arrays. A ``plogic.match.judged.type_models.TypeModel``
+* ``LearnedModels``: all types of this kind
+* ``searched(search, indices, data, 2)``: what a search finds of each index; copies of this process share the work
+"""
 
 from __future__ import annotations
 
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from plogic.match.judged.type_models import Search, TypeModels
-from plogic.match.learned.by_copies import searched
-from plogic.match.learned.learned_index import learned_index
-from plogic.match.learned.learned_poses import REFINED, generate
-from plogic.match.learned.lexicon import lexicon_of
-from plogic.match.learned.resting_poses import resting
+from geometry.bodies.resting import resting_faces
+from kb.clouds.words import POINT, SIDE
+from plogic.base.forked import each
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.judged.type_models import SURE, Ranks, Search, TypeModels
+from plogic.match.learned.held_lobes import Lobes, lobes_of
+from plogic.match.learned.learned_match import settle
+from plogic.match.learned.learned_poses import NOBODY, REFINED, generate, resting
+from plogic.match.learned.lexicon import Lexicon, lexicon_of
+from plogic.measures.valuation import kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Mapping, Sequence
+    from collections import Counter
+    from collections.abc import Callable, Generator, Mapping, Sequence
     from typing import Self
 
     from numpy.typing import NDArray
 
-    from geometry.bodies.resting import Plane
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.hypothesis import Hypothesis
+    from geometry.bodies.resting import Plane, RestingFaces
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from kb.clouds.learned import LearnedCloud
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import Found, Given, Request, Setup
-    from plogic.match.learned.learned_index import LearnedIndex
+    from plogic.measures.valuation import Kinds
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LearnedIndex:
+    """``points`` (F, 3) metres; ``weights`` (F,) dv; ``cloud`` with its L appearances; ``lexicon`` where they are looked up."""
+
+    settled_when_found: ClassVar[bool] = True
+
+    object_type: ObjectType
+    cloud: LearnedCloud
+    weights: Floats
+    lexicon: Lexicon
+
+    @property
+    def points(self) -> Floats:
+        """(F, 3) metres, object frame."""
+        return self.cloud.at
+
+    @cached_property
+    def lobes(self) -> Lobes:
+        """All lobes."""
+        return lobes_of(self.cloud, np.arange(len(self.cloud.feature)), self.centre)
+
+    @cached_property
+    def lobes_of_points(self) -> Lobes:
+        """Those of keypoints."""
+        return lobes_of(self.cloud, np.flatnonzero(~self.cloud.sided), self.centre)
+
+    @cached_property
+    def lobes_of_sides(self) -> Lobes:
+        """Those of sides of edges, the surest first."""
+        sides = np.flatnonzero(self.cloud.sided)
+        return lobes_of(self.cloud, sides[np.argsort(-self.cloud.hit[sides], kind="stable")], self.centre)
+
+    @cached_property
+    def anchors(self) -> NDArray[np.intp]:
+        """All features: each is as good as any to start from."""
+        return np.arange(len(self.points))
+
+    @cached_property
+    def kinds(self) -> Kinds:
+        """The features by their words."""
+        return kinds_of(self.weights, [feature.type for feature in self.object_type.features])
+
+    @cached_property
+    def places(self) -> Floats:
+        """(L, 3) where each appearance's feature is."""
+        return self.cloud.at[self.cloud.feature]
+
+    @cached_property
+    def sided(self) -> NDArray[np.bool_]:
+        """(F,) which features are sides of edges: so are all of their appearances."""
+        result = np.zeros(len(self.points), bool)
+        result[self.cloud.feature[self.cloud.sided]] = True
+        return result
+
+    @cached_property
+    def looks(self) -> NDArray[np.float32]:
+        """(L, 6) looks of each appearance that is the side of an edge, and how much the last of them varies; 0 where there are no colours."""
+        looks = self.cloud.descriptor[:, POINT : POINT + SIDE + 1].astype(np.float32)
+        return looks if looks.shape[1] else np.zeros((len(looks), SIDE + 1), np.float32)
+
+    @cached_property
+    def centre(self) -> Floats:
+        """(3,) middle of the features, object frame."""
+        surface = self.object_type.surface
+        middle = surface.centre if surface is not None else (self.points.min(axis=0) + self.points.max(axis=0)) / 2.0
+        return np.asarray(middle, float)
+
+    @cached_property
+    def resting(self) -> RestingFaces:
+        """The faces that it can stand on; a type without a surface has none."""
+        surface = self.object_type.surface
+        return resting_faces(surface.vertices if surface is not None else np.zeros((0, 3)))
+
+    @cached_property
+    def inner_radius(self) -> float:
+        """Metres from ``centre`` to the nearest face that it can stand on, 0 without one; the face nearest to the middle of mass is such."""
+        return (
+            float(max(0.0, (self.resting.reach - self.resting.down @ self.centre).min()))
+            if len(self.resting.reach)
+            else 0.0
+        )
+
+    @cached_property
+    def diameter(self) -> float:
+        """Metres across."""
+        surface = self.object_type.surface
+        return float(surface.diameter if surface is not None else np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    def ranks(self, here: Counter[str], by_chance: Counter[str]) -> Ranks:
+        """The ranks by counting words; a learned type has no neighbourhoods."""
+        of_here, of_chance = (rank_of_kinds(self.weights, self.kinds, some) for some in (here, by_chance))
+        return Ranks(of_here, of_chance, of_here)
+
+    def proposals(self, data: Data, kb: KnowledgeBase, most: int) -> Found:
+        """The hypotheses that the whole of Γ suggests, at most ``most`` of them refined."""
+        return generate(self, data, kb, NOBODY, refined=most, verified=most)
+
+    def settle(
+        self,
+        pose: Floats | Hypothesis,
+        data: Data,
+        kb: KnowledgeBase,
+        free: NDArray[np.bool_] | None = None,
+        hidden: NDArray[np.bool_] | None = None,
+        rounds: int = 2,
+    ) -> Hypothesis:
+        """The type at a pose, matched and refined (``plogic.match.learned.learned_match``)."""
+        return settle(self, pose, data, kb, free, hidden, rounds)
+
+    def significance(self, posed: Hypothesis) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
+        """All poses of a learned type are counted in its evidence."""
+        return SURE
+
+
+def learned_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> LearnedIndex:
+    """The index of a type with a learned cloud; dv 0 throughout counts every feature alike. Without a lexicon it has one of its own."""
+    cloud = object_type.learned
+    assert cloud is not None  # noqa: S101 - the caller looks
+    weights = np.array([dv[feature.type] for feature in object_type.features])
+    return LearnedIndex(
+        object_type,
+        cloud,
+        weights if weights.any() else np.ones(len(weights)),
+        lexicon or lexicon_of({object_type.name: cloud}),
+    )
+
+
+_SAID = tuple(field.name for field in fields(Hypothesis) if field.name != "known_type")
+
+
+def searched(
+    search: Callable[[LearnedIndex], Found], indices: Sequence[LearnedIndex], data: Data, processes: int
+) -> Generator[Found]:
+    """The hypotheses that a search finds of each index in ``data``, in their order.
+
+    What a copy finds comes back without the type, which is large, and here already. What all types ask of Γ is found
+    before copies are made.
+    """
+    if processes > 1:
+        for lexicon in {id(index.lexicon): index.lexicon for index in indices}.values():
+            lexicon.ask(data)
+
+    def said(index: LearnedIndex) -> list[tuple[float, list[Any]]]:
+        return [(ratio, [getattr(posed, name) for name in _SAID]) for ratio, posed in search(index)]
+
+    with closing(each(said, indices, processes)) as answers:
+        for index, answer in zip(indices, answers, strict=True):
+            yield [
+                (ratio, Hypothesis(known_type=index.object_type, **dict(zip(_SAID, arrays, strict=True))))
+                for ratio, arrays in answer
+            ]
+
 
 AGAIN = 40
 """Poses of a type whose sides are looked at where it is searched for again, after one of it was accepted."""

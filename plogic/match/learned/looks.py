@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.learned.learned_index import LearnedIndex
+    from plogic.match.learned.learned_models import LearnedIndex
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]

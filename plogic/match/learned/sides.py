@@ -3,23 +3,24 @@
 Where along an edge a side is reported is arbitrary. So a side is that of an expected feature if it lies on its line,
 near its place, faces as it does and has its colours; what is off along the line says nothing. Edges are everywhere:
 what would look as right in the neighbourhood, were it in place, is counted, and a side is evidence for as much as it is
-rarer than that.
+rarer than that. A checkered floor shows the sides of a square's edges at every second tile: what would be found as well
+were the whole hypothesis moved to other places nearby is the pattern of the image, not an object in it.
 
+* ``SidePairs``: N pairs of a place and a datum, with how far off each is; ``facing``: which sides face alike and are of
+  like colours, wherever they are
 * ``SideMatches``: N features and the sides that are theirs
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.gamma.screen_angles import screen_angle
-from plogic.match.gamma.side_looks import looks_fit
+from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.gamma.side_looks import colours_off, looks_fit
 from plogic.match.judged.evidence import clutter_density, density
-from plogic.match.learned.patterns import share_elsewhere
-from plogic.match.learned.side_pairs import TURNED, side_pairs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,10 +28,113 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.learned.learned_index import LearnedIndex
+    from plogic.match.learned.learned_models import LearnedIndex
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
+
+AROUND = 32.0
+"""Pixels around a place within which what looks as right is counted."""
+TURNED = 0.34
+"""Radians by which what looks right may face another way: less than a part of the grid's circle."""
+FEW = 0.5
+"""What is counted besides, since nowhere there can be none."""
+
+
+@dataclass(frozen=True)
+class SidePairs:
+    """``place``, ``datum`` (N,) and how far off each datum is.
+
+    ``turned`` (N,) radians by which it faces another way; ``off``, ``along`` (N,) pixels across the line and along it;
+    ``colours`` (N,) a share, below 1 (``side_looks``).
+    """
+
+    place: Indices
+    datum: Indices
+    turned: Floats
+    off: Floats
+    along: Floats
+    colours: NDArray[np.float32]
+
+    def only(self, which: NDArray[np.bool_]) -> SidePairs:
+        """Those of a mask (N,)."""
+        return SidePairs(*(getattr(self, name.name)[which] for name in fields(self)))
+
+    def usual(self, reach: Floats | float, count: int) -> Floats:
+        """(count,) sides per pixel² that look right around each place, those aside that are within its ``reach`` (count,) pixels of its line."""
+        within = np.broadcast_to(np.asarray(reach, float), count)
+        clutter = np.abs(self.off) > within[self.place]
+        area = np.pi * AROUND**2 - 4.0 * AROUND * np.minimum(within, AROUND / 2.0)
+        return np.asarray((np.bincount(self.place[clutter], minlength=count) + FEW) / area)
+
+
+def side_pairs(index: LearnedIndex, data: Data, lobes: Indices, uv: Floats, angle: Floats) -> SidePairs:
+    """Of appearances ``lobes`` (Q,) that a pose puts at uv (Q, 2) pixels, facing angle (Q,) radians."""
+    place, datum = data.sides.near(uv, AROUND, angle)
+    right, down = (data.uv[:, axis][datum] - uv[:, axis][place] for axis in (0, 1))
+    near = right * right + down * down < AROUND**2
+    place, datum, right, down = place[near], datum[near], right[near], down[near]
+    alike, turned, colours = facing(index.looks[lobes], angle, data, place, datum)
+    place, datum, right, down = place[alike], datum[alike], right[alike], down[alike]
+    cos, sin = np.cos(angle)[place], np.sin(angle)[place]
+    return SidePairs(place, datum, turned, right * cos + down * sin, down * cos - right * sin, colours)
+
+
+def facing(
+    looks: NDArray[np.float32], angle: Floats, data: Data, side: Indices, datum: Indices
+) -> tuple[Indices, Floats, NDArray[np.float32]]:
+    """Of N pairs of sides, of looks (Q, 6) and facing angle (Q,) radians, and data, the M that face alike and are of like colours.
+
+    Returns which (M,) they are, by how much they face another way, and how far off their colours are.
+    """
+    turned = wrapped(data.angle[datum] - angle[side])
+    alike = np.flatnonzero(np.abs(turned) < TURNED)
+    colours = colours_off(looks[side[alike]], data.looks[datum[alike]], coloured=data.coloured)
+    right = colours < 1.0
+    alike = alike[right]
+    return alike, turned[alike], colours[right]
+
+
+SOME = 20
+"""Sides that are looked for elsewhere, evenly chosen."""
+AWAY = (0.5, 2.0)
+"""How far elsewhere is, in diagonals of the sides' own rectangle."""
+CELL = 5.0
+"""Pixels: a side is found elsewhere that is within a square of two such cells."""
+OTHERS = 3
+"""So many other places must show it: one or two more objects of one type may stand beside it."""
+
+
+def share_elsewhere(uv: Floats, angle: Floats, looks: NDArray[np.float32], data: Data) -> float:
+    """The share of sides at uv (N, 2) pixels, facing angle (N,), of looks (N, 6), that is found at each of ``OTHERS`` other places, apart."""
+    some = np.unique(np.linspace(0, len(uv) - 1, SOME).round().astype(np.intp)) if len(uv) else np.zeros(0, np.intp)
+    diagonal = float(np.linalg.norm(np.ptp(uv, axis=0))) if len(uv) else 0.0
+    if len(some) < 2 or diagonal < 2.0 * CELL:
+        return 0.0
+    side, shift = _shifts(uv[some], angle[some], looks[some], data)
+    away = np.abs(shift).max(axis=1) <= AWAY[1] * diagonal
+    away &= np.hypot(*shift.T) >= AWAY[0] * diagonal
+    side, shift = side[away], shift[away]
+    reach = int(AWAY[1] * diagonal / CELL) + 2
+    wide = 2 * reach + 2
+    column, row = (np.floor(shift / CELL).astype(np.intp) + reach).T
+    squares = np.concatenate([(row - down) * wide + column - across for down in (0, 1) for across in (0, 1)])
+    there = np.zeros((wide * wide, len(some)), bool)
+    there[squares, np.tile(side, 4)] = True
+    count = there.sum(axis=1).reshape(wide, wide)
+    apart = max(1, int(AWAY[0] * diagonal / CELL))
+    for _ in range(OTHERS - 1):
+        y, x = np.unravel_index(int(count.argmax()), count.shape)
+        count[max(0, y - apart) : y + apart + 1, max(0, x - apart) : x + apart + 1] = 0
+    return float(count.max() / len(some))
+
+
+def _shifts(uv: Floats, angle: Floats, looks: NDArray[np.float32], data: Data) -> tuple[Indices, Floats]:
+    """Of all pairs of a side and a datum that looks like it, wherever it is: the side's number, and how far it is to the datum, pixels."""
+    side, datum = data.sides.facing(angle)
+    alike = facing(looks, angle, data, side, datum)[0]
+    return side[alike], data.uv[datum[alike]] - uv[side[alike]]
+
 
 ALONG = 4.0
 """Pixels along its line within which a side is an expected feature's."""

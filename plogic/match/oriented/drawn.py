@@ -1,10 +1,12 @@
 """What Γ says of poses, softly: each sight is drawn to every datum that looks like it, as much as that is likely to be its own.
 
 The evidence of a pose is what ``plogic.match.judged.evidence`` says of it, but summed over what a datum may be of, at
-all poses about it together (``plogic.match.judged.freedom``), and, to begin with, with a noise as wide as the pose may
-be off: then it is smooth, and a pose can be moved towards it.
+all poses about it together (``plogic.match.judged.pose_information``), and, to begin with, with a noise as wide as the
+pose may be off: then it is smooth, and a pose can be moved towards it.
 
 * ``drawn(asked, kind, poses, share)``: of any number of poses at once
+* ``shown(index, kind, poses)``: the sights that poses show: those whose lobe holds the viewpoint, of features that a
+  cell near it shows
 """
 
 from __future__ import annotations
@@ -14,20 +16,53 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.poses.reprojection import information
-from plogic.match.gamma.data import centre_of
+from kb.clouds.lobes import GRAIN
+from plogic.match.gamma.data import centre_of, viewpoints_of
 from plogic.match.gamma.screen_angles import screen_angle, wrapped
-from plogic.match.judged.freedom import share_of
+from plogic.match.judged.pose_information import share_of
 from plogic.match.oriented.angle_refinement import Held, Noise, met
 from plogic.match.oriented.pair_votes import BENT
-from plogic.match.oriented.shown import shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from plogic.match.oriented.asked import Asked
+    from plogic.match.oriented.pair_index import PairIndex
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
+
+NEAR = 3
+"""Cells about a viewpoint: what any of them shows is shown, if its lobe holds the viewpoint; what a cell shows, a lobe
+holds there."""
+
+
+class Shown(NamedTuple):
+    """S sights: ``pose`` (S,) which pose shows it, in order; ``feature`` (S,) whose it is; ``looks`` (S,) number of its appearance type."""
+
+    pose: Indices
+    feature: Indices
+    looks: Indices
+
+
+def shown(index: PairIndex, kind: Indices, poses: Floats) -> Shown:
+    """The sights of poses (N, 4, 4) of types ``kind`` (N,)."""
+    views = viewpoints_of(poses)
+    along = (views - index.centres[kind]) @ index.cells[0].directions.T
+    cells = np.argpartition(-along, NEAR - 1, axis=1)[:, :NEAR]
+    lobes = index.lobes
+    seen = np.zeros((len(kind), lobes.feature.shape[1]), bool)
+    for one in np.unique(kind):
+        rows, count = np.flatnonzero(kind == one), lobes.own[one]
+        visible = index.cells[one].visible[cells[rows]].any(axis=1)
+        seen[rows, :count] = visible[:, lobes.feature[one, :count]]
+    pose, lobe = np.nonzero(seen)
+    own = kind[pose], lobe
+    feature = lobes.feature[own]
+    view = views[pose] - index.points[kind[pose], feature]
+    held = (view * lobes.axis[own]).sum(axis=1) >= lobes.cos_half[own] * np.linalg.norm(view, axis=1) - GRAIN
+    return Shown(pose[held], feature[held], lobes.looks[own][held])
+
 
 WIDE, DEVIATIONS = 0.1, 2.5
 """A share of the diameter is so many standard deviations; at ``WIDE``, the widest, angles are off by a whole cell's

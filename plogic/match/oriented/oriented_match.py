@@ -11,10 +11,9 @@ from geometry.poses.refine_sights import Sight
 from plogic.base.clock import unhurried
 from plogic.match.gamma.screen_angles import screen_angle, wrapped
 from plogic.match.judged.alike import distinct
-from plogic.match.judged.depths import with_depths
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import matched, pose_of
-from plogic.match.judged.settling import FEWEST, settled
+from plogic.match.judged.settling import FEWEST, settled, with_depths
 from plogic.match.oriented.angle_refinement import Held, Noise, met, refined
 from plogic.match.oriented.climb import AS_GOOD
 
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.hand.type_index import TypeIndex
+    from plogic.match.hand.hand_models import TypeIndex
 
     Floats = NDArray[np.float64]
     Flags = NDArray[np.bool_]

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.hand.type_index import TypeIndex
+    from plogic.match.hand.hand_models import TypeIndex
     from plogic.match.judged.type_models import Found, Given, Request, Setup
     from plogic.match.oriented.pair_index import PairIndex
 

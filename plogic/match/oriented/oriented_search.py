@@ -12,11 +12,10 @@ import numpy as np
 
 from plogic.match.hand.extend import poses_about
 from plogic.match.judged.alike import apart
-from plogic.match.oriented.climb import climbed
-from plogic.match.oriented.fours import by_fours
+from plogic.match.oriented.asked import poses_turned
+from plogic.match.oriented.climb import by_fours, climbed
 from plogic.match.oriented.pair_votes import counted, raw_votes
 from plogic.match.oriented.single_votes import FEWEST, single_votes
-from plogic.match.oriented.upright import poses_turned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

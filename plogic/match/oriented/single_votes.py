@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.match.gamma.data import centre_of
+from plogic.match.oriented.asked import typed_data
 from plogic.match.oriented.pair_votes import BENT, LARGEST, Votes
-from plogic.match.oriented.typed_data import typed_data
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from plogic.match.gamma.data import Data
     from plogic.match.oriented.angle_refinement import Noise
+    from plogic.match.oriented.asked import TypedData
     from plogic.match.oriented.pair_index import PairIndex
-    from plogic.match.oriented.typed_data import TypedData
 
     Floats = NDArray[np.float64]
     Singles = NDArray[np.float32]

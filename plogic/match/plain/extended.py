@@ -1,4 +1,8 @@
-"""Coarse poses are extended by the features that they expect: matched with what is near, refined, and again, ever more tightly (§6.3, §7)."""
+"""Coarse poses are extended by the features that they expect: matched with what is near, refined, and again, ever more tightly (§6.3, §7).
+
+* ``Typed``: the typed correspondences that the plain generators start from: every feature of a type with every datum
+  that looks like it
+"""
 
 from __future__ import annotations
 
@@ -10,16 +14,54 @@ from geometry.frames import inverse
 from geometry.poses.refine import refined_poses
 from plogic.match.judged.alike import apart
 from plogic.match.judged.evidence import clutter_density, density
-from plogic.match.plain.typed_pairs import FEWEST, Typed, off, pairs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kb.clouds.cloud import KnowledgeBase
+    from geometry.camera import Camera
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
     from plogic.match.gamma.data import Data
-    from plogic.match.hand.type_index import TypeIndex
+    from plogic.match.hand.hand_models import TypeIndex
 
     Floats = NDArray[np.float64]
+    Indices = NDArray[np.intp]
+
+FEWEST = 4
+"""Matches of different features with different data that a pose needs: any three have one."""
+
+
+class Typed(NamedTuple):
+    """``points`` (F, 3) m: the features' places; P pairs, by feature and then by datum: ``feature`` (P,) and ``datum`` (P,)."""
+
+    kind: ObjectType
+    points: Floats
+    feature: Indices
+    datum: Indices
+
+    @property
+    def numbers(self) -> Indices:
+        """(F,) how many data look like each feature."""
+        return np.bincount(self.feature, minlength=len(self.points))
+
+    def mask(self, data: int) -> NDArray[np.bool_]:
+        """(F, A) which of so many data looks like which feature."""
+        mask = np.zeros((len(self.points), data), bool)
+        mask[self.feature, self.datum] = True
+        return mask
+
+
+def pairs_of(index: TypeIndex, data: Data) -> Typed:
+    """All pairs of one type's features and data that look like them."""
+    return Typed(index.object_type, index.points, *np.nonzero(index.allowed(data)))
+
+
+def off(poses: Floats, pairs: Typed, uv: Floats, camera: Camera) -> Floats:
+    """(N, P) pixels from where N poses show the pairs' features to their data, ``uv`` (A, 2) undistorted; infinite behind the camera."""
+    at = np.einsum("nij,fj->nfi", poses[:, :3, :3], pairs.points) + poses[:, None, :3, 3]
+    depth = np.where(at[..., 2] > 0.0, at[..., 2], np.nan)
+    shown = camera.to_pixels(at[..., :2] / depth[..., None])
+    return np.nan_to_num(np.linalg.norm(shown[:, pairs.feature] - uv[pairs.datum], axis=2), nan=np.inf)
+
 
 WIDENED = 4.0, 2.0, 1.0
 """Of the rounds, how many times wider than the detector's noise places may be: four points fix a pose badly."""

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from plogic.base.clock import unhurried
-from plogic.match.hand.hand_models import HandModels
-from plogic.match.hand.type_index import type_index
+from plogic.match.hand.hand_models import HandModels, type_index
 from plogic.match.judged.alike import distinct
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.settling import FEWEST
 from plogic.match.judged.type_models import Search
-from plogic.match.oriented.oriented_index import oriented_index
+from plogic.match.oriented.ready import oriented_index
 from plogic.match.plain import quadruples
 from plogic.match.plain import softposit_poses as softposit
 
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.hand.type_index import TypeIndex
+    from plogic.match.hand.hand_models import TypeIndex
     from plogic.match.judged.type_models import Found, Given, Request, Setup
 
 PLAIN = {"quadruples": quadruples.proposals, "softposit": softposit.proposals}

@@ -8,8 +8,7 @@ import numpy as np
 
 from geometry.poses.softposit import Annealing, random_starts, softposit
 from plogic.base.clock import unhurried
-from plogic.match.plain.extended import extended, scene_of
-from plogic.match.plain.typed_pairs import FEWEST
+from plogic.match.plain.extended import FEWEST, extended, scene_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,8 +18,8 @@ if TYPE_CHECKING:
     from geometry.poses.softposit import SoftPositResult
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
-    from plogic.match.hand.type_index import TypeIndex
-    from plogic.match.plain.typed_pairs import Typed
+    from plogic.match.hand.hand_models import TypeIndex
+    from plogic.match.plain.extended import Typed
 
     Floats = NDArray[np.float64]
 

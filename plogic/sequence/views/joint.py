@@ -2,7 +2,7 @@
 
 The hypotheses stand in the world, the same in every view. A view adds the features that it expects of them and the data
 that it has; given the world, views are independent. Priors count once, and so does what a pose owes to its freedom
-(``plogic.match.judged.freedom``), of all views' matches together.
+(``plogic.match.judged.pose_information``), of all views' matches together.
 
 * ``Joint``: what comes of it
 """
@@ -19,14 +19,12 @@ import numpy as np
 from geometry.poses.refine_sights import turned_step
 from geometry.poses.reprojection import information
 from plogic.base.bounds import LEAST
-from plogic.cycle.belief import Cycle
 from plogic.cycle.delta import delta_of, instances
 from plogic.cycle.holding import gravity_of_view
-from plogic.cycle.trace import Trace
+from plogic.cycle.state import Cycle, Trace
 from plogic.match.judged.disjoint import moved_apart, pose_information
 from plogic.match.judged.evidence import as_counted, evidence, judged
-from plogic.match.judged.freedom import share_of
-from plogic.match.judged.pose_information import known
+from plogic.match.judged.pose_information import known, share_of
 from plogic.match.judged.rivals import excludes
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, seen_beside
@@ -275,7 +273,7 @@ def owing(
 ) -> list[FeatureFact]:
     """Return the features; expected ones that are matched give up what the pose owes, in proportion.
 
-    ``owed``: a logarithm, at most 0 (``plogic.match.judged.fitted``); ``clutter``: density of each datum, per pixel².
+    ``owed``: a logarithm, at most 0 (``plogic.match.judged.evidence``); ``clutter``: density of each datum, per pixel².
     """
     paying = [f for f in features if f.match is not None and f.density > 0.0 and h.expects(f)]
     rates = {f.id: (min(max(f.hit_rate, LEAST), 1.0 - LEAST), clutter[str(f.match)]) for f in paying}

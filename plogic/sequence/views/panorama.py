@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.stopwatch import Stopwatch
-from plogic.cycle.beside import FEWEST
+from plogic.cycle.judging import FEWEST
 from plogic.cycle.recall import Seed
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import evidence, hit_rates
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.cycle.belief import Cycle
     from plogic.cycle.delta import Options
+    from plogic.cycle.state import Cycle
     from plogic.facts.document import Interpretation
     from plogic.facts.hypothesis import Hypothesis
     from plogic.run.perceive import Perceiver

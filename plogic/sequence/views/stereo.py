@@ -17,7 +17,7 @@ from plogic.sequence.views.view import View
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plogic.cycle.belief import Cycle
+    from plogic.cycle.state import Cycle
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.run.perceive import Perceiver

@@ -13,7 +13,7 @@ from benchmarks.clutter.scenes import CAMERA, trial
 from benchmarks.clutter.softposit import _depths, soft_posit
 from benchmarks.clutter.types import Detector, random_types
 from benchmarks.recognition.score import Found, pose_right
-from plogic.match.plain.sets_of_four import drawn
+from plogic.match.plain.quadruples import drawn
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from sensing.appearance import Appearance, Gamma
 

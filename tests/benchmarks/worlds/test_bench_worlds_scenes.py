@@ -10,8 +10,8 @@ from benchmarks.families.bench import clusters
 from benchmarks.worlds.oracle import enumerated, marginals_of
 from benchmarks.worlds.scenes import MOST_OBJECTS, RIVALS, joined, photographs
 from benchmarks.worlds.stock import stock
-from plogic.cycle.belief import same_hypothesis
 from plogic.cycle.delta import Options, unpruned
+from plogic.cycle.state import same_hypothesis
 from plogic.facts.sanity import check
 from plogic.match.gamma.data import data_of
 from plogic.run.perceive import Perceiver

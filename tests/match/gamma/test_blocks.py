@@ -9,12 +9,13 @@ import pytest
 from synthetic import CAMERA, perceiver
 
 from plogic.base.clock import OutOfTimeError
-from plogic.match.gamma import row_blocks as blocks
+from plogic.match.gamma import data as blocks
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import wrapped
-from plogic.match.hand import links, open_pairs
+from plogic.match.hand import correspondences as links
+from plogic.match.hand import correspondences as open_pairs
+from plogic.match.hand.correspondences import ALONG_ONE_ARM, POINTING, data_links, linked_pairs
 from plogic.match.hand.generate import generate
-from plogic.match.hand.links import ALONG_ONE_ARM, POINTING, data_links, linked_pairs
 from plogic.match.hand.triples import NEIGHBOURS, image_triples
 from sensing.appearance import Appearance
 

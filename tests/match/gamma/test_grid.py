@@ -12,7 +12,7 @@ from learned_scenes import CAMERA
 
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.grid import CELL, TURNS, grid_of
-from plogic.match.learned.side_pairs import TURNED
+from plogic.match.learned.sides import TURNED
 from sensing.appearance import Appearance
 
 SIZES = st.tuples(st.integers(1, 200), st.integers(1, 200))

@@ -9,7 +9,7 @@ from synthetic import CAMERA, camera_pose, is_right, perceiver, scene, towers
 from geometry.frames import pose_error
 from plogic.match.gamma.data import data_of
 from plogic.match.hand.generate import generate, settle
-from plogic.match.hand.type_index import type_index
+from plogic.match.hand.hand_models import type_index
 from plogic.match.judged.alike import same_place
 from plogic.match.judged.evidence import evidence
 from sensing.appearance import Gamma

@@ -7,10 +7,9 @@ from synthetic import CAMERA, camera_pose, is_right, perceiver, scene, towers
 
 from geometry.frames import pose_error
 from plogic.match.gamma.data import data_of
-from plogic.match.hand.coarse_pairs import MOST_PAIRS
+from plogic.match.hand.correspondences import MOST_PAIRS, open_pairs
 from plogic.match.hand.extend import coarse_poses
 from plogic.match.hand.generate import generate
-from plogic.match.hand.open_pairs import open_pairs
 from plogic.match.hand.triples import plane_triples
 
 

@@ -6,12 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic import CAMERA, camera_pose, perceiver, scene
 
-from plogic.match.gamma.data import data_of
-from plogic.match.gamma.ideal_projection import project_ideal, viewpoints_of
-from plogic.match.hand.coarse_pairs import Pairs
-from plogic.match.hand.links import linked_pairs
-from plogic.match.hand.pose_votes import best_apart, pose_votes, seen_cells, sizes
-from plogic.match.hand.votes import distance_maps, places_of, votes
+from plogic.match.gamma.data import data_of, project_ideal, viewpoints_of
+from plogic.match.hand.correspondences import Pairs, linked_pairs
+from plogic.match.hand.votes import best_apart, distance_maps, places_of, pose_votes, seen_cells, sizes, votes
 from sensing.appearance import Appearance
 
 PLACES = st.lists(st.tuples(st.integers(0, 639), st.integers(0, 479)), min_size=1, max_size=6, unique=True)

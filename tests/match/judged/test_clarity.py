@@ -25,8 +25,7 @@ from plogic.match.judged.evidence import (
     hit_rates,
     match_density,
 )
-from plogic.match.judged.freedom import log_share
-from plogic.match.judged.pose_information import sigmas
+from plogic.match.judged.pose_information import log_share, sigmas
 from plogic.match.learned.agreement import ANGLES, SIZES
 from plogic.match.learned.lexicon import NTH
 from plogic.match.learned.looks import AROUND, BY_CHANCE, GROWTH, RAREST, TURNS

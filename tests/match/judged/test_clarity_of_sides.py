@@ -25,7 +25,7 @@ from plogic.match.judged.evidence import (
     kinds,
     match_density,
 )
-from plogic.match.judged.freedom import log_share
+from plogic.match.judged.pose_information import log_share
 
 COUNT = 40
 SIDED = np.arange(COUNT) % 2 == 0

@@ -9,8 +9,7 @@ from random_cloud import random_cloud
 
 from geometry.frames import is_rigid
 from plogic.match.gamma.data import data_of
-from plogic.match.learned.keypoint_pairs import Pairs
-from plogic.match.learned.single_poses import FARTHEST, NEAREST, plausible, single_poses
+from plogic.match.learned.keypoints import FARTHEST, NEAREST, Pairs, plausible, single_poses
 
 
 def pairs(lobes):

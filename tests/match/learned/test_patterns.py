@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from geometry.camera import Camera
 from plogic.match.gamma.data import data_of
-from plogic.match.learned.patterns import AWAY, CELL, OTHERS, SOME, share_elsewhere
-from plogic.match.learned.side_pairs import TURNED
+from plogic.match.learned.sides import AWAY, CELL, OTHERS, SOME, TURNED, share_elsewhere
 from sensing.appearance import Appearance
 
 SEEDS = st.integers(0, 9999)

@@ -17,9 +17,8 @@ from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import screen_angle
 from plogic.match.gamma.side_looks import OFF
 from plogic.match.learned.held_lobes import lobes_held
-from plogic.match.learned.side_fit import side_fit
-from plogic.match.learned.side_pairs import TURNED
-from plogic.match.learned.sides import ALONG
+from plogic.match.learned.learned_refinement import side_fit
+from plogic.match.learned.sides import ALONG, TURNED
 from sensing.appearance import Appearance
 
 SEEDS = st.integers(0, 9999)

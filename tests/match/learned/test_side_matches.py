@@ -18,8 +18,7 @@ from plogic.match.gamma.screen_angles import screen_angle
 from plogic.match.gamma.side_looks import OFF, looks_fit
 from plogic.match.learned.held_lobes import lobes_held
 from plogic.match.learned.learned_match import pose_of
-from plogic.match.learned.side_pairs import AROUND, FEW, TURNED
-from plogic.match.learned.sides import ALONG, _one_to_one, side_matches
+from plogic.match.learned.sides import ALONG, AROUND, FEW, TURNED, _one_to_one, side_matches
 from sensing.appearance import Appearance
 
 SEEDS = st.integers(0, 9999)

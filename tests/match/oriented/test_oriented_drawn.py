@@ -13,12 +13,10 @@ from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import screen_angle
 from plogic.match.judged.evidence import evidence
 from plogic.match.oriented.asked import chances_of
-from plogic.match.oriented.climb import AS_GOOD, climbed
-from plogic.match.oriented.drawn import DEVIATIONS, MATCHED, WITHIN, drawn
-from plogic.match.oriented.fours import by_fours
+from plogic.match.oriented.climb import AS_GOOD, by_fours, climbed
+from plogic.match.oriented.drawn import DEVIATIONS, MATCHED, NEAR, WITHIN, drawn, shown
 from plogic.match.oriented.oriented_search import turned_about
 from plogic.match.oriented.pair_votes import BENT
-from plogic.match.oriented.shown import NEAR, shown
 
 
 def posed(seed, detector=EASY):

@@ -12,11 +12,10 @@ from benchmarks.clutter.types import random_types
 from kb.clouds.lobes import FeatureAppearance
 from kb.surfaces.surface import Surface
 from plogic.base.remembered import OURS, ROOT, sources, sources_in
-from plogic.match.hand.type_index import type_index
-from plogic.match.oriented import ready_key
+from plogic.match.hand.hand_models import type_index
+from plogic.match.oriented import ready as ready_key
 from plogic.match.oriented.pair_index import pair_index
-from plogic.match.oriented.ready import _arrays
-from plogic.match.oriented.ready_key import SOURCES, key_of
+from plogic.match.oriented.ready import SOURCES, _arrays, key_of
 
 READY = "plogic/match/oriented/ready.py"
 
@@ -131,7 +130,7 @@ def test_every_source_file_that_runs_while_an_index_is_made_is_hashed():
         "kb/surfaces/surface.py",
         "kb/clouds/cloud.py",
         "kb/clouds/lobes.py",
-        "plogic/match/hand/type_index.py",
+        "plogic/match/hand/hand_models.py",
     } <= ours
     assert ours <= sources_in(ROOT, SOURCES)
 
@@ -142,7 +141,7 @@ def test_so_is_all_that_makes_the_types_and_all_that_is_imported():
         "kb/files/read.py",
         "kb/clouds/cloud.py",
         "geometry/visibility/rays.py",
-        "plogic/match/oriented/ready_key.py",
+        "plogic/match/oriented/ready.py",
     } | sources(ROOT, READY) <= found
     assert {name.split("/")[0] for name in found} == {"geometry", "kb", "plogic"}, "the wheel holds them"
     assert not any("__pycache__" in name for name in found)

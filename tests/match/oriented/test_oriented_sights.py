@@ -12,7 +12,7 @@ from geometry.frames import transform_points
 from kb.clouds.lobes import in_lobe
 from plogic.match.gamma.screen_angles import wrapped
 from plogic.match.hand.view_cells import DISTANCE
-from plogic.match.oriented.sights import sights_of
+from plogic.match.oriented.pair_index import sights_of
 
 CELLS = (0, 17, 60, 99, 161)
 

@@ -13,9 +13,9 @@ from plogic.base.clock import OutOfTimeError, unhurried
 from plogic.match.gamma.data import centre_of, data_of
 from plogic.match.hand.view_cells import DISTANCE
 from plogic.match.oriented import single_votes as module
+from plogic.match.oriented.asked import typed_data
 from plogic.match.oriented.oriented_search import Search, coarse_poses
 from plogic.match.oriented.single_votes import CELL, FEWEST, SCALE, TURNS, single_votes
-from plogic.match.oriented.typed_data import typed_data
 
 
 def votes_of(ready, data, most=2000, kinds=None, check=unhurried):

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from oriented_scenes import STRAIGHT, datum
 
 from plogic.match.gamma.data import data_of
-from plogic.match.oriented.typed_data import typed_data
+from plogic.match.oriented.asked import typed_data
 
 NAMES = ("a", "b", "c")
 

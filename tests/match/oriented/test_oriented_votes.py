@@ -12,10 +12,10 @@ from geometry.frames import pose_error
 from plogic.match.gamma.data import centre_of, data_of
 from plogic.match.gamma.screen_angles import wrapped
 from plogic.match.hand.view_cells import DISTANCE
+from plogic.match.oriented.asked import typed_data
 from plogic.match.oriented.oriented_search import coarse_poses
 from plogic.match.oriented.pair_index import FINE, STEP
 from plogic.match.oriented.pair_votes import BENT, NEAREST, REACH, WHOLE, counted, raw_votes
-from plogic.match.oriented.typed_data import typed_data
 
 SIGMA = float(np.radians(5.0))
 FIELDS = ("kind", "cell", "centre", "roll", "scale", "weight")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from plain_scenes import ANGLES, PLACES, apart, claimed, interpreted, world
 
-from plogic.cycle.beside import FEWEST
+from plogic.cycle.judging import FEWEST
 
 SEEDS = range(8)
 SCENES = [(objects, seed, angles) for objects in (1, 2) for seed in SEEDS for angles in (ANGLES, PLACES)]

@@ -1,9 +1,14 @@
-"""Links: pairs of junctions that an edge joins, in the cloud and in the image (§6.3).
+"""Pairs: the smallest sets of appearances that, inside one view cell, fix a whole pose (§6.3).
 
-A *link* of the cloud is a pair of features of which one's edge ends at the other; a link of Γ is a pair of junctions of
-which one's arm points at the other. Laid onto each other in a view cell, the two fix roll and scale; the junctions'
-other arms must then lie on the features' other edges. All arms are kept as bits of a 64-bit word, relative to the link,
-so that millions of combinations are tested in milliseconds.
+Two features on two appearances give the roll and the scale; the cell gives the direction. Everything is done on arrays
+of thousands at once.
+
+* ``linked_pairs``: where data have arms. A *link* of the cloud is a pair of features of which one's edge ends at the
+  other; a link of Γ is a pair of junctions of which one's arm points at the other. Laid onto each other in a view cell,
+  the two fix roll and scale; the junctions' other arms must then lie on the features' other edges. All arms are kept as
+  bits of a 64-bit word, relative to the link, so that millions of combinations are tested in milliseconds
+* ``open_pairs``: where the detector reports places only. They cost cells × features² × appearances², so that they are
+  taken cell by cell; and as no arm refuses a pair, the other anchors' votes choose those that are kept
 """
 
 from __future__ import annotations
@@ -14,9 +19,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.clock import unhurried
-from plogic.match.gamma.row_blocks import blocks
+from plogic.match.gamma.data import blocks
 from plogic.match.gamma.screen_angles import wrapped
-from plogic.match.hand.coarse_pairs import ARM_TOLERANCE, MOST_PAIRS, Pairs
+from plogic.match.hand.votes import distance_maps, votes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,6 +30,32 @@ if TYPE_CHECKING:
 
     from plogic.match.gamma.data import Data
     from plogic.match.hand.view_cells import ViewCells
+    from plogic.match.hand.votes import DistanceMaps
+
+
+ARM_TOLERANCE = np.radians(16.0)
+"""How far an arm may lie from the edge that the nearest cell predicts: half a cell's width plus the detector's
+error."""
+MOST_PAIRS = 60_000
+"""Pairs that are kept of one type."""
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """N coarse poses: cell, first and second feature and appearance, (N,) each; ``roll`` radians; ``scale`` pixels per metre."""
+
+    cell: NDArray[np.intp]
+    feature: NDArray[np.intp]
+    datum: NDArray[np.intp]
+    other_feature: NDArray[np.intp]
+    other_datum: NDArray[np.intp]
+    roll: NDArray[np.float64]
+    scale: NDArray[np.float64]
+
+    def take(self, index: NDArray[np.intp]) -> Pairs:
+        """The pairs at ``index``."""
+        return Pairs(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
+
 
 BINS = 64
 """Directions that an arm's angle is told apart to, 5.6° each."""
@@ -178,3 +209,88 @@ def _words(angles: NDArray[np.float64]) -> NDArray[np.uint64]:
         bits = np.where(middle >= 0, np.uint64(1) << ((middle + offset) % BINS).astype(np.uint64), np.uint64(0))
         words |= np.bitwise_or.reduce(bits, axis=1) if bits.shape[1] else np.uint64(0)
     return words
+
+
+MOST_OF_CELL = 4_000
+"""Pairs of one cell that are voted on; more are thinned evenly."""
+LARGEST_JOIN = 100_000
+"""Entries of one cell's join; of a larger one, pairs of features are left out evenly."""
+
+
+def open_pairs(
+    cells: ViewCells,
+    anchors: NDArray[np.intp],
+    allowed: NDArray[np.bool_],
+    data: Data,
+    scales: tuple[float, float],
+    check: Callable[[], None] = unhurried,
+) -> Pairs:
+    """Pairs of anchors and data that a cell allows within the range of ``scales``: at most ``MOST_PAIRS``, the best by the anchors' votes.
+
+    ``check`` is called between cells, and blocks of their data, and may raise to end it.
+    """
+    if not len(data.ids) or not allowed[anchors].any():
+        none = np.zeros(0, dtype=np.intp)
+        return Pairs(none, none, none, none, none, np.zeros(0), np.zeros(0))
+    maps = distance_maps(allowed, data)
+    found = [_of_cell(cells, c, anchors, allowed, data, scales, check) for c in range(len(cells.directions))]
+    worth = np.concatenate([_votes(pairs, cells, anchors, maps, data) for pairs in found])
+    every = Pairs(*(np.concatenate([getattr(pairs, name) for pairs in found]) for name in Pairs.__dataclass_fields__))
+    if len(worth) <= MOST_PAIRS:
+        return every
+    return every.take(np.sort(np.argsort(-worth, kind="stable")[:MOST_PAIRS]))
+
+
+def _votes(
+    pairs: Pairs, cells: ViewCells, anchors: NDArray[np.intp], maps: DistanceMaps, data: Data
+) -> NDArray[np.float64]:
+    """(N,) the share of the visible anchors that find a datum, each by how near it is."""
+    return votes(pairs, cells, maps, np.ones(cells.visible.shape[1]), data, anchors)
+
+
+def _of_cell(
+    cells: ViewCells,
+    c: int,
+    anchors: NDArray[np.intp],
+    allowed: NDArray[np.bool_],
+    data: Data,
+    scales: tuple[float, float],
+    check: Callable[[], None],
+) -> Pairs:
+    """The pairs of one cell, thinned evenly to ``MOST_OF_CELL``.
+
+    Where more than one pair of features is left, ``LARGEST_JOIN`` bounds the join; of one alone it is made in blocks,
+    whose order is its own.
+    """
+    seen = anchors[cells.visible[c, anchors]]
+    first, second = (seen[i] for i in np.triu_indices(len(seen), 1)[:2])
+    stride = max(1, int(np.ceil(len(first) * len(data.ids) ** 2 / LARGEST_JOIN)))
+    first, second = first[::stride], second[::stride]
+    model = cells.xy[c, second] - cells.xy[c, first]
+    length = np.maximum(np.hypot(model[:, 0], model[:, 1]), 1e-9)
+    number, packed = len(data.ids), []
+    for some in blocks(number, number) if len(first) == 1 else [slice(number)]:
+        check()
+        image = data.ideal[None] - data.ideal[some][:, None]
+        scale = np.hypot(image[..., 0], image[..., 1])[None] / length[:, None, None]
+        good = allowed[first][:, some, None] & allowed[second][:, None, :] & (scale > scales[0]) & (scale < scales[1])
+        packed.append((int(np.count_nonzero(good)), good.size, np.packbits(good)))
+    p, a, b = np.unravel_index(_thinned(packed), (len(first), number, number))
+    step = data.ideal[b] - data.ideal[a]
+    angle = np.arctan2(step[:, 1], step[:, 0]) - np.arctan2(model[p, 1], model[p, 0])
+    return Pairs(
+        np.full(len(p), c), first[p], a, second[p], b, wrapped(angle), np.hypot(step[:, 0], step[:, 1]) / length[p]
+    )
+
+
+def _thinned(packed: list[tuple[int, int, NDArray[np.uint8]]]) -> NDArray[np.intp]:
+    """Where bits are set in blocks of them, one after the other: all, or ``MOST_OF_CELL`` evenly; a block: how many are set, and are there."""
+    total = sum(count for count, _, _ in packed)
+    wanted = np.arange(total) if total <= MOST_OF_CELL else np.linspace(0, total - 1, MOST_OF_CELL).astype(np.intp)
+    found, before, start = [np.zeros(0, np.intp)], 0, 0
+    for count, size, bits in packed:
+        here = wanted[np.searchsorted(wanted, before) : np.searchsorted(wanted, before + count)]
+        if len(here):
+            found.append(start + np.flatnonzero(np.unpackbits(bits, count=size))[here - before])
+        before, start = before + count, start + size
+    return np.concatenate(found)

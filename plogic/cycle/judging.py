@@ -1,0 +1,121 @@
+"""Judge a hypothesis beside Δi: Expected, Detected, the four cases, ev and evidence, on the data left free (§4, §5.5, §7)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from plogic.cycle.state import Proposal, State, Task, among, free
+from plogic.match.judged.evidence import evidence
+from plogic.match.judged.evidence import judged as judged_alone
+from plogic.match.judged.expectation import hidden_by
+from plogic.match.judged.rivals import SHARED_CLAIMS, apart_on_screen, hidden_among, overlap, shared_claims
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from plogic.facts.hypothesis import Hypothesis
+
+FEWEST = 4
+"""Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8,
+trap b)."""
+
+
+def judge(
+    task: Task,
+    beside: Sequence[Hypothesis],
+    proposed: Hypothesis,
+    rounds: int,
+    *,
+    left: NDArray[np.bool_] | None = None,
+    anew: bool = True,
+) -> Hypothesis:
+    """A hypothesis beside these, matched on the data ``left`` (A,) that they do not claim, or refined by so many ``rounds``.
+
+    The features that they hide are not expected; those that A4 excludes beside it are rivals and hide nothing (D7). Not
+    ``anew``: it is matched so already.
+    """
+    hidden = hidden_among(proposed, beside)
+    if rounds or anew:
+        left = free(task, beside) if left is None else left
+        start = proposed if rounds else proposed.camera_from_object
+        proposed = task.models[proposed.type].settle(start, task.data, task.kb, free=left, hidden=hidden, rounds=rounds)
+    return believed(task, proposed, hidden_among(proposed, beside) if rounds else hidden)
+
+
+def believed(task: Task, matched: Hypothesis, hidden: NDArray[np.bool_]) -> Hypothesis:
+    """The evidence and ev of a hypothesis of which the ``hidden`` features (F,) are not expected."""
+    return judged_alone(matched, task.data, task.kb, task.dv, hidden)
+
+
+def judged(task: Task, state: State) -> State:
+    """All proposals beside Δi: as before where nothing near was accepted since."""
+    left, proposals = free(task, state.accepted), []
+    for proposed, beside in state.proposals:
+        task.deadline.check()
+        near = beside is None or any(
+            not apart_on_screen(proposed, other, *task.reach) for other in state.accepted[beside:]
+        )
+        if near:
+            anew = bool(state.accepted) or not task.models[proposed.type].settled_when_found
+            proposals.append(judge(task, state.accepted, proposed, 0, left=left, anew=anew))
+        else:
+            proposals.append(proposed)
+    return replace(state, proposals=tuple(Proposal(one, len(state.accepted)) for one in proposals))
+
+
+def refusal(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
+    """Why a hypothesis, judged beside Δi, is not accepted, or None."""
+    return _unsupported(task, state, hypothesis) or _excluded(state, hypothesis)
+
+
+def _unsupported(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
+    """Why its own evidence, beside Δi, does not carry it: what is hidden there is not expected."""
+    found, model = hypothesis.expected(hypothesis.hidden) & hypothesis.detected, task.models[hypothesis.type]
+    if found.sum() < FEWEST:
+        number = int(found.sum())
+        return f"{f'only {number}' if number else 'none'} of its expected features detected; {FEWEST} are demanded"
+    if hypothesis.axes is None and not found[model.anchors].any():  # where angles count, any features start it
+        return "none of its most distinctive features was detected"
+    if hypothesis.ev_reconsidered is None or hypothesis.ev_reconsidered <= 0.0:
+        return f"ev {rounded(hypothesis.ev_reconsidered)} is not above 0"
+    surplus = hypothesis.surplus + _harm(task, state.accepted, hypothesis)
+    demanded = model.significance(hypothesis)
+    if surplus <= demanded:
+        return f"log-likelihood ratio {surplus:.1f} beyond what any pose has; {demanded:.1f} is demanded"
+    return None
+
+
+def _excluded(state: State, hypothesis: Hypothesis) -> str | None:
+    """Which constraint keeps it out of Δi."""
+    if among(hypothesis, state.refused):
+        return "was accepted before, and did not hold beside the others"
+    for other in state.accepted:
+        if overlap(hypothesis, other):
+            return "shares volume with an accepted object (A4)"
+        if shared_claims(hypothesis, other)[1] > SHARED_CLAIMS:
+            return "explains the same appearances as an accepted object"
+    return None
+
+
+def _harm(task: Task, accepted: Sequence[Hypothesis], hypothesis: Hypothesis) -> float:
+    """What the accepted ones would lose if this stood before them: at most 0, for to hide a detected feature is counter-evidence."""
+    if not hypothesis.opaque:
+        return 0.0
+    change = 0.0
+    for other in accepted:
+        before = hidden_among(other, accepted)
+        after = before | hidden_by(other, hypothesis)
+        if (after != before).any() and not overlap(hypothesis, other):
+            change += (
+                evidence(other, task.data, task.kb, after).ratio - evidence(other, task.data, task.kb, before).ratio
+            )
+    return min(0.0, change)
+
+
+def rounded(value: float | None) -> float | None:
+    """An ev as the trace tells it."""
+    return None if value is None else round(value, 3)

@@ -1,0 +1,221 @@
+"""The state of the perceptual cycle (figure 1), and what a run works on.
+
+Vocabulary, each with an example value:
+
+* ``Task``: Γ, the models of Σo and the clock of one run, ``Task(data, kb, models, dv)``
+* ``State``: Δh with Δi and the trace after one step, ``State(accepted=(h,), proposals=(Proposal(h, 1),), ...)``
+* ``Proposal``: a proposed hypothesis, and beside how many accepted ones it was judged last
+* ``Stable``: what is left of Δi when it is stable; of equal or greater weight than any before it is the answer
+* ``Step``, ``Trace``: which hypotheses were tried, and why each was kept or dropped
+* ``Cycle``: the outcome
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from plogic.base.clock import Deadline
+from plogic.match.judged.alike import same_place
+from plogic.match.judged.rivals import claims
+from plogic.match.judged.type_models import Request
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.cycle.attention import Attention
+    from plogic.facts.document import StepRow
+    from plogic.facts.hypothesis import Hypothesis
+    from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import Search
+    from plogic.match.kinds import Models
+
+
+@dataclass(frozen=True)
+class Step:
+    """One event, with its reason in one sentence; ``ev`` where it was decided by ev."""
+
+    event: str
+    why: str
+    type: str | None = None
+    hypothesis: str | None = None
+    ev: float | None = None
+
+
+def step_of(event: str, why: str, hypothesis: Hypothesis) -> Step:
+    """An event of one hypothesis, decided by its ev."""
+    return Step(event, why, hypothesis.type, ev=hypothesis.ev_reconsidered)
+
+
+@dataclass
+class Trace:
+    """The steps in order."""
+
+    steps: list[Step] = field(default_factory=list)
+
+    def document(self) -> list[StepRow]:
+        """As in ``interpretation.json``."""
+        return [
+            {"step": i, "event": s.event, "hypothesis": s.hypothesis, "type": s.type, "ev": s.ev, "why": s.why}
+            for i, s in enumerate(self.steps, 1)
+        ]
+
+
+class Stable(NamedTuple):
+    """``of``: what was accepted; ``accepted``: what is left of it when it is stable; ``rejected``, ``steps``: what else came of that."""
+
+    of: tuple[Hypothesis, ...] = ()
+    accepted: tuple[Hypothesis, ...] = ()
+    rejected: tuple[Hypothesis, ...] = ()
+    steps: tuple[Step, ...] = ()
+
+    @property
+    def weight(self) -> float:
+        """The sum of the log-likelihood ratios of what it accepts."""
+        return sum(hypothesis.worth for hypothesis in self.accepted)
+
+
+@dataclass(eq=False)
+class Heaviest:
+    """The heaviest stable Δi so far. It outlives a deadline that comes within a step, and is the answer then."""
+
+    stable: Stable = field(default_factory=Stable)
+
+    def keep(self, stable: Stable) -> None:
+        """Keep a stable Δi if it is no lighter."""
+        if stable.weight >= self.stable.weight:
+            self.stable = stable
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What one run works on, the same in all its states.
+
+    ``end``: a moment of ``time.monotonic`` at which a search stops, None for never; ``processes``: how many search,
+    this one and copies of it. ``heaviest`` and ``remembered`` are its memory: the answer if time were over now, and
+    what was reconsidered before, by the hypotheses that stood near it.
+    """
+
+    data: Data
+    kb: KnowledgeBase
+    models: Models
+    dv: Mapping[str, float]
+    end: float | None = None
+    processes: int = 1
+    heaviest: Heaviest = field(default_factory=Heaviest)
+    remembered: dict[tuple[int, ...], tuple[tuple[Hypothesis, ...], Hypothesis]] = field(default_factory=dict)
+
+    @cached_property
+    def deadline(self) -> Deadline:
+        """The clock of the run."""
+        return Deadline(self.end)
+
+    @cached_property
+    def request(self) -> Request:
+        """What every search is asked for."""
+        return Request(self.data, self.kb, self.deadline.check, self.processes)
+
+    @cached_property
+    def searches(self) -> list[tuple[Mapping[str, object], Search]]:
+        """By kind of type models: its types, and the search for them in this Γ."""
+        return [(kind.models, kind.search(self.request)) for kind in self.models.kinds.values()]
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Focal length, and the pixels within which two bodies on the screen may concern each other."""
+        return self.data.camera.f, 2.0 * self.kb.rates.match_tolerance
+
+    def search_for(self, hypothesis: Hypothesis) -> Search | None:
+        """The search for its type, while there is one."""
+        return next((search for models, search in self.searches if hypothesis.type in models), None)
+
+
+class Proposal(NamedTuple):
+    """A proposed hypothesis; ``beside``: how many accepted ones, the first, it was judged beside, None where it was not yet."""
+
+    hypothesis: Hypothesis
+    beside: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Where the cycle stands after a step.
+
+    ``accepted`` is Δi in the order of acceptance. ``proposals`` are those of all types that are judged again each
+    round; ``passed`` those that were of too little worth for that, without their arrays. ``rivals``, ``rejected``: what
+    was told of the others. ``refused`` was accepted once, and did not hold. ``stable`` is Δi made stable.
+    ``stood_on``: of how many accepted ones it was asked what stands on their plane. ``turns``: how often something
+    gave reason to go round again.
+    """
+
+    attention: tuple[Attention, ...] = ()
+    accepted: tuple[Hypothesis, ...] = ()
+    proposals: tuple[Proposal, ...] = ()
+    passed: tuple[Hypothesis, ...] = ()
+    rivals: tuple[Hypothesis, ...] = ()
+    rejected: tuple[Hypothesis, ...] = ()
+    refused: tuple[Hypothesis, ...] = ()
+    stable: Stable = field(default_factory=Stable)
+    stood_on: int = 0
+    turns: int = 0
+    steps: tuple[Step, ...] = ()
+
+    def tells(self, *steps: Step) -> State:
+        """The same, with more of the trace."""
+        return replace(self, steps=(*self.steps, *steps))
+
+    def proposes(self, found: Iterable[Hypothesis]) -> State:
+        """The same, with more to judge."""
+        return replace(self, proposals=(*self.proposals, *map(Proposal, found)))
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """``accepted`` is Δi in the order of acceptance; ``considered`` the rest of Δh; ``rejected`` what was tried and dropped.
+
+    ``unfinished``: whether a deadline stopped it.
+    """
+
+    accepted: tuple[Hypothesis, ...]
+    considered: tuple[Hypothesis, ...]
+    rejected: tuple[Hypothesis, ...]
+    attention: tuple[Attention, ...]
+    trace: Trace
+    unfinished: bool = False
+
+
+def free(task: Task, accepted: Iterable[Hypothesis]) -> NDArray[np.bool_]:
+    """(A,) the data that none of these claims."""
+    mask = np.ones(len(task.data.ids), dtype=bool)
+    for hypothesis in accepted:
+        mask[list(claims(hypothesis))] = False
+    return mask
+
+
+def same_hypothesis(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether two hypotheses are near-duplicates: one type, one place up to symmetry (§8)."""
+    return one.type == other.type and same_place(one.object_type, one.camera_from_object, other.camera_from_object)
+
+
+def among(hypothesis: Hypothesis, others: Iterable[Hypothesis]) -> bool:
+    """Whether it is a near-duplicate of any of these."""
+    return any(same_hypothesis(hypothesis, other) for other in others)
+
+
+MOST_RIVALS = 2
+"""Rivals of an accepted hypothesis that enter Δh with it."""
+
+
+def considered(rivals: Sequence[Hypothesis], accepted: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """At most ``MOST_RIVALS`` rivals an accepted hypothesis, near-duplicates merged, best first."""
+    kept: list[Hypothesis] = []
+    for rival in sorted(rivals, key=lambda h: -h.worth):
+        if not among(rival, [*kept, *accepted]) and len(kept) < MOST_RIVALS * len(accepted):
+            kept.append(rival)
+    return kept
