@@ -38,9 +38,14 @@ CELLS: dict[str, Cell] = {
 }
 
 
+def told_in_full(posed: Hypothesis) -> bool:
+    """Whether all features are told: where lobes have no measured rates of their own, features are few."""
+    return posed.hit is None
+
+
 def told(posed: Hypothesis) -> list[int]:
     """The features that are told one by one: all of a type written by hand; of a learned one what is expected alone, or matched."""
-    if posed.object_type.learned is None:
+    if told_in_full(posed):
         return list(range(len(posed.object_type.features)))
     return np.flatnonzero(_notable(posed)).tolist()
 
@@ -92,7 +97,7 @@ def lumped(posed: Hypothesis, dv: Mapping[str, float]) -> tuple[FeatureFact, ...
 
 def left_out(posed: Hypothesis) -> LeftOut | None:
     """How many features are not told: those that ``OTHERS`` stands for, and those outside the image; None of a type written by hand."""
-    if posed.object_type.learned is None:
+    if told_in_full(posed):
         return None
     return {
         "in_image": int(_rest(posed).sum()),
@@ -115,7 +120,7 @@ def support_document(posed: Hypothesis, dv: Mapping[str, float]) -> dict[str, Ce
     The rows are those of the hypothesis alone (``Hypothesis.support``): counts and weights give its ev.
     """
     rows = posed.support()
-    if posed.object_type.learned is None:
+    if told_in_full(posed):
         return {
             name: {
                 "expected_detected": count.A,
@@ -141,7 +146,7 @@ def support_document(posed: Hypothesis, dv: Mapping[str, float]) -> dict[str, Ce
 
 def looked_at(posed: Hypothesis, ids: Sequence[str], dv: Mapping[str, float]) -> list[LookedRow]:
     """Of a rejected hypothesis of a learned type, where its features were expected or found: to be looked at, nothing is computed from them."""
-    if posed.object_type.learned is None:
+    if told_in_full(posed):
         return []
     return [*(_looked(posed, f, ids) for f in told(posed)), *(_rest_looked(rest) for rest in lumped(posed, dv))]
 
@@ -189,6 +194,6 @@ def _notable(posed: Hypothesis) -> NDArray[np.bool_]:
 
 
 def _rest(posed: Hypothesis) -> NDArray[np.bool_]:
-    if posed.object_type.learned is None:
+    if told_in_full(posed):
         return np.zeros(len(posed.uv), dtype=bool)
     return np.asarray(posed.stands & ~_notable(posed) & posed.in_image)

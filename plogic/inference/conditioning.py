@@ -98,8 +98,8 @@ def log_weight(tables: Sequence[Scoped], states: Mapping[int, int]) -> float:
     return math.fsum(float(table[tuple([states[v] for v in scope])]) for scope, table in tables)
 
 
-SLACK = 1e-12  # relative; more than the roundings of the sums, so that an interval contains the exact value and not just almost
-ROUNDING = 1e-14  # of a logarithm, relative
+SUM_SLACK = 1e-12  # relative; more than the roundings of the sums, so that an interval contains the exact value and not just almost
+LOG_ROUNDING = 1e-14  # of a logarithm, relative
 
 
 @dataclass
@@ -218,7 +218,7 @@ class _Search:
             return Beliefs(_outwards(log_z), *_unknown(self.part.cards))
         states = [array * math.exp(found.scale - top) for array in found.states]
         weighed = [(math.exp(-bound - top), node) for bound, node in nodes]
-        return Beliefs(_outwards(log_z), *self.beliefs(states, done, weighed, SLACK + ROUNDING * abs(top)))
+        return Beliefs(_outwards(log_z), *self.beliefs(states, done, weighed, SUM_SLACK + LOG_ROUNDING * abs(top)))
 
     def beliefs(
         self, states: list[NDArray[np.float64]], done: float, nodes: list[Node], slack: float
@@ -277,7 +277,7 @@ def _glance(part: Part, sequence: Sequence[int], bits: float, clock: Clock) -> t
 
 def _outwards(log_z: tuple[float, float]) -> tuple[float, float]:
     """The interval a few roundings wider."""
-    return log_z[0] - SLACK * (1 + abs(log_z[0])), log_z[1] + SLACK * (1 + abs(log_z[1]))
+    return log_z[0] - SUM_SLACK * (1 + abs(log_z[0])), log_z[1] + SUM_SLACK * (1 + abs(log_z[1]))
 
 
 def _unknown(cards: tuple[int, ...]) -> tuple[Arrays, Arrays]:

@@ -15,7 +15,7 @@ from plogic.base.clock import OutOfTimeError
 from plogic.base.errors import WidthError
 from plogic.inference.conditioning import conditioned, glanced, hasty
 from plogic.inference.graph import Beliefs
-from plogic.inference.order import CELLS, Bucket, Order, bucket_tree, elimination_order, members, order_along
+from plogic.inference.order import BUCKET_CELLS, Bucket, Order, bucket_tree, elimination_order, members, order_along
 from plogic.inference.passes import joint, two_way
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def _cutset(part: Part, order: Order, fixed: Sequence[int], width: float, clock:
 def small(part: Part, width: float = math.inf) -> bool:
     """Whether one table of all joint states is the fastest way, and within ``width`` bits."""
     cells = math.prod(part.cards)
-    return cells <= CELLS and math.log2(cells) <= width
+    return cells <= BUCKET_CELLS and math.log2(cells) <= width
 
 
 def planned(part: Part, clock: Clock) -> tuple[Order, tuple[Bucket, ...]]:
@@ -129,10 +129,10 @@ def _plan(
 
 EFFORT = 32.0  # bits: cells of all cases together that are still solved without a deadline; about a minute
 PACE = 1 << 26  # cells a second, a guess; only what to try before a deadline depends on it, no result
-EACH = 2e-4  # seconds that a bucket takes besides; likewise
+BUCKET_SECONDS = 2e-4  # seconds that a bucket takes besides; likewise
 ATTEMPT = 0.75  # share of the time that is left in which an exact attempt should end, and after which it is given up
 PRUNE = 5.0  # bits of the tables that see that a case is impossible
-DEEP = 64.0  # bits of fixed variables; more cases than that are not begun
+MOST_CUT_BITS = 64.0  # bits of fixed variables; more cases than that are not begun
 BUCKET = 14.0  # bits, at most, of those that bound the cases not looked at
 
 
@@ -153,7 +153,7 @@ def bounded(part: Part, width: float, clock: Clock) -> Beliefs:
 
 def _fair(work: float, buckets: float, clock: Clock) -> bool:
     """Whether tables of 2^``work`` cells in so many buckets should be done in time."""
-    return clock.end is None or work <= _bits(ATTEMPT * clock.left() - buckets * EACH)
+    return clock.end is None or work <= _bits(ATTEMPT * clock.left() - buckets * BUCKET_SECONDS)
 
 
 def _bits(seconds: float) -> float:
@@ -174,9 +174,9 @@ def _cases(part: Part, order: Order, width: float, clock: Clock) -> Beliefs:
         return conditioned(part, cut, PRUNE, clock)
     budget = _bits(clock.left() / 2)
     bits = min(width, BUCKET, max(PRUNE, budget - 14.0))
-    cut = cutset(part, order, width, DEEP, clock)
+    cut = cutset(part, order, width, MOST_CUT_BITS, clock)
     if cut and not _fair(cut.work(part.cards), math.prod(part.cards[v] for v in cut.fixed) * len(cut.buckets), clock):
-        cut = cutset(part, order, min(width, max(6.0, budget - 8.0)), DEEP, clock) or cut
+        cut = cutset(part, order, min(width, max(6.0, budget - 8.0)), MOST_CUT_BITS, clock) or cut
     return conditioned(part, cut, bits, clock) if cut else glanced(part, order.sequence, bits, clock)
 
 

@@ -60,7 +60,7 @@ class Beliefs:
         return self.log_z[0] == self.log_z[1] and all(a is b for a, b in zip(self.low, self.high, strict=True))
 
 
-MANY = 8  # tables of one scope that are first freed from their greatest entry, lest thousands of weak ones round each other off
+MANY_TABLES = 8  # tables of one scope that are first freed from their greatest entry, lest thousands of weak ones round each other off
 
 
 class Part(NamedTuple):
@@ -94,7 +94,7 @@ def _product(tables: list[NDArray[np.float64]], constants: list[float]) -> NDArr
     """The sum of log tables of one scope; of many, their greatest entries go to ``constants``."""
     if len(tables) == 1:
         return tables[0]
-    if len(tables) < MANY:
+    if len(tables) < MANY_TABLES:
         return np.asarray(sum(tables[1:], tables[0]))
     stack = np.stack(tables).reshape(len(tables), -1)
     tops = stack.max(axis=1)

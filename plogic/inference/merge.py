@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from plogic.base.clock import Clock
 
-OFTEN = 64  # steps between two looks at the clock
+STEPS_A_LOOK = 64  # steps between two looks at the clock
 
 
 class Stream:
@@ -150,5 +150,5 @@ def _find(stack: list[tuple[Stream, int]], clock: Clock) -> None:
         if need is not None:
             stack.append(need)
         turns += 1
-        if turns % OFTEN == 0:
+        if turns % STEPS_A_LOOK == 0:
             clock.check()

@@ -2,7 +2,7 @@
 
 A small table, and one whose entries differ by more than floats can hold, is multiplied as logarithms. A large one is
 multiplied as plain numbers, several times faster, but only where the spreads of all that enters it (ln of greatest over
-least positive entry, measured) sum to less than ``SPREAD``: then no positive product can underflow, and both ways agree
+least positive entry, measured) sum to less than ``MOST_SPREAD``: then no positive product can underflow, and both ways agree
 to rounding.
 
 * ``Message(values)``: what enters a bucket, a given table or what a child tells; the scale that was taken out of it is
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-SPREAD = 600.0  # e^-600 is 1e-261: far above the least positive double, 1e-308
-LARGE = 1 << 12  # cells from which plain numbers pay
-FEW = 16  # columns that are rather taken one by one
-BLOCK = 1 << 10  # cells of the contiguous runs in which a small table is multiplied into a large one
+MOST_SPREAD = 600.0  # e^-600 is 1e-261: far above the least positive double, 1e-308
+LARGE_PRODUCT = 1 << 12  # cells from which plain numbers pay
+FEW_COLUMNS = 16  # columns that are rather taken one by one
+RUN_CELLS = 1 << 10  # cells of the contiguous runs in which a small table is multiplied into a large one
 
 
 @dataclass
@@ -44,7 +44,7 @@ class Message:
 
     def measured(self) -> float:
         """The spread; looks at the values where what is known is of no use."""
-        if self.spread > SPREAD / 2:
+        if self.spread > MOST_SPREAD / 2:
             possible = self.values[self.values > (-np.inf if self.log else 0.0)]
             if not possible.size:
                 self.spread = 0.0
@@ -78,9 +78,9 @@ def weigh(entering: Sequence[Message], shape: Sequence[int], shared: int) -> tup
     What enters has as many axes as ``shape``, of its length or 1.
     """
     rows, columns = math.prod(shape[:shared]), math.prod(shape[shared:])
-    if rows * columns >= LARGE:
+    if rows * columns >= LARGE_PRODUCT:
         spread = sum(message.measured() for message in entering)
-        if spread < SPREAD:
+        if spread < MOST_SPREAD:
             return _plain(entering, shape, rows, spread)
     return _log(entering, shape, rows)
 
@@ -123,7 +123,7 @@ def _plain(
 
 def row_sums(table: NDArray[np.float64]) -> NDArray[np.float64]:
     """The sum of each row of a table with many rows: by columns, where numpy would start anew for every short row."""
-    if table.shape[1] > FEW:
+    if table.shape[1] > FEW_COLUMNS:
         return np.add.reduce(table, axis=1)
     totals = table[:, 0].copy()
     for column in range(1, table.shape[1]):
@@ -133,7 +133,7 @@ def row_sums(table: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def column_sums(table: NDArray[np.float64]) -> NDArray[np.float64]:
     """The sum of each column, likewise."""
-    if table.shape[1] > FEW:
+    if table.shape[1] > FEW_COLUMNS:
         return np.add.reduce(table, axis=0)
     return np.array([np.add.reduce(table[:, column]) for column in range(table.shape[1])])
 
@@ -142,7 +142,7 @@ def _product(arrays: Sequence[NDArray[np.float64]], shape: Sequence[int]) -> NDA
     """The product over the whole shape: the small ones first, in contiguous runs, then the large ones in place."""
     ordered = sorted(arrays, key=lambda a: a.size)
     small = np.ones((1,) * len(shape))
-    while ordered and ordered[0].size < BLOCK:
+    while ordered and ordered[0].size < RUN_CELLS:
         small = small * ordered.pop(0)
     table = np.empty(shape)
     if not ordered:
@@ -158,7 +158,7 @@ def runs(array: NDArray[np.float64], shape: Sequence[int]) -> NDArray[np.float64
     """The array repeated along its last axes, so that a product with it runs over contiguous blocks."""
     target = list(array.shape)
     cells, axis = 1, len(shape)
-    while axis and cells < BLOCK:
+    while axis and cells < RUN_CELLS:
         axis -= 1
         target[axis] = shape[axis]
         cells *= shape[axis]

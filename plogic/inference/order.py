@@ -207,7 +207,7 @@ def _order(search: tuple[Sequence[int], Sequence[int]], bits: Sequence[float]) -
     )
 
 
-CELLS = 1 << 10  # buckets are merged up to this many cells
+BUCKET_CELLS = 1 << 10  # buckets are merged up to this many cells
 
 
 class Bucket(NamedTuple):
@@ -259,7 +259,7 @@ def _merged(
         size = cells[parent]
         for u in residuals[v]:
             size *= cards[u]
-        if size <= max(CELLS, cells[v]):
+        if size <= max(BUCKET_CELLS, cells[v]):
             residuals[parent] += residuals.pop(v)
             cells[parent] = size
     home = {u: v for v, residual in residuals.items() for u in residual}

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.inference.axes import aligned
-from plogic.inference.messages import BLOCK, FEW, Message, Weighed, column_sums, row_sums, weigh
+from plogic.inference.messages import FEW_COLUMNS, RUN_CELLS, Message, Weighed, column_sums, row_sums, weigh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     Solved = tuple[float, tuple[NDArray[np.float64], ...]]
 
-KEPT = 1 << 25  # cells: larger trees forget their tables on the way up, and weigh each again on the way down
+KEPT_CELLS = 1 << 25  # cells: larger trees forget their tables on the way up, and weigh each again on the way down
 HELD = 1 << 27  # cells: still larger ones forget most messages too, lest they fill gigabytes
 _WHOLE = np.ones(1)
 
@@ -84,7 +84,7 @@ class _Passes:
         self.messages: list[Message | None] = [None] * len(buckets)
         self.kept: list[Weighed | None] = [None] * len(buckets)
         cells = sum(math.prod(cards[v] for v in bucket.scope) for bucket in buckets)
-        self.keep = cells <= KEPT
+        self.keep = cells <= KEPT_CELLS
         length = len(buckets) if cells <= HELD else math.isqrt(len(buckets)) + 1
         self.stretches = [range(start, min(start + length, len(buckets))) for start in range(0, len(buckets), length)]
 
@@ -176,7 +176,7 @@ class _Passes:
         totals[totals == 0.0] = 1.0
         ratio = belief / totals
         table = weighed.weights
-        if table.shape[1] <= FEW and table.shape[0] > BLOCK:
+        if table.shape[1] <= FEW_COLUMNS and table.shape[0] > RUN_CELLS:
             for column in range(table.shape[1]):
                 table[:, column] *= ratio
         else:
@@ -202,7 +202,7 @@ def _summed(
 
 def _axis_summed(table: NDArray[np.float64]) -> NDArray[np.float64]:
     """Shape (before, length, after) summed over its middle axis."""
-    if table.shape[1] > FEW or table.size < BLOCK:
+    if table.shape[1] > FEW_COLUMNS or table.size < RUN_CELLS:
         return np.add.reduce(table, axis=1)
     if table.shape[1] == 1:
         return table[:, 0]

@@ -8,7 +8,7 @@ Vocabulary, each with an example value:
 What is guaranteed: every joint state of positive weight comes exactly once; the log weights never increase, and are
 within 1e-9 of the sums of the tables' entries (relative, where tables span more than a million); the same graph gives
 the same sequence, so the first n are the first n of any longer list. States within 1e-11 of each other are ties: of
-those that follow the first of them, up to ``AHEAD`` are looked at together and come in lexicographic order, with one
+those that follow the first of them, up to ``MOST_TIES`` are looked at together and come in lexicographic order, with one
 falling weight. More ties than that come by whole units of 2.3e-13 (``ranked_tables``), and in lexicographic order where
 these are equal; in a piece that is wider than ``WIDTH`` bits, in the order of the search; in a graph of few joint
 states all ties are looked at together.
@@ -111,10 +111,10 @@ def _level(order: NDArray[np.intp], costs: NDArray[np.float64], tie: float) -> N
         start = stop
 
 
-JOINT = 1 << 12  # cells up to which a piece is one table
+JOINT_CELLS = 1 << 12  # cells up to which a piece is one table
 WORK = 29.0  # bits of all tables, of which about half are kept, 8 bytes each: 2 GB; likewise
-TIE = 1e-11  # nats within which log weights count as equal
-AHEAD = 256  # such states that are put in order together
+TIE_NATS = 1e-11  # nats within which log weights count as equal
+MOST_TIES = 256  # such states that are put in order together
 _UNITS = 1 << DIGITS
 
 
@@ -128,7 +128,7 @@ class Ranked:
     def __init__(self, graph: FactorGraph, *, seconds: float | None = None) -> None:
         self.states: list[State] = []
         self.finished = False
-        self._source = whole(graph, TIE) or _merged(graph, Clock(seconds))
+        self._source = whole(graph, TIE_NATS) or _merged(graph, Clock(seconds))
 
     def __iter__(self) -> Iterator[State]:
         return self
@@ -176,7 +176,7 @@ def _merged(graph: FactorGraph, clock: Clock) -> Iterator[State]:
 
 def _stream(part: Part, digits: Digits, clock: Clock) -> tuple[float, Stream]:
     """(log weight of cost 0, the solutions of one piece)."""
-    if math.prod(part.cards) <= JOINT:
+    if math.prod(part.cards) <= JOINT_CELLS:
         return 0.0, joint(part, digits)
     order, buckets = plan(part.cards, tuple([scope for scope, _ in part.tables]))
     if order.width > WIDTH or order.work > WORK:  # then the heuristic is a bound
@@ -194,13 +194,13 @@ def _decoded(code: int, count: int, width: int) -> tuple[int, ...]:
 
 def _tied(source: Iterator[int], bits: int) -> Iterator[int]:
     """The same solutions, those that tie by code, and their costs non-decreasing."""
-    tie = round(TIE * _UNITS) << bits
+    tie = round(TIE_NATS * _UNITS) << bits
     group: list[int] = []
     limit = 0
     late: OutOfTimeError | None = None
     try:
         for solution in source:
-            if group and solution <= limit and len(group) < AHEAD:
+            if group and solution <= limit and len(group) < MOST_TIES:
                 group.append(solution)
                 continue
             if len(group) > 1:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from plogic.inference.ranked_tables import Table
 
 _AXES = operator.attrgetter("ndim")
-KEPT = (
+KEPT_COSTS = (
     1 << 24
 )  # cells: the tables of larger trees are forgotten once their least costs are known, and made again row by row
 SUMMED = 1 << 12  # cells up to which a bucket's tables are added up before they become costs
@@ -174,7 +174,7 @@ def component(part: Part, buckets: Sequence[Bucket], digits: Digits, clock: Cloc
         return 0.0, nothing()
     tables = iter(scaled.tables)
     digits = Digits(digits.places, digits.shift + scaled.shift)
-    keep = sum(math.prod(node.row_cards + node.column_cards) for node in nodes) <= KEPT
+    keep = sum(math.prod(node.row_cards + node.column_cards) for node in nodes) <= KEPT_COSTS
     for bucket, node, own in zip(buckets, nodes, entering, strict=True):
         terms = [next(tables).reshape(table.shape) for table in own]
         for child in [nodes[i] for i in bucket.children]:

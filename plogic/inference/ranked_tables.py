@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from plogic.inference.merge import Stream
-from plogic.inference.messages import BLOCK, FEW, runs
+from plogic.inference.messages import FEW_COLUMNS, RUN_CELLS, runs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 
 _CELLS = attrgetter("size")
 DIGITS = 42  # binary digits behind the point
-LEAST_DIGITS = 36  # digits that 64-bit costs keep at least
-ROOM = 57  # every possible cost of a piece is below 2^57
-IMPOSSIBLE = 1 << (ROOM + 1)  # so that 31 of them still fit in 64 bits
+FEWEST_DIGITS = 36  # digits that 64-bit costs keep at least
+COST_BITS = 57  # every possible cost of a piece is below 2^57
+IMPOSSIBLE = 1 << (COST_BITS + 1)  # so that 31 of them still fit in 64 bits
 
 
 class Costs(NamedTuple):
@@ -64,10 +64,10 @@ def costs(tables: Sequence[NDArray[np.float64]]) -> Costs | None:
     greatest = tops.repeat(sizes)
     below = greatest - flat
     impossible, shift = IMPOSSIBLE, 0
-    if ((below >= 2.0 ** (ROOM - DIGITS) / len(tables)) & (below < np.inf)).any():
+    if ((below >= 2.0 ** (COST_BITS - DIGITS) / len(tables)) & (below < np.inf)).any():
         units, impossible, shift = _scaled(below, greatest, flat, cuts)
     else:
-        np.minimum(below, 2.0 ** (ROOM + 1 - DIGITS), out=below)
+        np.minimum(below, 2.0 ** (COST_BITS + 1 - DIGITS), out=below)
         below *= 2.0**DIGITS
         units = np.rint(below, out=below).astype(np.int64)
     own = [units[start:stop] for start, stop in pairwise(cuts)]
@@ -83,8 +83,8 @@ def _scaled(
     """(all costs, the impossible cost, the shift), in as many digits as the range leaves room for."""
     ranges = np.maximum.reduceat(np.where(below < np.inf, below, 0.0), cuts[:-1])
     span = sum(ranges.tolist())
-    digits = DIGITS if span < 2.0 ** (ROOM - DIGITS) else ROOM - 1 - math.ceil(math.log2(span))
-    if digits >= LEAST_DIGITS:
+    digits = DIGITS if span < 2.0 ** (COST_BITS - DIGITS) else COST_BITS - 1 - math.ceil(math.log2(span))
+    if digits >= FEWEST_DIGITS:
         return (
             np.where(below < np.inf, np.rint(below * 2.0**digits), float(IMPOSSIBLE)).astype(np.int64),
             IMPOSSIBLE,
@@ -105,10 +105,10 @@ def in_units(weight: float) -> int:
     return int(weight) << DIGITS if abs(weight) > 2.0**53 else round(weight * 2.0**DIGITS)
 
 
-CLAMP = 16  # so many impossible costs are added before they are brought back to one
-SMALL = 64  # cells up to which the least is looked for one at a time; of more, several
-FIRST = 16  # so many at first
-LARGE = 2 * BLOCK  # cells
+SUMS_AT_ONCE = 16  # so many impossible costs are added before they are brought back to one
+SMALL_TABLE = 64  # cells up to which the least is looked for one at a time; of more, several
+FIRST_CELLS = 16  # so many at first
+LARGE_TABLE = 2 * RUN_CELLS  # cells
 
 
 class Cells:
@@ -122,7 +122,7 @@ class Cells:
         self._impossible = impossible
         self._bound = -math.inf  # of a large table all cells of no greater cost are found
         flat = table.ravel()
-        small = len(flat) <= SMALL or flat.dtype == object
+        small = len(flat) <= SMALL_TABLE or flat.dtype == object
         self._values: list[Any] = flat.tolist() if small else []
         self._flat: Table | None = None if small else flat
 
@@ -142,7 +142,7 @@ class Cells:
 
     def _several(self, flat: Table) -> None:
         """About four times as many cells as before."""
-        wanted = FIRST + 4 * len(self.costs)
+        wanted = FIRST_CELLS + 4 * len(self.costs)
         bound = np.partition(flat, wanted)[wanted] if wanted < len(flat) else self._impossible
         last = bool(bound >= self._impossible)
         chosen = ((flat < self._impossible if last else flat <= bound) & (flat > self._bound)).nonzero()[0]
@@ -162,20 +162,20 @@ def total(terms: Sequence[Table], shape: Sequence[int], impossible: float) -> Ta
     """
     if not terms:
         return np.zeros(shape, dtype=np.int64)
-    if len(terms) <= CLAMP and math.prod(shape) < LARGE:
+    if len(terms) <= SUMS_AT_ONCE and math.prod(shape) < LARGE_TABLE:
         result = functools.reduce(operator.add, terms)
     else:
         result, *others = sorted(terms, key=_CELLS)
         for i, table in enumerate(others, 1):
             result = _sum(result, table, shape)
-            if i % CLAMP == 0:
+            if i % SUMS_AT_ONCE == 0:
                 np.minimum(result, impossible, out=result)
     return result if result.shape == tuple(shape) else _sum(np.zeros(shape, dtype=result.dtype), result, shape)
 
 
 def _sum(one: Table, other: Table, shape: Sequence[int]) -> Table:
     """Added up in contiguous runs, if they are large."""
-    if one.size < LARGE and other.size < LARGE:
+    if one.size < LARGE_TABLE and other.size < LARGE_TABLE:
         return np.asarray(one + other)
     return runs(one, shape[len(shape) - one.ndim :]) + runs(other, shape[len(shape) - other.ndim :])
 
@@ -197,7 +197,7 @@ def placed(scope: Sequence[int], flat: Table, place: Mapping[int, int], cards: S
 def least(table: Table) -> Table:
     """The least of each row; of few columns one by one, where numpy would start anew for every short row."""
     rows, columns = table.shape
-    if columns > FEW or rows < BLOCK:
+    if columns > FEW_COLUMNS or rows < RUN_CELLS:
         return np.asarray(np.minimum.reduce(np.ascontiguousarray(table.T)))
     result = table[:, 0].copy()
     for column in range(1, columns):

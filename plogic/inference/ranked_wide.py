@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 
     Term = tuple[tuple[int, ...], Table]  # variables of the piece, one axis each
 
-OPEN = 1_000_000  # nodes that wait at a time, about 300 bytes each
-CELLS = 26.0  # bits: all minis together have about so many cells at most, of 8 bytes
-BITS = (18.0, 16.0, 14.0, 12.0, 10.0)  # of one mini: the first that keeps to CELLS
+MOST_OPEN_NODES = 1_000_000  # nodes that wait at a time, about 300 bytes each
+MINIS_BITS = 26.0  # bits: all minis together have about so many cells at most, of 8 bytes
+BITS = (18.0, 16.0, 14.0, 12.0, 10.0)  # of one mini: the first that keeps to MINIS_BITS
 
 
 class Mini:
@@ -88,9 +88,9 @@ class Wide(Stream):
         for state, step in enumerate(steps):
             if step is not None:
                 heapq.heappush(self._heap, (bound + step, depth - 1, code + state * place))
-        if len(self._heap) > OPEN:
+        if len(self._heap) > MOST_OPEN_NODES:
             raise LimitError(
-                f"ranking {len(self._sequence)} variables that hang together in tables of {self._width:.1f} bits leaves more than {OPEN} "
+                f"ranking {len(self._sequence)} variables that hang together in tables of {self._width:.1f} bits leaves more than {MOST_OPEN_NODES} "
                 f"partial states open: the limit",
             )
 
@@ -133,7 +133,7 @@ def _bounds(part: Part, scaled: Costs, order: Order, clock: Clock) -> tuple[int,
 def _bits(part: Part, order: Order) -> float:
     """The largest size of minis that keeps all of them in memory, as far as a rough count tells."""
     for bits in BITS:
-        if math.log2(len(part.cards)) + min(bits, order.width) + 1.0 <= CELLS:
+        if math.log2(len(part.cards)) + min(bits, order.width) + 1.0 <= MINIS_BITS:
             return bits
     return BITS[-1]
 

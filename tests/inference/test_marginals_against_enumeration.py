@@ -67,8 +67,8 @@ def test_joint_tables_agree(graph):
 @given(graphs())
 def test_two_passes_agree(graph):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(exact, "CELLS", 1)
-        patch.setattr(order, "CELLS", 1)
+        patch.setattr(exact, "BUCKET_CELLS", 1)
+        patch.setattr(order, "BUCKET_CELLS", 1)
         exact.plan.cache_clear()
         assert_agrees(beliefs(graph), graph)
     exact.plan.cache_clear()

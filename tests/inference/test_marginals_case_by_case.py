@@ -187,7 +187,7 @@ def test_a_cutset_leaves_no_table_too_wide(graph, width):
 def test_where_cases_are_far_too_many_a_glance_bounds_the_sum(graph):
     exact = beliefs(graph)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solving, "DEEP", 0.0)
+        patch.setattr(solving, "MOST_CUT_BITS", 0.0)
         found = beliefs(graph, width=1.0, seconds=60.0)
     if found.exact:
         assert exact.log_z[0] == -math.inf

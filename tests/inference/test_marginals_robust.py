@@ -87,8 +87,8 @@ def _scaled(table, scale):
 
 
 def passes(graph, monkeypatch, large):
-    monkeypatch.setattr(order, "CELLS", 1)
-    monkeypatch.setattr(messages, "LARGE", large)
+    monkeypatch.setattr(order, "BUCKET_CELLS", 1)
+    monkeypatch.setattr(messages, "LARGE_PRODUCT", large)
     tables = tuple((f.scope, f.table) for f in graph.factors)
     scopes = [scope for scope, _ in tables]
     buckets = bucket_tree(graph.cards, scopes, elimination_order(graph.cards, scopes))
@@ -106,7 +106,7 @@ def test_plain_numbers_give_what_logarithms_give(graph):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize("limits", [("KEPT",), ("KEPT", "HELD")])
+@pytest.mark.parametrize("limits", [("KEPT_CELLS",), ("KEPT_CELLS", "HELD")])
 def test_weighing_again_gives_the_same_bytes(monkeypatch, limits):
     graph = grid(11, 11, 2)
     kept = beliefs(graph)

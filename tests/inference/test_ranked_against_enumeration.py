@@ -21,14 +21,14 @@ LAW = settings(derandomize=True, deadline=None, max_examples=30)
 
 # module, name, value: what makes small graphs go the way of large ones
 PIECES = (ranking, "STATES", 0)
-TREES = (PIECES, (ranking, "JOINT", 0))
+TREES = (PIECES, (ranking, "JOINT_CELLS", 0))
 WAYS = {
     "whole": (),
     "joint": (PIECES,),
-    "tree": (*TREES, (order, "CELLS", 1)),
-    "merged": (*TREES, (order, "CELLS", 12)),
-    "apart": (*TREES, (order, "CELLS", 12), (ranked_component, "SUMMED", 0)),
-    "forgetful": (*TREES, (order, "CELLS", 1), (ranked_component, "KEPT", 0)),
+    "tree": (*TREES, (order, "BUCKET_CELLS", 1)),
+    "merged": (*TREES, (order, "BUCKET_CELLS", 12)),
+    "apart": (*TREES, (order, "BUCKET_CELLS", 12), (ranked_component, "SUMMED", 0)),
+    "forgetful": (*TREES, (order, "BUCKET_CELLS", 1), (ranked_component, "KEPT_COSTS", 0)),
     "wide": (*TREES, (ranking, "WIDTH", -1.0)),
     "bounded": (*TREES, (ranking, "WIDTH", -1.0), (ranked_wide, "BITS", (1.0,))),
 }
@@ -96,7 +96,7 @@ def test_ties_are_lexicographic(way, graph):
 @given(graph=graphs(halves))
 def test_exact_ties_are_lexicographic_without_looking_ahead(way, graph):
     with going(way), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ranking, "AHEAD", 1)
+        patch.setattr(ranking, "MOST_TIES", 1)
         assert list(Ranked(graph)) == enumerated(graph)
 
 

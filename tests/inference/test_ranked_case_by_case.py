@@ -86,7 +86,7 @@ def test_weights_that_differ_by_rounding_tie():
 
 
 def test_ties_beyond_the_look_ahead_still_all_come(monkeypatch):
-    monkeypatch.setattr(ranking, "AHEAD", 3)
+    monkeypatch.setattr(ranking, "MOST_TIES", 3)
     rng = np.random.default_rng(3)
     graph = FactorGraph((2,) * 6, tuple(Factor((v,), rng.normal(scale=1e-12, size=2)) for v in range(6)))
     found = list(Ranked(graph))
@@ -139,7 +139,7 @@ def test_a_wide_grid_agrees_with_the_exact_heuristic(monkeypatch):
 def test_too_many_open_nodes_say_so(monkeypatch):
     monkeypatch.setattr(ranking, "WIDTH", 3.0)
     monkeypatch.setattr(ranked_wide, "BITS", (2.0,))
-    monkeypatch.setattr(ranked_wide, "OPEN", 20)
+    monkeypatch.setattr(ranked_wide, "MOST_OPEN_NODES", 20)
     with pytest.raises(LimitError, match=r"36 variables .* more than 20 partial states"):
         best(grid(6, 6, np.random.default_rng(5).normal(size=36)), 50)
 

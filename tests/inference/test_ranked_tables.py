@@ -63,7 +63,7 @@ def test_a_total_is_the_sum_of_all_tables(drawn, large):
     place = {v: axis for axis, v in enumerate(axes)}
     shape = [cards[v] for v in axes]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ranked_tables, "LARGE", large)
+        patch.setattr(ranked_tables, "LARGE_TABLE", large)
         found = total([placed(scope, flat, place, cards) for scope, flat in scoped], shape, IMPOSSIBLE)
     assert found.shape == tuple(shape)
     for states in np.ndindex(*shape):

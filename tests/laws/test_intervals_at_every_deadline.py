@@ -162,7 +162,7 @@ def slowly_told(text, patience):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(anytime, "compiled", late)
         patch.setattr(anytime, "FIRST_WAIT", -1.0)
-        patch.setattr(bounds, "AT_ONCE", 1)
+        patch.setattr(bounds, "DECISIONS_AT_ONCE", 1)
         patch.setattr(anytime.Bounds, "refine", counted)
         anytime.answers_by(
             {"texts": [{"text": text, "file": "program"}]}, lambda reply: told.append(copy.deepcopy(reply))

@@ -27,7 +27,7 @@ def document(text):
 @given(programs(), st.sampled_from([1, 3, 64]))
 def test_bounds_contain_the_exact_value_at_every_step(monkeypatch, drawn, at_once):
     """Also where few decisions are taken further at a time, so that the steps are many."""
-    monkeypatch.setattr(bounding, "AT_ONCE", at_once)
+    monkeypatch.setattr(bounding, "DECISIONS_AT_ONCE", at_once)
     held = drawn.held()
     assume(held)
     mass = sum(p for p, _ in held)

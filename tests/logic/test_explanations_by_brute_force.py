@@ -22,9 +22,16 @@ from problog.program import PrologString  # noqa: E402
 from plogic.logic.proof.cone import Steps  # noqa: E402
 from plogic.logic.proof.goal_account import Accountant, Asked, Options  # noqa: E402
 from plogic.logic.proof.relevant_evidence import numbers_of  # noqa: E402
-from plogic.logic.served.prove import ground_goal  # noqa: E402
+from plogic.logic.served import prove  # noqa: E402
 
 LAW = settings(derandomize=True, deadline=None, max_examples=60)
+
+
+def ground_goal(program, goal, given):
+    """A program's text, a goal and evidence, grounded: what ``account`` takes."""
+    statements, known = prove._read([{"text": program, "file": "program"}], None, trust=False)
+    wanted, *conditions = (prove._goal(text, "goal", known, statements, None, trust=False) for text in (goal, *given))
+    return prove._ground(statements, wanted, conditions, trust=False)
 
 
 def accountant(text, goal, evidence, most):

@@ -10,8 +10,8 @@ that are certain, and those that are possible, follows the interval; rounding wi
 from __future__ import annotations
 
 import heapq
-import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int64]
-OPEN = -1
+UNDECIDED = -1
 """An alternative that is not decided yet."""
 
 
@@ -58,7 +58,7 @@ class Truth:
     def certain(self, decided: Ints) -> Bools:
         """``certain[literal, column]``: the literal holds whatever the open alternatives come to; ``(2 size + 1, columns)``.
 
-        ``decided``: outcome of each alternative, or OPEN, ``(alternatives, columns)``. Negative literals count from the
+        ``decided``: outcome of each alternative, or UNDECIDED, ``(alternatives, columns)``. Negative literals count from the
         end.
         """
         certain = np.zeros((2 * self.size + 1, decided.shape[1]), dtype=bool)
@@ -66,7 +66,7 @@ class Truth:
         choices = np.flatnonzero(self.owner >= 0)
         came = decided[self.owner[choices]]
         certain[choices] = came == self.outcome[choices, np.newaxis]
-        certain[-choices] = (came != OPEN) & (came != self.outcome[choices, np.newaxis])
+        certain[-choices] = (came != UNDECIDED) & (came != self.outcome[choices, np.newaxis])
         certain[list(self.constants)] = True
         for level in self.levels:
             every, some = (level.gates, -level.gates) if level.conjunction else (-level.gates, level.gates)
@@ -107,17 +107,17 @@ def _level(conjunction: bool, gates: list[tuple[int, tuple[int, ...]]]) -> _Leve
 def columns(vectors: Iterable[tuple[int, ...]], alternatives: int) -> Ints:
     """Partial decisions, prefixes of the alternatives, as columns."""
     prefixes = list(vectors)
-    decided = np.full((alternatives, len(prefixes)), OPEN, dtype=np.int64)
+    decided = np.full((alternatives, len(prefixes)), UNDECIDED, dtype=np.int64)
     for column, prefix in enumerate(prefixes):
         decided[: len(prefix), column] = prefix
     return decided
 
 
-AT_ONCE = 64
+DECISIONS_AT_ONCE = 64
 """Partial decisions that are taken further together."""
 MOST_OPEN = 200_000
 """Partial decisions that may be open: more would not fit into memory, so the bounds stay as they are."""
-ROUNDING = 2.0**-52
+ADDITION_ERROR = 2.0**-52
 """What one addition of masses can be wrong by, at most."""
 
 
@@ -158,7 +158,7 @@ class Bounds:
     def refine(self) -> None:
         """Decide one more alternative in each of the most probable open decisions."""
         children: list[tuple[tuple[int, ...], float]] = []
-        for _ in range(min(AT_ONCE, len(self.open))):
+        for _ in range(min(DECISIONS_AT_ONCE, len(self.open))):
             item = heapq.heappop(self.open)
             self._count(item.minus_mass, item.certain, item.possible)
             shares = self.outcomes[len(item.decided)]
@@ -167,11 +167,11 @@ class Bounds:
 
     def intervals(self) -> list[tuple[float, float]]:
         """Of each query, an interval that contains its probability given the evidence; [0, 1] where the evidence may be impossible."""
-        slack = (self.sums + 1) * ROUNDING
+        slack = (self.sums + 1) * ADDITION_ERROR
         least, most = np.maximum(self.certain - slack, 0.0), np.minimum(self.possible + slack, 1.0)
         with np.errstate(invalid="ignore"):
-            low = np.where(least[0] > 0, least[0] / (least[0] + most[1]) - ROUNDING, 0.0)
-            high = np.where(least[1] > 0, most[0] / (most[0] + least[1]) + ROUNDING, 1.0)
+            low = np.where(least[0] > 0, least[0] / (least[0] + most[1]) - ADDITION_ERROR, 0.0)
+            high = np.where(least[1] > 0, most[0] / (most[0] + least[1]) + ADDITION_ERROR, 1.0)
         return [(max(float(a), 0.0), min(float(b), 1.0)) for a, b in zip(low, high, strict=True)]
 
     def _add(self, decisions: list[tuple[tuple[int, ...], float]]) -> None:
@@ -212,26 +212,6 @@ FIRST_WAIT = 0.02
 """Seconds until intervals are told for the first time after those that follow from the ground program alone."""
 
 
-@dataclass
-class _Compiling:
-    """A compilation in a thread: what it came to, or what it raised."""
-
-    result: Compiled | None = None
-    error: BaseException | None = None
-
-    def start(self, found: Ground) -> threading.Thread:
-        """Start it."""
-        thread = threading.Thread(target=self._run, args=(found,), daemon=True)
-        thread.start()
-        return thread
-
-    def _run(self, found: Ground) -> None:
-        try:
-            self.result = compiled(found)
-        except BaseException as error:  # noqa: BLE001 - raised again where it is waited for
-            self.error = error
-
-
 def answers_by(document: dict[str, Any], tell: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
     """The exact reply to a request; ``tell`` gets replies with intervals on the way: ``{"answers": [[[goal, low, high], ...]], "partial"}``.
 
@@ -255,17 +235,13 @@ def answers_by(document: dict[str, Any], tell: Callable[[dict[str, Any]], None])
 
 
 def _meanwhile(found: Ground, partly: Callable[[list[tuple[float, float]]], None]) -> Compiled:
-    compiling = _Compiling()
-    thread = compiling.start(found)
+    compiling = ThreadPoolExecutor(1).submit(compiled, found)
     bounds, wait, last = Bounds(found), FIRST_WAIT, time.monotonic()
-    while thread.is_alive() and not bounds.done:
+    while not compiling.done() and not bounds.done:
         bounds.refine()
         if time.monotonic() - last > wait:
             partly(bounds.intervals())
             wait, last = wait * 1.3, time.monotonic()
-    if thread.is_alive():
+    if not compiling.done():
         partly(bounds.intervals())
-    thread.join()
-    if compiling.result is None:
-        raise compiling.error or RuntimeError
-    return compiling.result
+    return compiling.result()

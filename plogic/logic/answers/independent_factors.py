@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 State = tuple[bool, ...]
 """Whether each of a factor's query atoms holds."""
-AT_ONCE = 8
+STATES_AT_ONCE = 8
 """Partial states that are taken further together."""
 
 
@@ -60,7 +60,7 @@ class Factor:
                 _, marks, value = taken[0]
                 yield value - self.total, tuple(mark == 0 for mark in marks)
                 continue
-            while len(taken) < AT_ONCE and queue and len(queue[0][1]) < len(self.variables):
+            while len(taken) < STATES_AT_ONCE and queue and len(queue[0][1]) < len(self.variables):
                 taken.append(heapq.heappop(queue))
             further = [(*marks, mark) for _, marks, _ in taken for mark in (0, 1)]
             for marks, value in zip(further, self._values(further)[-1].tolist(), strict=True):

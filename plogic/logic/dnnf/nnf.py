@@ -10,6 +10,8 @@ from functools import reduce
 from operator import or_
 from typing import TYPE_CHECKING
 
+from plogic.inference.order import members
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -70,7 +72,7 @@ class Nnf:
         self._stands |= {literal: yes, -literal: no}
         if whole:
             free = self.disjunction((yes, no))
-            self._free |= dict.fromkeys(_bits(self.mentions[free]), free)
+            self._free |= dict.fromkeys(members(self.mentions[free]), free)
 
     def frees(self, variables: int) -> list[int]:
         """Nodes that leave the variables, given as bits, open; together with all that a node which stands for a literal mentions."""
@@ -101,12 +103,3 @@ def nodes_under(nnf: Nnf, root: int) -> set[int]:
         reached |= new
         stack.extend(new)
     return reached
-
-
-def _bits(mask: int) -> list[int]:
-    found = []
-    while mask:
-        low = mask & -mask
-        found.append(low.bit_length() - 1)
-        mask ^= low
-    return found

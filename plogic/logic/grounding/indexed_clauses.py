@@ -21,7 +21,7 @@ Goal = tuple[Any, ...]
 """("call", signature, arguments, arguments are simple) | ("not", goals) | ("or", (goals, ...)) | ("test", functor,
 arguments)"""
 
-TESTS = frozenset(
+TESTED = frozenset(
     {
         ("=", 2),
         ("\\=", 2),
@@ -177,7 +177,7 @@ class Reader:
         functor = self.spelled(body.functor)
         arguments = tuple(self.small(argument, variables) for argument in body.args)
         bare = functor.strip("'")
-        if (bare, len(arguments)) in TESTS:
+        if (bare, len(arguments)) in TESTED:
             yield ("test", bare, arguments)
         elif (functor, len(arguments)) in (("fail", 0), ("false", 0)):
             yield ("or", ())

@@ -15,15 +15,15 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from plogic.logic.grounding.ground_program import SLACK
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from plogic.logic.grounding.ground_program import Gate, Ground, Literal
     from plogic.logic.proof.terms import Small
 
-NONE = -1
-SLACK = 1e-10
-"""Labels that come this near to 1 leave nothing out (ProbLog's tolerance of rounding)."""
+NONE_TAKEN = -1
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Choice:
 
     def probability(self, taken: int) -> float:
         """Of taking that head; of taking none of them."""
-        if taken != NONE:
+        if taken != NONE_TAKEN:
             return self.labels[taken]
         rest = 1.0 - sum(self.labels)
         return rest if rest > SLACK or (len(self.labels) == 1 and rest > 0) else 0.0
@@ -45,7 +45,7 @@ class Choice:
     @cached_property
     def domain(self) -> frozenset[int]:
         """What can be taken, with positive probability."""
-        return frozenset(i for i in (*range(len(self.heads)), NONE) if self.probability(i) > 0)
+        return frozenset(i for i in (*range(len(self.heads)), NONE_TAKEN) if self.probability(i) > 0)
 
     @cached_property
     def sure(self) -> int | None:

@@ -15,7 +15,7 @@ from problog.logic import Term
 
 from plogic.base.errors import ProgramError
 from plogic.logic.grounding.ground_program import share_of
-from plogic.logic.proof.cone import NONE, Choice
+from plogic.logic.proof.cone import NONE_TAKEN, Choice
 from plogic.logic.proof.terms import (
     Bindings,
     Ref,
@@ -167,7 +167,7 @@ def choice_literal(ground: Grounding, choice: Choice, taken: int) -> Small:
     """The head that is taken; where none is, the negation of all of them. A clause with conditions is shown with them."""
     rule = ground.rules.by_number[choice.rule]
     body = _shown_body(rule, choice)
-    if taken != NONE:
+    if taken != NONE_TAKEN:
         return choice.heads[taken] if body is None or _tells(ground, rule, taken) else (":-", choice.heads[taken], body)
     if all(_tells(ground, rule, i) for i in range(len(rule.heads))):
         body = None

@@ -160,8 +160,8 @@ def lacking(candidate: Candidate, p: Callable[[Condition], float]) -> tuple[int,
 
 
 Data = dict[str, Any]
-SURE = 1e-12
-HALF = 0.5
+CERTAIN = 1e-12
+TOLD_BELOW = 0.5
 """A condition less probable than this is told with what it lacks."""
 
 
@@ -232,13 +232,13 @@ def rule_text(rule: Rule, index: int, names: Names | None) -> str:
 def _kind(condition: Condition, p: float) -> str:
     if condition.is_open:
         return "open"
-    return "fails" if p <= 0 else "holds" if p >= 1 - SURE else "possible"
+    return "fails" if p <= 0 else "holds" if p >= 1 - CERTAIN else "possible"
 
 
 def _condition(condition: Condition, chances: dict[int, float], names: Names | None) -> Data:
     p = chances[id(condition)]
     kind = _kind(condition, p)
-    below = _below(condition, chances, names) if p < HALF and not condition.is_open else []
+    below = _below(condition, chances, names) if p < TOLD_BELOW and not condition.is_open else []
     return _node(text(condition.goal, names), kind, below, None if condition.is_open else p)
 
 

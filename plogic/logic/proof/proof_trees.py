@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from plogic.logic.proof.cone import NONE, Choice
+from plogic.logic.proof.cone import NONE_TAKEN, Choice
 from plogic.logic.proof.ground_proofs import Tree, bound_values, choice_literal, joined
 from plogic.logic.proof.terms import Bindings, Small, canonical, is_ground, resolved, unify
 
@@ -262,7 +262,7 @@ class Trees:
         if choice is None or self.depth == DEEPEST_CASES:
             return Tree(goal, "cases")
         cases = []
-        for taken in sorted(choice.domain, key=lambda i: (i == NONE, i)):
+        for taken in sorted(choice.domain, key=lambda i: (i == NONE_TAKEN, i)):
             deeper = Trees(self.ground, Truth(self.ground, {**self.truth.selection, choice: taken}), self.depth + 1)
             below = deeper.against(goal[1], key)
             cases.append(

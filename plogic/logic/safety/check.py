@@ -137,7 +137,8 @@ def _closed(known: frozenset[str]) -> frozenset[str] | None:
 def _is_open(statement: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
     """Whether it may define what it does not name: it loads a library that is not all known here, or lets unknown predicates fail."""
     return any(
-        part.signature in LOADERS | {"unknown/1", "module/2"} and not any(str(name) in NAMED for name in part.args)
+        part.signature in LOADERS | {"unknown/1", "module/2"}
+        and not any(str(name) in LISTED_LIBRARIES for name in part.args)
         for part in _inside(statement)
         if isinstance(part, Term)
     )
@@ -187,7 +188,7 @@ class _Checker:
 
     def directive(self, goal: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
         """A goal that is called when the text is loaded; one that loads a file says what may be loaded."""
-        if isinstance(goal, Term) and goal.signature in FILES and not self.loads_a_library(goal):
+        if isinstance(goal, Term) and goal.signature in FILE_LOADERS and not self.loads_a_library(goal):
             self.note(UnsafeProgramError, goal, f"directive {_shown(goal)}: {LOADING}")
             return
         self.goal(goal, 0)
@@ -219,7 +220,9 @@ class _Checker:
             return
         if signature in self.builtins and signature not in GOALS:
             self.note(
-                UnsafeProgramError, goal, f"{signature} is not allowed: {LOADING if signature in FILES else REASON}"
+                UnsafeProgramError,
+                goal,
+                f"{signature} is not allowed: {LOADING if signature in FILE_LOADERS else REASON}",
             )
         elif self.callable is not None and signature not in GOALS | LISTS | self.callable | frozenset(LIBRARY_META):
             self.note(UnknownPredicateError, goal, f"no clauses for {signature}")
@@ -236,10 +239,10 @@ class _Checker:
 
 
 REASON = "it is not on the list of predicates that cannot reach files or code"
-FILES = LOADERS | {"consult/1", "./2"}
+FILE_LOADERS = LOADERS | {"consult/1", "./2"}
 LOADING = f"only use_module(library(L)) is allowed, L one of {', '.join(sorted(LIBRARIES - {'builtin'}))}"
 ANYTHING = "*"
-NAMED = frozenset({"library(lists)", "library(apply)", "library(aggregate)"})
+LISTED_LIBRARIES = frozenset({"library(lists)", "library(apply)", "library(aggregate)"})
 """Libraries whose predicates are all listed here."""
 MOST_TOLD = 20
 """Mistakes that one message names."""

@@ -15,7 +15,7 @@ from plogic.logic.safety.atoms import SPELLINGS, own_atom
 if TYPE_CHECKING:
     from plogic.logic.safety.atoms import Names
 
-CASES = {"A": "a", "B": "b", "C": "c", "D": "d"}
+CASE_ATOMS = {"A": "a", "B": "b", "C": "c", "D": "d"}
 
 
 def mapped(term: Any, names: Names) -> Any:  # noqa: ANN401 - terms of ProbLog's
@@ -46,7 +46,7 @@ def _compound(term: Any, names: Names) -> Any:  # noqa: ANN401
 
 def _case(term: Any) -> Any:  # noqa: ANN401
     letter = label_of(term)
-    return Term(CASES[letter], location=term.location) if letter in CASES else term
+    return Term(CASE_ATOMS[letter], location=term.location) if letter in CASE_ATOMS else term
 
 
 def _leaf(term: Any, names: Names) -> Any | None:  # noqa: ANN401

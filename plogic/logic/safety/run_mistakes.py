@@ -112,7 +112,7 @@ def _written(literal: Any) -> str:  # noqa: ANN401 - a term of ProbLog's
     return f"{literal.functor} ({inner})" if isinstance(inner, (And, Or)) else f"{literal.functor} {inner}"
 
 
-KINDS: tuple[tuple[type[ProbLogError], type[ProgramError]], ...] = (
+ERROR_KINDS: tuple[tuple[type[ProbLogError], type[ProgramError]], ...] = (
     (RefusedError, UnsafeProgramError),
     (UnknownClause, UnknownPredicateError),
     (NegativeCycle, NegativeCycleError),
@@ -149,7 +149,7 @@ def told(error: Exception, texts: list[dict[str, str]], db: Any = None) -> NoRet
     if isinstance(location, tuple) and len(location) == 3:
         file, line, column = location
         place = {"file": file or texts[0]["file"], "line": line, "column": column}
-    kind = next((ours for problem, ours in KINDS if isinstance(error, problem)), ProgramError)
+    kind = next((ours for problem, ours in ERROR_KINDS if isinstance(error, problem)), ProgramError)
     raise kind(_reason(error, place, texts, db), **place) from None
 
 

@@ -12,11 +12,13 @@ from problog.errors import ProbLogError
 from problog.logic import Term
 
 from plogic.base.errors import ProgramError, UnknownPredicateError
+from plogic.logic.answers.answer import answers_to
+from plogic.logic.grounding.load import variables as variables_of
 from plogic.logic.proof.goal_account import Options, account
 from plogic.logic.proof.ground_proofs import Grounding
 from plogic.logic.proof.rewrite import Rewriter, defined_by
 from plogic.logic.proof.terms import Ref, Small, is_atom, signature, small, text
-from plogic.logic.safety.check import check_goal, check_source, parse
+from plogic.logic.safety.check import check_goal, check_source, heads, parse
 from plogic.logic.safety.guarded_engine import engine_for
 from plogic.logic.safety.mapping import mapped
 from plogic.logic.safety.run_mistakes import told
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
     from plogic.logic.proof.rewrite import Rules
     from plogic.logic.safety.atoms import Names
 
-LISTED = 8
+MOST_LISTED = 8
 
 
 def unknown_predicate(goal: Any, defined: set[tuple[str, int]]) -> str:  # noqa: ANN401 - a term of ProbLog's
@@ -72,8 +74,8 @@ def unknown_names(goal: Small, rules: Rules, names: Names | None) -> list[str]:
 def _note(atom: Small, place: int, argument: Small, known: list[str], names: Names | None) -> str:
     said = text(argument, names)
     close = get_close_matches(said, known, n=3, cutoff=0.5)
-    listed = close or known[:LISTED]
-    more = "" if close or len(known) <= LISTED else f", ... ({len(known)} in all)"
+    listed = close or known[:MOST_LISTED]
+    more = "" if close or len(known) <= MOST_LISTED else f", ... ({len(known)} in all)"
     name, arity = signature(atom)
     which = "closest are" if close else "there are"
     return f"{said} is unknown as argument {place} of {name}/{arity}; {which} {', '.join(listed)}{more}"
@@ -111,7 +113,7 @@ def _atoms(goal: Small) -> Iterator[Small]:
 
 
 GOAL = "'plogic goal'"
-STEPS = 5_000_000
+SEARCH_STEPS = 5_000_000
 """Nodes of the formula that one search may look at: some seconds."""
 
 
@@ -123,7 +125,7 @@ def prove(request: dict[str, Any], names: Names | None) -> dict[str, Any]:
     given = [_goal(text, "given", known, statements, names, trust=trust) for text in request["given"]]
     try:
         ground, ask, shown_goal = _ground(statements, goal, given, trust=trust, folder=request.get("folder", "."))
-        options = Options(request.get("most", 5), STEPS, names)
+        options = Options(request.get("most", 5), SEARCH_STEPS, names)
         reply = account(ground, ask, shown_goal, options)
     except ProbLogError as error:
         _told_with_place(request, error)
@@ -137,15 +139,13 @@ def _read(texts: list[dict[str, str]], names: Names | None, *, trust: bool) -> t
     statements: list[Any] = []
     for i, item in enumerate(texts):
         source = parse(item["text"], item["file"])
-        known |= frozenset(_signatures(source)) if trust else check_source(source, known=known, protected=known)
+        known |= (
+            frozenset(head.signature for statement in source.statements for head in heads(statement))
+            if trust
+            else check_source(source, known=known, protected=known)
+        )
         statements += [mapped(s, names) if names is not None and i else s for s in source.statements]
     return statements, known
-
-
-def _signatures(source: Any) -> list[str]:  # noqa: ANN401 - a Source
-    from plogic.logic.safety.check import heads
-
-    return [head.signature for statement in source.statements for head in heads(statement)]
 
 
 def _goal(
@@ -184,30 +184,13 @@ def _ground(
         ground.add(*rewriter.evidence(i, small(condition, {})))
     variables: dict[str, Ref] = {}
     wanted = small(goal, variables)
-    ask, clauses = rewriter.goal(wanted, GOAL, _asked(goal, variables))
+    ask, clauses = rewriter.goal(wanted, GOAL, [variables[name] for name in variables_of(goal)])
     ground.add(rewriter.count, clauses)
     ground.prepare()
     return ground, ask, wanted
 
 
-def _asked(goal: Any, variables: dict[str, Ref]) -> list[Ref]:  # noqa: ANN401 - a term of ProbLog's
-    from plogic.logic.grounding.load import variables as variables_of
-
-    return [variables[name] for name in variables_of(goal)]
-
-
 def _told_with_place(request: dict[str, Any], error: ProbLogError) -> None:
     """The error as the program as it was written gives it, which knows file and line; else as it came."""
-    from plogic.logic.served.serve import serve
-
-    serve({**request, "task": None, "goals": request["goals"]})
+    answers_to(request)
     told(error, request["texts"])
-
-
-def ground_goal(program: str, goal: str, given: list[str]) -> tuple[Grounding, Small, Small]:
-    """A program's text, a goal and evidence, grounded: what ``account`` takes. Held to the allow-list."""
-    statements, known = _read([{"text": program, "file": "program"}], None, trust=False)
-    wanted = _goal(goal, "goal", known, statements, None, trust=False)
-    return _ground(
-        statements, wanted, [_goal(text, "given", known, statements, None, trust=False) for text in given], trust=False
-    )
