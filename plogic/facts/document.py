@@ -238,7 +238,7 @@ class SensingRow(TypedDict):
 
 
 class TypeRow(TypedDict):
-    """How one type is seen: [id, type, x, y, z] of features, and lobes as rows of numbers (``plogic.run.carried_lobes``)."""
+    """How one type is seen: [id, type, x, y, z] of features, and lobes as rows of numbers (``plogic.run.carried``)."""
 
     features: list[Annotated[list[str | float], Row(Name, Name, float, float, float)]]
     looks: list[Name]

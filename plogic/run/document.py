@@ -23,8 +23,7 @@ from plogic.facts.spatial import space_document
 from plogic.match.judged.outline_rings import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
-from plogic.run.assets import image_asset, mesh_assets
-from plogic.run.carried_lobes import sensing_document, types_document
+from plogic.run.carried import image_asset, mesh_assets, sensing_document, types_document
 from plogic.scene.factors.asked_formulas import together
 from plogic.scene.readings.score_reading import p_ev
 from plogic.scene.worlds.predictions import doubts

@@ -50,7 +50,7 @@ class Perceiver:
     """A knowledge base made ready: dv and the view cells of its types, computed once and used for any number of images.
 
     ``cache``: a folder in which the index over many types is kept between runs; ``processes``: how many search an image
-    for learned types, this one and copies of it (``plogic.base.forked`` says when there may be more than one).
+    for learned types, this one and copies of it (``plogic.base.jobs`` says when there may be more than one).
     ``generator``: who proposes poses of types written by hand, ``index``, the fast search, or a plain one,
     ``quadruples`` or ``softposit``; all else is the same, and learned types have their own search.
 

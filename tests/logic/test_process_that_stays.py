@@ -34,7 +34,7 @@ def alive(pid):
 
 
 def pid_of(process):
-    return process._running.child.pid
+    return process._running.pid
 
 
 def test_the_answers_are_those_of_a_fresh_process_each_time(process):
@@ -67,7 +67,7 @@ def test_a_process_that_was_killed_is_started_again(process):
     with through(process.ask):
         answers(PROGRAM, "a")
         os.kill(pid_of(process), 9)
-        process._running.child.wait()
+        process._running.wait()
         assert answers(PROGRAM, "a")[0].probability == pytest.approx(0.3)
     assert process.started == 2
 
@@ -85,7 +85,7 @@ def test_too_little_memory_is_told_and_the_next_question_is_answered():
 def test_nothing_stays_when_the_session_is_forgotten():
     process = Process(Limits())
     process.ask(request_of([PROGRAM], ["a"], [], None))
-    pid, scratch = pid_of(process), process._running.scratch.name
+    pid, scratch = pid_of(process), process._running.folder
     assert alive(pid)
     del process
     gc.collect()

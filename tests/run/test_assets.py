@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from plogic.run.assets import LARGEST_PNG, MOST_TRIANGLES, image_asset, mesh_assets
+from plogic.run.carried import LARGEST_PNG, MOST_TRIANGLES, image_asset, mesh_assets
 
 
 def _sheet(n):

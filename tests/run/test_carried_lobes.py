@@ -7,8 +7,8 @@ import pytest
 from learned_scenes import ready
 from random_cloud import random_cloud
 
-from plogic.run import carried_lobes
-from plogic.run.carried_lobes import types_document
+from plogic.run import carried
+from plogic.run.carried import types_document
 
 
 @pytest.fixture(scope="module")
@@ -30,9 +30,9 @@ def test_all_lobes_are_carried_where_they_are_few_enough(thing):
 
 
 def test_of_more_the_surest_of_each_direction_are_and_the_rest_is_counted(thing, monkeypatch):
-    direction = (thing.cloud.axis @ carried_lobes.DIRECTIONS.T).argmax(axis=1)
+    direction = (thing.cloud.axis @ carried.DIRECTIONS.T).argmax(axis=1)
     most = len(set(direction.tolist()))
-    monkeypatch.setattr(carried_lobes, "MOST_LOBES", most)
+    monkeypatch.setattr(carried, "MOST_LOBES", most)
     table = _table(thing)
     kept = np.array(table["lobes"])
     assert len(kept) == most

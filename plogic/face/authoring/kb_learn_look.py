@@ -6,12 +6,12 @@ All that decides a cloud is here or imported from here (``kb_learn_cache``).
 from __future__ import annotations
 
 import sys
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from contextlib import closing
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import InputError
+from plogic.base.jobs import ChildDiedError, afresh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -71,11 +71,11 @@ def _seen(name: str, task: tuple[str, float, str, int], count: int, jobs: int) -
     seen: list[Observations] = []
     try:
         # a forked process would inherit the locks of OpenCV's threads, and wait for them for ever
-        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-            for part, some in zip(parts, pool.map(_look, [task] * len(parts), parts), strict=True):
+        with closing(afresh(partial(_look, task), parts, jobs)) as found:
+            for part, some in zip(parts, found, strict=True):
                 seen += some
                 _progress(f"{name}: {part.stop} of {count} views")
-    except BrokenProcessPool:
+    except ChildDiedError:
         raise InputError(
             f"{name}: a process that rendered it was killed, as for lack of memory: fewer --jobs than {jobs}?"
         ) from None

@@ -99,7 +99,7 @@ def batch_command(
     Raises:
         PlogicError: What is wrong with inputs, KB or file before any work; nothing is written then.
     """
-    from plogic.logic.served.engine import ending_well
+    from plogic.base.children import ending_well
     from plogic.run.batch.frames import Settings
     from plogic.run.batch.inputs import frames_of
     from plogic.run.batch.log import check_out, log_at

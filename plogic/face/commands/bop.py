@@ -94,10 +94,10 @@ def bop_command(
 def look_of(kb: KnowledgeBase) -> Look:
     """The KB's own perceiver: what it accepts, scored by its probability. Raises InputError where no detector reports a type of the KB."""
     from plogic.base.errors import InputError
-    from plogic.base.forked import processors
+    from plogic.base.jobs import processors
     from plogic.base.remembered import cache_folder
-    from plogic.run.gamma_source import detectable
     from plogic.run.perceive import Perceiver
+    from plogic.run.sources import detectable
     from sensing.detectors.detector import detect
 
     if not detectable(kb):
@@ -116,8 +116,7 @@ def look_of(kb: KnowledgeBase) -> Look:
 def _ids(kb: KnowledgeBase, path: str | None, dataset: Dataset, say: Callable[[str], None]) -> dict[str, int]:
     """BOP's numbers of the KB's types; what leads nowhere is said, and that nothing leads anywhere is an error."""
     from plogic.base.errors import InputError
-    from plogic.run.bop.ids import ids_of, read_ids, unknown
-    from plogic.run.bop.models import model_ids
+    from plogic.run.bop.models import ids_of, model_ids, read_ids, unknown
 
     names, stated = [kind.name for kind in kb.types], read_ids(path)
     ids = ids_of(names, stated)

@@ -8,8 +8,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import InputError
-from plogic.run.gamma_source import gamma_of, image_of, is_gamma
-from plogic.run.sources import kb_of
+from plogic.run.sources import gamma_of, image_of, is_gamma, kb_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -34,7 +33,7 @@ def perceive_command(
     write: Callable[[str], None],
 ) -> int:
     """Read, interpret, write; returns the exit status. Nothing is written where something is wrong with the input."""
-    from plogic.base.forked import processors
+    from plogic.base.jobs import processors
     from plogic.base.remembered import cache_folder
     from plogic.base.stopwatch import Stopwatch
     from plogic.cycle.delta import Options

@@ -11,8 +11,7 @@ from geometry.errors import PlogicError
 from plogic.base.errors import InputError
 from plogic.face.commands.perceive_command import UNFINISHED, places, tell_unchecked
 from plogic.facts.stopped import stopped_in
-from plogic.run.gamma_source import gamma_of, image_of, is_gamma
-from plogic.run.sources import kb_of
+from plogic.run.sources import gamma_of, image_of, is_gamma, kb_of
 from plogic.scene.readings.unfinished import REASONS
 
 if TYPE_CHECKING:
@@ -42,7 +41,7 @@ def sequence_command(
     Where a frame cannot be read, what was made of those before it is written first. Raises InputError, CameraError and
     the like.
     """
-    from plogic.base.forked import processors
+    from plogic.base.jobs import processors
     from plogic.base.remembered import cache_folder
     from plogic.cycle.delta import Options
     from plogic.facts.interpretation import text_of

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import InputError
 from plogic.face.commands.perceive_command import UNFINISHED, places, summary, tell_unchecked, write_all
-from plogic.run.gamma_source import detected, is_gamma
-from plogic.run.sources import kb_of
+from plogic.run.sources import detected, is_gamma, kb_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -31,7 +30,7 @@ def stereo_command(
     write: Callable[[str], None],
 ) -> int:
     """Read, interpret, write; returns the exit status. Nothing is written where something is wrong with the input."""
-    from plogic.base.forked import processors
+    from plogic.base.jobs import processors
     from plogic.base.remembered import cache_folder
     from plogic.base.stopwatch import Stopwatch
     from plogic.cycle.delta import Options

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 def shell_command(source: str, options: Asked, *, write: Callable[[str], None], say: Callable[[str], None]) -> int:
     """Run a session; the exit code is 1 where a line failed and nobody sat at a terminal."""
+    from plogic.base.children import ending_well
     from plogic.face.session.session import Session
     from plogic.logic.safety.allowlist import TRUSTED
-    from plogic.logic.served.engine import ending_well
     from plogic.run.sources import is_program
 
     if source == "-":

@@ -114,8 +114,7 @@ def _write_bop(
     decoys: int,
     folder: Path,
 ) -> None:
-    from plogic.run.bop.model_files import Kind
-    from plogic.run.bop.write import write_dataset
+    from plogic.run.bop.write import Kind, write_dataset
 
     kinds = [Kind(label, mesh, kb.type(label).symmetries) for label, mesh in shapes]
     write_dataset((_scene(shapes, number, decoys, seed) for seed in seeds), kinds, folder)

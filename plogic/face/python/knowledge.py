@@ -78,7 +78,7 @@ class KnowledgeBase:
 
     def perceiver(self, generator: str = "index") -> Perceiver:
         """Return what interprets images, made at the first call. Raises InputError where there is no such generator."""
-        from plogic.base.forked import processors
+        from plogic.base.jobs import processors
         from plogic.base.remembered import cache_folder
         from plogic.run.perceive import Perceiver
 

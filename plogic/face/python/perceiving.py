@@ -13,7 +13,7 @@ from plogic.face.python.interpretation import Interpretation
 from plogic.face.python.knowledge import KnowledgeBase
 from plogic.face.python.pictures import Gamma, Image, camera_for, pixels_of
 from plogic.facts.situation import Reading, Reconsider
-from plogic.run.gamma_source import detected, is_gamma
+from plogic.run.sources import detected, is_gamma
 from sensing import appearance
 
 if TYPE_CHECKING:

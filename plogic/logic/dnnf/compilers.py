@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import os
-import subprocess
-import tempfile
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import problog
 
+from plogic.base.children import Child
 from plogic.base.errors import LimitError
 from plogic.logic.dnnf.cnf import add_modules
 from plogic.logic.dnnf.nnf import FALSE, TRUE, Nnf
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 RUNS = 2
 """Compilers that run at the same time."""
+PROGRAM, RESULT = "program.cnf", "program.nnf"
+"""Their files."""
 
 
 def compiled(residue: Residue) -> Nnf:
@@ -77,18 +80,15 @@ def _dsharp(bundles: list[list[tuple[Clause, ...]]]) -> list[str | None]:
     """What dsharp makes of each bundle, some at the same time; None where it fails."""
     found: list[str | None] = []
     for start in range(0, len(bundles), RUNS):
-        with tempfile.TemporaryDirectory(prefix="plogic-") as folder:
-            runs = [_started(bundle, Path(folder), i) for i, bundle in enumerate(bundles[start : start + RUNS])]
-            found += [_finished(run, path) for run, path in runs]
+        with ExitStack() as stack:
+            runs = [stack.enter_context(_started(bundle)) for bundle in bundles[start : start + RUNS]]
+            found += [_finished(run) for run in runs]
     return found
 
 
-def _started(bundle: list[tuple[Clause, ...]], folder: Path, number: int) -> tuple[subprocess.Popen[bytes], Path]:
-    program, result = folder / f"{number}.cnf", folder / f"{number}.nnf"
-    program.write_text(_dimacs(bundle), encoding="ascii")
-    command = [_binary(), "-Fnnf", str(result), "-smoothNNF", "-disableAllLits", str(program)]
-    quiet = subprocess.DEVNULL
-    return subprocess.Popen(command, stdin=quiet, stdout=quiet, stderr=quiet), result  # noqa: S603 - ProbLog's own program, no shell
+def _started(bundle: list[tuple[Clause, ...]]) -> Child:
+    command = [_binary(), "-Fnnf", RESULT, "-smoothNNF", "-disableAllLits", PROGRAM]
+    return Child(command, told=b"", files={PROGRAM: _dimacs(bundle).encode("ascii")}, foreign=True)
 
 
 def _binary() -> str:
@@ -98,12 +98,10 @@ def _binary() -> str:
     return str(brought) if brought.exists() else "dsharp"
 
 
-def _finished(run: subprocess.Popen[bytes], path: Path) -> str | None:
-    try:
-        status = run.wait()
-    finally:
-        run.kill()
-    text = path.read_text(encoding="ascii") if status == 0 and path.exists() else ""
+def _finished(run: Child) -> str | None:
+    run.rest(math.inf)
+    path = run.folder / RESULT
+    text = path.read_text(encoding="ascii") if run.wait() == 0 and path.exists() else ""
     return text if text.startswith("nnf") and not text.startswith("nnf 0") else None
 
 

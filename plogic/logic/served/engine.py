@@ -12,17 +12,12 @@ from __future__ import annotations
 import contextlib
 import contextvars
 import json
-import os
-import signal
-import subprocess
-import sys
-import tempfile
-import threading
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plogic.base import errors
+from plogic.base.children import Child, ending_well, python
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -199,71 +194,21 @@ def _ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
 
 def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
     """What the child wrote until it ended or its time was over; unless ``late``, the latter raises LimitError."""
-    command = [
-        sys.executable,
-        "-P",
-        "-W",
-        "ignore",
-        "-m",
-        "plogic.logic.served.program_child",
-        str(limits.megabytes * 2**20),
-    ]
-    with ending_well(), tempfile.TemporaryDirectory(prefix="plogic-") as scratch:
-        told, over = _communicate(command, json.dumps(request), scratch, limits.seconds)
+    command, memory = python("plogic.logic.served.program_child"), limits.megabytes * 2**20
+    with ending_well(), Child(command, told=json.dumps(request).encode(), memory=memory) as child:
+        told, over = child.rest(limits.seconds)
+        if not over:
+            _check_started(child.wait(), told, child.last_words())
     if over and not late:
         raise errors.LimitError(f"the inference took longer than {limits.seconds:g} s")
-    return told
+    return told.decode()
 
 
-def _communicate(command: list[str], request: str, scratch: str, seconds: float) -> tuple[str, bool]:
-    """What the child wrote, and whether its time was over; then the child goes, and the compiler that it may have started with it."""
-    pipe = subprocess.PIPE
-    options: dict[str, Any] = {
-        "env": environment(scratch),
-        "cwd": scratch,
-        "start_new_session": True,
-        "text": True,
-        "encoding": "utf-8",
-    }
-    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, **options) as child:  # noqa: S603 - our own module, no shell
-        try:
-            told, said = child.communicate(request, timeout=seconds)
-            _check_started(child.returncode, told, said)
-            return str(told), False
-        except BaseException as error:  # an interruption, too, must leave no process behind
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(child.pid, signal.SIGKILL)
-            if isinstance(error, subprocess.TimeoutExpired):
-                return str(child.communicate()[0]), True
-            raise
-
-
-def _check_started(status: int, told: str, said: str) -> None:
+def _check_started(status: int, told: bytes, said: str) -> None:
     """Raise LimitError with its last words where the process failed by itself (not by a signal, as where memory ran out) before it replied."""
     if status > 0 and not told:
         last = (said.strip().splitlines() or [f"exit status {status}"])[-1]
         raise errors.LimitError(f"the process of the inference could not work: {last[:300]}")
-
-
-@contextlib.contextmanager
-def ending_well() -> Iterator[None]:
-    """Within it, being told to end (SIGTERM, SIGHUP) raises SystemExit, so that processes end and scratch files go first."""
-    mine = threading.current_thread() is threading.main_thread()
-    signals = [s for s in (signal.SIGTERM, signal.SIGHUP) if mine and signal.getsignal(s) is signal.SIG_DFL]
-    for number in signals:
-        signal.signal(number, lambda number, _: sys.exit(128 + number))
-    try:
-        yield
-    finally:
-        for number in signals:
-            signal.signal(number, signal.SIG_DFL)
-
-
-def environment(scratch: str) -> dict[str, str]:
-    """The child finds the same packages as we do, and writes its scratch files where we remove them."""
-    root = str(Path(__file__).resolve().parents[3])
-    path = os.pathsep.join([root, *(entry for entry in sys.path if entry)])
-    return {**os.environ, "PYTHONPATH": path, "TMPDIR": scratch, "PYTHONHASHSEED": "0", "PYTHONIOENCODING": "utf-8"}
 
 
 def _raise(error: dict[str, Any], limits: Limits) -> None:

@@ -6,27 +6,20 @@ Started by ``plogic.logic.served.engine``; its limits are set before anything of
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
 import json
 import os
-import resource
-import signal
 import sys
 from typing import TYPE_CHECKING, Any
+
+from plogic.base.children import begin
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-PR_SET_PDEATHSIG = 1
-"""Linux's number of that request."""
-
 
 def main() -> None:
-    """Serve one request; the limit of memory (bytes) is the only argument."""
-    end_with_parent()
-    resource.setrlimit(resource.RLIMIT_AS, (int(sys.argv[1]), int(sys.argv[1])))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    """Serve one request."""
+    begin()
     answer_to = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # whatever a library prints is no part of the reply
 
@@ -40,12 +33,6 @@ def main() -> None:
         except MemoryError:
             reply = {"error": {"kind": "LimitError", "reason": "memory"}}
         tell(reply)
-
-
-def end_with_parent() -> None:
-    """Ask the system (Linux) to kill this process when the one that started it ends, however that does."""
-    with contextlib.suppress(OSError, AttributeError):
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
 
 
 def reply_to(request: dict[str, Any], tell: Callable[[dict[str, Any]], None] | None = None) -> dict[str, Any]:

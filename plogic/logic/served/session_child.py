@@ -8,17 +8,16 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import sys
 from typing import Any
 
+from plogic.base.children import begin
 from plogic.logic.served.program_child import reply_to
 
 
 def main() -> None:
-    """Serve requests; the limit of memory (bytes) is the only argument."""
-    resource.setrlimit(resource.RLIMIT_AS, (int(sys.argv[1]), int(sys.argv[1])))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    """Serve requests."""
+    begin()
     answer_to = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # whatever a library prints is no part of a reply
     with answer_to:

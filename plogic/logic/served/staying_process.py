@@ -6,46 +6,16 @@ them.
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
-import select
-import signal
-import subprocess
-import sys
-import tempfile
-import weakref
-from dataclasses import dataclass
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
+from plogic.base.children import Child, heard, python
 from plogic.base.errors import LimitError
-from plogic.logic.served.engine import environment, read_reply
+from plogic.logic.served.engine import read_reply
 
 if TYPE_CHECKING:
     from plogic.logic.served.engine import Limits
-
-LARGEST_READ = 1 << 20
-"""Bytes that are read at a time."""
-
-
-@dataclass(frozen=True)
-class _Running:
-    """A child with the folder that it may write in."""
-
-    child: subprocess.Popen[bytes]
-    scratch: tempfile.TemporaryDirectory[str]
-
-    def end(self) -> None:
-        """Kill it and the compiler that it may have started; remove what it wrote."""
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(self.child.pid, signal.SIGKILL)
-        self.child.wait()
-        for pipe in (self.child.stdin, self.child.stdout):
-            if pipe is not None:
-                with contextlib.suppress(OSError):  # what was never read
-                    pipe.close()
-        self.scratch.cleanup()
 
 
 class Process:
@@ -54,8 +24,7 @@ class Process:
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
         self.started = 0
-        self._end: weakref.finalize[..., Any] | None = None
-        self._running: _Running | None = None
+        self._running: Child | None = None
 
     def ask(self, request: dict[str, Any]) -> dict[str, Any]:
         """The reply, which may hold an ``error``; raises LimitError where it takes too long or dies without a word."""
@@ -76,47 +45,25 @@ class Process:
 
     def close(self) -> None:
         """End the process, if there is one."""
-        if self._end is not None:
-            self._end()
-        self._end = self._running = None
+        if self._running is not None:
+            self._running.end()
+        self._running = None
 
-    def _alive(self) -> _Running:
-        if self._running is None or self._running.child.poll() is not None:
+    def _alive(self) -> Child:
+        if self._running is None or not self._running.alive():
             self.close()
-            self._running = _start(self.limits)
-            self._end = weakref.finalize(self, _Running.end, self._running)
+            self._running = Child(python("plogic.logic.served.session_child"), memory=self.limits.megabytes * 2**20)
             self.started += 1
         return self._running
 
-    def _talk(self, running: _Running, request: bytes) -> bytes:
+    def _talk(self, running: Child, request: bytes) -> bytes:
         end = monotonic() + self.limits.seconds
-        stdin, stdout = running.child.stdin, running.child.stdout
-        if stdin is None or stdout is None:  # pragma: no cover - both are pipes
-            raise BrokenPipeError
-        stdin.write(request)
-        stdin.flush()
+        running.tell(request)
         pieces: list[bytes] = []
         while not pieces or not pieces[-1].endswith(b"\n"):
-            left = end - monotonic()
-            if left <= 0 or not select.select([stdout], [], [], left)[0]:
+            if not heard([running], max(0.0, end - monotonic())):
                 raise LimitError(f"the inference took longer than {self.limits.seconds:g} s")
-            pieces.append(os.read(stdout.fileno(), LARGEST_READ))
+            pieces.append(running.read())
             if not pieces[-1]:
                 break
         return b"".join(pieces)
-
-
-def _start(limits: Limits) -> _Running:
-    scratch = tempfile.TemporaryDirectory(prefix="plogic-")
-    command = [
-        sys.executable,
-        "-P",
-        "-W",
-        "ignore",
-        "-m",
-        "plogic.logic.served.session_child",
-        str(limits.megabytes * 2**20),
-    ]
-    options: dict[str, Any] = {"env": environment(scratch.name), "cwd": scratch.name, "start_new_session": True}
-    pipe = subprocess.PIPE
-    return _Running(subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, **options), scratch)  # noqa: S603 - ours

@@ -16,7 +16,7 @@ import numpy as np
 
 from geometry.bodies.resting import resting_faces
 from kb.clouds.words import POINT, SIDE
-from plogic.base.forked import each
+from plogic.base.jobs import each
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.type_models import SURE, Ranks, Search, TypeModels
 from plogic.match.learned.held_lobes import Lobes, lobes_of

@@ -14,9 +14,8 @@ from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.run.batch.frame_lines import Lines
 from plogic.run.batch.frames import camera_of, digest_of, scene_and_image, scene_at
-from plogic.run.gamma_source import detected, gamma_of, image_of
 from plogic.run.perceive import Perceiver
-from plogic.run.sources import kb_of
+from plogic.run.sources import detected, gamma_of, image_of, kb_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

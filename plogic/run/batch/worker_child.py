@@ -11,12 +11,12 @@ import os
 import signal
 import sys
 
-from plogic.logic.served.program_child import end_with_parent
+from plogic.base.children import begin
 
 
 def main() -> None:
     """Serve until stdin ends."""
-    end_with_parent()
+    begin()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the one who started us decides
     with os.fdopen(os.dup(1), "wb") as out:
         os.dup2(2, 1)  # whatever a library prints is no line

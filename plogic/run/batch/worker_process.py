@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
-import subprocess
-import sys
-import tempfile
 from dataclasses import asdict, astuple
 from time import monotonic
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from plogic.logic.served.engine import environment
+from plogic.base.children import Child, python
 
 if TYPE_CHECKING:
     from plogic.run.batch.frames import Frame, Settings
@@ -22,8 +18,6 @@ ONE_THREAD = dict.fromkeys(
 )
 """What libraries read when they are loaded, so that a worker keeps one core busy and no more. Embree's threads only
 build, they cast no ray."""
-LARGEST_READ = 1 << 20
-"""Bytes that are read at a time."""
 
 
 class Job(NamedTuple):
@@ -38,10 +32,7 @@ class Process:
     """One worker. ``job``: what it is at work on; ``kb``: name and digest of what it has read; ``since``: when it could begin (monotonic)."""
 
     def __init__(self, settings: Settings, folder: str) -> None:
-        command = [sys.executable, "-P", "-W", "ignore", "-m", "plogic.run.batch.worker_child"]
-        pipe = subprocess.PIPE
-        options: dict[str, Any] = {"env": environment(tempfile.gettempdir()) | ONE_THREAD, "cwd": folder}
-        self._child = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, **options)  # noqa: S603 - our own module
+        self._child = Child(python("plogic.run.batch.worker_child"), folder=folder, variables=ONE_THREAD)
         self._pieces: list[bytes] = []
         self.job: Job | None = None
         self.kb: dict[str, str] | None = None
@@ -50,8 +41,7 @@ class Process:
 
     def fileno(self) -> int:
         """Readable when there is an answer, or when it has died."""
-        assert self._child.stdout is not None  # noqa: S101 - a pipe
-        return self._child.stdout.fileno()
+        return self._child.fileno()
 
     def send(self, job: Job) -> None:
         """A frame to do; where the process is dead already, that will be read."""
@@ -60,7 +50,7 @@ class Process:
 
     def read(self) -> list[bytes] | None:
         """The lines that have become whole, without their ends; None once it has died. Waits where ``fileno`` is not readable."""
-        piece = os.read(self.fileno(), LARGEST_READ)
+        piece = self._child.read()
         if not piece:
             return None
         *whole, rest = piece.split(b"\n")
@@ -79,17 +69,8 @@ class Process:
 
     def end(self) -> str:
         """Kill it unless it has died already, and say how it ended: ``signal 9``, ``exit status 1``."""
-        self._child.kill()
-        status = self._child.wait()
-        for pipe in (self._child.stdin, self._child.stdout):
-            with contextlib.suppress(OSError):  # what was never read
-                if pipe is not None:
-                    pipe.close()
-        return f"signal {-status}" if status < 0 else f"exit status {status}"
+        return self._child.end()
 
     def _tell(self, document: object) -> None:
-        stdin = self._child.stdin
-        assert stdin is not None  # noqa: S101 - a pipe
         with contextlib.suppress(BrokenPipeError):
-            stdin.write(json.dumps(document).encode() + b"\n")
-            stdin.flush()
+            self._child.tell(json.dumps(document).encode() + b"\n")

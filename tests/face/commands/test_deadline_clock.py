@@ -11,7 +11,7 @@ import pytest
 
 import plogic.run.perceive
 from plogic.face.commands import perceive_command as perceive
-from plogic.run import gamma_source
+from plogic.run import sources
 from plogic.run.batch import work
 from plogic.run.batch.frames import Frame, Settings
 from sensing.appearance import Gamma
@@ -40,7 +40,7 @@ def left(monkeypatch):
 
     for module in (plogic.run.perceive, work):
         monkeypatch.setattr(module, "Perceiver", Slow)
-    monkeypatch.setattr(gamma_source, "detected", detected)
+    monkeypatch.setattr(sources, "detected", detected)
     return seconds
 
 

@@ -12,6 +12,7 @@ import time
 import pytest
 from console import BIN, document, plogic
 
+from plogic.base import children
 from plogic.base.errors import LimitError
 from plogic.logic.served import engine
 
@@ -138,7 +139,7 @@ def test_nothing_is_left_of_a_command_that_is_told_to_end(number, tmp_path):
 def test_a_process_that_cannot_start_is_not_called_a_limit_of_memory(tmp_path, monkeypatch):
     broken = written(tmp_path, "#!/bin/sh\necho 'no such module' >&2\nexit 3\n", "python")
     broken.chmod(0o755)
-    monkeypatch.setattr(engine.sys, "executable", str(broken))
+    monkeypatch.setattr(children.sys, "executable", str(broken))
     with pytest.raises(LimitError, match=r"^the process of the inference could not work: no such module$"):
         engine.run([engine.Text("0.5::a. query(a).")])
 

@@ -32,10 +32,9 @@ def scene(first, gamma_file):
 @pytest.fixture(scope="session")
 def towers_picture(tmp_path_factory):
     """A folder with ``image.png`` and ``camera.json`` of two towers."""
-    from plogic.face.shown.simulated_scenes import shapes_of
-
     from geometry.camera import camera_to_dict
     from plogic.face.commands.demo import SCENE, json_bytes
+    from plogic.face.commands.simulate import shapes_of
     from plogic.run.sources import kb_of
     from sensing.simulated.scene import png, random_scene
 

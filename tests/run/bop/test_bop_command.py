@@ -11,7 +11,7 @@ from plogic.base.errors import InputError, ProgramError
 from plogic.face.commands.bop import bop, bop_command
 from plogic.run.bop.dataset_run import run, views_of
 from plogic.run.bop.folders import open_dataset
-from plogic.run.bop.ids import ids_of, read_ids, unknown
+from plogic.run.bop.models import ids_of, read_ids, unknown
 from plogic.run.bop.results_file import HEADER, read_results
 
 IDS = {"t1": 1, "t2": 2}

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
-from plogic.run.bop.pose_errors import AT_ONCE, add, add_s, mspd, mssd
-from plogic.run.bop.symmetries import symmetry_motions
+from plogic.run.bop.models import symmetry_motions
+from plogic.run.bop.recalls import AT_ONCE, add, add_s, mspd, mssd
 
 CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float) / 2
 NONE = np.eye(4)[None]

@@ -1,20 +1,25 @@
-"""Independent jobs that copies of this process share in: the same results in the same order as one after another.
+"""Independent jobs that processes share in: the same results in the same order as one after another.
 
 A copy (``fork``) knows all that the process knows, so nothing is sent to it; what it finds comes back pickled, through
 a pipe that nobody else writes to. Threads would not do: most of a search is steps of Python between small arrays, and
-the interpreter takes one at a time.
+the interpreter takes one at a time. A fresh process is told everything, and inherits no lock that a thread holds.
 
 * ``each(done, jobs, 2)``: as ``map``, by this process and one copy
+* ``afresh(done, jobs, 2)``: as ``map``, by two fresh processes
 """
 
 from __future__ import annotations
 
 import os
-from contextlib import suppress
-from multiprocessing import current_process, get_context
+import pickle
+import sys
+from contextlib import ExitStack, suppress
+from multiprocessing import Pipe, current_process
 from queue import SimpleQueue
 from threading import Thread
 from typing import TYPE_CHECKING, Any, TypeVar
+
+from plogic.base.children import Child, Copy, begin, heard, python
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence
@@ -26,6 +31,12 @@ Result = TypeVar("Result")
 MOST = 8192
 """Jobs at a time: their numbers, of ``_BYTES`` each, fit into a pipe."""
 _BYTES = 4
+_LENGTH = 8
+"""Bytes that say how long a pickled answer is."""
+
+
+class ChildDiedError(Exception):
+    """A process of ``afresh`` ended before it answered; the message says how."""
 
 
 def processors() -> int:
@@ -88,13 +99,11 @@ class _Copies:
 
     def __init__(self, done: Callable[[Job], Any], jobs: Sequence[Job], left: int, count: int) -> None:
         self._answers: SimpleQueue[tuple[int, Any] | None] = SimpleQueue()
-        context, self._at_work, ends = get_context("fork"), [], []
+        self._at_work, ends = [], []
         for _ in range(count):
-            ours, theirs = context.Pipe(duplex=False)
-            copy = context.Process(target=_work, args=(done, jobs, left, theirs), daemon=True)
-            copy.start()
+            ours, theirs = Pipe(duplex=False)
+            self._at_work.append(Copy(_work, done, jobs, left, theirs))
             theirs.close()
-            self._at_work.append(copy)
             ends.append(ours)
         self._open = count
         self._receivers = [Thread(target=self._receive, args=(end,), daemon=True) for end in ends]
@@ -120,9 +129,7 @@ class _Copies:
     def end(self) -> None:
         """Kill those that are still at work."""
         for copy in self._at_work:
-            copy.kill()
-            copy.join()
-            copy.close()
+            copy.end()
         for receiver in self._receivers:
             receiver.join()
 
@@ -132,3 +139,84 @@ def _work(done: Callable[[Job], Any], jobs: Sequence[Job], left: int, end: Conne
     with suppress(BaseException):
         for number in _taken(left):
             end.send((number, done(jobs[number])))
+
+
+def afresh(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -> Generator[Result]:
+    """As ``map``, by so many fresh processes; ``done`` is a function of a module, and it, jobs and results can be pickled.
+
+    Of who stops asking no further job is begun.
+
+    Raises:
+        ChildDiedError: A process was killed. Whatever ``done`` raises, in its turn.
+    """
+    with ExitStack() as stack:
+        count = min(processes, len(jobs))
+        workers = [_Fresh(stack.enter_context(Child(python("plogic.base.jobs"))), done) for _ in range(count)]
+        left, results = iter(enumerate(jobs)), dict[int, tuple[bool, Any]]()
+        for worker in workers:
+            worker.take(next(left, None))
+        for wanted in range(len(jobs)):
+            while wanted not in results:
+                busy = [worker.child for worker in workers if worker.job is not None]
+                speaking = heard(busy, None)
+                for worker in workers:
+                    if worker.child in speaking and (answer := worker.answer()) is not None:
+                        results[answer[0]] = answer[1]
+                        worker.take(next(left, None))
+            good, result = results.pop(wanted)
+            if not good:
+                raise result
+            yield result
+
+
+class _Fresh:
+    """A process of ``afresh`` with the number of the job that it is at, None where it is idle."""
+
+    def __init__(self, child: Child, done: Callable[[Any], Any]) -> None:
+        self.child = child
+        self.job: int | None = None
+        self._said = b""
+        self._tell(done)
+
+    def take(self, job: tuple[int, Any] | None) -> None:
+        """Begin a job, if there is one."""
+        self.job = None if job is None else job[0]
+        if job is not None:
+            self._tell(job[1])
+
+    def answer(self) -> tuple[int, tuple[bool, Any]] | None:
+        """Read some; return the job's number, and whether it succeeded with what it gave or raised, once that is whole."""
+        piece = self.child.read()
+        if not piece:
+            raise ChildDiedError(self.child.end())
+        self._said += piece
+        size = int.from_bytes(self._said[:_LENGTH], "little")
+        if len(self._said) < _LENGTH + size or self.job is None:
+            return None
+        answer, self._said = self._said[_LENGTH:], b""
+        return self.job, pickle.loads(answer)  # noqa: S301 - from a process of ours
+
+    def _tell(self, some: object) -> None:
+        with suppress(BrokenPipeError):  # that it died will be read
+            self.child.tell(pickle.dumps(some))
+
+
+def _serve() -> None:
+    """In a fresh process: read the function, then a job at a time, and answer each."""
+    begin()
+    with os.fdopen(os.dup(1), "wb") as out:
+        os.dup2(2, 1)  # whatever a library prints is no answer
+        done = pickle.load(sys.stdin.buffer)  # noqa: S301 - from the process that started this one
+        with suppress(EOFError):
+            while True:
+                job = pickle.load(sys.stdin.buffer)  # noqa: S301 - likewise
+                try:
+                    answer = pickle.dumps((True, done(job)))
+                except Exception as error:  # noqa: BLE001 - raised where it was asked
+                    answer = pickle.dumps((False, error))
+                out.write(len(answer).to_bytes(_LENGTH, "little") + answer)
+                out.flush()
+
+
+if __name__ == "__main__":
+    _serve()

@@ -7,12 +7,13 @@ import signal
 import time
 from contextlib import closing
 from multiprocessing import active_children, get_context
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from plogic.base import forked
-from plogic.base.forked import each, processors
+from plogic.base import jobs
+from plogic.base.jobs import ChildDiedError, afresh, each, processors
 
 HERE = os.getpid()
 
@@ -56,7 +57,7 @@ def test_each_process_does_its_share(some):
 
 
 def test_more_jobs_than_a_pipe_holds_are_done_in_turns(monkeypatch, some):
-    monkeypatch.setattr(forked, "MOST", 5)
+    monkeypatch.setattr(jobs, "MOST", 5)
     assert list(each(later, range(12), some)) == [n * n for n in range(12)]
 
 
@@ -129,3 +130,46 @@ def test_so_many_processes_as_is_stated_or_as_there_are_processors(monkeypatch):
     for nonsense in ("", "many", "0", "-2"):
         monkeypatch.setenv("OMP_NUM_THREADS", nonsense)
         assert 1 <= processors() <= (os.cpu_count() or 1)
+
+
+def half(number):
+    """Of a module, so that a fresh process finds it."""
+    time.sleep(0.002 * (12 - number))
+    if number == 7:
+        raise ValueError(number)
+    return number / 2, os.getpid()
+
+
+def dies(number):
+    """Of the fourth job."""
+    if number == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+@pytest.fixture
+def found_afresh(monkeypatch):
+    """A fresh process finds this module."""
+    monkeypatch.syspath_prepend(Path(__file__).parent)
+
+
+@pytest.mark.usefixtures("found_afresh")
+def test_fresh_processes_answer_in_the_order_of_the_jobs(some):
+    answers = list(afresh(half, range(7), some))
+    assert [answer for answer, _ in answers] == [number / 2 for number in range(7)]
+    assert len({pid for _, pid in answers} - {HERE}) == some
+    assert list(afresh(half, [], some)) == []
+
+
+@pytest.mark.usefixtures("found_afresh")
+def test_what_a_fresh_process_raises_is_raised_here_in_its_turn(some):
+    answers = afresh(half, range(9), some)
+    assert [next(answers)[0] for _ in range(7)] == [number / 2 for number in range(7)]
+    with pytest.raises(ValueError, match="7"):
+        next(answers)
+
+
+@pytest.mark.usefixtures("found_afresh")
+def test_a_fresh_process_that_dies_is_told(some):
+    with pytest.raises(ChildDiedError, match="signal 9"):
+        list(afresh(dies, range(10), some))
