@@ -23,9 +23,9 @@ from plogic.cycle.delta import Options
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
 from plogic.sequence.constancy.draft import draft_type
-from plogic.sequence.constancy.sightings import seen_features
+from plogic.sequence.constancy.result import seen_features
 from plogic.sequence.views.panorama import Panorama
-from plogic.sequence.views.panorama_constancy import constancy_of
+from plogic.sequence.views.panorama_document import constancy_of
 
 if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase

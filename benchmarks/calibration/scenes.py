@@ -21,7 +21,7 @@ from benchmarks.many.placing import meet
 from geometry.frames import transform_points
 from geometry.visibility.rays import behind
 from plogic.match.gamma.screen_angles import screen_angle
-from plogic.rates.truth import TrueObject, Truth
+from plogic.rates.scene_records import TrueObject, Truth
 from sensing.appearance import Appearance, Gamma
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import ObjectType
-    from plogic.rates.truth import TrueObject
+    from plogic.rates.scene_records import TrueObject
 
     Hypotheses = Mapping[str, tuple[ObjectType, NDArray[np.float64]]]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from benchmarks.constancy.explained import bodies_of, unexplained_of
 from benchmarks.constancy.peers import epipolar
 from benchmarks.constancy.scenes import VIEWS, constancy_kb, sequence
 from benchmarks.constancy.score import called_of, is_one, score, whose
@@ -16,8 +17,7 @@ from benchmarks.constancy.table import ANGLELESS, CAPTION, COUNTS, ONE_LOOK, OUR
 from benchmarks.shared.claims import report
 from benchmarks.shared.processor import processor_seconds
 from plogic.sequence.constancy.decide import unknown_objects
-from plogic.sequence.constancy.explained import unexplained_of
-from plogic.sequence.constancy.hiding import bodies_of, hiding
+from plogic.sequence.views.panorama_document import hiding
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from benchmarks.constancy.scenes import Sequence
     from kb.clouds.cloud import KnowledgeBase
     from plogic.run.perceive import Perceiver
-    from plogic.sequence.constancy.hiding import Body
+    from plogic.sequence.views.panorama_document import Body
 
 SEQUENCES, QUICK_SEQUENCES = 40, 4
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.constancy.score import Called
-from plogic.sequence.constancy.epipolar_pairs import sampson
 from plogic.sequence.constancy.places import places_of
 from plogic.sequence.constancy.sight_lines import sights_of
+from plogic.sequence.constancy.tracks import sampson
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

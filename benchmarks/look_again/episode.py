@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.clutter.scenes import CAMERA
+from benchmarks.look_again.from_views import prospect_of_views
 from geometry.frames import inverse, pose_error
 from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.match.gamma.data import data_of
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
-from plogic.sequence.next_view.from_views import prospect_of_views
 from plogic.sequence.next_view.look import looked_ahead
 from plogic.sequence.next_view.moves import Candidate, Stand, ring
 from plogic.sequence.views.joint import joint

@@ -16,7 +16,7 @@ import numpy as np
 
 from benchmarks.occlusion.bodies import CAMERA, placed
 from benchmarks.occlusion.pairs import KINDS, pairs
-from geometry.bodies.overlap import overlap_volume
+from geometry.bodies.overlap import Solid, solid_overlap
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw, transform_points
 from geometry.visibility.occlusion import PosedSurface, occlusion
@@ -80,10 +80,8 @@ def _at(still: PosedSurface, motion: Motion, time: float) -> Roc:
 def _apart(x: PosedSurface, y: PosedSurface) -> bool:
     """Whether the two share no volume; of a surface that is not a manifold nothing is known, and no change is counted."""
     try:
-        return (
-            overlap_volume(x.vertices, x.triangles, x.camera_from_object, y.vertices, y.triangles, y.camera_from_object)
-            == 0
-        )
+        a, b = (Solid(body.vertices, body.triangles) for body in (x, y))
+        return solid_overlap(a, x.camera_from_object, b, y.camera_from_object) == 0
     except GeometryError:
         return False
 

@@ -24,9 +24,9 @@ from geometry.frames import inverse, look_at, transform_points
 from geometry.visibility.rays import RayMesh
 from sensing.errors import SceneError
 from sensing.simulated.body import Body, TexturedMesh
-from sensing.simulated.lighting import Light
+from sensing.simulated.physics import settle
 from sensing.simulated.scene import Scene
-from sensing.simulated.settle import settle
+from sensing.simulated.surroundings import Light
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -15,9 +15,8 @@ from benchmarks.tabletop.patterns import pattern
 from benchmarks.tabletop.rgbd_sensor import sensed
 from sensing.errors import SceneError
 from sensing.simulated.camera import Rendering
-from sensing.simulated.raycast import Caster
+from sensing.simulated.raycast import Caster, TexturePyramid
 from sensing.simulated.surroundings import Surroundings
-from sensing.simulated.texture_pyramid import TexturePyramid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
     from benchmarks.tabletop.rgbd_sensor import RgbdSensor
     from geometry.camera import Camera
     from sensing.simulated.body import Body
-    from sensing.simulated.lighting import Light
+    from sensing.simulated.surroundings import Light
 
 Colour = tuple[float, float, float]
 TEXELS = 1536

@@ -71,24 +71,6 @@ class Solid:
         return bool((gap >= 0).any())
 
 
-def overlap_volume(
-    vertices_a: ArrayLike,
-    triangles_a: ArrayLike,
-    T_a: ArrayLike,
-    vertices_b: ArrayLike,
-    triangles_b: ArrayLike,
-    T_b: ArrayLike,
-) -> float:
-    """Volume in m^3 that two posed closed surfaces share; `T_a` and `T_b` map each into one common frame.
-
-    For many poses of the same surfaces make each a `Solid` once, and ask `solid_overlap`.
-
-    Raises:
-        GeometryError: where a surface is not a closed, manifold one.
-    """
-    return solid_overlap(Solid(vertices_a, triangles_a), T_a, Solid(vertices_b, triangles_b), T_b)
-
-
 def solid_overlap(a: Solid, T_a: ArrayLike, b: Solid, T_b: ArrayLike) -> float:
     """Volume in m^3 that the solids `a` and `b` share, posed by `T_a` and `T_b` (4, 4) into one common frame."""
     return a.shared(inverse(T_a) @ last_axes(T_b, (4, 4), "T_b"), b)

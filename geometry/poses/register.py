@@ -16,7 +16,7 @@ from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, transform_points
 from geometry.poses.refine import refine_poses
 
-FEWEST, FEWEST_UNKNOWN = 4, 6
+LEAST_POINTS_CALIBRATED, LEAST_POINTS_UNCALIBRATED = 4, 6
 """Points that are needed with a camera, and without one: a pose has six numbers, a focal length is a seventh, a point
 gives two."""
 FOCAL_LENGTHS = (0.4, 8.0, 20)
@@ -62,7 +62,7 @@ def register(points: ArrayLike, uv: ArrayLike, size: tuple[int, int], camera: Ca
         or points that
             do not fix the focal length.
     """
-    objects, seen = _checked(points, uv, FEWEST_UNKNOWN if camera is None else FEWEST)
+    objects, seen = _checked(points, uv, LEAST_POINTS_UNCALIBRATED if camera is None else LEAST_POINTS_CALIBRATED)
     if camera is not None:
         return _registration(objects, seen, camera, _posed(objects, seen, camera)[0], 0.0)
     low, high, count = FOCAL_LENGTHS
@@ -89,7 +89,7 @@ def suspect(points: ArrayLike, uv: ArrayLike, size: tuple[int, int], camera: Cam
     """The index of the point that fits worst: without it the others fit best; where too few would be left, that of the largest residual."""
     objects, seen = last_axes(points, (-1, 3), "points"), last_axes(uv, (-1, 2), "uv")
     whole = register(objects, seen, size, camera)
-    if len(objects) <= (FEWEST_UNKNOWN if camera is None else FEWEST):
+    if len(objects) <= (LEAST_POINTS_UNCALIBRATED if camera is None else LEAST_POINTS_CALIBRATED):
         return int(np.argmax(whole.residuals))
     f_known = whole.camera  # close enough to tell which point is off, and safe with a point less
     return int(np.argmin([_posed(objects[rest], seen[rest], f_known)[1] for rest in _without_each(len(objects))]))
@@ -105,7 +105,7 @@ def _checked(points: ArrayLike, uv: ArrayLike, fewest: int) -> tuple[Floats, Flo
         raise GeometryError(f"points (N, 3) and uv (N, 2) must agree in N, not {objects.shape} and {seen.shape}")
     if len(objects) < fewest:
         raise GeometryError(
-            f"{len(objects)} points are too few: {FEWEST} at least with a camera, {FEWEST_UNKNOWN} without"
+            f"{len(objects)} points are too few: {LEAST_POINTS_CALIBRATED} at least with a camera, {LEAST_POINTS_UNCALIBRATED} without"
         )
     bad = np.flatnonzero(~(np.isfinite(objects).all(axis=1) & np.isfinite(seen).all(axis=1)))
     if len(bad):

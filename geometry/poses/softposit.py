@@ -47,7 +47,7 @@ HUGE = 1e6  # a start's greatest entry, and the sizes and depths of the image be
 NEARER, FARTHER = -0.95, 20.0  # bounds of w - 1, as in `geometry.poses.posit`
 EXPONENT = 100.0  # bound of |beta (d^2 - alpha)|: what is smaller than exp(-100) is nothing
 MATCHED = 0.51  # m above which a pair is a match: above both slacks and all rivals, as rows and columns sum to 1
-FEWEST = 4  # matches below which a pose is not determined
+LEAST_MATCHED = 4  # matches below which a pose is not determined
 
 
 @dataclass(frozen=True)
@@ -81,10 +81,6 @@ class SoftPositResult:
     count: Ints  # (K,) matches: what says whether the pose is right
     error: Floats  # (K,) mean squared distance of reprojection over the matches, normalised units^2; inf without any or with one behind
     converged: Mask  # (K,) near (`Annealing.nearest`), by at least four matches, all before the camera
-
-    def first(self, count: int) -> "SoftPositResult":
-        """The result of the first `count` starts alone."""
-        return SoftPositResult(*(getattr(self, field.name)[:count] for field in fields(self)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -290,7 +286,7 @@ def _result(problem: _Problem, ends: _State, sound: Mask) -> SoftPositResult:
         np.append(problem.of_image, -1)[matches],
         count,
         error,
-        sound & near & (count >= FEWEST) & np.isfinite(error),
+        sound & near & (count >= LEAST_MATCHED) & np.isfinite(error),
     )
 
 
@@ -339,30 +335,3 @@ def random_starts(
         * z
     )
     return from_rotation_translation(rotation, place - rotation @ objects.mean(axis=0))
-
-
-def softposit_restarts(
-    points: ArrayLike,
-    xy: ArrayLike,
-    start: ArrayLike,
-    enough: int,
-    *,
-    allowed: ArrayLike | None = None,
-    annealing: Annealing | None = None,
-    at_once: int = 16,
-) -> SoftPositResult:
-    """The starts `start` (K, 4, 4) one after the other, up to and with the first that converges with `enough` matches; all if none does.
-
-    The paper takes 0.8 x the expected rate of detection x N for enough. Starts are annealed `at_once`, which changes
-    the time only: what comes after the first success is dropped. The result has K' <= K starts; where it was found, the
-    last is the one.
-    """
-    starts = last_axes(start, (4, 4), "start")
-    parts: list[SoftPositResult] = []
-    for i in range(0, max(1, len(starts)), at_once):
-        part = softposit(points, xy, starts[i : i + at_once], allowed=allowed, annealing=annealing)
-        hits = np.nonzero(part.converged & (part.count >= enough))[0]
-        parts.append(part if not len(hits) else part.first(int(hits[0]) + 1))
-        if len(hits):
-            break
-    return joined(parts)

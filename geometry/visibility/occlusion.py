@@ -156,13 +156,8 @@ class Related(NamedTuple):
     interior: Area
 
 
-def rcc8(a: Area, b: Area, tolerance: float) -> Rcc8:
-    """The one RCC-8 relation of ``a`` to ``b`` at the ``tolerance`` (px)."""
-    return related(a, b, tolerance).rcc
-
-
 def related(a: Area, b: Area, tolerance: float) -> Related:
-    """As ``rcc8``, with the common interior less a seam of ``tolerance`` px."""
+    """Return the one RCC-8 relation of ``a`` to ``b`` at the ``tolerance`` (px), and the common interior less a seam of so much."""
     if a.is_empty or b.is_empty or _boxes_gap(a, b) > tolerance:
         return Related("DC", shapely.Polygon())
     with np.errstate(

@@ -16,8 +16,7 @@ import shapely
 from numpy.typing import ArrayLike
 
 from geometry.arrays import Floats, Ints, Mask, last_axes
-from geometry.camera import Camera
-from geometry.distortion import distort, fold_radius
+from geometry.camera import Camera, distort, fold_radius
 from geometry.frames import transform_points
 
 Shapes = Any  # a geometry of shapely's, or an array of them: shapely ships no types

@@ -14,7 +14,7 @@ import numpy as np
 
 from geometry.errors import GeometryError
 from geometry.frames import inverse, transform_points
-from geometry.poses.register import FEWEST, FEWEST_UNKNOWN, Registration, register, suspect
+from geometry.poses.register import LEAST_POINTS_CALIBRATED, LEAST_POINTS_UNCALIBRATED, Registration, register, suspect
 from kb.errors import IntakeError, KBErrors
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def registered(points: Points, size: tuple[int, int], surface: Surface, camera: 
         KBErrors: points outside the photo, off the mesh, hidden by it, or one that does not fit the others: each at its
         line. IntakeError: too few points, or points that fix no pose or no focal length.
     """
-    fewest = FEWEST_UNKNOWN if camera is None else FEWEST
+    fewest = LEAST_POINTS_UNCALIBRATED if camera is None else LEAST_POINTS_CALIBRATED
     if len(points.at) < fewest:
         why = "without a camera (its focal length is sought too)" if camera is None else "with a camera"
         raise IntakeError(f"{points.file}: has {len(points.at)} points; {fewest} at least are needed {why}")

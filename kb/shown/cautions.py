@@ -55,17 +55,17 @@ def _of_type(kind: ObjectType) -> Iterator[str]:
     if unseen:
         yield f"no viewpoint sees {_named(unseen)}: the lobes lie inside or behind the type's own body"
     together = most_together(kind)
-    if len(kind.features) < FEWEST:
-        yield f"has {len(kind.features)} features, and a pose is taken from {FEWEST}: it is never found"
-    elif together < FEWEST and len(unseen) < len(kind.features):
-        yield f"its lobes never meet: no viewpoint was found that sees {FEWEST} features at once ({together} at most), so it is never found"
+    if len(kind.features) < FIXING_A_POSE:
+        yield f"has {len(kind.features)} features, and a pose is taken from {FIXING_A_POSE}: it is never found"
+    elif together < FIXING_A_POSE and len(unseen) < len(kind.features):
+        yield f"its lobes never meet: no viewpoint was found that sees {FIXING_A_POSE} features at once ({together} at most), so it is never found"
 
 
 def _of_learned(kind: ObjectType) -> Iterator[str]:
     """Its lobes were measured, so that each is seen from somewhere; but there may be too few."""
     summary = learned_summary(kind)
-    if summary.most < FEWEST:
-        yield f"no viewpoint expects {FEWEST} of its learned features at once ({summary.most} at most), so it is never found"
+    if summary.most < FIXING_A_POSE:
+        yield f"no viewpoint expects {FIXING_A_POSE} of its learned features at once ({summary.most} at most), so it is never found"
     elif summary.most < MANY:
         yield f"no viewpoint expects {MANY} of its learned features at once ({summary.most} at most): it will seldom be found; its texture is plain"
 
@@ -169,7 +169,7 @@ def _moved(points: Places, here: Places, there: Places) -> Places:
     return (points - a) @ (u @ mirror @ v) + b
 
 
-FEWEST = 4
+FIXING_A_POSE = 4
 """Features that fix a pose and leave something to check it by."""
 TOLERANCE = 0.004
 """What a line of sight may be cut before its feature, as a share of the diameter: the same as for Behind."""
@@ -196,7 +196,7 @@ def unseen_features(kind: ObjectType) -> list[str]:
 
 
 def most_together(kind: ObjectType) -> int:
-    """The most features, up to ``FEWEST``, that were found to share a viewpoint: in their lobes and not Behind the type's own surface."""
+    """The most features, up to ``FIXING_A_POSE``, that were found to share a viewpoint: in their lobes and not Behind the type's own surface."""
     table = kind.lobes
     if not len(table.types):
         return 0
@@ -211,8 +211,8 @@ def most_together(kind: ObjectType) -> int:
         if len(chosen) > most:
             seen = _shown(kind, np.broadcast_to(viewpoints[index], (len(chosen), 3)), at[chosen]).sum()
             most = max(most, int(seen))
-        if most >= FEWEST:
-            return FEWEST
+        if most >= FIXING_A_POSE:
+            return FIXING_A_POSE
     return most
 
 

@@ -3,7 +3,7 @@
 Tolerances are stated, in favour of what stands. Each body gives way by half of what ``on`` allows a pair
 (``plogic.cycle.placing.CONTACT``), or by three standard deviations of its pose at that place and in that direction,
 where this is more: a hypothesis floats only if no pose of those that its matches leave would hold it. Contacts are by
-pybullet, of the bodies' convex parts; ``geometry.bodies.contacts`` says what stands in for a scan.
+pybullet, of the bodies' convex parts; ``geometry.bodies.resting`` says what stands in for a scan.
 """
 
 from __future__ import annotations
@@ -14,22 +14,22 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.bodies.columns import STEEP
-from geometry.bodies.contacts import Bodies, shape_of
 from geometry.bodies.depth import parts_of
+from geometry.bodies.resting import Bodies, shape_of
 from geometry.frames import transform_points
 from geometry.poses.refine_sights import turned_step
 from plogic.cycle.placing import CONTACT, MOST, ROUND
 from plogic.facts.gravity import GROUND, Foot, Gravity
 from plogic.match.judged.disjoint import pose_information
 from plogic.match.judged.rivals import solid_of
-from sensing.simulated.client import NO_PHYSICS, client, has_physics
+from sensing.simulated.physics import NO_PHYSICS, client, has_physics
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from geometry.bodies.contacts import Shape, Touch
+    from geometry.bodies.resting import Shape, Touch
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from kb.surfaces.surface import Surface

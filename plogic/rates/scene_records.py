@@ -6,6 +6,7 @@ A scene is a folder with ``truth.json`` and one of ``interpretation.json``, ``ga
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,8 +19,6 @@ from plogic.match.gamma.data import Data, data_of
 from plogic.match.judged.alike import same_place
 from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from plogic.measures.valuation import compatible
-from plogic.rates.records import Record, Sighting, Slot
-from plogic.rates.truth import read_truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -29,10 +28,104 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.document import Interpretation
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.rates.truth import Truth
     from sensing.appearance import Gamma
 
     Perceive = Callable[[Gamma], Interpretation]
+
+FORMAT = "truth/1"
+LARGEST = 16 * 2**20
+"""Bytes of a truth file."""
+
+
+@dataclass(frozen=True)
+class TrueObject:
+    """One object: its type (None for what no knowledge base knows), its pose, and the visible share of its picture."""
+
+    label: str | None
+    camera_from_object: NDArray[np.float64]
+    visible_fraction: float
+
+
+@dataclass(frozen=True)
+class Truth:
+    """``complete``: whether every object of known type is listed; else those that are not may be there."""
+
+    objects: tuple[TrueObject, ...]
+    complete: bool
+
+
+def read_truth(path: Path) -> Truth:
+    """Read a truth file; raises InputError that names the file, the key and what would be right."""
+    try:
+        if path.stat().st_size > LARGEST:
+            raise InputError(f"{path}: is larger than the {LARGEST} bytes that a truth file may have")
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise InputError(f"{path}: is no JSON: {error}") from None
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise InputError(f"{path}: format: should be {FORMAT!r}")
+    complete, objects = data.get("complete", True), data.get("objects")
+    if not isinstance(complete, bool):
+        raise InputError(f"{path}: complete: {complete!r:.40} should be true or false")
+    if not isinstance(objects, list):
+        raise InputError(f"{path}: objects: should be a list")
+    return Truth(tuple(_object(path, i, entry) for i, entry in enumerate(objects)), complete)
+
+
+def _object(path: Path, index: int, entry: Any) -> TrueObject:  # noqa: ANN401 - parsed JSON
+    place = f"{path}: objects.{index}"
+    if not isinstance(entry, dict):
+        raise InputError(f"{place}: should be an object with label and T_camera_object")
+    label, fraction = entry.get("label"), entry.get("visible_fraction", 1.0)
+    if label is not None and not isinstance(label, str):
+        raise InputError(f"{place}.label: {label!r:.40} should be a type's name, or null")
+    if isinstance(fraction, bool) or not isinstance(fraction, int | float) or not 0.0 <= fraction <= 1.0:
+        raise InputError(f"{place}.visible_fraction: {fraction!r:.40} should be a number from 0 to 1")
+    return TrueObject(label, _pose(f"{place}.T_camera_object", entry.get("T_camera_object")), float(fraction))
+
+
+def _pose(place: str, value: object) -> NDArray[np.float64]:
+    try:
+        pose = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        pose = np.zeros(0)
+    rigid = (
+        pose.shape == (4, 4)
+        and np.isfinite(pose).all()
+        and np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-4)
+    )
+    if not rigid or not np.allclose(pose[3], (0.0, 0.0, 0.0, 1.0)):
+        raise InputError(f"{place}: should be a rigid motion, 4 rows of 4 numbers, metres")
+    return pose
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """One expected feature; ``near`` is what was observed, ``chance`` the probability of that by clutter alone."""
+
+    feature_type: str
+    near: bool
+    chance: float
+
+
+@dataclass(frozen=True)
+class Slot:
+    """One instance that is there, is not there, or (None) may be there; its sightings are those of its pose, none where it is not there."""
+
+    object_type: str
+    present: bool | None
+    sightings: tuple[Sighting, ...] = ()
+
+
+@dataclass(frozen=True)
+class Record:
+    """One scene; ``clutter`` counts per appearance type what no object causes."""
+
+    slots: tuple[Slot, ...]
+    clutter: dict[str, int] | None
+
 
 SOURCES = ("interpretation.json", "gamma.json", "image.png", "image.jpg", "image.jpeg")
 

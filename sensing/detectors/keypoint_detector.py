@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Literal, Protocol
 import numpy as np
 
 from sensing.appearance import Appearance
-from sensing.detectors.colour import colours, is_grey
-from sensing.detectors.edge_points import edge_points
-from sensing.detectors.edge_sides import edge_sides
+from sensing.detectors.edge_sides import edge_points, edge_sides
+from sensing.detectors.keypoint_colours import colours, is_grey
 from sensing.detectors.keypoints import MOST, Keypoints, grey_of, keypoints, sift_at
 from sensing.detectors.regions import MOST as REGIONS
 from sensing.detectors.regions import regions
@@ -73,7 +72,7 @@ def described(
 
     At most ``most`` of each; of edges one in each cell of ``cell`` pixels, and at most ``EDGES``. Regions are looked
     for in ``calm``, as large, where it is given. Where the image has colours, they are part of the descriptors of
-    ``sift`` (``sensing.detectors.colour``).
+    ``sift`` (``sensing.detectors.keypoint_colours``).
 
     Raises:
         DetectorError: There is no such keypoint detector.

@@ -41,7 +41,7 @@ SHRINK, LEVELS = 1.2, 8
 LEAST_SIDE = 8
 """An image with a shorter side has no keypoints: no neighbourhood fits into it."""
 WIDTHS = {"sift": (128, 138), "orb": (32,)}
-"""Bytes that a descriptor may have: SIFT's without colours and with them (``sensing.detectors.colour``)."""
+"""Bytes that a descriptor may have: SIFT's without colours and with them (``sensing.detectors.keypoint_colours``)."""
 
 
 @dataclass(frozen=True)

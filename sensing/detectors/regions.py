@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from sensing.detectors.colour import WIDTH, is_grey, ratios
+from sensing.detectors.keypoint_colours import WIDTH, is_grey, ratios
 from sensing.detectors.keypoints import Keypoints, grey_of, sift_at
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Bytes = NDArray[np.uint8]
 
-MOST, FEWEST, EVERY = 400, 60, 768
+MOST, LEAST_REGIONS, EVERY = 400, 60, 768
 """Regions of one image at most, those that stand out most: one in so many pixels, but at least and at most so many."""
 HALF = 2
 """The image is looked at so many times smaller: a region's place is a mean over its pixels, and does not need more."""
@@ -70,7 +70,7 @@ def regions(image: Bytes, most: int = MOST) -> Keypoints:
     """
     channels, coloured = _channels(image), not is_grey(image)
     factor = np.array([image.shape[1], image.shape[0]]) / channels[0].shape[::-1]
-    most = min(most, max(FEWEST, image.shape[0] * image.shape[1] // EVERY))
+    most = min(most, max(LEAST_REGIONS, image.shape[0] * image.shape[1] // EVERY))
     found = _apart([region for number, channel in enumerate(channels) for region in _stable(number, channel)])
     contrast = np.array([_contrast(region, channels[region.channel]) for region in found])
     order = sorted(

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sensing.simulated.lighting import Light
 from sensing.simulated.stage import stage
-from sensing.simulated.surroundings import Surroundings, draw_surroundings, floor_depth
+from sensing.simulated.surroundings import Light, Surroundings, draw_surroundings, floor_depth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -23,9 +23,8 @@ from sensing.errors import SceneError
 from sensing.files.whole_files import write_folder
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Rendering, Sensor, render, visible_fractions
-from sensing.simulated.lighting import Light
-from sensing.simulated.settle import settle
-from sensing.simulated.surroundings import Surroundings
+from sensing.simulated.physics import settle
+from sensing.simulated.surroundings import Light, Surroundings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from sensing.errors import SceneError
-from sensing.simulated.client import client, has_physics
-from sensing.simulated.lighting import brightness, shading_normals
+from sensing.simulated.physics import client, has_physics
 from sensing.simulated.raycast import Caster
+from sensing.simulated.surroundings import brightness, shading_normals
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
     from geometry.camera import Camera
     from sensing.simulated.body import Body
-    from sensing.simulated.lighting import Light
     from sensing.simulated.raycast import Cast
+    from sensing.simulated.surroundings import Light
 
     Shot = tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.float32]]
 

@@ -13,8 +13,8 @@ import numpy as np
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at
 from sensing.simulated.body import Body
-from sensing.simulated.lighting import Light
 from sensing.simulated.stage import stage
+from sensing.simulated.surroundings import Light
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

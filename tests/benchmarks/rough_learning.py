@@ -12,7 +12,7 @@ from geometry.camera import Camera
 from geometry.frames import inverse, look_at, transform_points
 from sensing.detectors.keypoints import keypoints
 from sensing.simulated.body import Body
-from sensing.simulated.lighting import Light
+from sensing.simulated.surroundings import Light
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,7 @@ from plogic.cycle.judging import FEWEST
 from plogic.cycle.state import same_hypothesis
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.alike import SAME_ROTATION
-from plogic.rates.truth import TrueObject
+from plogic.rates.scene_records import TrueObject
 from plogic.run.perceive import Perceiver
 
 

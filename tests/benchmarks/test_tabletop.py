@@ -15,10 +15,9 @@ from geometry.camera import Camera
 from geometry.frames import inverse, is_rigid, look_at, transform_points
 from sensing.errors import SceneError
 from sensing.simulated.body import Body, TexturedMesh
-from sensing.simulated.lighting import Light
-from sensing.simulated.raycast import corner_normals
+from sensing.simulated.raycast import TexturePyramid, corner_normals
 from sensing.simulated.scene import truth_to_dict
-from sensing.simulated.texture_pyramid import TexturePyramid
+from sensing.simulated.surroundings import Light
 
 YCB = Path(__file__).resolve().parents[3].parent / "shared" / "data" / "ycb"
 CLEAN = RgbdSensor(noise=0, blur=0)

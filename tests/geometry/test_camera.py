@@ -4,8 +4,7 @@ from geometry_bodies import CAMERA, LENS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geometry.camera import Camera, camera_from_dict, camera_to_dict
-from geometry.distortion import fold_radius
+from geometry.camera import Camera, camera_from_dict, camera_to_dict, fold_radius
 from geometry.errors import CameraError
 
 K = [[600.0, 0, 320], [0, 600, 240], [0, 0, 1]]

@@ -19,8 +19,7 @@ from kb.learning.views import AWAY, MARGIN
 from sensing.detectors.keypoint_detector import described
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Sensor, render
-from sensing.simulated.lighting import Light
-from sensing.simulated.surroundings import Surroundings
+from sensing.simulated.surroundings import Light, Surroundings
 from sensing.simulated.turntable import turned
 
 SIDE = 0.1

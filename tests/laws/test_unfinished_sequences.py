@@ -8,7 +8,7 @@ from interrupted import LATE, stopped_after
 from synthetic import one_before_the_other, perceiver, scene
 
 from plogic.cycle.delta import Options
-from plogic.sequence.next_view.of_sequence import of_last_view
+from plogic.sequence.next_view.reading import of_last_view
 from plogic.sequence.views.panorama import Panorama
 from plogic.sequence.views.panorama_document import panorama_document
 from plogic.sequence.views.view import View

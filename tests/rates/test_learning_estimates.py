@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kb.clouds.cloud import Counts, Rates
-from plogic.rates.em import expected_counts, presence
-from plogic.rates.estimates import added, counted, learned, mean, open_slots, share
-from plogic.rates.records import Record, Sighting, Slot
+from plogic.rates.estimates import added, counted, expected_counts, learned, mean, open_slots, presence, share
+from plogic.rates.scene_records import Record, Sighting, Slot
 
 QUICK = settings(max_examples=100, deadline=None, derandomize=True)
 RATES = Rates(hit={"apex": 0.9, "corner": 0.7}, clutter={"l": 8.0}, prior={"t1": 0.5, "t2": 0.5})

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from kb.intake.new_type import NewType
-    from plogic.sequence.constancy.sightings import SeenFeature
+    from plogic.sequence.constancy.result import SeenFeature
 
 
 def assimilate_command(panorama: str, unknown: str, kb_folder: str, name: str, *, as_json: bool) -> str:
@@ -43,11 +43,11 @@ def assimilate_command(panorama: str, unknown: str, kb_folder: str, name: str, *
 
 def _check_features(features: Sequence[SeenFeature], kb: KnowledgeBase, panorama: str, unknown: str) -> None:
     """Raise InputError where no pose could be taken from the draft, or the KB has not its appearance types."""
-    from kb.shown.cautions import FEWEST
+    from kb.shown.cautions import FIXING_A_POSE
 
-    if len(features) < FEWEST:
+    if len(features) < FIXING_A_POSE:
         raise InputError(
-            f"{panorama}: {unknown} has {len(features)} features, and a pose is taken from {FEWEST}: look at it again from elsewhere"
+            f"{panorama}: {unknown} has {len(features)} features, and a pose is taken from {FIXING_A_POSE}: look at it again from elsewhere"
         )
     strange = sorted({feature.type for feature in features} - set(kb.appearance_types))
     if strange:

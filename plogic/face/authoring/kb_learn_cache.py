@@ -84,7 +84,7 @@ def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:
     """SHA-256 over a mesh with its paint, ``how`` it is learned, the source that learns, and the versions of the libraries."""
     import cv2
 
-    from sensing.simulated.client import physics_version
+    from sensing.simulated.physics import physics_version
 
     total = hashlib.sha256(
         repr((how, cv2.__version__, physics_version(), [version(name) for name in LIBRARIES])).encode()

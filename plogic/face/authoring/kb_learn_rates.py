@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kb.clouds.cloud import Counts, KnowledgeBase, Rates
-    from plogic.rates.records import Record
+    from plogic.rates.scene_records import Record
 
 KINDS = ("hit", "clutter", "prior")
 """Rates that are learned: the fields that ``Rates`` and ``Counts`` have in common."""
@@ -24,8 +24,7 @@ def learn_rates_command(
     """Learn, and write unless ``dry_run``. ``options``: dry_run, add (to the counts that the KB has)."""
     from kb.clouds.cloud import Counts
     from plogic.face.authoring.kb_types import check_own
-    from plogic.rates.em import expected_counts
-    from plogic.rates.estimates import added, counted, learned, open_slots, without
+    from plogic.rates.estimates import added, counted, expected_counts, learned, open_slots, without
     from plogic.rates.scene_records import scene_folders
     from plogic.run.sources import kb_of
 

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from plogic.facts.situation import Reading, Situation
     from plogic.sequence.next_view.look import Outlook
     from plogic.sequence.next_view.moves import Candidate, MovesRow
-    from plogic.sequence.next_view.of_sequence import LastView
     from plogic.sequence.next_view.prospect import Prospect
+    from plogic.sequence.next_view.reading import LastView
 
     Worlds = list[tuple[float, Sequence[str]]]
     Looked = Interpretation | LastView
@@ -93,7 +93,7 @@ def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **o
 def next_view_command(source: str, number: int, seed: int, options: Moves, *, as_json: bool) -> str:
     """The table, or the document ``next-view/1``."""
     from plogic.base.errors import InterpretationError
-    from plogic.sequence.next_view.of_sequence import read_looked
+    from plogic.sequence.next_view.reading import read_looked
 
     document = read_looked(source)
     try:
@@ -104,7 +104,7 @@ def next_view_command(source: str, number: int, seed: int, options: Moves, *, as
 
 
 def looked(document: Looked, number: int, seed: int, options: Moves) -> NextView:
-    """The document of an interpretation's next views, or of those of what stands for one (``plogic.sequence.next_view.of_sequence``)."""
+    """The document of an interpretation's next views, or of those of what stands for one (``plogic.sequence.next_view.reading``)."""
     from geometry.camera import camera_from_dict
     from plogic.facts.interpretation import situation_of
     from plogic.facts.stopped import stopped_in

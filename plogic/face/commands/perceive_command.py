@@ -62,7 +62,7 @@ def perceive_command(
 
 def tell_unchecked(kb: KnowledgeBase, say: Callable[[str], None]) -> None:
     """Say which part of Σ cannot be checked on this machine."""
-    from sensing.simulated.client import INSTALL, NO_PHYSICS, has_physics
+    from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
 
     if kb.gravity and not has_physics():
         say(f"who holds whom is not checked, for {NO_PHYSICS}: {INSTALL}")

@@ -139,7 +139,7 @@ def shapes_of(kb: KnowledgeBase, names: Sequence[str] | None = None) -> list[tup
 
 def tell_without_physics(say: Callable[[str], None]) -> None:
     """Say how pictures are made on this machine where pybullet is not installed."""
-    from sensing.simulated.client import INSTALL, NO_PHYSICS, has_physics
+    from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
 
     if not has_physics():
         say(f"pictures are drawn by rays, and nothing falls or settles, for {NO_PHYSICS}: {INSTALL}")

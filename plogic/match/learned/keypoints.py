@@ -15,7 +15,7 @@ import numpy as np
 
 from plogic.match.gamma.data import centre_of
 from plogic.match.learned.lexicon import NTH
-from sensing.fairness import fairly
+from sensing.detectors.edge_sides import fairly
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

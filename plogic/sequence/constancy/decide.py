@@ -6,14 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.sequence.constancy.company import company_of
-from plogic.sequence.constancy.objects import clusters
 from plogic.sequence.constancy.packing import packing, probabilities
 from plogic.sequence.constancy.result import Constancy, PhysicalFeature, UnknownObject
 from plogic.sequence.constancy.sight_lines import sights_of
-from plogic.sequence.constancy.tellable import tellable
-from plogic.sequence.constancy.tracks import Tracks, tracks_of
-from plogic.sequence.constancy.weights import log_weights
+from plogic.sequence.constancy.tracks import DEPTHS, MIN_PARALLAX, Tracks, tracks_of
+from plogic.sequence.constancy.weights import company_of, log_weights, spacing
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -27,6 +24,24 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Ints = NDArray[np.intp]
+
+    Flags = NDArray[np.bool_]
+
+REACH = 2.0
+"""Two features are of one object where they are nearer than so many spacings (the median distance to a third
+neighbour), or linked by others."""
+
+
+def clusters(at: Floats) -> list[Ints]:
+    """Indices of places (N, 3) m, an array a cluster: the largest first, of equally large ones that with the first place."""
+    from scipy.cluster.hierarchy import fcluster, linkage
+
+    if len(at) < 2:
+        return [np.arange(len(at))] if len(at) else []
+    labels = fcluster(linkage(at, "single"), REACH * spacing(at), "distance")
+    groups = [np.flatnonzero(labels == label) for label in np.unique(labels)]
+    return sorted(groups, key=lambda group: (-len(group), int(group[0])))
+
 
 PHYSICAL = 0.5
 """Probability from which a feature is called physical: there is nothing better to call it."""
@@ -46,7 +61,7 @@ def unknown_objects(
 ) -> Constancy:
     """What is physical of the ``unexplained`` data (ids by view): seen at one place from two views or more, and again where it should be.
 
-    ``hidden`` says which places the known bodies hide from a view (``plogic.sequence.constancy.hiding``). A pure
+    ``hidden`` says which places the known bodies hide from a view (``plogic.sequence.views.panorama_document``). A pure
     function of all the views: the order of data changes nothing but the numbering. Two looks: the second knows where
     the first found features, for features come in objects; with ``looks`` 1 there is none.
     """
@@ -97,3 +112,31 @@ def _object(name: str, sights: Sights, tracks: Tracks, probability: Floats) -> U
             PhysicalFeature(f"{name}/f{i + 1}", kind, tracks.places.at[i], float(worst[i]), float(probability[i]), data)
         )
     return UnknownObject(name, float(1.0 - np.prod(1.0 - probability)), tuple(features))
+
+
+STEPS = 24
+"""Depths, evenly spaced in their logarithm, at which a datum's unknown place is tried."""
+SHARE = 0.25
+"""Share of these at which another view must have been able to tell. Noise is the more probable from the first of them
+on; this leaves a margin."""
+
+
+def tellable(sights: Sights, v: int, hidden: Hidden | None) -> Flags:
+    """(N,) of the data of view ``v``: whether another view could have told.
+
+    At a quarter of the depths or more where its place may be, some other view has it in its image, hidden by nothing
+    known, along a line of sight that makes ``MIN_PARALLAX`` or more with its own.
+    """
+    count = len(sights.ids[v])
+    depths = np.geomspace(*DEPTHS, STEPS)
+    rays = np.column_stack([sights.xy[v, :count], np.ones(count)])
+    points = (rays[:, None] * depths[:, None]).reshape(-1, 3)
+    frame = np.linalg.inv(sights.camera_from_world[v])
+    world = points @ frame[:3, :3].T + frame[:3, 3]
+    told = sights.in_image(world)
+    if hidden is not None:
+        told &= ~np.stack([hidden(view.id, world) for view in sights.views], axis=-1)
+    sight = world[:, None] - sights.eye
+    sight /= np.maximum(np.linalg.norm(sight, axis=-1, keepdims=True), 1e-12)
+    aside = np.einsum("pvi,pi->pv", sight, sight[:, v]) <= np.cos(MIN_PARALLAX)
+    return np.asarray((told & aside).any(axis=1).reshape(count, STEPS).mean(axis=1) >= SHARE)

@@ -14,7 +14,7 @@ from geometry.camera import Camera, camera_from_dict, camera_mistakes
 from geometry.files.plain_files import JsonError, json_of
 from geometry.frames import is_rigid
 from plogic.base.errors import InputError
-from plogic.sequence.constancy.sightings import SeenFeature, Sighting
+from plogic.sequence.constancy.result import SeenFeature, Sighting
 
 LARGEST = 256 * 2**20
 """Bytes of a panorama that is read."""

@@ -15,12 +15,15 @@ from typing import TYPE_CHECKING
 from geometry.arrays import frozen
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
 
     from plogic.sequence.document import ConstancyRow, PhysicalFeatureRow
+    from plogic.sequence.views.view import View
+
+    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,3 +83,43 @@ def _feature(feature: PhysicalFeature) -> PhysicalFeatureRow:
         "probability": feature.probability,
         "data": dict(feature.data),
     }
+
+
+@dataclass(frozen=True, eq=False)
+class Sighting:
+    """From where a feature was seen: ``world_from_camera`` (4, 4), the camera's focal length in pixels, the datum's angle on the screen, rad."""
+
+    world_from_camera: Floats
+    focal: float
+    angle: float | None = None
+
+    @property
+    def eye(self) -> Floats:
+        """(3,) m, world."""
+        return self.world_from_camera[:3, 3]
+
+
+@dataclass(frozen=True, eq=False)
+class SeenFeature:
+    """What it looks like, ``at`` (3,) m in the world, and who saw it."""
+
+    type: str
+    at: Floats
+    sightings: tuple[Sighting, ...]
+
+
+def seen_features(unknown: UnknownObject, views: Sequence[View]) -> tuple[SeenFeature, ...]:
+    """Of an unknown object, with the views that its data are of."""
+    by_id = {view.id: view for view in views}
+    angles = {view.id: {a.id: a.angle for a in view.gamma.appearances} for view in views}
+    return tuple(
+        SeenFeature(
+            feature.type,
+            feature.at,
+            tuple(
+                Sighting(by_id[view].world_from_camera, by_id[view].gamma.camera.f, angles[view][datum])
+                for view, datum in feature.data.items()
+            ),
+        )
+        for feature in unknown.features
+    )

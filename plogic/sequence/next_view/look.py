@@ -11,20 +11,95 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from plogic.sequence.next_view.expected import sightings
-from plogic.sequence.next_view.gain import Gain, gain
-from plogic.sequence.next_view.sites import sites
-from plogic.sequence.next_view.why import Reason, reasons
+import numpy as np
+
+from plogic.sequence.next_view.expected import sightings, sites
+from plogic.sequence.next_view.gain import Gain, each_site, gain
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from geometry.camera import Camera
+    from plogic.sequence.next_view.expected import Sightings, Sites
     from plogic.sequence.next_view.moves import Candidate
     from plogic.sequence.next_view.prospect import Prospect
+
+    Floats = NDArray[np.float64]
+
+LISTED = 3
+"""Reasons of a candidate, those that tell most first."""
+LEAST = 1e-3
+"""Bits that a reason's best site alone must tell."""
+
+
+class Reason(NamedTuple):
+    """Sites alike: how many, in worlds of which ``mass`` they are expected, the ``bits`` that the best of them alone would tell, and the sentence."""
+
+    sites: int
+    mass: float
+    bits: float
+    text: str
+
+
+def reasons(prospect: Prospect, seen: Sightings, found: Sites, answers: Floats | None) -> list[Reason]:
+    """The sites that tell the worlds, or the answers (W, A), apart, those of one kind together."""
+    bits = each_site(prospect.probability, found.report, answers)
+    groups: dict[tuple[object, ...], list[int]] = {}
+    for site in np.flatnonzero(bits > LEAST).tolist():
+        groups.setdefault(_kind(site, prospect, seen, found), []).append(site)
+    order = sorted(groups.items(), key=lambda item: (-round(float(bits[item[1]].sum()), 9), str(item[0][:2])))
+    return [_reason(some, float(bits[some].max()), prospect, seen, found) for _, some in order[:LISTED]]
+
+
+def _members(site: int, found: Sites) -> list[int]:
+    return np.flatnonzero(found.of == site).tolist()
+
+
+def _kind(site: int, prospect: Prospect, seen: Sightings, found: Sites) -> tuple[object, ...]:
+    """Of which bodies and kinds of features a site is, and in which worlds they are expected."""
+    members = _members(site, found)
+    whose = tuple(sorted({prospect.bodies[seen.body[n]].id for n in members}))
+    kinds = tuple(sorted({prospect.bodies[seen.body[n]].cloud.kinds[seen.feature[n]] for n in members}))
+    return whose, kinds, found.expected[:, members].any(axis=1).tobytes()
+
+
+def _reason(some: list[int], bits: float, prospect: Prospect, seen: Sightings, found: Sites) -> Reason:
+    members = _members(some[0], found)
+    there = found.expected[:, members].any(axis=1)
+    mass = float(prospect.probability[there].sum())
+    what = _what(some, prospect, seen, found)
+    rest = "" if there.all() else f"; {_rest(members, np.logical_not(there), prospect, seen)} in the rest"
+    return Reason(len(some), mass, bits, f"{what}: seen in worlds of mass {mass:.2f}{rest}")
+
+
+def _what(some: list[int], prospect: Prospect, seen: Sightings, found: Sites) -> str:
+    """'roof/apex of h2', or '5 patches of h1', of h1 or h2 where both have one there."""
+    members = _members(some[0], found)
+    whose = " or ".join(sorted({prospect.bodies[seen.body[n]].id for n in members}))
+    first = prospect.bodies[seen.body[members[0]]].cloud
+    feature = seen.feature[members[0]]
+    if len(some) == 1:
+        return f"{first.features[feature]} of {whose}"
+    kinds = sorted({prospect.bodies[seen.body[n]].cloud.kinds[seen.feature[n]] for n in members})
+    return f"{len(some)} features ({' or '.join(kinds)}; {first.features[feature]}, ...) of {whose}"
+
+
+def _rest(members: list[int], rest: NDArray[np.bool_], prospect: Prospect, seen: Sightings) -> str:
+    """Why none of the features is expected in the worlds ``rest`` (W,): hidden by whom, or not there."""
+    rest = rest & (prospect.probability > 0.0)
+    said: dict[str, None] = {}
+    for n in members:
+        body = seen.body[n]
+        for other in np.flatnonzero(seen.hidden[n]).tolist():
+            if (prospect.present[rest, body] & prospect.present[rest, other]).any():
+                said[f"hidden by {prospect.bodies[other].id}"] = None
+    for body in sorted({int(seen.body[n]) for n in members}):
+        if (~prospect.present[rest, body]).any():
+            said[f"{prospect.bodies[body].id} is not there"] = None
+    return " or ".join(said)
+
 
 DIGITS = 9
 """Of the bits by which candidates are ordered: what agrees to so many is a tie, and goes by the order in which they

@@ -1,33 +1,47 @@
-"""What an interpretation leaves open, as a prospect: its worlds, and how the types in them are seen."""
+"""Read what an ``interpretation/1`` or a ``panorama/1`` leaves open, as a prospect: its worlds, and how the types in them are seen.
+
+The worlds of a panorama are those of all views, told from where the last one stood. How a type is seen is told by the
+interpretation of any view that had it in Δh.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict, cast
 
 import numpy as np
 
 from geometry.errors import GeometryError
+from geometry.frames import inverse, is_rigid
 from geometry.visibility.rays import RayMesh
 from kb.clouds.lobes import LobeTable
 from plogic.base.errors import InterpretationError
+from plogic.base.shapes import mistakes
+from plogic.facts.document import Marks
+from plogic.facts.interpretation import interpretation_in, parsed
+from plogic.facts.stopped import stopped_in
+from plogic.scene.readings.unfinished import marks
+from plogic.sequence.document import Panorama
 from plogic.sequence.next_view.prospect import Body, Cloud, Prospect
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from plogic.facts.document import Interpretation, TypeRow
-    from plogic.sequence.next_view.of_sequence import LastView
+    from plogic.facts.document import AssetsRow, CameraRow, Interpretation, SensingRow, TypeRow, WorldRow
+    from plogic.facts.fact_rows import Interval, PairRow, Pose
+    from plogic.facts.situation import Reading
 
-    Looked = Interpretation | LastView
 
 SLACK = 0.004
 """Share of a body's diameter that the surface must be met before a feature to hide it, as where it was perceived."""
 AGAIN = "says nothing of how its types are seen, as older ones do: perceive again (`plogic perceive`)"
 
 
-def prospect_of(document: Looked, worlds: Sequence[tuple[float, Sequence[str]]] | None = None) -> Prospect:
+def prospect_of(
+    document: Interpretation | LastView, worlds: Sequence[tuple[float, Sequence[str]]] | None = None
+) -> Prospect:
     """The prospect of an ``interpretation/1``, in the present camera's frame; ``worlds``, (probability, present), in place of those that it lists.
 
     The probabilities of what is listed are scaled to sum to 1. Raises InterpretationError where it is an old one, or
@@ -43,7 +57,7 @@ def prospect_of(document: Looked, worlds: Sequence[tuple[float, Sequence[str]]] 
         raise InterpretationError(f"types, sensing or assets: not complete: {what}") from error
 
 
-def _prospect(document: Looked, worlds: Sequence[tuple[float, Sequence[str]]]) -> Prospect:
+def _prospect(document: Interpretation | LastView, worlds: Sequence[tuple[float, Sequence[str]]]) -> Prospect:
     used = {name for _, members in worlds for name in members}
     rows = [h for h in document["hypotheses"] if h["id"] in used]
     clouds = {name: _cloud(name, document) for name in sorted({h["type"] for h in rows})}
@@ -67,7 +81,7 @@ def _prospect(document: Looked, worlds: Sequence[tuple[float, Sequence[str]]]) -
     )
 
 
-def _cloud(name: str, document: Looked) -> Cloud:
+def _cloud(name: str, document: Interpretation | LastView) -> Cloud:
     table, mesh = document["types"][name], document["assets"].get("meshes", {}).get(name)
     at = np.array([row[2:5] for row in table["features"]], dtype=float).reshape(-1, 3)
     rays = None if mesh is None else RayMesh(np.array(mesh["vertices"], dtype=float), np.array(mesh["triangles"]))
@@ -89,3 +103,99 @@ def _lobes(table: TypeRow, at: NDArray[np.float64]) -> tuple[LobeTable, NDArray[
     return LobeTable(
         feature, types, at[feature], axis, np.cos(rows[:, 5]), rows[:, 6], rows[:, 7], len(at), sizes
     ), rows[:, 8]
+
+
+FORMAT = "panorama/1"
+OLDER = "; if it is an older one, perceive the sequence again"
+USED = ("camera", "sensing", "types", "assets")
+"""Keys of a view's interpretation that looking ahead reads."""
+
+
+class PosedRow(TypedDict):
+    """One hypothesis from where the last view stood."""
+
+    id: str
+    type: str
+    opaque: bool
+    T_camera_object: Pose
+
+
+class LastView(Marks):
+    """The keys of an interpretation that looking ahead reads, of a sequence; ``plogic query`` cannot ask it, so it has no ``format``."""
+
+    reading: Reading
+    camera: CameraRow
+    sensing: SensingRow
+    types: dict[str, TypeRow]
+    assets: AssetsRow
+    hypotheses: list[PosedRow]
+    worlds: list[WorldRow]
+    unlisted_mass: Interval
+    facts: list[PairRow]
+
+
+def read_looked(path: Path | str) -> Interpretation | LastView:
+    """An ``interpretation/1``, or of a ``panorama/1`` what stands for one; '-' is stdin. Raises InterpretationError, a line a mistake."""
+    name = "<stdin>" if str(path) == "-" else str(path)
+    document = parsed(path)
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        return interpretation_in(document, name, f"{{}} or {FORMAT!r}")
+    wrong = mistakes(document, Panorama)
+    if wrong:
+        raise InterpretationError(*(f"{name}: {line}{OLDER if line.endswith('is missing') else ''}" for line in wrong))
+    try:
+        return of_last_view(cast("Panorama", document))
+    except ValueError as error:
+        raise InterpretationError(f"{name}: {error}") from error
+
+
+def of_last_view(panorama: Panorama) -> LastView:
+    """The sequence's hypotheses and worlds from where its last view stood; how types are seen, from the views' interpretations.
+
+    Raises ValueError where there is no view, a view's interpretation is too old, or a pose is not rigid.
+    """
+    if not panorama["views"]:
+        raise ValueError("views: there is none")
+    views = [view["interpretation"] for view in panorama["views"]]
+    _complete(views, panorama)
+    camera_from_world = inverse(_pose(panorama["views"][-1]["T_world_camera"], "views: T_world_camera"))
+    meshes = {name: mesh for view in views for name, mesh in view["assets"].get("meshes", {}).items()}
+    return {
+        "reading": views[-1]["reading"],
+        "camera": views[-1]["camera"],
+        "sensing": views[-1]["sensing"],
+        "types": {name: table for view in views for name, table in view["types"].items()},
+        "assets": {**views[-1]["assets"], "meshes": meshes},
+        "hypotheses": [
+            {
+                "id": row["id"],
+                "type": row["type"],
+                "opaque": row["opaque"],
+                "T_camera_object": (camera_from_world @ _pose(row["T_world_object"], row["id"])).tolist(),
+            }
+            for row in panorama["hypotheses"]
+        ],
+        "worlds": panorama["worlds"],
+        "unlisted_mass": panorama["unlisted_mass"],
+        "facts": [{"fact": "rival", "args": pair} for pair in panorama["rivals"]],
+        **marks(stopped_in(panorama)),
+    }
+
+
+def _complete(views: list[Interpretation], panorama: Panorama) -> None:
+    """Raise ValueError where a name is no hypothesis', or a view lacks a key that looking ahead reads."""
+    named = {name for world in panorama["worlds"] for name in world["present"]}
+    named |= {name for pair in panorama["rivals"] for name in pair}
+    strange = sorted(named - {row["id"] for row in panorama["hypotheses"]})
+    if strange:
+        raise ValueError(f"worlds, rivals: {', '.join(strange[:5])} should be among the hypotheses")
+    lacking = [f"views.{i}.interpretation.{key}" for i, view in enumerate(views) for key in USED if key not in view]
+    if lacking:
+        raise ValueError(f"{', '.join(lacking[:5])}: is missing{OLDER}")
+
+
+def _pose(rows: object, where: str) -> NDArray[np.float64]:
+    pose = np.array(rows, dtype=float)
+    if pose.shape != (4, 4) or not is_rigid(pose):
+        raise ValueError(f"{where}: should be a rigid 4 x 4 transform")
+    return pose

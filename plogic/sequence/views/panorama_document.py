@@ -2,21 +2,67 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
+import numpy as np
+
+from geometry.frames import compose, inverse, transform_points
+from geometry.visibility.rays import behind
 from plogic.facts.stopped import SEARCH, stopped_in
 from plogic.scene.readings.unfinished import OPEN, marks
+from plogic.sequence.constancy.decide import unknown_objects
 from plogic.sequence.constancy.result import constancy_document
-from plogic.sequence.views.panorama_constancy import constancy_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
+    from numpy.typing import NDArray
+
+    from geometry.visibility.rays import RayMesh
     from plogic.facts.document import WorldRow
     from plogic.sequence import document
+    from plogic.sequence.constancy.result import Constancy
+    from plogic.sequence.constancy.weights import Hidden
     from plogic.sequence.document import AheadRow, Joined, ObjectRow, StandingRow, ViewRow
     from plogic.sequence.views.panorama import Known, Look, Panorama
     from plogic.sequence.views.view import View
+
+    Floats = NDArray[np.float64]
+
+
+class Body(NamedTuple):
+    """An opaque surface where it stands: ``world_from_object`` (4, 4)."""
+
+    rays: RayMesh
+    world_from_object: Floats
+
+
+def hiding(views: Sequence[View], bodies: Mapping[str, Sequence[Body]]) -> Hidden:
+    """The callback that ``unknown_objects`` takes: which places (N, 3) m, world, some body hides from a view; ``bodies`` by the view's id."""
+    camera_from_world = {view.id: inverse(view.world_from_camera) for view in views}
+
+    def hidden(view: str, world: Floats) -> NDArray[np.bool_]:
+        frame = camera_from_world[view]
+        points = transform_points(frame, world)
+        masks = [behind(points, body.rays, compose(frame, body.world_from_object)) for body in bodies.get(view, ())]
+        return np.any(np.array(masks, bool).reshape(len(masks), len(world)), axis=0)
+
+    return hidden
+
+
+def constancy_of(panorama: Panorama, looks: Sequence[Look]) -> Constancy:
+    """What is unknown, noise or undecided of all ``looks`` so far; the opaque objects of Δp hide what they hide in each (D4)."""
+    views = [look.view for look in looks]
+    bodies = []
+    for known in panorama.known:
+        kind = known.standing.object_type
+        if kind.opaque and kind.surface is not None:
+            bodies.append(Body(kind.surface.rays, known.standing.world_from_object))
+    unexplained = {look.view.id: look.unexplained for look in looks}
+    return unknown_objects(
+        views, unexplained, panorama.perceiver.kb.rates, hiding(views, {view.id: bodies for view in views})
+    )
+
 
 FORMAT: Final = "panorama/1"
 

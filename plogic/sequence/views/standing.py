@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-FEWEST = 4
+LEAST_MATCHES = 4
 """Matches, in all views together, that a pose is refined on."""
 
 
@@ -101,7 +101,7 @@ def _settled(
 def refined(standing: Standing, posed: Sequence[Hypothesis], seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:
     """The hypothesis at the pose that fits its expected, detected features best in all views together; as it was where they are too few."""
     sights = [_sight(one, some, kb) for one, some in zip(posed, seen, strict=True)]
-    if sum(len(sight.uv) for sight in sights) < FEWEST:
+    if sum(len(sight.uv) for sight in sights) < LEAST_MATCHES:
         return standing
     pose = refine_sights(standing.world_from_object, [s for s in sights if len(s.uv)], huber=2.0 * kb.rates.sigma)
     return Standing(standing.index, pose)

@@ -4,7 +4,7 @@ from softposit_scenes import right, scene
 
 from geometry.errors import GeometryError
 from geometry.frames import transform_points
-from geometry.poses.softposit import random_starts, softposit, softposit_restarts
+from geometry.poses.softposit import random_starts, softposit
 
 
 def test_with_types_most_random_starts_find_the_pose():
@@ -12,25 +12,6 @@ def test_with_types_most_random_starts_find_the_pose():
     found = softposit(model, xy, random_starts(model, xy, 30, rng, depth=(3, 12)), allowed=equal)
     assert right(found, pose).mean() > 0.8  # seen: 1
     assert (found.matches == truth).all(axis=1).mean() > 0.7  # seen: 1
-
-
-@pytest.mark.parametrize("at_once", [1, 7])
-def test_restarts_stop_at_the_first_start_that_matches_enough(at_once):
-    model, xy, pose, _, _, _ = scene(0, points=20, clutter=0.0)
-    starts = random_starts(model, xy, 60, 1, depth=(3, 12))
-    found = softposit_restarts(model, xy, starts, enough=14, at_once=at_once)
-    alone = softposit(model, xy, starts)
-    first = int(np.nonzero(alone.converged & (alone.count >= 14))[0][0])
-    assert 0 < first == len(found.count) - 1 < 59  # several starts failed before
-    assert right(found, pose)[-1]
-    assert not right(found, pose)[:-1].any()
-    assert np.array_equal(found.count, alone.count[: first + 1])
-
-
-def test_restarts_that_never_match_enough_return_every_start():
-    model, xy, _, _, _, _ = scene(0, points=8)
-    found = softposit_restarts(model, xy, random_starts(model, xy, 5, 1, depth=(3, 12)), enough=9, at_once=2)
-    assert found.camera_from_object.shape == (5, 4, 4)
 
 
 def test_random_starts_are_seeded_spread_and_within_their_bounds():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from geometry_bodies import CAMERA, LENS, at, bodies, box, bracket, posed, random_rotations, wedge
 
-from geometry.bodies.overlap import overlap_volume
+from geometry.bodies.overlap import Solid, solid_overlap
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation
 from geometry.visibility.occlusion import PosedSurface, drawn, occlusion, visible_fraction
@@ -95,8 +95,8 @@ def test_relations_equal_dense_depth_rasters(random_pairs):
 
 
 def discrete(x, y):
-    sides = (x.vertices, x.triangles, x.camera_from_object, y.vertices, y.triangles, y.camera_from_object)
-    return overlap_volume(*sides) == 0
+    a, b = (Solid(body.vertices, body.triangles) for body in (x, y))
+    return solid_overlap(a, x.camera_from_object, b, y.camera_from_object) == 0
 
 
 def raster_relation(x, y):

@@ -16,7 +16,7 @@ from plogic.match.learned import keypoints as pairs_module
 from plogic.match.learned.keypoints import CELL, CLOSE, EACH, OFF, pairs_of
 from plogic.match.learned.lexicon import FARTHEST, FARTHEST_BITS, NTH
 from plogic.match.learned.lexicon import spread as spread_out
-from sensing.fairness import fairly
+from sensing.detectors.edge_sides import fairly
 
 FIELDS = ("datum", "lobe", "weight")
 

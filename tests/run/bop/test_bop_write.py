@@ -24,9 +24,8 @@ from plogic.run.bop.write import Kind, box_of, diameter, gt_info, model_info, si
 from sensing.errors import SensingError
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Sensor
-from sensing.simulated.lighting import Light
 from sensing.simulated.scene import Scene, box, default_camera
-from sensing.simulated.surroundings import Surroundings
+from sensing.simulated.surroundings import Light, Surroundings
 
 
 def turn(degrees, t=(0, 0, 0)):

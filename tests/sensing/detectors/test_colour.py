@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sensing.detectors.colour import CELLS, DARK, GAIN, REACH, WIDTH, colours, is_grey
+from sensing.detectors.keypoint_colours import CELLS, DARK, GAIN, REACH, WIDTH, colours, is_grey
 from sensing.detectors.keypoint_detector import described
 from sensing.detectors.regions import regions
 

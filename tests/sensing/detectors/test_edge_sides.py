@@ -12,10 +12,21 @@ from hypothesis import strategies as st
 from scipy.special import ndtr
 
 from kb.clouds.words import COLOURS as OWN
-from sensing.detectors.colour import DARK, ratios
-from sensing.detectors.edge_points import LEAST, edge_points
-from sensing.detectors.edge_sides import BLOCK, BROAD, DEPTHS, GAIN, MOST, NOISY, WIDTH, edge_sides, noise
-from sensing.fairness import fairly
+from sensing.detectors.edge_sides import (
+    BLOCK,
+    BROAD,
+    DEPTHS,
+    GAIN,
+    LEAST,
+    MOST,
+    NOISY,
+    WIDTH,
+    edge_points,
+    edge_sides,
+    fairly,
+    noise,
+)
+from sensing.detectors.keypoint_colours import DARK, ratios
 
 SIZE = 64
 RIM = 13

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kb.learning.features import ALIKE
-from sensing.detectors.colour import ratios
+from sensing.detectors.keypoint_colours import ratios
 from sensing.detectors.keypoint_detector import described
 from sensing.detectors.regions import TURNS, regions
 

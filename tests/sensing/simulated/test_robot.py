@@ -14,10 +14,9 @@ from geometry.frames import inverse, look_at
 from sensing.errors import SceneError
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Sensor
-from sensing.simulated.lighting import Light
 from sensing.simulated.robot import Robot, write_tour
 from sensing.simulated.scene import Scene, default_camera
-from sensing.simulated.surroundings import Surroundings
+from sensing.simulated.surroundings import Light, Surroundings
 
 SMALL = replace(default_camera(), width=96, height=72, K=np.array([[90.0, 0, 48], [0, 90.0, 36], [0, 0, 1]]))
 

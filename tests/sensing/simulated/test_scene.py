@@ -12,8 +12,8 @@ from geometry.frames import inverse, is_rigid, transform_points
 from sensing.errors import SceneError, SensingError
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.meshes import read_mesh
+from sensing.simulated.physics import settle
 from sensing.simulated.scene import box, random_decoy, random_scene, truth_to_dict, wedge, write_scene
-from sensing.simulated.settle import settle
 
 
 def shapes():

@@ -14,8 +14,7 @@ from geometry.frames import inverse, look_at, transform_points
 from sensing.errors import SceneError
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Sensor, render, visible_fractions
-from sensing.simulated.lighting import Light, brightness
-from sensing.simulated.surroundings import Surroundings
+from sensing.simulated.surroundings import Light, Surroundings, brightness
 
 CLEAN = Sensor(noise=0, blur=0)
 DARK = Surroundings(floor=(0, 0, 0), background=(0, 0, 0), contrast=0, shadow=0)

@@ -10,6 +10,7 @@ import pytest
 from console import bytes_in, document, good
 from written_kb import write_kb
 
+from benchmarks.constancy.explained import unexplained_of
 from benchmarks.constancy.scenes import constancy_kb, sequence
 from geometry.camera import camera_to_dict
 from geometry.errors import PlogicError
@@ -20,9 +21,7 @@ from plogic.face.authoring.kb_show import check_command
 from plogic.run.perceive import Perceiver
 from plogic.sequence.constancy.decide import unknown_objects
 from plogic.sequence.constancy.draft import draft_type
-from plogic.sequence.constancy.explained import unexplained_of
-from plogic.sequence.constancy.result import constancy_document
-from plogic.sequence.constancy.sightings import seen_features
+from plogic.sequence.constancy.result import constancy_document, seen_features
 from sensing.files.gamma_files import appearance_to_dict, gamma_to_dict
 
 SEED = 2003
