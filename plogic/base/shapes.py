@@ -148,7 +148,11 @@ def _nothing(value: object) -> Sequence[Mistake]:
 
 
 def _one_of(allowed: tuple[object, ...]) -> Callable[[object], Sequence[Mistake]]:
-    said = f"should be one of {', '.join(map(str, allowed))}" if len(allowed) > 1 else f"should be {allowed[0]!r}"
+    said = (
+        f"should be one of {', '.join(str(each) for each in allowed if each != '')}"
+        if len(allowed) > 1
+        else f"should be {allowed[0]!r}"
+    )
     types = {type(a) for a in allowed}
 
     def check(value: object) -> Sequence[Mistake]:

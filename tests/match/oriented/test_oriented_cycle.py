@@ -96,8 +96,8 @@ def test_what_one_search_found_is_accepted_before_there_is_another(monkeypatch):
 
 
 def test_without_sigma_angle_the_same_kb_goes_the_old_way():
-    assert perceiver().shared is not None
-    assert without_angles().shared is None
+    assert list(perceiver().models.kinds) == ["oriented"]
+    assert list(without_angles().models.kinds) == ["hand"]
     _, case, _ = a_trial(clouds(), 7)
     delta, _, _ = without_angles().delta(case.gamma, Options(reading="posterior"), Stopwatch())
     assert all(belief.likeness is None for belief in delta.beliefs.values())

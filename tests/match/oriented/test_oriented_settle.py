@@ -14,6 +14,7 @@ from plogic.match.gamma.data import data_of
 from plogic.match.judged.expectation import pose_of
 from plogic.match.oriented.angle_refinement import Held, Noise, refined
 from plogic.match.oriented.oriented_match import DEVIATIONS, matched_at, polished, settle, verified
+from plogic.run.perceive import Perceiver
 
 SIGMA, NOISE = EASY.turn, 2.0
 
@@ -144,7 +145,8 @@ def test_the_cycle_settles_this_way_where_angles_count_and_the_old_way_where_not
     index, pose, _, appearances = scene()
     data, kb = data_of(turned(appearances, 2.0), STRAIGHT), clouds().kb
     old = replace(kb, rates=replace(kb.rates, sigma_angle=None))
-    strict, lax = index.settle(pose, data, kb, rounds=0), index.settle(pose, data, old, rounds=0)
+    by_places = Perceiver(old).models[index.object_type.name]
+    strict, lax = index.settle(pose, data, kb, rounds=0), by_places.settle(pose, data, old, rounds=0)
     assert lax.likeness is None
     assert lax.detected.sum() == len(appearances) > 2 * strict.detected.sum()
 

@@ -92,11 +92,11 @@ def machines(tmp_path):
 
 
 def of_ours(child):
-    """The processes of a worker's group, itself aside."""
+    """The processes that a worker has started."""
     rows = subprocess.run(
-        ["ps", "-o", "stat=", "-g", str(child.pid)], capture_output=True, text=True, check=False
+        ["ps", "-o", "stat=", "--ppid", str(child.pid)], capture_output=True, text=True, check=False
     ).stdout.split()
-    return len([state for state in rows if not state.startswith("Z")]) - 1
+    return len([state for state in rows if not state.startswith("Z")])
 
 
 @contextmanager

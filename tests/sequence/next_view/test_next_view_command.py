@@ -133,12 +133,21 @@ def test_an_older_interpretation_is_told_to_perceive_again(file):
     assert len(str(error.value).splitlines()) == 1
 
 
-@pytest.mark.parametrize("broken", [{"types": {}}, {"sensing": {}}, {"types": {"open_tower": {"features": [[1]]}}}])
-def test_what_is_broken_is_refused_in_a_line(file, broken):
+@pytest.mark.parametrize(
+    ("broken", "why"),
+    [
+        ({"types": {}}, "not complete"),
+        ({"sensing": {}}, "sensing.f_ref: is missing"),
+        ({"types": {"open_tower": {"features": [[1]]}}}, "types.open_tower.looks: is missing"),
+    ],
+)
+def test_what_is_broken_is_refused_with_its_place(file, broken, why):
     file.write_text(text_of({**document(), **broken}))
-    with pytest.raises(PlogicError, match="not complete") as error:
+    with pytest.raises(PlogicError) as error:
         _asked(file)
-    assert len(str(error.value).splitlines()) == 1
+    lines = str(error.value).splitlines()
+    assert [line for line in lines if not line.startswith(f"{file}: ")] == []
+    assert [line for line in lines if why in line]
 
 
 def test_a_goal_that_is_none_is_refused(file):
