@@ -88,7 +88,10 @@ def main(folder: str, first: int, last: int) -> None:
 
 
 def shown(kb: KnowledgeBase, first: int, last: int) -> Iterator[Case]:
-    """Scenes by their numbers, as the benchmark would render them; objects bear the KB's names of them, with or without YCB's number."""
+    """Scenes by their numbers, as the benchmark would render them.
+
+    Objects bear the KB's names of them, with or without YCB's number.
+    """
     names = {kind.name.lstrip("0123456789_"): kind.name for kind in kb.types}
     shapes = [(names.get(name, name), read_mesh(mesh)) for name, mesh in scenes.ycb_meshes().items()]
     turns = {

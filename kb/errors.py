@@ -44,7 +44,10 @@ class IntakeError(KBError):
 
 @dataclass(frozen=True, order=True)
 class Mistake:
-    """One mistake of a KB: ``objects/tower/object.yaml:12:7: parts.1.features.0.type: ...``; lines and columns count from 1."""
+    """One mistake of a KB: ``objects/tower/object.yaml:12:7: parts.1.features.0.type: ...``.
+
+    Lines and columns count from 1.
+    """
 
     file: str
     line: int

@@ -1,4 +1,6 @@
-"""Δ: what is believed. Measures, hypotheses, the perceptual cycle, program text, possible worlds, queries, explanations.
+"""Δ: what is believed.
+
+Measures, hypotheses, the perceptual cycle, program text, possible worlds, queries, explanations.
 
 >>> from plogic import Camera, KnowledgeBase, perceive
 >>> scene = perceive("photo.jpg", KnowledgeBase.load("mykb"), Camera.load("camera.yaml"))
@@ -72,7 +74,10 @@ else:
     }
 
     def __getattr__(name: str) -> object:
-        """Load a public name when it is first used; raises ImportError where a file of the user's own hides what it needs."""
+        """Load a public name when it is first used.
+
+        Raises ImportError where a file of the user's own hides what it needs.
+        """
         if name not in _PLACES:
             raise AttributeError(f"module 'plogic' has no attribute {name!r}")
         from importlib import import_module

@@ -27,15 +27,20 @@ class Appearance:
     """One datum of Γ.
 
     Attributes:
-        id: Unique within its Γ. type: The appearance type, a name of the KB's vocabulary ("l_junction", "patch"). uv:
-        Place in pixels; an integer is a pixel's centre. detector: Name of the detector that reported it. angle:
-        Radians, clockwise on the screen from +x; None where the type has no direction. scale: Diameter in pixels, or
-        None. score: The detector's own confidence in [0, 1], or None. arms: Directions of a junction's arms, radians,
-        same convention as ``angle``, ascending in [0, 2π); empty for other types. descriptor: Raw bytes of a keypoint's
-        descriptor: 128 of SIFT, or 138 with its colours, 32 of ORB; 5 of the looks of the side of an edge;
+        id: Unique within its Γ.
+        type: The appearance type, a name of the KB's vocabulary ("l_junction", "patch").
+        uv: Place in pixels; an integer is a pixel's centre.
+        detector: Name of the detector that reported it.
+        angle: Radians, clockwise on the screen from +x; None where the type has no direction.
+        scale: Diameter in pixels, or None.
+        score: The detector's own confidence in [0, 1], or None.
+        arms: Directions of a junction's arms, radians, same convention as ``angle``, ascending in [0, 2π); empty for
+            other types.
+        descriptor: Raw bytes of a keypoint's descriptor: 128 of SIFT, or 138 with its colours, 32 of ORB; 5 of the
+            looks of the side of an edge;
             None where the detector gives none.
         depth: Metres along the camera's z axis, or None; ``depth_sigma``: its standard deviation, metres, where there
-        is one (§3.3).
+            is one (§3.3).
     """
 
     id: str
@@ -64,6 +69,9 @@ class Gamma:
         return np.array([a.uv for a in self.appearances], dtype=np.float64).reshape(-1, 2)
 
     def in_order(self) -> Gamma:
-        """The same set, in one order however it is told: by ids, a2 before a10. Of data that are equal in all else the first is taken."""
+        """The same set, in one order however it is told: by ids, a2 before a10.
+
+        Of data that are equal in all else the first is taken.
+        """
         ordered = tuple(sorted(self.appearances, key=lambda a: (len(a.id), a.id)))
         return self if ordered == self.appearances else Gamma(self.camera, ordered)

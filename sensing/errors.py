@@ -4,10 +4,11 @@
 
     PlogicError (geometry.errors)
     └── SensingError
-        ├── GammaError      a gamma.json with mistakes, one line each ├── ImageError      a file that is no whole image
-        of 8 or 16 bits, or an image of another size than its camera's ├── DetectorError   no such detector, a name
-        taken twice, a plug-in that does not load, fails, or reports what cannot be └── SceneError      a simulated
-        scene that cannot be: no camera pose, a body without triangles, no room
+        ├── GammaError      a gamma.json with mistakes, one line each
+        ├── ImageError      a file that is no whole image of 8 or 16 bits, or an image of another size than its camera's
+        ├── DetectorError   no such detector, a name taken twice, a plug-in that does not load, fails, or reports what
+            cannot be
+        └── SceneError      a simulated scene that cannot be: no camera pose, a body without triangles, no room
 
 Messages state the place, the rule and the value. Only the command line turns one into an exit code.
 """
@@ -27,7 +28,10 @@ class SensingError(PlogicError):
 
 
 class GammaError(SensingError):
-    """A Γ with mistakes; ``mistakes`` holds every one as a line ``gamma.json: appearances.3.uv: ...``, and ``str()`` tells the first 100."""
+    """A Γ with mistakes.
+
+    ``mistakes`` holds every one as a line ``gamma.json: appearances.3.uv: ...``, and ``str()`` tells the first 100.
+    """
 
     def __init__(self, mistakes: Sequence[str]) -> None:
         super().__init__(told(mistakes))

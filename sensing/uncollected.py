@@ -12,7 +12,10 @@ if TYPE_CHECKING:
 
 @contextmanager
 def uncollected() -> Iterator[None]:
-    """No garbage collection inside. For thousands of records that do not refer to each other in circles, so there is nothing to collect."""
+    """No garbage collection inside.
+
+    For thousands of records that do not refer to each other in circles, so there is nothing to collect.
+    """
     active = gc.isenabled()
     gc.disable()
     try:

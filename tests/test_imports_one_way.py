@@ -1,4 +1,7 @@
-"""Importing a library does nothing, no library prints, and an ``__init__`` hands names on. What imports what is held by test_floors.py."""
+"""Importing a library does nothing, no library prints, and an ``__init__`` hands names on.
+
+What imports what is held by test_floors.py.
+"""
 
 from __future__ import annotations
 

@@ -27,7 +27,10 @@ COPLANAR = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """``loop`` of vertices, counterclockwise from outside, no three in line; unit ``normal`` (3,) outward; ``triangles``."""
+    """``loop`` of vertices, counterclockwise from outside, no three in line; unit ``normal`` (3,) outward.
+
+    ``triangles``.
+    """
 
     loop: tuple[int, ...]
     normal: NDArray[np.float64]
@@ -129,7 +132,10 @@ RARE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """``kind`` of junction; the cone's unit ``axis`` (3,), object frame, and ``half_angle`` rad; ``share`` of directions."""
+    """``kind`` of junction; the cone's unit ``axis`` (3,), object frame, and ``half_angle`` rad.
+
+    ``share`` of directions.
+    """
 
     kind: str
     axis: NDArray[np.float64]

@@ -30,7 +30,10 @@ DARK = (52, 56, 66)
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """The parallelogram ``centre`` ± ``across`` ± ``up``, each (3,) m, object frame; its centroid is ``centre`` exactly."""
+    """The parallelogram ``centre`` ± ``across`` ± ``up``, each (3,) m, object frame.
+
+    Its centroid is ``centre`` exactly.
+    """
 
     name: str
     centre: Floats
@@ -40,7 +43,10 @@ class Window:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One face: ``loop`` of vertices, counterclockwise from outside, its lower edge first; the wall's red, green, blue; its windows."""
+    """One face: ``loop`` of vertices, counterclockwise from outside, its lower edge first.
+
+    The wall's red, green, blue; its windows.
+    """
 
     name: str
     loop: tuple[int, ...]

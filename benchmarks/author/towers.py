@@ -1,4 +1,6 @@
-"""Write the shipped KBs of towers: ``python -m benchmarks.author.towers towers|lookalikes [FOLDER]``; the same bytes each time.
+"""Write the shipped KBs of towers: ``python -m benchmarks.author.towers towers|lookalikes [FOLDER]``.
+
+The same bytes each time.
 
 T1 is a cuboid with a single-slope wedge top, T2 one with a pyramid; painted windows are their patches. Together they
 have 1 apex, 16 corners and 95 patches, the composition that Table 1 of the paper asks for (§5.6).
@@ -51,7 +53,10 @@ priors: {t1: 0.5, t2: 0.5}
 
 @dataclass(frozen=True, eq=False)
 class Tower:
-    """``vertices`` (V, 3) m with ``names``; ``panels``; ``roof``: which vertices its roof part holds, ``eaves`` m up."""
+    """``vertices`` (V, 3) m with ``names``; ``panels``.
+
+    ``roof``: which vertices its roof part holds, ``eaves`` m up.
+    """
 
     name: str
     vertices: Floats

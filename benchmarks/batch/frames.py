@@ -30,7 +30,10 @@ RENDERED = 25
 
 
 def write_frames(kb: KnowledgeBase, number: int, seed: int, folder: Path, say: Callable[[str], None]) -> None:
-    """``number`` frames as files of a new folder; those that are pictures are folders in it, with a picture and its camera."""
+    """``number`` frames as files of a new folder.
+
+    Those that are pictures are folders in it, with a picture and its camera.
+    """
     from sensing.files.gamma_files import write_gamma
     from sensing.simulated.scene import write_scene
 

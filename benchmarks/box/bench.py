@@ -92,7 +92,10 @@ def run(
 
 
 def learned(folder: Path, seed: int, *, quick: bool, say: Callable[[str], None]) -> KnowledgeBase:
-    """A knowledge base of the box from its photo and, unless ``quick``, the YCB types. Raises InputError where these are not there."""
+    """A knowledge base of the box from its photo and, unless ``quick``, the YCB types.
+
+    Raises InputError where these are not there.
+    """
     from benchmarks.recognition.kb import LEARNING, learn_into
     from benchmarks.recognition.scenes import ycb_meshes
     from kb.files.read import read_kb

@@ -1,6 +1,7 @@
 """``plogic bench calibration``: whether probabilities mean what they say, of the posterior reading and of P(ev), side by side.
 
-Rates are learned on some scenes as ``plogic kb learn-rates`` learns them, and what perception then says is compared with
+Rates are learned on some scenes as ``plogic kb learn-rates`` learns them, and what perception then says is compared
+with
 the truth on others. ``--quick``: fewer scenes, which promise fewer hypotheses. ``--picture FILE``: the reliability
 diagram, an SVG.
 """
@@ -45,7 +46,10 @@ QUICK = Plan(training=100, judged=60)
 def run(
     *, seed: int, quick: bool, picture: Path | None, as_json: bool, say: Callable[[str], None], plan: Plan | None = None
 ) -> tuple[str, bool]:
-    """Run the benchmark; a line of progress every few scenes on ``say``. Raises SensingError where the picture cannot be written."""
+    """Run the benchmark; a line of progress every few scenes on ``say``.
+
+    Raises SensingError where the picture cannot be written.
+    """
     from sensing.files.whole_files import write_whole
 
     whole, plan = Plan(), plan or (QUICK if quick else Plan())

@@ -38,7 +38,10 @@ DEVIATIONS = 1.959964
 
 @dataclass(frozen=True)
 class Bin:
-    """Forecasts from ``low`` to ``high``, both of which are among them; ``forecast`` is their mean, ``true`` the share that came true."""
+    """Forecasts from ``low`` to ``high``, both of which are among them.
+
+    ``forecast`` is their mean, ``true`` the share that came true.
+    """
 
     low: float
     high: float
@@ -65,13 +68,19 @@ class Parts:
 
 
 def brier(p: ArrayLike, y: ArrayLike) -> float:
-    """Mean of (p − y)²: 0 at best, 1 at worst. Raises ValueError, as all here do, where p and y are no forecasts and outcomes."""
+    """Mean of (p − y)²: 0 at best, 1 at worst.
+
+    Raises ValueError, as all here do, where p and y are no forecasts and outcomes.
+    """
     p, y = _checked(p, y)
     return float(((p - y) ** 2).mean())
 
 
 def brier_skill(p: ArrayLike, y: ArrayLike) -> float:
-    """1 − Brier score over that of the base rate, ȳ (1 − ȳ); NaN where all outcomes are the same, and nothing is left to be said."""
+    """1 − Brier score over that of the base rate, ȳ (1 − ȳ).
+
+    NaN where all outcomes are the same, and nothing is left to be said.
+    """
     p, y = _checked(p, y)
     base = float(y.mean() * (1.0 - y.mean()))
     return 1.0 - brier(p, y) / base if base > 0.0 else float("nan")
@@ -85,7 +94,10 @@ def log_loss(p: ArrayLike, y: ArrayLike, least: float = LEAST) -> float:
 
 
 def reliability(p: ArrayLike, y: ArrayLike, bins: int = BINS) -> tuple[Bin, ...]:
-    """At most so many bins of about equal mass, lowest forecasts first; equal forecasts are in one bin, so that no order matters."""
+    """At most so many bins of about equal mass, lowest forecasts first.
+
+    Equal forecasts are in one bin, so that no order matters.
+    """
     p, y = _checked(p, y)
     which = _equal_mass(p, bins)
     members = [which == b for b in range(bins) if (which == b).any()]
@@ -95,7 +107,10 @@ def reliability(p: ArrayLike, y: ArrayLike, bins: int = BINS) -> tuple[Bin, ...]
 
 
 def expected_calibration_error(p: ArrayLike, y: ArrayLike, bins: int = BINS) -> float:
-    """ECE = Σ_b n_b / N · |ȳ_b − p̄_b| over bins of equal mass: 0 at best. Of few forecasts it is above 0 even where these are right."""
+    """ECE = Σ_b n_b / N · |ȳ_b − p̄_b| over bins of equal mass: 0 at best.
+
+    Of few forecasts it is above 0 even where these are right.
+    """
     p, y = _checked(p, y)
     which = _equal_mass(p, bins)
     return float(np.abs(np.bincount(which, y - p)).sum() / len(p))

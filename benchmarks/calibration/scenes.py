@@ -57,7 +57,10 @@ SCENES = 50_021
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """``kb``: Σ as perception has it before learning; ``hit`` and ``clutter`` (L,) the true rates of its looks, in their order."""
+    """``kb``: Σ as perception has it before learning.
+
+    ``hit`` and ``clutter`` (L,) the true rates of its looks, in their order.
+    """
 
     kb: KnowledgeBase
     hit: Floats

@@ -50,7 +50,10 @@ BUDGET = 2.0
 
 @dataclass(frozen=True)
 class Plan:
-    """Which cases, how many trials each, in how many of them peers are asked, for how many seconds; in ``near`` ones refiners are asked, too."""
+    """Which cases, how many trials each, in how many of them peers are asked, for how many seconds.
+
+    In ``near`` ones refiners are asked, too.
+    """
 
     cases: Sequence[Case] = PLAN
     trials: int = TRIALS

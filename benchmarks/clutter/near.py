@@ -178,9 +178,11 @@ def softposit_near(
     """A better `camera_from_object` than `pose` (4, 4) of `points` (N, 3) m, some of which are seen among `xy` (M, 2) = x/z, y/z.
 
     `off`: about how many pixels off the points are at the start; beta begins at 1 / off^2, for a smaller one forgets
-    the pose that it is given. `allowed` (N, M): which point may be which, any if not given; `noise` of an image point,
-    px; `pixel`, in normalised units: 1 / focal length. The result is of one start: its pose means nothing unless it
-    `converged`, and may be wrong then (its `count` of matches tells).
+    the pose that it is given.
+    `allowed` (N, M): which point may be which, any if not given; `noise` of an image point, px; `pixel`, in normalised
+    units: 1 / focal length.
+    The result is of one start: its pose means nothing unless it `converged`, and may be wrong then (its `count` of
+        matches tells).
 
     Raises:
         GeometryError: where `off` is not above 0, or as `softposit` does.

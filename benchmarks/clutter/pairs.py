@@ -24,7 +24,10 @@ Answer = tuple[str, "NDArray[np.float64]"]
 
 
 def typed(kb: KnowledgeBase, gamma: Gamma) -> list[Typed]:
-    """Of all types of which ``FEWEST`` features or more find data that look like them; most pairs first, for whose data are there has more."""
+    """Of all types of which ``FEWEST`` features or more find data that look like them.
+
+    Most pairs first, for whose data are there has more.
+    """
     data = by_type(gamma)
     some = [
         pairs for pairs in (correspondences(kind, data) for kind in kb.types) if len(np.unique(pairs.feature)) >= FEWEST
@@ -61,7 +64,10 @@ def different(pairs: Typed, inlying: Indices) -> int:
 
 
 def refined(pose: Floats, points: Floats, datum: Indices, gamma: Gamma, kb: KnowledgeBase) -> Floats:
-    """The pose (4, 4) after least squares on points (N, 3) m matched with data (N,); a residual beyond the noise weighs less."""
+    """The pose (4, 4) after least squares on points (N, 3) m matched with data (N,).
+
+    A residual beyond the noise weighs less.
+    """
     weights = np.ones((1, len(datum)))
     return refine_poses(pose[None], points[None], gamma.uv[datum][None], weights, gamma.camera, huber=kb.rates.sigma)[
         0

@@ -48,7 +48,9 @@ class _Best(NamedTuple):
 
 
 def quadruples(kb: KnowledgeBase, gamma: Gamma, budget_seconds: float) -> Answer | None:
-    """Random sets of four co-visible features that are not coplanar, each with a datum that looks like it, and POSIT; the most inliers win.
+    """Random sets of four co-visible features that are not coplanar, each with a datum that looks like it, and POSIT.
+
+    The most inliers win.
 
     Rounds over all types, most pairs first, until the time is over; in each the sets of highest dv. It gets its best:
     inliers by the KB's tolerance, features and data counted once, and in the end the best pose is refined on them, for

@@ -32,7 +32,9 @@ SURE = 0.9999
 
 
 def lo_ransac(kb: KnowledgeBase, gamma: Gamma, budget_seconds: float) -> Answer | None:
-    """Poselib's LO-RANSAC (P3P, local optimisation, bundle adjustment) on the typed correspondences of every type; the most inliers win.
+    """Poselib's LO-RANSAC (P3P, local optimisation, bundle adjustment) on the typed correspondences of every type.
+
+    The most inliers win.
 
     It gets its best: rounds over all types, each of twice as many iterations from another seed, until the time is over,
     and the best of all; the tolerance of the KB for inliers; pairs that share a feature or a datum counted once.

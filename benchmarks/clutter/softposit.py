@@ -24,7 +24,9 @@ NARROW = 0.5
 
 
 def soft_posit(kb: KnowledgeBase, gamma: Gamma, budget_seconds: float) -> Answer | None:
-    """Random-start SoftPOSIT where a feature may be any datum that looks like it; of what converged the most matches win, then the least error.
+    """Random-start SoftPOSIT where a feature may be any datum that looks like it.
+
+    Of what converged the most matches win, then the least error.
 
     Rounds over all types, most pairs first, until the time is over. It gets its best: it is told how large objects
     appear, which bounds the depth of its starts, and in the end the best pose is refined on its matches.

@@ -51,7 +51,10 @@ class Outcome:
 
 
 def judged(found: Sequence[Found], truth: Truth) -> tuple[bool, bool, bool]:
-    """Whether the best is of the right type, whether its pose is right as well, whether one is not there; ``found`` comes best first."""
+    """Whether the best is of the right type, whether its pose is right as well, whether one is not there.
+
+    ``found`` comes best first.
+    """
     identity = bool(found) and found[0].type == truth.type
     right = sum(f.type == truth.type for f in found)
     return identity, identity and pose_right(found[0], truth), right < len(found) or right > 1

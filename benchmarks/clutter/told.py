@@ -22,7 +22,9 @@ STEPS = 20
 
 
 def told(kb: KnowledgeBase, posed: Trial) -> list[Found]:
-    """The true type where least squares on its own data leads from the true pose; nothing where they are fewer than ``FEWEST``.
+    """The true type where least squares on its own data leads from the true pose.
+
+    Nothing where they are fewer than ``FEWEST``.
 
     Every datum counts by the noise that the KB states, none is taken for an outlier.
     """

@@ -56,7 +56,10 @@ DEVIATIONS = 3.0
 
 @dataclass(frozen=True)
 class Detector:
-    """``hit``: share of the visible features that it reports; ``sigma`` px and ``turn`` radians: the noise of places and of angles."""
+    """``hit``: share of the visible features that it reports.
+
+    ``sigma`` px and ``turn`` radians: the noise of places and of angles.
+    """
 
     name: str
     hit: float
@@ -203,7 +206,10 @@ def _of_learned(
 
 
 def _spread(cloud: LearnedCloud, surface: Surface | None) -> Iterator[int]:
-    """Lobes, one a feature: the surest of each direction, then the second of each, and so on; no two at one place, none that is always hidden."""
+    """Lobes, one a feature: the surest of each direction, then the second of each, and so on.
+
+    No two at one place, none that is always hidden.
+    """
     size = float(np.linalg.norm(np.ptp(cloud.at, axis=0))) if surface is None else surface.diameter
     taken = np.zeros((0, 3))
     for lobe in _by_turns(cloud):

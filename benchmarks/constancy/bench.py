@@ -1,4 +1,6 @@
-"""``plogic bench constancy``: 40 sequences with known objects, unknown ones and clutter; what is called physical, and what noise, by views seen.
+"""``plogic bench constancy``: 40 sequences with known objects, unknown ones and clutter.
+
+What is called physical, and what noise, by views seen.
 
 The data of known objects are taken away by the engine's own interpretation of each view, never by ground truth.
 ``--quick``: four sequences.

@@ -30,7 +30,10 @@ def unexplained_of(document: Interpretation) -> tuple[str, ...]:
 
 
 def bodies_of(kb: KnowledgeBase, view: View, document: Interpretation) -> list[Body]:
-    """Return the opaque bodies of what an ``interpretation/1`` of the view accepts; a type that the KB has not, or without a mesh, hides nothing."""
+    """Return the opaque bodies of what an ``interpretation/1`` of the view accepts.
+
+    A type that the KB has not, or without a mesh, hides nothing.
+    """
     known = {kind.name: kind for kind in kb.types}
     bodies = []
     for row in document["hypotheses"]:

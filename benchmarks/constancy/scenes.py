@@ -83,7 +83,10 @@ class _Standing(NamedTuple):
 
 
 def constancy_kb(seed: int) -> KnowledgeBase:
-    """Σ: polyhedra, with the detector's statistics as they would be learned; clutter has a rate of its own for each look."""
+    """Σ: polyhedra, with the detector's statistics as they would be learned.
+
+    Clutter has a rate of its own for each look.
+    """
     rng = np.random.default_rng([seed, NUMBER, TYPES])
     names = type_names(LOOKS)
     kb = knowledge_base([polyhedron(f"p{i}", names, rng) for i in range(TYPES)], names, DETECTOR)
@@ -140,7 +143,10 @@ def _ring(count: int, rng: np.random.Generator) -> list[Floats]:
 def _view(
     kb: KnowledgeBase, standing: list[_Standing], name: str, world_from_camera: Floats, rng: np.random.Generator
 ) -> tuple[View, dict[str, Cause], frozenset[Cause]]:
-    """What the detector reports of one view, in an order that tells nothing; noise may lead what is near the border out of the image."""
+    """What the detector reports of one view, in an order that tells nothing.
+
+    Noise may lead what is near the border out of the image.
+    """
     camera_from_world = inverse(world_from_camera)
     placed = [(one.kind, compose(camera_from_world, one.world_from_object)) for one in standing]
     data: list[tuple[str, Floats, float, Cause | None]] = []

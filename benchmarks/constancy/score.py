@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 
 
 class Called(NamedTuple):
-    """``physical``: features, each its data by view; ``objects``: clusters of their numbers; ``noise`` and ``undecided`` ids by view."""
+    """``physical``: features, each its data by view; ``objects``: clusters of their numbers.
+
+    ``noise`` and ``undecided`` ids by view.
+    """
 
     physical: tuple[Mapping[str, str], ...]
     objects: tuple[tuple[int, ...], ...]
@@ -31,10 +34,14 @@ class Score:
     """Counts, which add up.
 
     Of unknown features: ``visible`` in a view or more, detected ``twice`` or more, and those of them that were
-    ``found``: a physical feature holds two of its data. Of what was called physical: ``called``, and ``right``: most of
-    its data are of one true feature, unknown or left over of a known object. Of clutter: ``clutter``, called ``noise``,
-    called ``undecided``. ``called_noise``: all that was called noise. Of unknown bodies: ``bodies`` with four features
-    found, and those that are ``whole``: one cluster has at least 80 % of them and holds at most 10 % of others.
+        ``found``: a physical
+    feature holds two of its data. Of what was called physical: ``called``, and ``right``: most of its data are of one
+    true feature, unknown or
+    left over of a known object. Of clutter: ``clutter``, called ``noise``, called ``undecided``. ``called_noise``: all
+        that was called noise.
+    Of unknown bodies: ``bodies`` with four features found, and those that are ``whole``: one cluster has at least 80 %
+        of them and holds at
+    most 10 % of others.
     """
 
     visible: int = 0

@@ -30,7 +30,10 @@ none; epipolar: plain two-view matching, each view with the next."""
 
 @dataclass
 class Tally:
-    """``scores`` and ``seconds`` by side and number of views; ``forecasts`` by number of views: probabilities, and whether it was so."""
+    """``scores`` and ``seconds`` by side and number of views.
+
+    ``forecasts`` by number of views: probabilities, and whether it was so.
+    """
 
     scores: dict[tuple[str, int], Score] = field(default_factory=dict)
     seconds: dict[int, list[float]] = field(default_factory=dict)

@@ -162,7 +162,9 @@ def _instances(members: Sequence[str], random: Random) -> list[list[str]]:
 
 
 def _features(draft: _Draft, h: str, data: Sequence[str], before: Sequence[str], *, good: bool) -> None:
-    """Eight candidates, of which most of a good one's are detected and half of another's; then two that are not in view.
+    """Eight candidates, of which most of a good one's are detected and half of another's.
+
+    Then two that are not in view.
 
     The last candidate is missed by all: P(ev) of 1 would be dogmatic, and rivals that are certain leave no world (§8,
     trap c).
@@ -179,7 +181,9 @@ def _features(draft: _Draft, h: str, data: Sequence[str], before: Sequence[str],
 
 
 def grid(number: int, columns: int, seed: int, reading: Reading = "posterior") -> Situation:
-    """Hypotheses row by row; each shares an appearance with the one to its right, and volume (A4) with the one below it.
+    """Hypotheses row by row.
+
+    Each shares an appearance with the one to its right, and volume (A4) with the one below it.
 
     Most have an appearance of their own, too. The treewidth is that of the grid: the shorter side, when it is full.
     Every hypothesis stands for an instance of its own.

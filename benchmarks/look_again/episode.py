@@ -59,7 +59,10 @@ class State:
 
 @dataclass(eq=False)
 class Tour:
-    """``places``: the present one first; what was perceived from a place is kept, so that every policy sees the same there."""
+    """``places``: the present one first.
+
+    What was perceived from a place is kept, so that every policy sees the same there.
+    """
 
     scene: Scene
     perceiver: Perceiver

@@ -1,4 +1,7 @@
-"""What several views leave open, as a prospect in the world's frame; and how a type is seen, straight from the knowledge base."""
+"""What several views leave open, as a prospect in the world's frame.
+
+And how a type is seen, straight from the knowledge base.
+"""
 
 from __future__ import annotations
 

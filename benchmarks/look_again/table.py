@@ -44,7 +44,10 @@ def rows(found: Sequence[Counted], seed: int) -> list[dict[str, Any]]:
 
 
 def claims(found: Sequence[Counted], ours: str, seed: int, few: int | None = None) -> list[Claim]:
-    """That ours needs fewer than each other, beyond chance, over 50 scenes; over a ``few``, that it needs no more, on the average."""
+    """That ours needs fewer than each other, beyond chance, over 50 scenes.
+
+    Over a ``few``, that it needs no more, on the average.
+    """
     mine = np.array([one.needed[ours] for one in found], float)
     saved = {name: np.array([one.needed[name] for one in found]) - mine for name in found[0].needed if name != ours}
     if few is not None:

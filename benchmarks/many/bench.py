@@ -1,6 +1,7 @@
 """``plogic bench many``: scenes of five to ten objects, partly one behind another, of a knowledge base of fifty types, beside a peer; and of more.
 
-Half of the types are polyhedra, half are made of what was learned from the YCB meshes; where these are not there all are
+Half of the types are polyhedra, half are made of what was learned from the YCB meshes; where these are not there all
+are
 polyhedra, and the text says so. ``--quick``: few scenes.
 """
 
@@ -81,7 +82,10 @@ def run(
 
 
 def case(perceiver: Perceiver, seed: int, limit: float | None) -> Case:
-    """The scene of a seed; ours first, then who was told, then the peer within ``limit`` seconds, None to leave it out."""
+    """The scene of a seed.
+
+    Ours first, then who was told, then the peer within ``limit`` seconds, None to leave it out.
+    """
     posed, kb = scene(perceiver.kb, seed), perceiver.kb
     mine = _ours(perceiver, posed)
     ceiling = _answer(posed, kb, lambda: all_told(kb, posed))
@@ -130,7 +134,10 @@ def _judgement(
 
 
 def _peers(cases: Sequence[Case], least: int, kb: KnowledgeBase | None = None) -> list[Answer]:
-    """What the peer accepts with so many inliers or more; with Σ, how far it reaches into each other too, which takes longer to tell."""
+    """What the peer accepts with so many inliers or more.
+
+    With Σ, how far it reaches into each other too, which takes longer to tell.
+    """
     found = [(c, kept(c.peer[0], least), c.peer[1]) for c in cases if c.peer]
     return [
         Answer(verdict(some, c.scene.truths), seconds, deepest(some, kb) if kb else 0.0) for c, some, seconds in found

@@ -57,7 +57,10 @@ def placed(kb: KnowledgeBase, rng: np.random.Generator, number: tuple[int, int] 
 
 
 def _another(kind: ObjectType, objects: Sequence[Placed], rng: np.random.Generator, *, aimed: bool) -> Placed | None:
-    """One more that shares no volume; where ``aimed``, one by which more objects are half hidden than before. None where there is no room."""
+    """One more that shares no volume; where ``aimed``, one by which more objects are half hidden than before.
+
+    None where there is no room.
+    """
     before, last = half_hidden(objects), None
     for _ in range(TRIES):
         pose = random_pose(kind, rng)

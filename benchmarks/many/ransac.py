@@ -44,7 +44,10 @@ class _Best:
 
 
 def greedy(kb: KnowledgeBase, gamma: Gamma, limit: float) -> list[Candidate]:
-    """The best pose of all types, then the best on the data that it leaves, and so on; what is not found within ``limit`` seconds is left out."""
+    """The best pose of all types, then the best on the data that it leaves, and so on.
+
+    What is not found within ``limit`` seconds is left out.
+    """
     end = processor_seconds() + limit
     uv, data, free = ideal(gamma), by_type(gamma), np.ones(len(gamma.appearances), bool)
     pairs = [correspondences(kind, data) for kind in kb.types]

@@ -44,7 +44,10 @@ class Seen:
 
 @dataclass(frozen=True)
 class Verdict:
-    """``seen``: who must be found; of the ``accepted`` objects so many are ``right``, and of so many of the others only the type is."""
+    """``seen``: who must be found.
+
+    Of the ``accepted`` objects so many are ``right``, and of so many of the others only the type is.
+    """
 
     seen: tuple[Seen, ...]
     accepted: int
@@ -72,6 +75,9 @@ def deepest(found: Sequence[Found], kb: KnowledgeBase) -> float:
 
 
 def depth(kind: ObjectType, pose: Floats, other: ObjectType, at: Floats) -> float:
-    """Metres by which two bodies reach into each other: the least width of the volume that they share; 0 where they share none."""
+    """Metres by which two bodies reach into each other: the least width of the volume that they share.
+
+    0 where they share none.
+    """
     found = reach(body_of(kind), pose, body_of(other), at)
     return 0.0 if found is None else found.depth

@@ -55,7 +55,10 @@ CLUTTER = 50.0
 
 
 def many_kb(learned: KnowledgeBase | None, seed: int = 0) -> KnowledgeBase:
-    """Σ of ``TYPES`` types, ``LEARNED`` of them made of what was ``learned``; all of them polyhedra where nothing was."""
+    """Σ of ``TYPES`` types, ``LEARNED`` of them made of what was ``learned``.
+
+    All of them polyhedra where nothing was.
+    """
     rng = np.random.default_rng([seed, TYPES, LOOKS])
     names = type_names(LOOKS)
     prints = [] if learned is None else printed(learned, names, rng)
@@ -64,7 +67,10 @@ def many_kb(learned: KnowledgeBase | None, seed: int = 0) -> KnowledgeBase:
 
 
 def with_rates(types: Sequence[ObjectType], names: tuple[str, ...]) -> KnowledgeBase:
-    """Σ of some types with the statistics of the detector; clutter is as frequent as what it looks like is among the features."""
+    """Σ of some types with the statistics of the detector.
+
+    Clutter is as frequent as what it looks like is among the features.
+    """
     kb = knowledge_base(types, names, DETECTOR)
     clutter = {name: CLUTTER * share for name, share in zip(names, frequencies(kb), strict=True)}
     return replace(
@@ -95,7 +101,10 @@ def polyhedron(name: str, names: Sequence[str], rng: np.random.Generator) -> Obj
 
 
 def random_polyhedron(rng: np.random.Generator) -> Surface:
-    """The space between planes that touch an ellipsoid, opposite pairs of planes along its axes among them; about its middle, closed."""
+    """The space between planes that touch an ellipsoid, opposite pairs of planes along its axes among them.
+
+    About its middle, closed.
+    """
     import trimesh
     from scipy.spatial import HalfspaceIntersection
 

@@ -1,4 +1,6 @@
-"""Bodies for ``plogic bench occlusion``: convex and concave prisms, and the solids of stacks; each a closed, outward surface.
+"""Bodies for ``plogic bench occlusion``: convex and concave prisms, and the solids of stacks.
+
+Each a closed, outward surface.
 
 ``Body(vertices, triangles, rays, solid)``: made once, posed at will.
 """

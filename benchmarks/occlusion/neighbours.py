@@ -78,7 +78,10 @@ def _at(still: PosedSurface, motion: Motion, time: float) -> Roc:
 
 
 def _apart(x: PosedSurface, y: PosedSurface) -> bool:
-    """Whether the two share no volume; of a surface that is not a manifold nothing is known, and no change is counted."""
+    """Whether the two share no volume.
+
+    Of a surface that is not a manifold nothing is known, and no change is counted.
+    """
     try:
         a, b = (Solid(body.vertices, body.triangles) for body in (x, y))
         return solid_overlap(a, x.camera_from_object, b, y.camera_from_object) == 0

@@ -1,4 +1,6 @@
-"""The oracle: dense rays over both bodies' boxes; what a raster can tell of the relation, and nothing where it hangs on a few rays.
+"""The oracle: dense rays over both bodies' boxes.
+
+What a raster can tell of the relation, and nothing where it hangs on a few rays.
 
 A raster cannot tell DC from EC, nor TPP from NTPP and EQ, at less than its grain. It decides a pair only where every
 question it asks is answered by ``FEW`` rays or more, or by none within ``MARGIN`` rays: then there is one relation that
@@ -66,7 +68,10 @@ def _term(on_x: Mask, on_y: Mask) -> Rcc8 | None:
 
 
 def _sticks_out(one: Mask, other: Mask) -> bool | None:
-    """Whether ``one`` reaches farther out of ``other`` than the margin; None where it comes near the edge of it and no farther."""
+    """Whether ``one`` reaches farther out of ``other`` than the margin.
+
+    None where it comes near the edge of it and no farther.
+    """
     if (one & ~_wide(other)).sum() >= FEW:
         return True
     return None if (_wide(one) & ~other).any() else False

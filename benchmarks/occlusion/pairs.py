@@ -1,4 +1,6 @@
-"""Random posed pairs for ``plogic bench occlusion``, by kind; those of one kind share no volume (A4), equal silhouettes that cross aside.
+"""Random posed pairs for ``plogic bench occlusion``, by kind.
+
+Those of one kind share no volume (A4), equal silhouettes that cross aside.
 
 ``Pair("nested", x, y, None)``; of stacks and of equal silhouettes the exact relation is known from how they were made.
 """
@@ -104,7 +106,10 @@ def _anywhere(rng: np.random.Generator, kind: str, some: tuple[Body, ...], other
 
 
 def _interlocking(rng: np.random.Generator) -> Pair:
-    """A rod through a ring, a hook's or a U's hollow; or two concave bodies so near that they may reach into each other."""
+    """A rod through a ring, a hook's or a U's hollow.
+
+    Or two concave bodies so near that they may reach into each other.
+    """
     frame = _concave()[int(rng.integers(1, 4))]
     T = _pose(rng, 0.3, 4.0, 6.0)
     other = _rod() if rng.random() < 0.7 else _pick(rng, _concave())
@@ -123,7 +128,10 @@ def _interlocking(rng: np.random.Generator) -> Pair:
 
 
 def _touching(rng: np.random.Generator) -> Pair:
-    """One stands on another's face, shifted at will; or their images touch: the one is the other, seen farther off and beside it."""
+    """One stands on another's face, shifted at will.
+
+    Or their images touch: the one is the other, seen farther off and beside it.
+    """
     if rng.random() < 0.5:
         x, y = _pick(rng, _concave() + _convex()), _pick(rng, _concave() + _convex())
         T = _pose(rng)

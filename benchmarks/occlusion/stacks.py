@@ -158,7 +158,10 @@ def one_piece(blocks: Masks) -> bool:
 
 
 def codes(grids: Grids, x: int, y: int) -> NDArray[np.int8]:
-    """(B,) the exact relation of body ``x`` to body ``y`` as an index into ROC20; -1 where one of the two is not there."""
+    """(B,) the exact relation of body ``x`` to body ``y`` as an index into ROC20.
+
+    -1 where one of the two is not there.
+    """
     mine, theirs = grids == x, grids == y
     image_x, image_y = mine.any(axis=-1), theirs.any(axis=-1)
     common = image_x & image_y

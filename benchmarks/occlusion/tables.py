@@ -1,8 +1,8 @@
 """The tables of ROC-20 as text: short signs, converses, coarsenings, conceptual neighbours, and the composition table (§3.7).
 
 A sign is who is in front on the common interior (``>`` x, ``<`` y, ``*`` each somewhere; nothing where there is none)
-and the RCC-8 term of the images in small letters: ``>tpp`` is partially_occludes_tpp, ``<tpp`` totally_occluded_by_tpp,
-``dc`` non_occludes_dc.
+and the RCC-8 term of the
+images in small letters: ``>tpp`` is partially_occludes_tpp, ``<tpp`` totally_occluded_by_tpp, ``dc`` non_occludes_dc.
 """
 
 from __future__ import annotations
@@ -37,7 +37,10 @@ def composition(triples: Iterable[Triple]) -> Composition:
 
 
 def composition_lines(lower: Composition, upper: Composition) -> list[str]:
-    """One line an entry: ``>po ; >tpp = >po >tpp``; where the bounds differ, what is not known to be reached stands after ``?``."""
+    """One line an entry: ``>po ; >tpp = >po >tpp``.
+
+    Where the bounds differ, what is not known to be reached stands after ``?``.
+    """
     return [_line(r, s, lower[r, s], upper[r, s]) for r in ROC20 for s in ROC20]
 
 

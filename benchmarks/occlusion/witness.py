@@ -1,10 +1,12 @@
 """Three connected bodies for a triple of occlusion relations: what bounds the composition table from below (§3.7).
 
 An *arrangement* is three connected sets of squares on the image. Over it any nonempty set of depth orders in each cell
-can be built by bodies that are connected and share no volume: every square is cut into 5 x 3 small ones with 8 layers.
-The layers 0, 1, 2 hold the bodies of the square in its order, the layers 3, 4, 5 hold x, y and z again, one layer each
-over the whole of a body's image: there each body is one. Three small squares in the middle lead from the front to the
-back, one for each body::
+can be built by bodies
+that are connected and share no volume: every square is cut into 5 x 3 small ones with 8 layers. The layers 0, 1, 2 hold
+    the bodies of the
+square in its order, the layers 3, 4, 5 hold x, y and z again, one layer each over the whole of a body's image: there
+each body is one. Three
+small squares in the middle lead from the front to the back, one for each body::
 
       the first's column      the second's      the third's        everywhere else
       first    0 .. back      0                 0                  0, back

@@ -1,4 +1,6 @@
-"""``plogic bench panorama``: a camera that turns away from the two towers and back; what is remembered, and what remembering spares.
+"""``plogic bench panorama``: a camera that turns away from the two towers and back.
+
+What is remembered, and what remembering spares.
 
 Each sequence has five frames, rendered and detected from their pixels: the scene; turned by some 25 degrees; turned
 away, with nothing in view; and back again. No frame is taken from quite the same place as another, and none has
@@ -130,7 +132,10 @@ def judged(
     look: Look,
     more: tuple[int, int, float, float],
 ) -> Outcome:
-    """Compare Δp at the end with the truth, and with what it was after the first frame; ``more``: seed, age, seconds warm and cold."""
+    """Compare Δp at the end with the truth, and with what it was after the first frame.
+
+    ``more``: seed, age, seconds warm and cold.
+    """
     truth = [(body.label, body.world_from_body) for body in scene.bodies if body.label is not None]
     eye = np.asarray(scene.camera.world_from_camera)[:3, 3]
     told = [known for known in first if any(right(kb, known, label, pose, eye) for label, pose in truth)]

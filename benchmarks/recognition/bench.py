@@ -47,7 +47,9 @@ def run(
     say: Callable[[str], None],
     learn: Callable[[Mapping[str, Path], Path, Callable[[str], None]], Ours] = learned_ours,
 ) -> tuple[str, bool]:
-    """Run the benchmark; a line of progress a picture on ``say``. ``limit``: seconds that the peer may take a picture, all settings together.
+    """Run the benchmark; a line of progress a picture on ``say``.
+
+    ``limit``: seconds that the peer may take a picture, all settings together.
 
     Raises:
         InputError: The meshes are not there, or cannot be learned.

@@ -95,14 +95,19 @@ class Peer:
     """``Peer({"cracker_box": cloud, ...}).candidates(image, camera)``."""
 
     def __init__(self, learned: Mapping[str, Learned], seen: Sequence[str] = SEEN) -> None:
-        """Sort each type's descriptors by feature; a type of fewer than two features is left out. ``seen``, of ``SEEN``: what it looks at."""
+        """Sort each type's descriptors by feature; a type of fewer than two features is left out.
+
+        ``seen``, of ``SEEN``: what it looks at.
+        """
         self._seen = tuple(seen)
         self._types = {name: _sorted(cloud) for name, cloud in learned.items() if len(np.unique(cloud.feature)) > 1}
 
     def candidates(
         self, image: NDArray[np.uint8], camera: Camera, limit: float = np.inf
     ) -> tuple[Candidates, dict[str, float]]:
-        """Of all settings, the poses with at least ``FEWEST`` inliers; and of all that it looks at, the seconds that one setting takes on average.
+        """Of all settings, the poses with at least ``FEWEST`` inliers.
+
+        And of all that it looks at, the seconds that one setting takes on average.
 
         What has not been tried after ``limit`` seconds is left out.
         """
@@ -194,7 +199,10 @@ def _support(at: NDArray[np.float64]) -> int:
 def _ransac(
     at: NDArray[np.float64], uv: NDArray[np.float64], camera: Camera, threshold: float
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
-    """``camera_from_object`` (4, 4), refined, and the mask (N,) of its inliers; None where there is no pose in front of the camera."""
+    """``camera_from_object`` (4, 4), refined, and the mask (N,) of its inliers.
+
+    None where there is no pose in front of the camera.
+    """
     import cv2
 
     if len(uv) < FEWEST or _support(at) < FEWEST:

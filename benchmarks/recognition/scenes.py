@@ -83,7 +83,10 @@ def cases(shapes: Sequence[tuple[str, TexturedMesh]], folder: Path, seed: int, *
 def case(
     scene: TabletopScene, folder: Path, seed: int, hard: float, symmetries: Mapping[str, NDArray[np.float64]]
 ) -> Case:
-    """Write the scene's folder and keep its truth; the camera that is handed on does not know where in the world it is."""
+    """Write the scene's folder and keep its truth.
+
+    The camera that is handed on does not know where in the world it is.
+    """
     from benchmarks.tabletop.scene import bounds
     from sensing.simulated.scene import write_scene
 

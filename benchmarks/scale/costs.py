@@ -16,7 +16,10 @@ HOUR = 3600.0
 
 @dataclass(frozen=True)
 class Need:
-    """``index`` types an index; ``indices``; ``machines`` that hold them; ``seconds`` of a core a frame; ``cores`` that keep up with the frames."""
+    """``index`` types an index; ``indices``; ``machines`` that hold them; ``seconds`` of a core a frame.
+
+    ``cores`` that keep up with the frames.
+    """
 
     terabytes: float
     index: int
@@ -42,7 +45,10 @@ def need(
 
 
 def types_under_limit(entries: float, most: int = MOST) -> float:
-    """Types at which a frame begins to ask for more entries than are looked at; ``entries``: that it asks for, a type."""
+    """Types at which a frame begins to ask for more entries than are looked at.
+
+    ``entries``: that it asks for, a type.
+    """
     return most / entries
 
 

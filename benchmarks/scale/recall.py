@@ -46,7 +46,10 @@ class Standing:
         return self.above + share * float(self.others[self.right + 1 :].sum()), self.level + share * level
 
     def chance(self, types: int, laid: int) -> float:
-        """How likely one right vote is among the first ``laid`` where those of one weight come in any order; 0 where nothing votes right."""
+        """How likely one right vote is among the first ``laid`` where those of one weight come in any order.
+
+        0 where nothing votes right.
+        """
         if not self.right:
             return 0.0
         above, level = self.before(types)

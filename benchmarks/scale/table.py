@@ -49,7 +49,9 @@ MEMORIES = 64, 256
 
 @dataclass(frozen=True, eq=False)
 class Vocabulary:
-    """``sizes`` bytes a type; ``builds`` seconds by number of types; ``frames`` and ``standings`` by number of types; ``deep`` among more types.
+    """``sizes`` bytes a type; ``builds`` seconds by number of types; ``frames`` and ``standings`` by number of types.
+
+    ``deep`` among more types.
 
     ``asked`` entries a type and frame; ``caps`` by number of types where they are limited as there; ``false`` accepted
     in so many ``images``.
@@ -88,7 +90,10 @@ class Vocabulary:
 def tables(
     measured: Sequence[Vocabulary], cells: float, memory: Mapping[str, float], rng: np.random.Generator
 ) -> dict[str, Rows]:
-    """By title, the rows; ``cells``: seconds a type for its view cells; ``memory``: bytes a type of Σ, and of the index on the disk."""
+    """By title, the rows; ``cells``: seconds a type for its view cells.
+
+    ``memory``: bytes a type of Σ, and of the index on the disk.
+    """
     return {
         "a type": [_type(v, cells, memory) for v in measured],
         "a frame": [_frame(v, size) for v in measured for size in v.frames],
@@ -163,7 +168,10 @@ def _recall(v: Vocabulary, size: int, rng: np.random.Generator) -> dict[str, Any
 
 
 def _checked(v: Vocabulary) -> list[dict[str, Any]]:
-    """From the fewer of two sizes to the greater, over all trials; from the greatest to the most simulated, in those trials that were."""
+    """From the fewer of two sizes to the greater, over all trials.
+
+    From the greatest to the most simulated, in those trials that were.
+    """
     less, many = sorted(v.standings)
     rows = [_check(v, less, v.standings[less], v.standings[many])]
     return rows + ([_check(v, many, v.standings[many][: len(v.deep)], v.deep)] if v.deep else [])

@@ -1,4 +1,6 @@
-"""The types of ``plogic bench scale``: one set of bodies, told apart by more or by fewer appearance types; made ready in sets, each in the next.
+"""The types of ``plogic bench scale``: one set of bodies, told apart by more or by fewer appearance types.
+
+Made ready in sets, each in the next.
 
 * ``Bodies``: types and their view cells, which do not depend on what the features look like
 * ``Ready``: Σ of the first of them, and the index over them
@@ -49,7 +51,10 @@ class Bodies:
 
 @dataclass(frozen=True, eq=False)
 class Ready:
-    """What a ``Perceiver`` holds; ``seconds`` of the processor that it took to make the index of view cells that were there."""
+    """What a ``Perceiver`` holds.
+
+    ``seconds`` of the processor that it took to make the index of view cells that were there.
+    """
 
     kb: KnowledgeBase
     dv: Mapping[str, float]

@@ -56,7 +56,10 @@ ALL = 1 << 62
 
 @dataclass(frozen=True, eq=False)
 class Capped(PairIndex):
-    """An index with its own limit ``most`` of entries that all queries find together; without one it notes in ``asked`` how many they are."""
+    """An index with its own limit ``most`` of entries that all queries find together.
+
+    Without one it notes in ``asked`` how many they are.
+    """
 
     most: int | None
     asked: list[int]

@@ -10,13 +10,19 @@ from time import process_time
 
 
 def processor_seconds() -> float:
-    """What this process and the children that it has waited for have used, all threads together; on an idle machine, about wall time."""
+    """What this process and the children that it has waited for have used, all threads together.
+
+    On an idle machine, about wall time.
+    """
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     return process_time() + children.ru_utime + children.ru_stime
 
 
 def group_seconds(group: int) -> float:
-    """What the living processes of a group have used, with the children that they have waited for; 0 where the system does not tell."""
+    """What the living processes of a group have used, with the children that they have waited for.
+
+    0 where the system does not tell.
+    """
     ticks = 0
     for stat in Path("/proc").glob("[0-9]*/stat"):
         with suppress(OSError):

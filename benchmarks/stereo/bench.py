@@ -116,7 +116,10 @@ def detected(kind: ObjectType, pose: Floats, kb: KnowledgeBase, rng: np.random.G
 
 
 def off(perceiver: Perceiver, gamma: Gamma, kind: ObjectType, truth: Floats) -> tuple[float, float] | None:
-    """Rotation, radians, and share of the distance by which the best accepted hypothesis of the type is off; None where there is none."""
+    """Rotation, radians, and share of the distance by which the best accepted hypothesis of the type is off.
+
+    None where there is none.
+    """
     from benchmarks.clutter.bench import ours
 
     accepted = [found for found in ours(perceiver, gamma)[0] if found.type == kind.name]

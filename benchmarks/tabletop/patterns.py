@@ -2,7 +2,8 @@
 
 * ``pattern("newsprint", rng, 1024)``: (1024, 1024, 3) uint8, blue first
 
-Packages of no known type, to stand about among the others: boxes and cans of 5 to 25 cm with text and colours on every side.
+Packages of no known type, to stand about among the others: boxes and cans of 5 to 25 cm with text and colours on every
+side.
 """
 
 from __future__ import annotations

@@ -39,7 +39,10 @@ class RgbdSensor(Sensor):
 
 
 def random_sensor(rng: np.random.Generator, hard: float) -> RgbdSensor:
-    """A sensor of chance; ``hard`` in [0, 1] from a good camera to what RGB-D cameras give: noise to 10, gain to 1.8, JPEG down to 40."""
+    """A sensor of chance.
+
+    ``hard`` in [0, 1] from a good camera to what RGB-D cameras give: noise to 10, gain to 1.8, JPEG down to 40.
+    """
 
     def up_to(most: float) -> float:
         return float(hard * rng.uniform(0, most))

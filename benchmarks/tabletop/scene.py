@@ -203,7 +203,10 @@ def _named(rng: np.random.Generator, chances: dict[str, float]) -> str:
 
 
 def seen_fractions(bodies: Sequence[Body], camera: Camera) -> tuple[float, ...]:
-    """Per body: what is seen of it over what would be seen of it alone, both within the image; 0 where it is not in the image."""
+    """Per body: what is seen of it over what would be seen of it alone, both within the image.
+
+    0 where it is not in the image.
+    """
     columns, rows = np.arange(0, camera.width, STEP), np.arange(0, camera.height, STEP)
     pixels = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
     rays = np.c_[pixels, np.ones(len(pixels))] @ np.linalg.inv(camera.K).T
@@ -236,7 +239,10 @@ def _depths(body: Body, camera: Camera, pixels: NDArray[np.int64], rays: NDArray
 def put_down(
     things: Sequence[tuple[str | None, TexturedMesh]], rng: np.random.Generator, spread: float
 ) -> tuple[Body, ...] | None:
-    """The things at rest around the origin, ``spread`` metres and more about it; None where there is no room or no rest."""
+    """The things at rest around the origin, ``spread`` metres and more about it.
+
+    None where there is no room or no rest.
+    """
     placed: list[Body] = []
     for label, mesh in things:
         body = _beside(placed, label, mesh, rng, spread)

@@ -43,10 +43,13 @@ class Table(Surroundings):
     """The floor (z = 0), the wall behind it, and the lamp's colours, blue first; 1 is white of full strength.
 
     Attributes:
-        floor_pattern: One of ``PATTERNS``; so is ``wall_pattern``. floor_metres: Side of the square that the floor's
-        pattern covers; beyond it is repeated. ``wall_metres`` likewise. wall_distance: Metres from the world's origin
-        to the wall. wall_azimuth: Radians from the world's x; the direction from the origin to the wall. lamp_colour:
-        Of the direct light; ``sky_colour`` of the rest. gloss: Share of the lamp that bodies reflect as from a mirror.
+        floor_pattern: One of ``PATTERNS``; so is ``wall_pattern``.
+        floor_metres: Side of the square that the floor's pattern covers; beyond it is repeated. ``wall_metres``
+            likewise.
+        wall_distance: Metres from the world's origin to the wall.
+        wall_azimuth: Radians from the world's x; the direction from the origin to the wall.
+        lamp_colour: Of the direct light; ``sky_colour`` of the rest.
+        gloss: Share of the lamp that bodies reflect as from a mirror.
     """
 
     floor_pattern: str = "wood"

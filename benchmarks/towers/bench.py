@@ -47,7 +47,10 @@ HALF = 0.5
 
 @dataclass(frozen=True)
 class Outcome:
-    """One scene: its kind, per true tower whether it counts, is found and is posed right; false reports; the relation."""
+    """One scene: its kind, per true tower whether it counts, is found and is posed right; false reports.
+
+    The relation.
+    """
 
     kind: str
     seed: int

@@ -33,7 +33,10 @@ def photographs(number: int) -> list[tuple[int, int]]:
 
 
 def simulated(perceiver: Perceiver, number: int, seed: int) -> Situation:
-    """The posterior reading of ``number`` hypotheses of greatest worth, so many of each photograph; all appearances of each are Γ."""
+    """The posterior reading of ``number`` hypotheses of greatest worth, so many of each photograph.
+
+    All appearances of each are Γ.
+    """
     views = [
         photographed(perceiver, objects, share, 100 * seed + i)
         for i, (objects, share) in enumerate(photographs(number))
@@ -69,7 +72,10 @@ def _scene(kb: KnowledgeBase, objects: int, seed: int) -> Scene:
 
 
 def joined(views: Sequence[Situation]) -> Situation:
-    """Several photographs as one situation: every name gets the number of its photograph; nothing of one bears on another."""
+    """Several photographs as one situation: every name gets the number of its photograph.
+
+    Nothing of one bears on another.
+    """
     parts = [_renamed(view, f"v{i}_") for i, view in enumerate(views, 1)]
     return replace(
         parts[0],

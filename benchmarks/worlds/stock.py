@@ -1,4 +1,6 @@
-"""Stock ProbLog in a child process: one program, one knowledge compiler, a limit of time and one of memory; its times come apart.
+"""Stock ProbLog in a child process: one program, one knowledge compiler, a limit of time and one of memory.
+
+Its times come apart.
 
 Run as ``python -m benchmarks.worlds.stock ddnnf MEGABYTES`` with the program on stdin, it is the child. It grounds as
 ProbLog's command line does (evidence propagated), and compiles and evaluates with ProbLog's own defaults (log
@@ -35,7 +37,9 @@ OVER = "> "
 
 @dataclass(frozen=True)
 class StockRun:
-    """Processor seconds to parse, ground, and compile and evaluate; P of each query atom; ``why`` there is no answer ('' where there is one).
+    """Processor seconds to parse, ground, and compile and evaluate; P of each query atom.
+
+    ``why`` there is no answer ('' where there is one).
 
     Where it ran out of time, ``infer`` is how long it had compiled by then.
     """
@@ -152,7 +156,10 @@ def _run(text: str, knowledge: str, say: Callable[[dict[str, Any]], None]) -> di
 
 
 def _ours(text: str) -> dict[str, Any]:
-    """Our own way from the same characters, in a process that has seen nothing before; its stages are not told apart."""
+    """Our own way from the same characters, in a process that has seen nothing before.
+
+    Its stages are not told apart.
+    """
     from plogic.logic.answers.answer import answers_of_text
 
     start = processor_seconds()

@@ -77,7 +77,10 @@ def answered(m: Measured) -> list[StockRun]:
 
 
 def ratio(m: Measured) -> float | None:
-    """ProbLog's faster way over ours; a lower bound where all that were tried ran out of time; None where that says nothing."""
+    """ProbLog's faster way over ours; a lower bound where all that were tried ran out of time.
+
+    None where that says nothing.
+    """
     seconds = [s.infer for s in answered(m)] or [s.infer for s in m.stock if s.timed_out]
     return min(seconds) / m.ours.marginals if seconds and min(seconds) > 0 else None
 

@@ -32,9 +32,11 @@ _THIN = 1e-9  # m²: footprints that share less only touch
 
 
 class Body(NamedTuple):
-    """``surface`` as posed; ``axes`` (3, 3), rows: two level ones and up; its ``footprint`` along up, m; ``low``, ``high`` m; ``mass`` (2,) m,
+    """``surface`` as posed; ``axes`` (3, 3), rows: two level ones and up; its ``footprint`` along up, m.
+
+    ``low``, ``high`` m; ``mass`` (2,) m,
     the place below the centre of its mass. All along the axes.
-    """  # noqa: D205 - one object, one sentence
+    """
 
     surface: PosedSurface
     axes: Floats
@@ -45,9 +47,11 @@ class Body(NamedTuple):
 
 
 class Columns(NamedTuple):
-    """``level`` (N, 2) m where the lines are; ``gap`` (N,) m from the top of Y to the bottom of X, negative where they interleave; ``higher``
+    """``level`` (N, 2) m where the lines are.
+
+    ``gap`` (N,) m from the top of Y to the bottom of X, negative where they interleave; ``higher``
     (N,) whether X's middle is the higher; ``flat`` (N,) whether Y's top is level enough to stand on.
-    """  # noqa: D205 - one object, one sentence
+    """
 
     level: Floats
     gap: Floats
@@ -56,7 +60,10 @@ class Columns(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """``patch``: hull of the places where X stands on Y, m, level axes; ``foot`` (2,) the place below X's centre of mass."""
+    """``patch``: hull of the places where X stands on Y, m, level axes.
+
+    ``foot`` (2,) the place below X's centre of mass.
+    """
 
     patch: Area
     foot: Floats
@@ -105,7 +112,10 @@ def above(x: Body, y: Body, tolerance: float) -> bool:
 
 
 def stands(x: Body, y: Body, tolerance: float) -> Contact | None:
-    """Where X stands on Y: it is above Y, and over a level enough part of Y with no more than `tolerance` m between; None where nowhere."""
+    """Where X stands on Y: it is above Y, and over a level enough part of Y with no more than `tolerance` m between.
+
+    None where nowhere.
+    """
     if not above(x, y, tolerance):
         return None
     shared = columns(x, y)

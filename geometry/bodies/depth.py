@@ -41,7 +41,10 @@ _REFLEX = 1e-6  # of the part's size: the height of a neighbour's corner over a 
 
 
 class ConvexParts(NamedTuple):
-    """``parts``: the corners (V, 3) m of each; together they fill the solid where ``exact``, and contain it otherwise."""
+    """``parts``: the corners (V, 3) m of each.
+
+    Together they fill the solid where ``exact``, and contain it otherwise.
+    """
 
     parts: tuple[Floats, ...]
     exact: bool
@@ -67,7 +70,10 @@ def convex_parts(body: Any) -> ConvexParts:  # noqa: ANN401 - manifold3d ships n
 
 
 def _halves(part: Any, least: float) -> list[Any]:  # noqa: ANN401 - as above
-    """What the first of its notches that cuts anything off leaves, two pieces or more of over ``least`` m³; [] where none does, or for too many."""
+    """What the first of its notches that cuts anything off leaves, two pieces or more of over ``least`` m³.
+
+    [] where none does, or for too many.
+    """
     for plane in _notches(part):
         halves = [some for half in part.split_by_plane(*plane) for some in half.decompose() if some.volume() > least]
         if len(halves) > 1:
@@ -134,7 +140,10 @@ _IMPOSSIBLE = 1e-10  # residual of the least-distance problem below which its ro
 
 
 class Depth(NamedTuple):
-    """``low`` to ``high`` m contain the depth; moved by ``high`` along ``way`` (3,), unit, common frame, the second is free of the first."""
+    """``low`` to ``high`` m contain the depth.
+
+    Moved by ``high`` along ``way`` (3,), unit, common frame, the second is free of the first.
+    """
 
     low: float
     high: float
@@ -155,7 +164,10 @@ class _Difference(NamedTuple):
 
 
 class _Tried(NamedTuple):
-    """The shortest ``move`` (3,) m that is ``outside`` of so many facets, a unit normal and reach each; ordered by its length, then ``number``."""
+    """The shortest ``move`` (3,) m that is ``outside`` of so many facets, a unit normal and reach each.
+
+    Ordered by its length, then ``number``.
+    """
 
     length: float
     number: int
@@ -164,7 +176,10 @@ class _Tried(NamedTuple):
 
 
 def penetration(a: Solid, T_a: ArrayLike, b: Solid, T_b: ArrayLike) -> Depth | None:
-    """Of the solids `a` and `b`, posed by `T_a` and `T_b` (4, 4) into one common frame; None where they share no volume."""
+    """Of the solids `a` and `b`, posed by `T_a` and `T_b` (4, 4) into one common frame.
+
+    None where they share no volume.
+    """
     own_from_other = inverse(T_a) @ last_axes(T_b, (4, 4), "T_b")
     if not a.shared(own_from_other, b) > 0.0:
         return None
@@ -186,7 +201,10 @@ def parts_of(solid: Solid) -> ConvexParts:
 
 
 def _difference(p: Floats, q: Floats, *, whole: bool) -> _Difference | None:
-    """The moves of the convex body of corners q (N, 3) that leave it in that of p (M, 3); None where rounding leaves them no volume."""
+    """The moves of the convex body of corners q (N, 3) that leave it in that of p (M, 3).
+
+    None where rounding leaves them no volume.
+    """
     from scipy.spatial import ConvexHull, QhullError
 
     few = whole or len(p) * len(q) <= MOST_CORNERS
@@ -254,7 +272,10 @@ def _holding(move: Floats, differences: list[_Difference]) -> _Difference | None
 
 
 def _shortest(outside: Floats) -> Floats | None:
-    """The shortest move (3,) with normal · move >= reach for rows (K, 4) of normal and reach: Lawson and Hanson's LDP. None where there is none."""
+    """The shortest move (3,) with normal · move >= reach for rows (K, 4) of normal and reach: Lawson and Hanson's LDP.
+
+    None where there is none.
+    """
     from scipy.optimize import nnls
 
     size = float(np.abs(outside[:, 3]).max())
@@ -290,7 +311,10 @@ def inscribed_radius(body: Any) -> float:  # noqa: ANN401 - manifold3d ships no 
 
 
 def _distance(corners: Floats, balls: tuple[Floats, Floats], place: Floats) -> float:
-    """Metres from a place (3,) to the nearest of triangles (T, 3, 3); `balls`, middles (T, 3) and radii (T,), hold these, so that few are asked."""
+    """Metres from a place (3,) to the nearest of triangles (T, 3, 3).
+
+    `balls`, middles (T, 3) and radii (T,), hold these, so that few are asked.
+    """
     far = np.linalg.norm(balls[0] - place, axis=1)
     few = corners[far - balls[1] <= (far + balls[1]).min()]
     return float(np.linalg.norm(nearest_places(few, place) - place, axis=1).min())

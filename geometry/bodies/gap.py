@@ -28,7 +28,10 @@ SETTLED = 1e-3
 
 
 class Spread(NamedTuple):
-    """``points`` (N, 3) m, object frame, and their k-d tree; ``middles`` (T, 3) and ``radii`` (T,) of balls that hold the facets."""
+    """``points`` (N, 3) m, object frame, and their k-d tree.
+
+    ``middles`` (T, 3) and ``radii`` (T,) of balls that hold the facets.
+    """
 
     points: Floats
     tree: Any

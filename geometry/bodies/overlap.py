@@ -58,7 +58,10 @@ class Solid:
         return [np.asarray(piece.to_mesh64().vert_properties)[:, :3] for piece in self.meet(T, other).decompose()]
 
     def meet(self, own_from_other: ArrayLike, other: "Solid") -> Any:  # noqa: ANN401 - manifold3d ships no types
-        """What is common to both, in this one's frame, as manifold3d has it; `other` posed by `own_from_other` (4, 4)."""
+        """What is common to both, in this one's frame, as manifold3d has it.
+
+        `other` posed by `own_from_other` (4, 4).
+        """
         return self.body ^ other.body.transform(last_axes(own_from_other, (4, 4), "own_from_other")[:3])
 
     def _apart(self, T: Floats, other: "Solid") -> bool:
@@ -86,7 +89,11 @@ def _manifold(vertices: Floats, triangles: ArrayLike) -> Any:  # noqa: ANN401 - 
 
 
 class Reach(NamedTuple):
-    """``depth`` m; ``way`` (3,) unit: moved along it by so much, the second comes out of the first, if both are convex there; ``at`` (3,) m where."""
+    """``depth`` m.
+
+    ``way`` (3,) unit: moved along it by so much, the second comes out of the first, if both are convex there; ``at``
+    (3,) m where.
+    """
 
     depth: float
     way: Floats
@@ -118,7 +125,10 @@ def reaches(a: Solid, T_a: ArrayLike, b: Solid, T_b: ArrayLike) -> list[Reach]:
 
 
 def least_width(points: Floats) -> tuple[float, Floats] | None:
-    """The least extent of points (N, 3) m along the normals of the facets of their hull, and that normal (3,); None of points in a plane."""
+    """The least extent of points (N, 3) m along the normals of the facets of their hull, and that normal (3,).
+
+    None of points in a plane.
+    """
     from scipy.spatial import ConvexHull, QhullError
 
     try:

@@ -36,7 +36,10 @@ bulging things lie on."""
 
 @dataclass(frozen=True)
 class Plane:
-    """Places x with ``up``·x + ``offset`` = 0; ``up`` (3,) is a unit vector, ``offset`` in metres, both in one frame, the camera's as a rule."""
+    """Places x with ``up``·x + ``offset`` = 0.
+
+    ``up`` (3,) is a unit vector, ``offset`` in metres, both in one frame, the camera's as a rule.
+    """
 
     up: Floats
     offset: float
@@ -55,7 +58,10 @@ class Plane:
 
 @dataclass(frozen=True)
 class RestingFaces:
-    """``down`` (K, 3) unit normals, out of the body; ``reach`` (K,) m, down·x of the face: its distance below the frame's origin."""
+    """``down`` (K, 3) unit normals, out of the body.
+
+    ``reach`` (K,) m, down·x of the face: its distance below the frame's origin.
+    """
 
     down: Floats
     reach: Floats
@@ -67,7 +73,10 @@ class RestingFaces:
 
 
 def resting_faces(points: Floats) -> RestingFaces:
-    """Of the body that is the hull of ``points`` (N, 3) m, evenly filled; the widest support first. Points of a plane have none."""
+    """Of the body that is the hull of ``points`` (N, 3) m, evenly filled; the widest support first.
+
+    Points of a plane have none.
+    """
     from scipy.spatial import ConvexHull, QhullError
 
     none = RestingFaces(np.zeros((0, 3)), np.zeros(0))
@@ -113,7 +122,10 @@ def _over(normal: Floats, reach: Floats, middle: Floats, slack: float) -> NDArra
 
 
 def _support(vertices: Floats, normal: Floats, reach: float, middle: Floats, grain: float) -> tuple[float, float]:
-    """How far inside its support the middle of mass is (m, negative outside), and the support's area (m²); of vertices (V, 3) about a face."""
+    """How far inside its support the middle of mass is (m, negative outside), and the support's area (m²).
+
+    Of vertices (V, 3) about a face.
+    """
     from scipy.spatial import ConvexHull
 
     axes = _along(normal)
@@ -128,7 +140,10 @@ UNITS = 100.0
 
 
 class Shape(NamedTuple):
-    """``parts``: corners (V, 3) m of convex bodies that fill it; where it is ``rough``, of its hull, and ``facets``, (V, 3) m and (T, 3), if few."""
+    """``parts``: corners (V, 3) m of convex bodies that fill it.
+
+    Where it is ``rough``, of its hull, and ``facets``, (V, 3) m and (T, 3), if few.
+    """
 
     parts: tuple[Floats, ...]
     facets: tuple[Floats, Ints] | None = None
@@ -142,7 +157,10 @@ class Shape(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """``gap`` m, negative where bodies reach into each other; ``normal`` (3,), unit, towards the upper; ``at`` (3,) m, on the lower."""
+    """``gap`` m, negative where bodies reach into each other; ``normal`` (3,), unit, towards the upper.
+
+    ``at`` (3,) m, on the lower.
+    """
 
     gap: float
     normal: Floats
@@ -167,7 +185,10 @@ def hull_corners(vertices: Floats) -> Floats:
 
 
 class Bodies:
-    """Shapes in a client of pybullet, each loaded when it is first asked for; ``length`` m is what gaps are to be exact against."""
+    """Shapes in a client of pybullet, each loaded when it is first asked for.
+
+    ``length`` m is what gaps are to be exact against.
+    """
 
     def __init__(self, bullet: Any, number: int, shapes: dict[str, Shape], length: float) -> None:  # noqa: ANN401 - pybullet is untyped
         self.bullet, self.number, self.shapes = bullet, number, shapes

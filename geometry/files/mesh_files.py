@@ -1,4 +1,7 @@
-"""The triangle meshes of a file as trimesh reads them, each at its place in the file's scene; their pictures are in ``mesh_textures``."""
+"""The triangle meshes of a file as trimesh reads them, each at its place in the file's scene.
+
+Their pictures are in ``mesh_textures``.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,9 @@ PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".webp", ".tif", ".tiff", ".tga", "
 
 
 def meshes_of(path: Path) -> Placed:
-    """Every ``trimesh.Trimesh`` of the file with ``file_from_mesh`` (4, 4), which may scale and mirror; nothing is merged or copied.
+    """Every ``trimesh.Trimesh`` of the file with ``file_from_mesh`` (4, 4), which may scale and mirror.
+
+    Nothing is merged or copied.
 
     Raises whatever trimesh's readers raise, which is anything; ``reason`` puts it into words.
     """
@@ -36,7 +41,10 @@ def meshes_of(path: Path) -> Placed:
 
 
 def beside(path: Path) -> Any:  # noqa: ANN401 - trimesh's "resolver"
-    """What a mesh file names beside it, for trimesh: its materials and buffers, plain files alone; of its pictures nothing is asked."""
+    """What a mesh file names beside it, for trimesh: its materials and buffers, plain files alone.
+
+    Of its pictures nothing is asked.
+    """
     return _Beside(path)
 
 

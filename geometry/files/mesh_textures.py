@@ -43,7 +43,9 @@ OPTIONS = {
 
 @dataclass(frozen=True)
 class Texture:
-    """``material`` that it paints, '' meaning every one; ``label`` for people; ``data`` of the picture's file, None where it cannot be had.
+    """``material`` that it paints, '' meaning every one; ``label`` for people.
+
+    ``data`` of the picture's file, None where it cannot be had.
 
     ``file``: where it lies, if it lies in a file of its own.
     """

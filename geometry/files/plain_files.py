@@ -24,7 +24,10 @@ _WORDS = {
 
 
 def fault_of(path: Path, limit: int | None = None) -> str | None:
-    """What forbids to read a file, to be said after its name; None for a plain file of at most ``limit`` bytes. Raises nothing."""
+    """What forbids to read a file, to be said after its name; None for a plain file of at most ``limit`` bytes.
+
+    Raises nothing.
+    """
     try:
         found = path.stat()
     except OSError as error:

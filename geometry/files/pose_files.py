@@ -36,14 +36,20 @@ HOLDS = 'should be {"format": "poses/1", "frames": [{"frame": FILE or null, "T_w
 
 
 class Placed(NamedTuple):
-    """``frame``: the name of the image or Γ that was taken there, None for none; ``world_from_camera`` (4, 4), metres."""
+    """``frame``: the name of the image or Γ that was taken there, None for none.
+
+    ``world_from_camera`` (4, 4), metres.
+    """
 
     frame: str | None
     world_from_camera: Floats
 
 
 def read_poses(path: Path | str) -> list[Placed]:
-    """The poses of a file, in its order: JSON where it begins with a brace, else lines. Raises CameraError, a line a mistake."""
+    """The poses of a file, in its order: JSON where it begins with a brace, else lines.
+
+    Raises CameraError, a line a mistake.
+    """
     where = Path(path)
     fault = fault_of(where, LARGEST)
     if fault is not None:
@@ -132,7 +138,10 @@ class Move(NamedTuple):
     world_from_camera: Floats | None
 
     def present(self, world_from_present: Floats | None) -> Floats:
-        """present_from_candidate (4, 4). Raises GeometryError where it is told in the world, and the present place there is not known."""
+        """present_from_candidate (4, 4).
+
+        Raises GeometryError where it is told in the world, and the present place there is not known.
+        """
         if self.present_from_candidate is not None:
             return self.present_from_candidate
         if self.world_from_camera is None or world_from_present is None:

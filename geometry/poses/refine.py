@@ -88,7 +88,10 @@ def refined_poses(
 
 
 def _descended(poses: Floats, task: Task, steps: Steps) -> Floats:
-    """Poses (B, 4, 4) after so many damped steps, those that make them worse left out. Raises GeometryError for moves of another shape."""
+    """Poses (B, 4, 4) after so many damped steps, those that make them worse left out.
+
+    Raises GeometryError for moves of another shape.
+    """
     ways = np.eye(6) if steps.moves is None else last_axes(steps.moves, (6, -1), "moves")
     here, damping = reprojected(poses, task), np.full(len(poses), GENTLE)
     cost = cost_of(here, task)

@@ -25,7 +25,10 @@ from geometry.poses.reprojection import (
 
 
 class Sight(NamedTuple):
-    """`points` (N, 3) m of the object, seen at `uv` (N, 2) px with `weights` (N,) 1/px^2; `across` (N, 2) as in `refine_poses`."""
+    """`points` (N, 3) m of the object, seen at `uv` (N, 2) px with `weights` (N,) 1/px^2.
+
+    `across` (N, 2) as in `refine_poses`.
+    """
 
     camera: Camera
     camera_from_world: Floats

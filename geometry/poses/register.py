@@ -52,7 +52,9 @@ class Registration:
 
 
 def register(points: ArrayLike, uv: ArrayLike, size: tuple[int, int], camera: Camera | None = None) -> Registration:
-    """The pose that reprojects `points` (N, 3) m nearest to the clicked pixels `uv` (N, 2); without a camera, its focal length too.
+    """The pose that reprojects `points` (N, 3) m nearest to the clicked pixels `uv` (N, 2).
+
+    Without a camera, its focal length too.
 
     `size` is (width, height) px. Every pose that is a local best from any of many starts is tried; the best of them is
     taken.
@@ -86,7 +88,10 @@ def centred_camera(size: tuple[int, int], f: float) -> Camera:
 
 
 def suspect(points: ArrayLike, uv: ArrayLike, size: tuple[int, int], camera: Camera | None = None) -> int:
-    """The index of the point that fits worst: without it the others fit best; where too few would be left, that of the largest residual."""
+    """The index of the point that fits worst: without it the others fit best.
+
+    Where too few would be left, that of the largest residual.
+    """
     objects, seen = last_axes(points, (-1, 3), "points"), last_axes(uv, (-1, 2), "uv")
     whole = register(objects, seen, size, camera)
     if len(objects) <= (LEAST_POINTS_UNCALIBRATED if camera is None else LEAST_POINTS_CALIBRATED):
@@ -143,7 +148,10 @@ def _starts(objects: Floats, seen: Floats, camera: Camera) -> Floats:
 
 
 def _refined(objects: Floats, seen: Floats, camera: Camera, pose: Floats) -> tuple[float, Floats, float, float]:
-    """Focal length and pose together by least squares from those given; the standard error of the focal length, px, least and as seen."""
+    """Focal length and pose together by least squares from those given.
+
+    The standard error of the focal length, px, least and as seen.
+    """
     from scipy.optimize import least_squares
     from scipy.spatial.transform import Rotation
 

@@ -5,7 +5,8 @@ residuals are undistorted pixels, so that the Jacobian is that of a pinhole, wha
 
 * ``Task``: what is to be met, of a batch of poses; ``Seen``: the points of poses before the camera
 
-What the angle of a feature on the screen says of a pose: the way to a point along the x axis of its frame must lie on the datum's line.
+What the angle of a feature on the screen says of a pose: the way to a point along the x axis of its frame must lie on
+the datum's line.
 
 * ``ends(points, axes, depth, length)``: those points, in any frame; ``across(angle)``: unit vectors across the lines
 
@@ -52,7 +53,10 @@ def task_of(
     huber: float,
     across: ArrayLike | None,
 ) -> Task:
-    """The task of `refine_poses`. Raises GeometryError where the shapes do not fit, or a weight is negative or not finite."""
+    """The task of `refine_poses`.
+
+    Raises GeometryError where the shapes do not fit, or a weight is negative or not finite.
+    """
     objects, seen = last_axes(points, (-1, 3), "points"), last_axes(uv, (-1, 2), "uv")
     weight = last_axes(weights, (-1,), "weights")
     batch = objects.shape[:-1]

@@ -1,11 +1,14 @@
 """Soft assignment of model points to image points, with slack: Sinkhorn's normalisation, for many starts at once.
 
 Source: Sinkhorn 1964; with a slack row and column, Gold et al. 1998 and David et al. 2004 (SoftPOSIT, formalism §6.2).
-Given positive affinities k_ij and the slack value s, the rows and the columns of the matrix that s borders are scaled
-in turn until each row i but the slack row, and each column j but the slack column, sums to 1. The result has the form
-m_ij = r_i k_ij c_j, with slack r_i s and s c_j, and is unique: r and c minimise the strictly convex  sum r k c + s sum
-r + s sum c - sum log r - sum log c. So neither the order of the two scalings nor where c starts (here: where the last
-step of an annealing left it) changes what is reached, only how soon.
+    Given positive
+affinities k_ij and the slack value s, the rows and the columns of the matrix that s borders are scaled in turn until
+each row i but the slack
+row, and each column j but the slack column, sums to 1. The result has the form m_ij = r_i k_ij c_j, with slack r_i s
+and s c_j, and is unique:
+r and c minimise the strictly convex  sum r k c + s sum r + s sum c - sum log r - sum log c. So neither the order of the
+two scalings nor
+where c starts (here: where the last step of an annealing left it) changes what is reached, only how soon.
 
 Only pairs that may correspond are kept, as a list: with 300 types, 100 model points and 1000 image points, 333 of
 100,000.

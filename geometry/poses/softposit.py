@@ -74,7 +74,10 @@ class Annealing:
 
 @dataclass(frozen=True, eq=False)
 class SoftPositResult:
-    """Poses of K starts, each proper, orthonormal and with the model's middle before the camera; not `converged` ones mean nothing."""
+    """Poses of K starts, each proper, orthonormal and with the model's middle before the camera.
+
+    Not `converged` ones mean nothing.
+    """
 
     camera_from_object: Floats  # (K, 4, 4)
     matches: Ints  # (K, N) the image point of each model point, or -1; no image point twice
@@ -128,16 +131,18 @@ def softposit(
     """Poses from `points` (N, 3) m in the object's frame, some of them seen among `xy` (M, 2) = x/z, y/z, each from one of K starts.
 
     `start` (K, 4, 4) are rough `camera_from_object`; one that is not finite, not a rotation or has the model's middle
-    behind the camera is given up at once. `allowed` (N, M) bool says which point may be which, all any if not given.
+    behind the camera is given
+    up at once. `allowed` (N, M) bool says which point may be which, all any if not given.
 
     A start ends when it is near after `patience` steps, when beta passes `beta_final`, or when its assignment fixes no
-    pose. Each ends as if it were alone. Work: about 160 steps of up to 60 normalisations of P pairs, so types save
-    time, and many starts at once take less than one by one. Memory: some ten arrays of max(P, 50,000) doubles, so P = N
-    M beyond 10^7 is not for it.
+    pose. Each ends as if it
+    were alone. Work: about 160 steps of up to 60 normalisations of P pairs, so types save time, and many starts at once
+        take less than one by one.
+    Memory: some ten arrays of max(P, 50,000) doubles, so P = N M beyond 10^7 is not for it.
 
     Raises:
         GeometryError: where the shapes do not fit, a point is not finite, the model has no size, or the schedule does
-        not rise.
+            not rise.
     """
     problem = _problem(points, xy, allowed, annealing or Annealing())
     starts = last_axes(start, (4, 4), "start")
@@ -291,7 +296,10 @@ def _result(problem: _Problem, ends: _State, sound: Mask) -> SoftPositResult:
 
 
 def _error(problem: _Problem, ends: _State, matches: Ints) -> Floats:
-    """Mean squared distance (K,) of reprojection over the `matches` (K, N), normalised units^2; inf without any or with one behind."""
+    """Mean squared distance (K,) of reprojection over the `matches` (K, N), normalised units^2.
+
+    Inf without any or with one behind.
+    """
     pixel, there = problem.annealing.pixel, matches >= 0
     placed = (
         problem.points[:, :3] @ np.swapaxes(ends.rotation, 1, 2) * ends.zoom[:, None, None]

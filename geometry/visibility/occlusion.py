@@ -95,7 +95,8 @@ def occlusion(
 ) -> Roc:
     """The one relation of ROC-20 that holds of x and y as `camera` sees them: 'partially_occludes_po' has x before y.
 
-    `tolerance` (px) is that of the images (`geometry.visibility.occlusion`); `depth_tolerance` (part of the distance) says
+    `tolerance` (px) is that of the images (`geometry.visibility.occlusion`); `depth_tolerance` (part of the distance)
+    says
     when two are equally near. Decided on ideal pixels: the relation is topological, so a lens does not change it. Give
     the `images` of both (`drawn`) where they are known.
     """
@@ -186,7 +187,10 @@ def _of_overlapping(a: Area, b: Area, tolerance: float) -> Rcc8:
 
 
 def _tangential(inner: Area, outer: Area, tolerance: float) -> bool:
-    """Whether the boundaries come as near as ``tolerance``; a crack in ``outer``, where facets meet but for rounding, is no boundary."""
+    """Whether the boundaries come as near as ``tolerance``.
+
+    A crack in ``outer``, where facets meet but for rounding, is no boundary.
+    """
     if not shapely.dwithin(inner.boundary, outer.boundary, tolerance):
         return False
     return tolerance <= _CRACK or not outer.buffer(_CRACK).covers(inner.buffer(tolerance, quad_segs=_QUARTER))

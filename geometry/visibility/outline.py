@@ -2,7 +2,8 @@
 
 It is taken in ideal pixels (no distortion), where edges are straight, and then bent along the lens where there is one.
 
-The exact union of the images of many triangles, by their contour: a surface of thousands of triangles has a contour of hundreds of edges.
+The exact union of the images of many triangles, by their contour: a surface of thousands of triangles has a contour of
+hundreds of edges.
 
 Turned the same way round, neighbours run along a common edge in opposite ways, which cancel: what is left is the
 contour. How often the contour winds about a point is how many triangles cover it. So the contour, cut where it crosses
@@ -150,7 +151,10 @@ def winding(points: Floats, starts: Floats, ends: Floats) -> Ints:
 
 
 def union_by_contour(pixels: Floats, triangles: Ints) -> Shapes:
-    """The area that `triangles` (T, 3) with corners `pixels` (V, 2) cover: a shapely Polygon or MultiPolygon; empty without triangles."""
+    """The area that `triangles` (T, 3) with corners `pixels` (V, 2) cover: a shapely Polygon or MultiPolygon.
+
+    Empty without triangles.
+    """
     edges = contour(pixels, triangles)
     drawn = np.unique(np.sort(edges, axis=1), axis=0)
     lines = shapely.union_all(shapely.linestrings(pixels[drawn]))

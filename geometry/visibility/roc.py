@@ -73,7 +73,9 @@ def rcc_converse(term: Rcc8) -> Rcc8:
 
 
 def roc(rcc: Rcc8, front: Front) -> Roc:
-    """The relation of x to y: ``rcc`` of their images; ``front`` is 'nobody' for DC and EC, and else who is first somewhere on the common interior.
+    """The relation of x to y: ``rcc`` of their images.
+
+    ``front`` is 'nobody' for DC and EC, and else who is first somewhere on the common interior.
 
     Raises KeyError for a term that does not go with who is in front.
     """

@@ -46,7 +46,8 @@ class ObjectType:
     ``all_features`` is every Feature node, which S of §5.1 counts. ``symmetries`` (S, 4, 4): rigid motions of the
     object's frame that change nothing, the identity among them. A type without a mesh has no ``surface`` and hides
     nothing. ``mesh_file`` is what is rendered, the textured mesh where there is one; ``mesh_scale`` is metres per unit
-    of it. ``learned``: the cloud of a type whose features were learned; ``learned_features`` are then the same in the same
+    of it. ``learned``: the cloud of a type whose features were learned; ``learned_features`` are then the same in the
+        same
     order, but their appearances are ``learned_lobes``. Those that make up a compound are its parts, and no maximal
     features.
     """
@@ -141,7 +142,9 @@ class Rates:
 
 @dataclass(frozen=True, eq=False)
 class KnowledgeBase:
-    """Σ. ``f_ref`` pixels: the focal length that lobes' ranges hold for. ``digest``: SHA-256 over the folder's contents.
+    """Σ.
+
+    ``f_ref`` pixels: the focal length that lobes' ranges hold for. ``digest``: SHA-256 over the folder's contents.
 
     ``words``: the visual words of learned clouds; their names are among ``appearance_types``. ``gravity``: whether
     things rest on what is below; then ``unknown_support`` is the chance that something unknown holds what floats, and
@@ -163,7 +166,10 @@ class KnowledgeBase:
 
     @cached_property
     def sought(self) -> tuple[str, ...]:
-        """Those of ``appearance_types`` that some feature may look like, and all words: what a detector is asked for. Others would be noise."""
+        """Those of ``appearance_types`` that some feature may look like, and all words: what a detector is asked for.
+
+        Others would be noise.
+        """
         used = {name for kind in self.types for name in kind.lobes.types}
         used.update(self.words.names if self.words is not None else ())
         return tuple(name for name in self.appearance_types if name in used)
@@ -211,7 +217,10 @@ def word_clutter(types: Sequence[ObjectType], words: Sequence[str]) -> dict[str,
 
 
 def part_bodies(kind: ObjectType) -> dict[str, Surface]:
-    """The bodies, object frame, of the parts that are objects, by node, in the tree's order; the maximal object is not among them."""
+    """The bodies, object frame, of the parts that are objects, by node, in the tree's order.
+
+    The maximal object is not among them.
+    """
     parts = [node for node in object_nodes(kind.tree) if node]
     features = kind.seen_features
     if kind.surface is None or not parts or not features:

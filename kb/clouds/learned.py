@@ -1,8 +1,9 @@
 """Learned clouds: features that a keypoint detector was measured to see, as arrays, and their file ``cloud.npz``.
 
 * ``LearnedCloud``: F features and the L appearances of them, each with its lobe: from where it is seen, how often, and
-  how it looks there. One appearance fixes a whole pose: its lobe gives the direction of view, its ``up`` the roll, its
-  ``size`` the distance.
+  how it looks there.
+  One appearance fixes a whole pose: its lobe gives the direction of view, its ``up`` the roll, its ``size`` the
+      distance.
 """
 
 from __future__ import annotations
@@ -119,7 +120,10 @@ class LearnedCloud:
 
 
 def numbered(groups: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(F,) the groups of F features counted from 1 in the order of their first members; 0 of those whose group, or 0, has no other."""
+    """(F,) the groups of F features counted from 1 in the order of their first members.
+
+    0 of those whose group, or 0, has no other.
+    """
     _, first, which, size = np.unique(groups, return_index=True, return_inverse=True, return_counts=True)
     real = (size > 1) & (groups[first] > 0)
     place = np.zeros(len(first), np.int64)
@@ -128,7 +132,10 @@ def numbered(groups: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def cloud_bytes(cloud: LearnedCloud) -> bytes:
-    """The file's contents, the same for the same cloud. Floats are kept in single precision, indices in 32 bits; no parts, no array of them."""
+    """The file's contents, the same for the same cloud.
+
+    Floats are kept in single precision, indices in 32 bits; no parts, no array of them.
+    """
     memory = io.BytesIO()
     arrays = {
         name: getattr(cloud, name) for name in (*_SHAPES, *(name for name in _OPTIONAL if getattr(cloud, name).any()))

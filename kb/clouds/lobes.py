@@ -56,7 +56,9 @@ class FeatureAppearance:
 
 @dataclass(frozen=True, eq=False)
 class Feature:
-    """One feature. ``at`` (3,) m and ``rotation`` (3, 3) = object_from_feature, object frame; ``name`` is its path in the tree.
+    """One feature.
+
+    ``at`` (3,) m and ``rotation`` (3, 3) = object_from_feature, object frame; ``name`` is its path in the tree.
 
     ``arms`` (K, 3): unit directions, object frame, of the surface's edges that meet here. ``parts`` names the features
     of a compound.
@@ -76,9 +78,12 @@ class Feature:
 
 @dataclass(frozen=True, eq=False)
 class LobeTable:
-    """``feature`` (L,) index of the feature; ``types`` (L,) appearance types; ``at`` (L, 3) m and unit ``axis`` (L, 3), object frame;
-    ``cos_half`` (L,); ``r_min``, ``r_max`` (L,) m at the reference focal length; ``features``, their number F; ``size`` (L,) m, NaN where unknown.
-    """  # noqa: D205 - one table, one sentence
+    """``feature`` (L,) index of the feature; ``types`` (L,) appearance types.
+
+    ``at`` (L, 3) m and unit ``axis`` (L, 3), object frame;
+    ``cos_half`` (L,); ``r_min``, ``r_max`` (L,) m at the reference focal length; ``features``, their number F; ``size``
+    (L,) m, NaN where unknown.
+    """
 
     feature: NDArray[np.intp]
     types: tuple[str, ...]

@@ -63,7 +63,10 @@ class Words:
         return np.asarray(some[apart.argmin(axis=1)], np.int64)
 
     def nearest(self, descriptors: NDArray[np.uint8], /) -> NDArray[np.int64]:
-        """(N,) index of the word nearest to (N, D) descriptors, the first of several; colours count where both have them."""
+        """(N,) index of the word nearest to (N, D) descriptors, the first of several.
+
+        Colours count where both have them.
+        """
         blocks = [self._nearest(descriptors[i : i + _BLOCK]) for i in range(0, len(descriptors), _BLOCK)]
         return np.concatenate([*blocks, np.zeros(0, np.int64)])
 

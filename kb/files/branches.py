@@ -83,7 +83,10 @@ def _kind(item: object, usual: Kind) -> Kind:
 
 
 def outline(raw: object, kind: Kind = "object", index: int = 0) -> Branch:
-    """The tree of any document, without its geometry; what has no name gets one of its own, its lack being another mistake."""
+    """The tree of any document, without its geometry.
+
+    What has no name gets one of its own, its lack being another mistake.
+    """
     entry = raw if isinstance(raw, dict) else {}
     name = entry.get("part", entry.get("feature", entry.get("object")))
     parts = [outline(item, sort, i) for i, (_, sort, item) in enumerate(held(raw))]

@@ -1,4 +1,7 @@
-"""What a KB's folder holds of learned clouds and words, read with the mistakes met; and a learned cloud as features of its type."""
+"""What a KB's folder holds of learned clouds and words, read with the mistakes met.
+
+And a learned cloud as features of its type.
+"""
 
 from __future__ import annotations
 

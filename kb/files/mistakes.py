@@ -32,7 +32,10 @@ WHY_UNITS = "missing; no mesh format carries its unit, so it must be stated, as 
 
 
 def checked(model: type[Model], document: Document) -> tuple[Model | None, list[Mistake]]:
-    """The document as the model, or None and every mistake; none for a document that was no YAML: that has been said."""
+    """The document as the model, or None and every mistake.
+
+    None for a document that was no YAML: that has been said.
+    """
     if document.root is None and document.mistakes:
         return None, []
     if document.data is None and not document.mistakes:

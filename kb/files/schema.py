@@ -127,7 +127,10 @@ class FileModel(Model):
 
 
 class SymmetryModel(Model):
-    """Rigid motions that change nothing: turns about an axis, or one motion. All the products of what is listed are meant."""
+    """Rigid motions that change nothing: turns about an axis, or one motion.
+
+    All the products of what is listed are meant.
+    """
 
     axis: Direction | None = Field(None, description="The axis of the turns, object frame.")
     fold: Fold | None = Field(None, description="How many turns make a full one: 4 for a square tower.")

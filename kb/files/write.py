@@ -1,4 +1,7 @@
-"""A knowledge base back to its folder; the same objects give the same bytes. Making the text and writing it are two functions."""
+"""A knowledge base back to its folder; the same objects give the same bytes.
+
+Making the text and writing it are two functions.
+"""
 
 from __future__ import annotations
 
@@ -125,7 +128,10 @@ DIGITS = 4
 
 
 def with_rates(text: str, rates: Rates) -> str:
-    """The text with the hit rates, clutter and priors that have counts, and with the counts; ``text`` must be a KB's that was read."""
+    """The text with the hit rates, clutter and priors that have counts, and with the counts.
+
+    ``text`` must be a KB's that was read.
+    """
     yaml = YAML(typ="rt")
     yaml.width = 4096
     yaml.preserve_quotes = True

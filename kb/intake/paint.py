@@ -31,7 +31,9 @@ MTL = "newmtl painted\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n"
 
 
 def painted_files(source: Source, scale: float) -> tuple[dict[str, bytes], str]:
-    """``textured.obj`` in metres with its material and picture, and a word on the texture; no files where nothing is painted.
+    """``textured.obj`` in metres with its material and picture, and a word on the texture.
+
+    No files where nothing is painted.
 
     ``scale`` is metres per unit of the source.
     """
@@ -96,7 +98,10 @@ def _atlas(pieces: Sequence[Piece]) -> tuple[list[Painted], Image]:
 
 
 def _within(piece: Piece, uv: NDArray[np.float64]) -> tuple[Piece, NDArray[np.float64]]:
-    """The piece with coordinates inside [0, 1], triangle by triangle; a triangle that repeats the picture gets its rim's pixels."""
+    """The piece with coordinates inside [0, 1], triangle by triangle.
+
+    A triangle that repeats the picture gets its rim's pixels.
+    """
     corners = uv[piece.triangles]
     shifted = np.clip(corners - np.floor(corners.mean(axis=1, keepdims=True)), 0.0, 1.0)
     count = 3 * len(piece.triangles)

@@ -104,7 +104,9 @@ def _rgb(material: Element, path: Path) -> Colour | None:
 
 
 def sdf_visuals(path: Path) -> list[Visual]:
-    """The shapes at their places in the file's frame, m. Poses that are relative to other frames than the parent's are refused.
+    """The shapes at their places in the file's frame, m.
+
+    Poses that are relative to other frames than the parent's are refused.
 
     Raises:
         IntakeError: no SDF, a pose relative to something else, numbers that are none.

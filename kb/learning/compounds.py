@@ -55,7 +55,9 @@ class Pictures(NamedTuple):
 def compounds_of(
     cloud: LearnedCloud, seen: Observations, groups: Sequence[NDArray[np.intp]], pictures: Pictures
 ) -> NDArray[np.int64]:
-    """(F,) the compound of each feature, counted from 1; 0 of those in none. Keypoints and sides of edges make compounds of their own.
+    """(F,) the compound of each feature, counted from 1; 0 of those in none.
+
+    Keypoints and sides of edges make compounds of their own.
 
     ``groups``: the observations in ``seen`` of each feature's lobes.
     """
@@ -108,7 +110,10 @@ def grouped(shown: Mask, held: Mask, at: Floats, width: Floats) -> NDArray[np.in
 
 
 def together(pictures: Mask) -> Shares:
-    """(F, F) Jaccard's share: of the pictures (F, N) of at least one of two features, how many are of both; 0 where there are none."""
+    """(F, F) Jaccard's share: of the pictures (F, N) of at least one of two features, how many are of both.
+
+    0 where there are none.
+    """
     some = pictures.astype(np.float32)
     both, single = some @ some.T, some.sum(axis=1)
     return np.asarray(both / np.maximum(single[:, None] + single - both, 1.0), np.float32)

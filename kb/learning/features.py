@@ -1,4 +1,6 @@
-"""From observations to a cloud: what was seen at one place of the surface is one feature; what looked alike, one lobe of it.
+"""From observations to a cloud: what was seen at one place of the surface is one feature.
+
+What looked alike, one lobe of it.
 
 The hit rate of a lobe is measured over all pictures whose viewpoint it holds, also those in which nothing was seen;
 over as many as a cone of its size holds on average, where it holds fewer: a lobe around the one direction that showed
@@ -59,7 +61,10 @@ class _Lobe(NamedTuple):
 
 
 def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most: int = MOST) -> LearnedCloud:
-    """The cloud of a type with its compounds from what was seen of it from ``even_directions(count)``; its words are not assigned yet (all 0)."""
+    """The cloud of a type with its compounds from what was seen of it from ``even_directions(count)``.
+
+    Its words are not assigned yet (all 0).
+    """
     directions = even_directions(count)
     points = _chosen(seen, _places(seen, np.flatnonzero(~seen.sided)), most)
     sides = _chosen(seen, side_places(seen, np.flatnonzero(seen.sided), diameter), MOST_SIDES)

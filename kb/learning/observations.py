@@ -92,7 +92,10 @@ def joined(several: Sequence[Observations]) -> Observations:
 
 
 def observed(view: View, number: int, detect: Detect, seed: int = 0, look: Look | None = None) -> Observations:
-    """What is seen from direction ``number`` at all sizes, with ``look`` sides of edges too; the same arguments give the same observations."""
+    """What is seen from direction ``number`` at all sizes, with ``look`` sides of edges too.
+
+    The same arguments give the same observations.
+    """
     import cv2
 
     inner = cv2.erode(view.mask.astype(np.uint8), np.ones((2 * EDGE + 1, 2 * EDGE + 1), np.uint8)) > 0
@@ -140,7 +143,10 @@ def _on_surface(
     descriptor: NDArray[np.float32],
     number_level: tuple[int, int],
 ) -> Observations:
-    """Carry keypoints of a picture back along their rays to the surface; those near the outline or seldom seen are left out."""
+    """Carry keypoints of a picture back along their rays to the surface.
+
+    Those near the outline or seldom seen are left out.
+    """
     large = np.array(view.image.shape[1::-1])
     factors = large / np.array(size_of(view, pixels))
     place = (uv + 0.5) * factors - 0.5
@@ -163,7 +169,10 @@ class _Taken:
 def _carried(
     view: View, here: Floats, cell: NDArray[np.intp], factors: Floats, seen: _Taken, number_level: tuple[int, int]
 ) -> Observations:
-    """What is seen at places (N, 3) in the camera's frame; at ``cell`` (N, 2) of the large picture, ``factors`` larger than what was looked at."""
+    """What is seen at places (N, 3) in the camera's frame.
+
+    At ``cell`` (N, 2) of the large picture, ``factors`` larger than what was looked at.
+    """
     object_from_camera = view.camera.world_from_camera
     assert object_from_camera is not None  # noqa: S101 - a view has one
     R, viewpoint = object_from_camera[:3, :3], object_from_camera[:3, 3]

@@ -52,7 +52,10 @@ SIDED = 8.0
 
 @dataclass(frozen=True, eq=False)
 class PaintedMesh:
-    """``vertices`` (V, 3) m, ``triangles`` (T, 3), ``uv`` (V, 2) with v upward, ``texture`` (H, W, 3); ``shown`` (T,): by the photo."""
+    """``vertices`` (V, 3) m, ``triangles`` (T, 3), ``uv`` (V, 2) with v upward, ``texture`` (H, W, 3).
+
+    ``shown`` (T,): by the photo.
+    """
 
     vertices: Floats
     triangles: NDArray[np.int64]

@@ -63,7 +63,10 @@ class SeenSides(Protocol):
 
 
 def sides_again(first: SeenSides, others: Sequence[SeenSides], which: NDArray[np.intp] | None = None) -> Floats:
-    """(N,) share of the other pictures in which each side of the first comes again; with ``which`` (M,), 0 of all that it does not name."""
+    """(N,) share of the other pictures in which each side of the first comes again.
+
+    With ``which`` (M,), 0 of all that it does not name.
+    """
     hits = np.zeros(len(first.uv))
     which = np.arange(len(hits)) if which is None else which
     for other in others:

@@ -171,10 +171,13 @@ Verdict = Literal["holds", "ambiguous", "broken"]
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """``motions``: the turns that were tried, (4, 4) each, settled on the cloud. Of the worst of them: ``share`` of the appearances, by hit
-    rate, with a counterpart; ``control``, the same with all looks dealt out anew; ``ratio`` of what new pictures show of the cloud turned and
+    """``motions``: the turns that were tried, (4, 4) each, settled on the cloud.
+
+    Of the worst of them: ``share`` of the appearances, by hit
+    rate, with a counterpart; ``control``, the same with all looks dealt out anew; ``ratio`` of what new pictures show
+    of the cloud turned and
     unturned, None where nobody looked. ``closes``: whether it makes a group with those before it.
-    """  # noqa: D205 - one object, one sentence
+    """
 
     turn: Turn
     motions: tuple[Floats, ...]

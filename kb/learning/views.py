@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from geometry.camera import Camera
 
     Variant = tuple[NDArray[np.uint8], NDArray[np.uint8]]
-    """(h, w, 3) each: the view under random light, with blur and noise; before random spots, and before a calm background.
+    """(h, w, 3) each: the view under random light, with blur and noise.
+
+    Before random spots, and before a calm background.
 
     Before spots no keypoint at the outline comes twice; but a region of one colour, which ends there, would hardly ever
     come at all.

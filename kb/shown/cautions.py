@@ -150,7 +150,10 @@ def _placements(
 
 
 def _wide(at: Places, rare: NDArray[np.intp]) -> list[int]:
-    """The rarest feature, the farthest from it, and the farthest from the line through both; fewer where no more are apart."""
+    """The rarest feature, the farthest from it, and the farthest from the line through both.
+
+    Fewer where no more are apart.
+    """
     held = [int(np.argmin(rare))]
     distance = np.linalg.norm(at - at[held[0]], axis=1)
     if distance.max() <= 0:
@@ -249,7 +252,10 @@ def _in_cones(table: LobeTable) -> Floats:
 
 
 def _shown(kind: ObjectType, viewpoints: Floats, points: Floats) -> Mask:
-    """(N,) whether each point is seen from its viewpoint, past the type's own surface; from inside of a closed one, nothing is."""
+    """(N,) whether each point is seen from its viewpoint, past the type's own surface.
+
+    From inside of a closed one, nothing is.
+    """
     if kind.surface is None or not kind.opaque:
         return np.ones(len(points), dtype=bool)
     lines = points - viewpoints

@@ -22,7 +22,9 @@ DIRECTIONS, AT_A_TIME = 200, 20
 
 @dataclass(frozen=True)
 class LearnedSummary:
-    """``features``: ``keypoints`` and ``sides`` of edges; ``words``: different visual words of its appearances; ``hit`` and ``sigma`` (m): medians.
+    """``features``: ``keypoints`` and ``sides`` of edges; ``words``: different visual words of its appearances.
+
+    ``hit`` and ``sigma`` (m): medians.
 
     ``distance`` (m at the reference focal length): where it is looked at from all around; ``share`` of these viewpoints
     expects at least ``MANY`` features; ``most``: how many the best of them expects. ``compounds``: of ``joined``

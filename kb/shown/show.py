@@ -192,7 +192,10 @@ def _parts_of(kind: ObjectType, features: Iterable[Feature]) -> list[int]:
 
 
 def tree_document(kb: KnowledgeBase) -> dict[str, Any]:
-    """The whole KB but its surfaces, as plain data for JSON: ``{"format": "kb/1", "name": ..., "types": [...]}``; m and rad."""
+    """The whole KB but its surfaces, as plain data for JSON: ``{"format": "kb/1", "name": ..., "types": [...]}``.
+
+    M and rad.
+    """
     rates = kb.rates
     return {
         "format": "kb/1",

@@ -22,7 +22,10 @@ FLAPS = 0.05
 
 
 def closed_up(vertices: Places, triangles: Facets) -> tuple[Places, Facets, int, int]:
-    """Vertices, triangles, holes filled and holes left, of the first way of cleaning that closes the surface; else of the last."""
+    """Vertices, triangles, holes filled and holes left, of the first way of cleaning that closes the surface.
+
+    Else of the last.
+    """
     result = vertices, triangles, 0, 0
     for single in _once(triangles):
         places, facets, holes, left = filled(vertices, turned_outward(vertices, single))
@@ -167,7 +170,10 @@ def pieces(count: int, one: NDArray[np.intp], other: NDArray[np.intp]) -> NDArra
 
 
 def _agreeing(count: int, one: NDArray[np.intp], other: NDArray[np.intp], same: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which facets (T,) to turn over, so that neighbours along a spanning tree agree; a root added to every piece starts it."""
+    """Which facets (T,) to turn over, so that neighbours along a spanning tree agree.
+
+    A root added to every piece starts it.
+    """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import breadth_first_order
 

@@ -28,7 +28,10 @@ SPOTS = 40_000
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """``at`` (3,): the middle of its box, m; ``share`` of the whole area; ``triangles`` (T,): which of the surface's are its."""
+    """``at`` (3,): the middle of its box, m; ``share`` of the whole area.
+
+    ``triangles`` (T,): which of the surface's are its.
+    """
 
     name: str
     at: NDArray[np.float64]

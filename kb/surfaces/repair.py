@@ -25,9 +25,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Repaired:
-    """``surface``, m. ``vertices``, ``triangles``: what the source had; ``welded`` vertices that were joined to others; ``dropped``
-    triangles that were degenerate or there twice; ``holes`` filled and ``left`` open; ``deviation`` m of the simplified surface.
-    """  # noqa: D205 - one object, one sentence
+    """``surface``, m.
+
+    ``vertices``, ``triangles``: what the source had; ``welded`` vertices that were joined to others; ``dropped``
+    triangles that were degenerate or there twice; ``holes`` filled and ``left`` open; ``deviation`` m of the simplified
+    surface.
+    """
 
     surface: Surface
     vertices: int
@@ -70,7 +73,9 @@ AGGRESSION = 3
 
 
 def simplified(surface: Surface) -> tuple[Surface, float]:
-    """The surface with at most ``FEW`` triangles, and how far it then is at most, m, of many points; with up to ``MANY``, where it would be too far.
+    """The surface with at most ``FEW`` triangles, and how far it then is at most, m, of many points.
+
+    With up to ``MANY``, where it would be too far.
 
     What is too far: the last of ``DEVIATIONS``. Where even ``MANY`` triangles are farther, so be it: the distance
     tells.
@@ -82,7 +87,10 @@ def simplified(surface: Surface) -> tuple[Surface, float]:
 
 
 def _capped(surface: Surface) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
-    """Vertices, those of the caps last, and the caps' triangles (C, 3), which close the surface; None where they do not."""
+    """Vertices, those of the caps last, and the caps' triangles (C, 3), which close the surface.
+
+    None where they do not.
+    """
     caps, middles = [], [surface.vertices]
     for number, loop in enumerate(rims(surface.triangles) if not surface.closed else ()):
         caps.append(np.stack([np.roll(loop, -1), loop, np.full(len(loop), len(surface.vertices) + number)], axis=1))
@@ -95,7 +103,10 @@ def _capped(surface: Surface) -> tuple[NDArray[np.float64], NDArray[np.int64]] |
 def _within_tolerance(
     surface: Surface, vertices: NDArray[np.float64], caps: NDArray[np.int64]
 ) -> tuple[Surface, float]:
-    """By manifold3d: a subset of the vertices; each step moves nothing by more than the tolerance, several may add up a little."""
+    """By manifold3d: a subset of the vertices.
+
+    Each step moves nothing by more than the tolerance, several may add up a little.
+    """
     from manifold3d import Manifold, Mesh64
 
     name = Manifold.reserve_ids(

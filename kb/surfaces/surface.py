@@ -60,7 +60,10 @@ class Surface:
 
     @cached_property
     def faults(self) -> str:
-        """What breaks §2.8, in words and numbers: edges in one facet only and the like; '' for a closed, manifold surface."""
+        """What breaks §2.8, in words and numbers: edges in one facet only and the like.
+
+        '' for a closed, manifold surface.
+        """
         faults = {"degenerate facets": int(degenerate(self).sum())} | _edge_faults(self.triangles)
         return ", ".join(f"{count} {fault}" for fault, count in faults.items() if count)
 
@@ -68,14 +71,18 @@ class Surface:
     def closed(self) -> bool:
         """Whether each edge is run along as often one way as the other: an inside and an outside, and so a volume (§2.8).
 
-        Weaker than to be without ``faults``: two bodies that touch along an edge, four facets meeting there, enclose a volume
+        Weaker than to be without ``faults``: two bodies that touch along an edge, four facets meeting there, enclose a
+            volume
         all the same.
         """
         return is_closed(self.triangles)
 
     @property
     def solid(self) -> Surface | None:
-        """The closed surface whose volume A4 is about: this one, or it repaired; None where it is refused, and shares no volume with anything."""
+        """The closed surface whose volume A4 is about: this one, or it repaired.
+
+        None where it is refused, and shares no volume with anything.
+        """
         return self.mended.surface
 
     @cached_property
@@ -184,7 +191,10 @@ class Mended(NamedTuple):
 
 
 def mended(surface: Surface) -> Mended:
-    """Holes up to ``LARGEST_HOLE`` of the whole are filled, facets turned outward, and of repeated ones one is kept; its hull never stands in."""
+    """Holes up to ``LARGEST_HOLE`` of the whole are filled, facets turned outward, and of repeated ones one is kept.
+
+    Its hull never stands in.
+    """
     if surface.closed and surface.volume > 0:
         return _checked(surface, "")
     places, facets, holes, left = closed_up(surface.vertices, surface.triangles)

@@ -23,7 +23,10 @@ def bounded(p: float) -> float:
 
 
 def alternative(weights: Sequence[float]) -> list[float]:
-    """Probabilities of one alternative: the weights over their sum, none of the positive ones below ``LEAST``; [] where all are 0."""
+    """Probabilities of one alternative: the weights over their sum, none of the positive ones below ``LEAST``.
+
+    [] where all are 0.
+    """
     total = sum(weights)
     if total <= 0.0:
         return []

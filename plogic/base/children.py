@@ -1,6 +1,7 @@
 """Child processes: all of them are started here.
 
-A child ends when the process that started it ends, by SIGKILL too. Its memory is a share of that process's limit. It can
+A child ends when the process that started it ends, by SIGKILL too. Its memory is a share of that process's limit. It
+can
 be waited for among others, and is killed with all that it started. The folder that it writes in is removed, if need be
 by the next process that starts one.
 
@@ -52,10 +53,12 @@ def python(module: str, *arguments: str) -> list[str]:
 class Child:
     """A command that runs in a session and a scratch folder of its own, whose standard output is read here.
 
-    ``told``: all that it will find on standard input; left out, ``tell`` writes there. ``memory``: bytes of address space
+    ``told``: all that it will find on standard input; left out, ``tell`` writes there. ``memory``: bytes of address
+    space
     that it may use, if this process has twice as much left. ``folder``: where it runs, if not in its scratch folder;
     ``variables`` are added to the environment. ``files`` are written into its scratch folder before it starts.
-    ``foreign``: it is no module of ours, and does not call ``begin``. Without ``memory`` it has this process's limit, as a
+    ``foreign``: it is no module of ours, and does not call ``begin``. Without ``memory`` it has this process's limit,
+    as a
     compiler reserves more address space than half of that and uses little of it.
     """
 
@@ -146,7 +149,10 @@ class Child:
         return (self.folder / ".said").read_text(encoding="utf-8", errors="replace")
 
     def end(self) -> str:
-        """Kill it, unless it has ended, and all that it started; sweep. Return how it ended: ``signal 9``, ``exit status 1``."""
+        """Kill it, unless it has ended, and all that it started; sweep.
+
+        Return how it ended: ``signal 9``, ``exit status 1``.
+        """
         self._end()
         status = self._process.returncode
         return f"signal {-status}" if status < 0 else f"exit status {status}"

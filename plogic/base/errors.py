@@ -4,17 +4,20 @@
 
     geometry.errors.PlogicError
     └── BeliefError                       anything of this package
-        ├── SituationError                a situation that contradicts itself (unknown id, duplicate id, not a number) │
-        ├── TooManyHypothesesError    more hypotheses occlude each other in a cycle than can be decided jointly │   └──
-        WidthError                exact sums would need larger tables, or more of them, than is sensible; states the
-        width ├── InputError                    a command's input that cannot be used; names the file ├──
-        InterpretationError           a file that is no complete interpretation/1 ├── InconsistentError             no
-        world satisfies the constraints or the evidence ├── ProgramError                  program text, rules or a goal
-        that cannot be used; knows file, line and column │   ├── UnsafeProgramError        uses a predicate that is not
-        on the allow-list │   ├── UnknownPredicateError     calls a predicate that has no clauses │   ├──
-        NegativeCycleError        a negation that depends on itself │   ├── OutsideError              a goal that speaks
-        of choices which a scene's graph has summed out │   └── NonGroundError            a probabilistic clause or a
-        goal that keeps a variable └── LimitError                    the inference ran out of its time or memory
+        ├── SituationError                a situation that contradicts itself (unknown id, duplicate id, not a number)
+        │   ├── TooManyHypothesesError    more hypotheses occlude each other in a cycle than can be decided jointly
+        │   └── WidthError                exact sums would need larger tables, or more of them, than is sensible; states
+            the width
+        ├── InputError                    a command's input that cannot be used; names the file
+        ├── InterpretationError           a file that is no complete interpretation/1
+        ├── InconsistentError             no world satisfies the constraints or the evidence
+        ├── ProgramError                  program text, rules or a goal that cannot be used; knows file, line and column
+        │   ├── UnsafeProgramError        uses a predicate that is not on the allow-list
+        │   ├── UnknownPredicateError     calls a predicate that has no clauses
+        │   ├── NegativeCycleError        a negation that depends on itself
+        │   ├── OutsideError              a goal that speaks of choices which a scene's graph has summed out
+        │   └── NonGroundError            a probabilistic clause or a goal that keeps a variable
+        └── LimitError                    the inference ran out of its time or memory
 """
 
 from __future__ import annotations

@@ -48,12 +48,15 @@ def processors() -> int:
 
 
 def each(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -> Generator[Result]:
-    """As ``map``, by at most so many ``processes``, this one among them, for two jobs or more each; by this one alone where it may have no children.
+    """As ``map``, by at most so many ``processes``, this one among them, for two jobs or more each.
+
+    By this one alone where it may have no children.
 
     Whoever is idle takes the next job. One that raises does so here, in its turn: where a copy fails, or is killed,
-    this process does its job. Of who stops asking no further job is begun. What jobs leave behind besides their results
-    is lost with the copies. A process that has other threads should ask for one process only: a copy has none of them,
-    and what they held stays held.
+    this process does its job.
+    Of who stops asking no further job is begun. What jobs leave behind besides their results is lost with the copies. A
+    process that has other
+    threads should ask for one process only: a copy has none of them, and what they held stays held.
     """
     processes = min(processes, len(jobs) // 2)
     if processes < 2 or current_process().daemon:
@@ -142,7 +145,9 @@ def _work(done: Callable[[Job], Any], jobs: Sequence[Job], left: int, end: Conne
 
 
 def afresh(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -> Generator[Result]:
-    """As ``map``, by so many fresh processes; ``done`` is a function of a module, and it, jobs and results can be pickled.
+    """As ``map``, by so many fresh processes.
+
+    ``done`` is a function of a module, and it, jobs and results can be pickled.
 
     Of who stops asking no further job is begun.
 
@@ -185,7 +190,10 @@ class _Fresh:
             self._tell(job[1])
 
     def answer(self) -> tuple[int, tuple[bool, Any]] | None:
-        """Read some; return the job's number, and whether it succeeded with what it gave or raised, once that is whole."""
+        """Read some.
+
+        Return the job's number, and whether it succeeded with what it gave or raised, once that is whole.
+        """
         piece = self.child.read()
         if not piece:
             raise ChildDiedError(self.child.end())

@@ -46,7 +46,9 @@ _BEGUN = re.compile(r"\.[0-9a-f]{64}-[a-z0-9_]{8}")
 
 
 def forget_beside(place: Path, folders: int = FOLDERS, most: int = BYTES) -> None:
-    """Delete those siblings of a folder that were used least lately, beyond what is kept; and what was begun and abandoned.
+    """Delete those siblings of a folder that were used least lately, beyond what is kept.
+
+    And what was begun and abandoned.
 
     Nothing else is touched: no file, and no folder of another name.
     """
@@ -91,7 +93,10 @@ def _unlink(path: Path) -> None:
 
 
 def discard(place: Path) -> None:
-    """Delete what is at a place, if anything; it is moved away first, so that nobody finds half of it, and nobody's new one is hit."""
+    """Delete what is at a place, if anything.
+
+    It is moved away first, so that nobody finds half of it, and nobody's new one is hit.
+    """
     with suppress(OSError):
         aside = Path(tempfile.mkdtemp(prefix=f".{place.name}-", dir=place.parent))
         try:
@@ -110,7 +115,10 @@ def _bytes(folder: Path) -> int:
 ROOT = Path(__file__).parents[2]
 """The folder that our packages lie in."""
 OURS = "geometry", "kb", "sensing", "plogic", "cli"
-"""The packages in it that are ours; an installed plogic lies among everybody's, an environment may lie in a checkout."""
+"""The packages in it that are ours.
+
+An installed plogic lies among everybody's, an environment may lie in a checkout.
+"""
 MANIFEST = "manifest.json"
 """The file beside kept arrays that says what they are."""
 
@@ -127,7 +135,9 @@ def cache_folder(what: str) -> Path | None:
 def arrays_of(
     place: Path, names: Iterable[str], make: Callable[[], Mapping[str, NDArray[Any]]]
 ) -> dict[str, NDArray[Any]]:
-    """The arrays ``names`` in the folder ``place``, mapped and read-only; else those that ``make`` gives, which are put there if that can be done.
+    """The arrays ``names`` in the folder ``place``, mapped and read-only.
+
+    Else those that ``make`` gives, which are put there if that can be done.
 
     A folder is written whole or not at all; one that is not, to the byte, what its manifest says was written is made
     anew. Of its siblings those used last are kept (``plogic.base.remembered``).
@@ -205,7 +215,8 @@ def source_digest(root: Path, files: Iterable[str]) -> bytes:
 def sources(root: Path, first: str, packages: Iterable[str] = OURS) -> set[str]:
     """Return a source file and all others of ``packages`` that it imports, at its top or in a function, directly or not.
 
-    Names are relative to ``root``. What is imported for the type checker alone is left out. So is the code of objects that are made elsewhere and
+    Names are relative to ``root``. What is imported for the type checker alone is left out. So is the code of objects
+    that are made elsewhere and
     handed in: for those all sources count (``sources_in``), or what they hold is hashed.
     """
     found, left, ours = {first}, [first], set(packages)

@@ -73,7 +73,10 @@ ANY_SIZE, ANY_NUMBER = Size(0, 10_000_000), Range()
 
 
 def mistakes(value: object, shape: object) -> list[str]:
-    """Every mistake of a document against its shape, each a line ``hypotheses.0.features.3.dv: -1.0 is not ...``; none of a right one."""
+    """Every mistake of a document against its shape, each a line ``hypotheses.0.features.3.dv: -1.0 is not ...``.
+
+    None of a right one.
+    """
     return [f"{'.'.join(map(str, place))}: {what}" if place else what for place, what in check_of(shape)(value)]
 
 

@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Attention:
-    """rank(Type), its excess over what clutter alone would give, and the best rank within one view cell; all in [−1, 1]."""
+    """rank(Type), its excess over what clutter alone would give, and the best rank within one view cell.
+
+    All in [−1, 1].
+    """
 
     type: str
     rank: float

@@ -22,7 +22,10 @@ POLISH = 10.0
 is not refined."""
 
 Choice: TypeAlias = "Callable[[Task, State, Sequence[Hypothesis]], tuple[Hypothesis, ...]]"
-"""Of the state and of judged hypotheses, those that make up Δi from now on; those of ``State.accepted``, where nothing changes."""
+"""Of the state and of judged hypotheses, those that make up Δi from now on.
+
+Those of ``State.accepted``, where nothing changes.
+"""
 
 
 def best_first(task: Task, state: State, judged: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:

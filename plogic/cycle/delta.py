@@ -42,7 +42,10 @@ EVERY = 1000
 
 @dataclass(frozen=True)
 class Options:
-    """What a user can choose of one interpretation; ``end`` is the moment of ``time.monotonic`` at which the search stops."""
+    """What a user can choose of one interpretation.
+
+    ``end`` is the moment of ``time.monotonic`` at which the search stops.
+    """
 
     reading: Reading = "score"
     reconsider: Reconsider = "to_B"
@@ -117,7 +120,10 @@ def delta_of(
 
 
 def _share_volume(one: Hypothesis, other: Hypothesis) -> bool:
-    """A4: what the cycle told apart, and moved apart where it could be, to a millimetre; open hypotheses as far as estimated poses go."""
+    """A4: what the cycle told apart, and moved apart where it could be, to a millimetre.
+
+    Open hypotheses as far as estimated poses go.
+    """
     told = one.status != "open" and other.status != "open"
     return overlap(one, other) or (told and reaches_into(one, other))
 

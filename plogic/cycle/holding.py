@@ -79,7 +79,9 @@ def gravity_of_view(
     kb: KnowledgeBase,
     information: Mapping[str, Floats] | None = None,
 ) -> Gravity | None:
-    """Of Δh, by id; None where the KB does not say that gravity holds. ``overlaps``: pairs that A4 excludes from one world, which hold nobody.
+    """Of Δh, by id; None where the KB does not say that gravity holds.
+
+    ``overlaps``: pairs that A4 excludes from one world, which hold nobody.
 
     ``information`` (6, 6) each: what is known of the poses, camera axes; left out, what this view tells. It speaks of
     the first ``MOST`` that have a surface.

@@ -6,7 +6,8 @@ to them. To P(ev) they give the sum of their dv, to the posterior nothing; so on
 their sum stands for all of them, and every probability stays. Features outside the image count nowhere and are left
 out. Types written by hand are told in full.
 
-A learned compound is told, and counts, once: by the part that stands for it (``Hypothesis.stands``). Its other parts are told
+A learned compound is told, and counts, once: by the part that stands for it (``Hypothesis.stands``). Its other parts
+are told
 for the data that they explain, and have no dv.
 """
 
@@ -44,7 +45,10 @@ def told_in_full(posed: Hypothesis) -> bool:
 
 
 def told(posed: Hypothesis) -> list[int]:
-    """The features that are told one by one: all of a type written by hand; of a learned one what is expected alone, or matched."""
+    """The features that are told one by one: all of a type written by hand.
+
+    Of a learned one what is expected alone, or matched.
+    """
     if told_in_full(posed):
         return list(range(len(posed.object_type.features)))
     return np.flatnonzero(_notable(posed)).tolist()
@@ -96,7 +100,10 @@ def lumped(posed: Hypothesis, dv: Mapping[str, float]) -> tuple[FeatureFact, ...
 
 
 def left_out(posed: Hypothesis) -> LeftOut | None:
-    """How many features are not told: those that ``OTHERS`` stands for, and those outside the image; None of a type written by hand."""
+    """How many features are not told: those that ``OTHERS`` stands for, and those outside the image.
+
+    None of a type written by hand.
+    """
     if told_in_full(posed):
         return None
     return {
@@ -115,7 +122,9 @@ def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[
 
 
 def support_document(posed: Hypothesis, dv: Mapping[str, float]) -> dict[str, Cells]:
-    """The four cells for each feature type; of a learned type one row for all its visual words, with the sums of their dv as ``weights``.
+    """The four cells for each feature type.
+
+    Of a learned type one row for all its visual words, with the sums of their dv as ``weights``.
 
     The rows are those of the hypothesis alone (``Hypothesis.support``): counts and weights give its ev.
     """

@@ -117,7 +117,10 @@ def _body(one: _Placed, camera: Camera) -> BodyFact:
 
 
 def _view(one: _Placed, camera: Camera) -> View:
-    """Whether its outline is in the image: wholly, in part, or not at all. What reaches behind the camera is not wholly in it."""
+    """Whether its outline is in the image: wholly, in part, or not at all.
+
+    What reaches behind the camera is not wholly in it.
+    """
     if one.surface is None:
         return "inside" if bool(camera.contains(camera.project(one.posed.middle))) else "outside"
     shown, image = (

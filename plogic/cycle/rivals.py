@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 
 def compared(task: Task, state: State) -> Iterator[State]:
-    """Tell what is left of the proposals from rivals of Δi, one after the other; what is told is no proposal any more."""
+    """Tell what is left of the proposals from rivals of Δi, one after the other.
+
+    What is told is no proposal any more.
+    """
     state = judged(task, state)
     yield state
     while state.proposals:
@@ -64,7 +67,10 @@ def making_way(task: Task, state: State, rivals: Sequence[Hypothesis]) -> tuple[
 
 
 def _alone(task: Task, state: State, hypothesis: Hypothesis) -> Hypothesis | None:
-    """The hypothesis beside the other accepted ones, with the data of those that it would replace; None where it explains them worse by far."""
+    """The hypothesis beside the other accepted ones, with the data of those that it would replace.
+
+    None where it explains them worse by far.
+    """
     replaced = [h for h in state.accepted if excludes(hypothesis, h)]
     if not replaced:
         return None

@@ -67,7 +67,10 @@ def stable(task: Task, of: tuple[Hypothesis, ...], steps: tuple[Step, ...] = ())
 
 
 def separated(task: Task, start: Stable) -> Stable:
-    """A4 to a millimetre: move apart, all together, what reaches into another; of two that cannot be, the one of less worth is rejected."""
+    """A4 to a millimetre: move apart, all together, what reaches into another.
+
+    Of two that cannot be, the one of less worth is rejected.
+    """
     some, rejected, steps = list(start.accepted), list(start.rejected), list(start.steps)
     while True:
         task.deadline.check()
@@ -89,7 +92,10 @@ def separated(task: Task, start: Stable) -> Stable:
 
 
 def reconsidered(task: Task, start: Stable) -> Stable:
-    """Take every ev anew beside the others (reconsideration); drop what no longer holds, until Δi is stable. It only shrinks."""
+    """Take every ev anew beside the others (reconsideration); drop what no longer holds, until Δi is stable.
+
+    It only shrinks.
+    """
     some, rejected, steps = list(start.accepted), list(start.rejected), list(start.steps)
     while True:
         again = []

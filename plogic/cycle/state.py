@@ -68,7 +68,10 @@ class Trace:
 
 
 class Stable(NamedTuple):
-    """``of``: what was accepted; ``accepted``: what is left of it when it is stable; ``rejected``, ``steps``: what else came of that."""
+    """``of``: what was accepted; ``accepted``: what is left of it when it is stable.
+
+    ``rejected``, ``steps``: what else came of that.
+    """
 
     of: tuple[Hypothesis, ...] = ()
     accepted: tuple[Hypothesis, ...] = ()
@@ -137,7 +140,10 @@ class Task:
 
 
 class Proposal(NamedTuple):
-    """A proposed hypothesis; ``beside``: how many accepted ones, the first, it was judged beside, None where it was not yet."""
+    """A proposed hypothesis.
+
+    ``beside``: how many accepted ones, the first, it was judged beside, None where it was not yet.
+    """
 
     hypothesis: Hypothesis
     beside: int | None = None
@@ -177,7 +183,9 @@ class State:
 
 @dataclass(frozen=True)
 class Cycle:
-    """``accepted`` is Δi in the order of acceptance; ``considered`` the rest of Δh; ``rejected`` what was tried and dropped.
+    """``accepted`` is Δi in the order of acceptance; ``considered`` the rest of Δh.
+
+    ``rejected`` what was tried and dropped.
 
     ``unfinished``: whether a deadline stopped it.
     """

@@ -36,7 +36,10 @@ FEWEST = 2
 
 
 class Support(NamedTuple):
-    """``plane``, camera frame; ``by``: places in the list of those that stand on it, increasing, one resting face each."""
+    """``plane``, camera frame.
+
+    ``by``: places in the list of those that stand on it, increasing, one resting face each.
+    """
 
     plane: Plane
     by: tuple[int, ...]
@@ -52,7 +55,9 @@ class _Stand(NamedTuple):
 
 
 def support_of(posed: Sequence[tuple[TypeModel, Floats]]) -> Support | None:
-    """The plane below the camera on which most of these objects, of known poses (4, 4), can stand; of equals the one they agree on best.
+    """The plane below the camera on which most of these objects, of known poses (4, 4), can stand.
+
+    Of equals the one they agree on best.
 
     None where no two agree. Its normal and its height are the means of theirs.
     """
@@ -108,7 +113,9 @@ def _spread(some: Sequence[_Stand]) -> float:
 def supported(
     accepted: Sequence[Hypothesis], models: Models, left: Data, given: Given, request: Request
 ) -> tuple[list[Hypothesis], str | None]:
-    """The hypotheses that the free data suggest on the plane that accepted objects stand on, and that in words; nothing, and None, without a plane.
+    """The hypotheses that the free data suggest on the plane that accepted objects stand on, and that in words.
+
+    Nothing, and None, without a plane.
 
     Only types are looked for of which none is accepted.
     """

@@ -91,7 +91,10 @@ def dependence(scene: Scene) -> Dependence:
 
 
 def arranged(wanted: dict[str, list[str]], reconsider: Reconsider) -> Dependence:
-    """The graph from what can change a cell of each hypothesis, in the order of ``ordered``; raises as ``dependence``."""
+    """The graph from what can change a cell of each hypothesis, in the order of ``ordered``.
+
+    Raises as ``dependence``.
+    """
     limit = MOST_OCCLUDERS if reconsider == "drop" else len(wanted)
     of = {h: tuple(gs[:limit]) for h, gs in wanted.items()}
     blocks = _blocks(of)

@@ -1,4 +1,7 @@
-"""Expected, D7, as one function; the generated program states it once more, as rules (``plogic.scene.text.rules.EXPECTED``), tested equal."""
+"""Expected, D7, as one function.
+
+The generated program states it once more, as rules (``plogic.scene.text.rules.EXPECTED``), tested equal.
+"""
 
 from __future__ import annotations
 

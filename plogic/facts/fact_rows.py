@@ -27,7 +27,10 @@ class PairRow(TypedDict):
 
 
 class ExclusionRow(TypedDict):
-    """Two hypotheses that share volume, m³, and how deep, m; ``depth_interval`` where that is known within bounds only."""
+    """Two hypotheses that share volume, m³, and how deep, m.
+
+    ``depth_interval`` where that is known within bounds only.
+    """
 
     args: Pair
     volume: NotRequired[Positive]

@@ -1,4 +1,6 @@
-"""Support (Σc): where gravity holds, what nothing holds floats, and that is improbable. The facts that say who may hold whom.
+"""Support (Σc): where gravity holds, what nothing holds floats, and that is improbable.
+
+The facts that say who may hold whom.
 
 * ``Foot``: how high a body begins, as far as its pose tells, ``Foot("h2", 0.11, 0.13)``
 * ``Gravity``: all of it, ``Gravity(0.1, feet=(Foot(...), ...), rests=(("h2", "h1"),))``
@@ -31,7 +33,9 @@ class Foot(NamedTuple):
 
 @dataclass(frozen=True)
 class Gravity:
-    """``unknown_support``: P(something unknown holds what floats). ``feet``: of the hypotheses that it speaks of; no other floats.
+    """``unknown_support``: P(something unknown holds what floats).
+
+    ``feet``: of the hypotheses that it speaks of; no other floats.
 
     ``rests``: ordered pairs, the first rests on the second if both are present; ``rests`` on ``GROUND`` where the
     ground's height ``ground``, m, is told. Where it is None, the ground is at the height of the lowest foot of the
@@ -59,7 +63,10 @@ class Gravity:
         return [y for x, y in self.rests if x == name]
 
     def lower(self, name: str) -> list[str]:
-        """Those that are surely lower: where one of them is present, this one does not stand on the lowest ground. None where that is told."""
+        """Those that are surely lower: where one of them is present, this one does not stand on the lowest ground.
+
+        None where that is told.
+        """
         mine = next((foot for foot in self.feet if foot.id == name), None)
         return (
             [] if mine is None or self.ground is not None else [foot.id for foot in self.feet if foot.high < mine.low]
@@ -83,7 +90,10 @@ def linked(gravity: Gravity) -> list[tuple[str, str]]:
 
 
 def gravity_document(gravity: Gravity | None) -> GravityKey:
-    """``{"gravity": {...}}`` of ``interpretation.json``, whose facts are elsewhere; nothing where nobody said that it holds."""
+    """``{"gravity": {...}}`` of ``interpretation.json``, whose facts are elsewhere.
+
+    Nothing where nobody said that it holds.
+    """
     if gravity is None:
         return {}
     told: GravityRow = {"unknown_support": gravity.unknown_support, "ground": gravity.ground}

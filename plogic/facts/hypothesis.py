@@ -65,7 +65,10 @@ class FeatureFact:
 
 @dataclass(frozen=True)
 class PartFact:
-    """One node of the part-whole tree: ``PartFact("roof", parent="", kind="object")``; the parent of the maximal object's parts is ''."""
+    """One node of the part-whole tree: ``PartFact("roof", parent="", kind="object")``.
+
+    The parent of the maximal object's parts is ''.
+    """
 
     id: str
     parent: str
@@ -183,7 +186,10 @@ class Hypothesis:
         return expected(self, self.opaque)
 
     def expected(self, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
-        """(F,) Expected where opaque objects of the world hide the ``hidden`` features (F,) (D7); None: where there are none."""
+        """(F,) Expected where opaque objects of the world hide the ``hidden`` features (F,) (D7).
+
+        None: where there are none.
+        """
         return self.candidate if hidden is None else expected(self, self.opaque, hidden)
 
     @cached_property
@@ -228,7 +234,10 @@ class Hypothesis:
         return result
 
     def support(self, hidden: NDArray[np.bool_] | None = None) -> Support:
-        """The four cases over the features in the image, a compound once (A1); ``hidden`` (F,): what accepted opaque objects hide (strict D7)."""
+        """The four cases over the features in the image, a compound once (A1).
+
+        ``hidden`` (F,): what accepted opaque objects hide (strict D7).
+        """
         names, kind = self.object_type.kind_codes
         inside = self.in_image & self.stands
         return tally(names, kind[self.object_type.whole[inside]], self.expected(hidden)[inside], self.detected[inside])

@@ -134,7 +134,10 @@ def _feature(f: FeatureRow) -> FeatureFact:
 
 
 def hypothesis_document(h: Hypothesis, cases: Mapping[str, tuple[bool, bool, Case | None]]) -> HypothesisFacts:
-    """One hypothesis as in the file, without its verdict; ``cases`` gives (expected, detected, case) of each feature in Δi."""
+    """One hypothesis as in the file, without its verdict.
+
+    ``cases`` gives (expected, detected, case) of each feature in Δi.
+    """
     return {
         "id": h.id,
         "type": h.type,

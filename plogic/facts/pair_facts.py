@@ -14,7 +14,10 @@ _FINE = {name: name for name in ROC20}
 
 
 def pair_facts(relation: Roc, x: str, y: str, parts: tuple[str, str] = ("", "")) -> list[PairFact]:
-    """A relation in the vocabulary of queries: ``x`` occluded by ``y`` is said of (y, x); what is its own converse when coarse, of both."""
+    """A relation in the vocabulary of queries: ``x`` occluded by ``y`` is said of (y, x).
+
+    What is its own converse when coarse, of both.
+    """
     word, there, back = coarse(relation), (x, y, relation, parts), (y, x, converse(relation), parts[::-1])
     if word == coarse_converse(word):
         return [PairFact(word, *there), PairFact(word, *back)]
@@ -24,7 +27,10 @@ def pair_facts(relation: Roc, x: str, y: str, parts: tuple[str, str] = ("", ""))
 
 
 def both_ways(fact: PairFact) -> tuple[str, ...]:
-    """The relation of ROC-20 of (x, y); and of (y, x), where no other fact tells it; none where the fact does not tell it."""
+    """The relation of ROC-20 of (x, y); and of (y, x), where no other fact tells it.
+
+    None where the fact does not tell it.
+    """
     if fact.roc not in _FINE:
         return ()
     other = converse(_FINE[fact.roc])

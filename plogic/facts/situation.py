@@ -33,7 +33,10 @@ OTHERS = "(others)"
 
 @dataclass(frozen=True)
 class AppearanceFact:
-    """One datum of Γ: ``uv`` in pixels; ``clutter`` is the density f of clutter of its type, per pixel² (§8, posterior)."""
+    """One datum of Γ: ``uv`` in pixels.
+
+    ``clutter`` is the density f of clutter of its type, per pixel² (§8, posterior).
+    """
 
     id: str
     type: str

@@ -25,7 +25,10 @@ Pair = tuple[str, str]
 
 @dataclass(frozen=True)
 class BodyFact:
-    """``middle`` (3) of its bounding box, ``nearest``: from the camera's centre to its surface; ``view``: its outline, in the image or not."""
+    """``middle`` (3) of its bounding box, ``nearest``: from the camera's centre to its surface.
+
+    ``view``: its outline, in the image or not.
+    """
 
     id: str
     middle: tuple[float, float, float]
@@ -35,7 +38,10 @@ class BodyFact:
 
 @dataclass(frozen=True)
 class SharedFact:
-    """``volume`` m³ that ``x`` and ``y`` share; ``depth`` low and high, m: how far one must be moved to be free of the other."""
+    """``volume`` m³ that ``x`` and ``y`` share.
+
+    ``depth`` low and high, m: how far one must be moved to be free of the other.
+    """
 
     x: str
     y: str
@@ -45,7 +51,9 @@ class SharedFact:
 
 @dataclass(frozen=True)
 class Space:
-    """``up`` (3): against gravity, ``up_from`` what says so; None where nothing does, and then nothing is above anything.
+    """``up`` (3): against gravity, ``up_from`` what says so.
+
+    None where nothing does, and then nothing is above anything.
 
     ``gaps``: metres between the surfaces of two bodies, each unordered pair once. ``above``: ordered pairs; ``on``:
     ordered pairs, the first standing on the second alone; ``on_both``: the first on the other two together, not on
@@ -98,7 +106,10 @@ def space_document(space: Space) -> SpaceRow:
 
 
 def overlap_document(pair: Pair, space: Space) -> OverlapRow:
-    """An overlap fact with its volume, m³, and depth, m, where they are known; ``depth_interval`` where it is known within bounds only."""
+    """An overlap fact with its volume, m³, and depth, m, where they are known.
+
+    ``depth_interval`` where it is known within bounds only.
+    """
     row: OverlapRow = {"fact": "overlap", "args": list(pair)}
     found = space.sharing(*pair)
     if found is None:
@@ -109,7 +120,10 @@ def overlap_document(pair: Pair, space: Space) -> OverlapRow:
 
 
 def space_of(document: SpaceRow | None, facts: Sequence[Fact]) -> Space:
-    """The typed space of an interpretation's ``space`` and ``facts``; without the one, and without volumes, an empty one."""
+    """The typed space of an interpretation's ``space`` and ``facts``.
+
+    Without the one, and without volumes, an empty one.
+    """
     shared = shared_of(facts)
     if document is None:
         return Space(shared=shared)

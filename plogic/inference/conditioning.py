@@ -1,4 +1,6 @@
-"""The sum and beliefs of a piece with too large tables, case by case; when the time is over, intervals that the cases so far prove.
+"""The sum and beliefs of a piece with too large tables, case by case.
+
+When the time is over, intervals that the cases so far prove.
 
 The states of a cutset are tried by a best-first search. Each node fixes the first few variables of the cutset and knows
 an upper bound of its mass (mini-buckets); each leaf fixes all, and is solved exactly. With Z and B the masses found
@@ -123,7 +125,10 @@ class _Found:
 
 
 def conditioned(part: Part, cut: Cutset, bits: float, clock: Clock) -> Beliefs:
-    """The sum and beliefs of a piece by the cases of a cutset, bounded by mini-buckets of ``bits``; an interval if the clock stops it."""
+    """The sum and beliefs of a piece by the cases of a cutset, bounded by mini-buckets of ``bits``.
+
+    An interval if the clock stops it.
+    """
     search = _Search(part, cut, bits, clock)
     try:
         search.run()

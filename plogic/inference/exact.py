@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 
 
 class Cutset(NamedTuple):
-    """``fixed``, in the order of their choice; ``cards`` with 1 for them; ``order`` and ``buckets`` of the rest (each fixed one stands alone)."""
+    """``fixed``, in the order of their choice; ``cards`` with 1 for them.
+
+    ``order`` and ``buckets`` of the rest (each fixed one stands alone).
+    """
 
     fixed: tuple[int, ...]
     cards: tuple[int, ...]
@@ -59,7 +62,10 @@ def cutset(part: Part, order: Order, width: float, most: float, clock: Clock) ->
 
 
 class _Cliques:
-    """The tables of an order that are too wide; ``gain``: per variable, the cells (of the widest) of those that it is in."""
+    """The tables of an order that are too wide.
+
+    ``gain``: per variable, the cells (of the widest) of those that it is in.
+    """
 
     def __init__(self, cards: Sequence[int], order: Order, width: float) -> None:
         self.width = width

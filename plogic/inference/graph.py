@@ -31,7 +31,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Factor:
-    """``scope``: variables, strictly increasing; ``table``: natural logarithms, one axis a variable of the scope, no NaN, no +inf."""
+    """``scope``: variables, strictly increasing.
+
+    ``table``: natural logarithms, one axis a variable of the scope, no NaN, no +inf.
+    """
 
     scope: tuple[int, ...]
     table: NDArray[np.float64]
@@ -48,7 +51,10 @@ class FactorGraph:
 
 @dataclass(frozen=True)
 class Beliefs:
-    """Interval ``log_z`` of ln Σ weights; ``low``, ``high``: per variable, shape ``(card,)``, interval of P(state), the same arrays where exact."""
+    """Interval ``log_z`` of ln Σ weights.
+
+    ``low``, ``high``: per variable, shape ``(card,)``, interval of P(state), the same arrays where exact.
+    """
 
     log_z: tuple[float, float]
     low: tuple[NDArray[np.float64], ...]

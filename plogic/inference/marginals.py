@@ -76,7 +76,9 @@ def assembled(cards: Sequence[int], log_z: float, parts: Sequence[Part], solved:
 
 
 def summed_out(graph: FactorGraph, variables: Sequence[int], *, width: float = WIDTH) -> FactorGraph:
-    """The graph after ``variables`` are summed out: same numbering, they keep one state; each sum is a factor over its neighbours.
+    """The graph after ``variables`` are summed out: same numbering, they keep one state.
+
+    Each sum is a factor over its neighbours.
 
     Raises:
         WidthError: a sum would need a table of more than ``width`` bits.

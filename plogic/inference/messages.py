@@ -2,7 +2,8 @@
 
 A small table, and one whose entries differ by more than floats can hold, is multiplied as logarithms. A large one is
 multiplied as plain numbers, several times faster, but only where the spreads of all that enters it (ln of greatest over
-least positive entry, measured) sum to less than ``MOST_SPREAD``: then no positive product can underflow, and both ways agree
+least positive entry, measured) sum to less than ``MOST_SPREAD``: then no positive product can underflow, and both ways
+agree
 to rounding.
 
 * ``Message(values)``: what enters a bucket, a given table or what a child tells; the scale that was taken out of it is
@@ -32,7 +33,9 @@ RUN_CELLS = 1 << 10  # cells of the contiguous runs in which a small table is mu
 
 @dataclass
 class Message:
-    """``values`` as logarithms (``log``), impossible −inf, or plain with greatest 1, impossible 0; ``spread``: ≥ ln(greatest ÷ least positive).
+    """``values`` as logarithms (``log``), impossible −inf, or plain with greatest 1, impossible 0.
+
+    ``spread``: ≥ ln(greatest ÷ least positive).
 
     ``top`` is the greatest logarithm, known once it is ``measured``.
     """

@@ -32,7 +32,10 @@ EASY = 12.0  # bits; up to here min-fill's order is taken as it is
 
 @dataclass(frozen=True)
 class Order:
-    """``sequence`` of all variables; ``rests[v]``: bits of v's neighbours at its turn; ``width``, ``work``: log2 of the largest, of all tables."""
+    """``sequence`` of all variables; ``rests[v]``: bits of v's neighbours at its turn.
+
+    ``width``, ``work``: log2 of the largest, of all tables.
+    """
 
     sequence: tuple[int, ...]
     rests: tuple[int, ...]
@@ -211,7 +214,10 @@ BUCKET_CELLS = 1 << 10  # buckets are merged up to this many cells
 
 
 class Bucket(NamedTuple):
-    """``scope``: axes by their turn in the order, latest first; ``parent`` is −1 for a root; buckets are listed children first."""
+    """``scope``: axes by their turn in the order, latest first; ``parent`` is −1 for a root.
+
+    Buckets are listed children first.
+    """
 
     scope: tuple[int, ...]
     shared: int
@@ -221,7 +227,10 @@ class Bucket(NamedTuple):
 
 
 def bucket_tree(cards: Sequence[int], scopes: Sequence[tuple[int, ...]], order: Order) -> tuple[Bucket, ...]:
-    """The buckets of all variables in the order; each scope (no empty one) is told to the bucket of its first variable."""
+    """The buckets of all variables in the order.
+
+    Each scope (no empty one) is told to the bucket of its first variable.
+    """
     turn = {v: i for i, v in enumerate(order.sequence)}
     parents, home, residuals = _merged(cards, order, turn)
     number = {v: i for i, v in enumerate(residuals)}

@@ -32,7 +32,10 @@ _WHOLE = np.ones(1)
 
 
 def two_way(cards: Sequence[int], tables: Tables, buckets: Sequence[Bucket], check: Callable[[], None]) -> Solved:
-    """(ln of the sum of all weights, the belief of every variable); (−inf, NaN arrays) if nothing is possible. ``check`` may raise."""
+    """(ln of the sum of all weights, the belief of every variable); (−inf, NaN arrays) if nothing is possible.
+
+    ``check`` may raise.
+    """
     passes = _Passes(cards, tables, buckets)
     with np.errstate(divide="ignore"):
         log_z = passes.up(check)
@@ -77,7 +80,11 @@ def singles(table: NDArray[np.float64], cards: Sequence[int]) -> tuple[NDArray[n
 
 
 class _Passes:
-    """Messages by bucket; of a tree past ``HELD``, those inside a stretch of buckets are dropped, and found again when the way down gets there."""
+    """Messages by bucket.
+
+    Of a tree past ``HELD``, those inside a stretch of buckets are dropped, and found again when the way down gets
+    there.
+    """
 
     def __init__(self, cards: Sequence[int], tables: Tables, buckets: Sequence[Bucket]) -> None:
         self.cards, self.tables, self.buckets = cards, tables, buckets

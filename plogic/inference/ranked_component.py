@@ -147,7 +147,10 @@ class Row(Stream):
         return None
 
     def _next_column(self) -> tuple[int, int, int, Stream] | None:
-        """The next column, opened; None if there is none, or the first in the heap comes before all that it may have."""
+        """The next column, opened.
+
+        None if there is none, or the first in the heap comes before all that it may have.
+        """
         node, cells, opened, first = self._node, self._cells, self._opened, self._first
         if first is None:
             if not cells.reach(opened):

@@ -43,7 +43,10 @@ IMPOSSIBLE = 1 << (COST_BITS + 1)  # so that 31 of them still fit in 64 bits
 
 
 class Costs(NamedTuple):
-    """A piece's tables as costs, in their order, flattened, below ``top``; sums of ``impossible`` and more are impossible."""
+    """A piece's tables as costs, in their order, flattened, below ``top``.
+
+    Sums of ``impossible`` and more are impossible.
+    """
 
     top: float
     tables: Sequence[Table]
@@ -112,7 +115,10 @@ LARGE_TABLE = 2 * RUN_CELLS  # cells
 
 
 class Cells:
-    """The cells of a table, least cost first, ties by number: ``numbers`` and ``costs`` of those found so far; never an impossible one."""
+    """The cells of a table, least cost first, ties by number: ``numbers`` and ``costs`` of those found so far.
+
+    Never an impossible one.
+    """
 
     __slots__ = ("_bound", "_flat", "_impossible", "_values", "costs", "numbers")
 
@@ -156,7 +162,9 @@ class Cells:
 
 
 def total(terms: Sequence[Table], shape: Sequence[int], impossible: float) -> Table:
-    """The sum of tables, each over the last axes of ``shape``, of full length or of length 1; ``impossible`` or more is impossible.
+    """The sum of tables, each over the last axes of ``shape``, of full length or of length 1.
+
+    ``impossible`` or more is impossible.
 
     The order is such that few of the sums on the way have all cells.
     """
@@ -181,7 +189,10 @@ def _sum(one: Table, other: Table, shape: Sequence[int]) -> Table:
 
 
 def placed(scope: Sequence[int], flat: Table, place: Mapping[int, int], cards: Sequence[int]) -> Table:
-    """A flat table over ``scope`` with as many axes as ``place``, each variable's where it says; length 1 elsewhere, none before the first."""
+    """A flat table over ``scope`` with as many axes as ``place``, each variable's where it says.
+
+    Length 1 elsewhere, none before the first.
+    """
     if len(scope) == 1:
         return flat.reshape((-1,) + (1,) * (len(place) - 1 - place[scope[0]]))
     places = [place[v] for v in scope]

@@ -1,11 +1,14 @@
 """The ranking of a connected piece too wide for exact tables: A* under mini-bucket bounds.
 
 A bucket whose table would be too large is split into *minis* of few enough cells, each of which takes its own minimum
-over the bucket's variable: the sum of minima is no more than the minimum of the sum, so what is left is a bound that
-never overestimates a cost (R. Dechter and I. Rish, Mini-buckets, 2003), and A* under it finds all solutions in exact
-order, after opening more nodes than needed. The bounds are tightened by levelling the minis of a bucket: each gets the
-mean of their least costs per state (A. Ihler et al., Join-graph based cost-shifting schemes, 2012), which leaves their
-sum as it is.
+over the bucket's
+variable: the sum of minima is no more than the minimum of the sum, so what is left is a bound that never overestimates
+    a cost (R. Dechter
+and I. Rish, Mini-buckets, 2003), and A* under it finds all solutions in exact order, after opening more nodes than
+needed. The bounds are
+tightened by levelling the minis of a bucket: each gets the mean of their least costs per state (A. Ihler et al.,
+Join-graph based
+cost-shifting schemes, 2012), which leaves their sum as it is.
 """
 
 from __future__ import annotations
@@ -37,7 +40,10 @@ BITS = (18.0, 16.0, 14.0, 12.0, 10.0)  # of one mini: the first that keeps to MI
 
 
 class Mini:
-    """A table over variables that come later in the order and, on the last axis, the bucket's; and its least costs over that."""
+    """A table over variables that come later in the order and, on the last axis, the bucket's.
+
+    And its least costs over that.
+    """
 
     def __init__(self, scope: tuple[int, ...], table: Table, impossible: int) -> None:
         self.scope = scope
@@ -150,7 +156,10 @@ def _total(group: Sequence[Term], cards: Sequence[int], turn: dict[int, int], im
 
 
 def _levelled(tables: list[Term], used: int, impossible: int) -> tuple[list[Term], int]:
-    """The same sum, every table with the same least cost of each state, and the cost ``used``; unchanged where costs might reach ``impossible``."""
+    """The same sum, every table with the same least cost of each state, and the cost ``used``.
+
+    Unchanged where costs might reach ``impossible``.
+    """
     if len(tables) < 2:
         return tables, used
     own = [table.min(axis=tuple(range(table.ndim - 1))) for _, table in tables]

@@ -27,7 +27,10 @@ FAST = "index"
 
 
 class Kind(NamedTuple):
-    """One kind: how its types are made ready, and which of a knowledge base it ``holds``; ``asked``: only where that generator is."""
+    """One kind: how its types are made ready, and which of a knowledge base it ``holds``.
+
+    ``asked``: only where that generator is.
+    """
 
     name: str
     models: Callable[[Setup], TypeModels]

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 
 def instance_counts(types: Iterable[ObjectType]) -> dict[str, int]:
-    """Count S(F): the Feature nodes of each type over ``types``, instances and not appearances; compounds and their parts alike (§2.2).
+    """Count S(F): the Feature nodes of each type over ``types``, instances and not appearances.
+
+    Compounds and their parts alike (§2.2).
 
     The same type given twice counts twice: that is what dv over Δ wants (§5.1, variant of §9).
     """

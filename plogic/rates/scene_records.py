@@ -112,7 +112,10 @@ class Sighting:
 
 @dataclass(frozen=True)
 class Slot:
-    """One instance that is there, is not there, or (None) may be there; its sightings are those of its pose, none where it is not there."""
+    """One instance that is there, is not there, or (None) may be there.
+
+    Its sightings are those of its pose, none where it is not there.
+    """
 
     object_type: str
     present: bool | None
@@ -277,7 +280,10 @@ def is_scene(path: Path) -> bool:
 
 
 def scene_folders(paths: Sequence[str]) -> list[Path]:
-    """The scenes that are named: folders with a truth.json, or folders of such folders. Raises InputError for anything else."""
+    """The scenes that are named: folders with a truth.json, or folders of such folders.
+
+    Raises InputError for anything else.
+    """
     found: list[Path] = []
     for name in paths:
         path = Path(name)

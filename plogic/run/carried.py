@@ -101,7 +101,10 @@ enough."""
 
 
 def image_asset(image: NDArray[np.uint8] | None) -> AssetsRow:
-    """``{"image": {...}}`` of a BGR picture (H, W, 3), or nothing. The size given is the original's, so that pixels keep their meaning."""
+    """``{"image": {...}}`` of a BGR picture (H, W, 3), or nothing.
+
+    The size given is the original's, so that pixels keep their meaning.
+    """
     if image is None:
         return {}
     height, width = image.shape[:2]
@@ -116,7 +119,10 @@ def image_asset(image: NDArray[np.uint8] | None) -> AssetsRow:
 
 
 def mesh_assets(types: Mapping[str, ObjectType]) -> AssetsRow:
-    """``{"meshes": {type: {"vertices", "triangles"}}}`` in metres, object frame, to 0.1 mm; of a coarser one how far off it may be, ``slack``, m."""
+    """``{"meshes": {type: {"vertices", "triangles"}}}`` in metres, object frame, to 0.1 mm.
+
+    Of a coarser one how far off it may be, ``slack``, m.
+    """
     meshes: dict[str, MeshRow] = {}
     for name, object_type in sorted(types.items()):
         surface = object_type.surface

@@ -73,7 +73,10 @@ def document_of(
     *,
     seconds: float | None = None,
 ) -> Interpretation:
-    """Everything that ``worlds``, ``query``, ``explain``, ``report`` and ``program`` need; with ``seconds``, what is known of relations by then."""
+    """Everything that ``worlds``, ``query``, ``explain``, ``report`` and ``program`` need.
+
+    With ``seconds``, what is known of relations by then.
+    """
     situation = delta.situation
     counts = instance_counts(kb.types)
     dv = distinctiveness(counts)
@@ -113,7 +116,10 @@ def document_of(
 
 
 def _worlds(ranking: Ranking, situation: Situation, *, short: bool) -> Listed:
-    """The listed worlds; ``short``: an appearance that no feature is matched to is noise in all of them, and is not repeated."""
+    """The listed worlds.
+
+    ``short``: an appearance that no feature is matched to is noise in all of them, and is not repeated.
+    """
     matched = {f.match for h in situation.hypotheses for f in h.features}
     named = [a.id for a in situation.appearances if a.id in matched or not short]
     worlds: list[WorldRow] = [
@@ -128,7 +134,10 @@ def _told(table: Mapping[str, float], names: Mapping[str, float]) -> dict[str, f
 
 
 def relation_probabilities(situation: Situation, seconds: float | None = None) -> list[RelationRow]:
-    """P(relation) of each pair: that both are present, most probable first; with ``seconds``, the middle of its ``interval`` by then."""
+    """P(relation) of each pair: that both are present, most probable first.
+
+    With ``seconds``, the middle of its ``interval`` by then.
+    """
     chances = together(situation, [(fact.x, fact.y) for fact in situation.relations], seconds)
     rows = [
         _relation(fact, low, high, told=seconds is not None)

@@ -62,7 +62,10 @@ class Measure:
 
 @dataclass(frozen=True)
 class Distinctive:
-    """dv of a feature type over Σo's types, and over the instances in Δi; None where a learned type's features are summed up."""
+    """dv of a feature type over Σo's types, and over the instances in Δi.
+
+    None where a learned type's features are summed up.
+    """
 
     type: str
     over_types: float
@@ -113,7 +116,10 @@ def measured(document: Interpretation) -> Measures:
 
 
 def dv_over_instances(believed: Sequence[Hypothesis], dv: Mapping[str, float]) -> dict[str, float] | None:
-    """Dv of each feature type over the instances in Δi, that over Σo where Δi is empty (§5.1); None where features are summed up."""
+    """Dv of each feature type over the instances in Δi, that over Σo where Δi is empty (§5.1).
+
+    None where features are summed up.
+    """
     counts = Counter(f.type for h in believed for f in h.features)
     if OTHERS in counts:
         return None

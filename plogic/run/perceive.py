@@ -76,7 +76,10 @@ class Perceiver:
         image: NDArray[np.uint8] | None = None,
         clock: Stopwatch | None = None,
     ) -> Interpretation:
-        """The interpretation document of one Γ; ``image`` (H, W, 3) is only carried along. An empty Γ gives the empty world."""
+        """The interpretation document of one Γ; ``image`` (H, W, 3) is only carried along.
+
+        An empty Γ gives the empty world.
+        """
         options, clock = options or Options(), clock or Stopwatch()
         return self.document(gamma, *self.cycle(gamma, options, clock), options, image, clock)
 

@@ -56,7 +56,10 @@ def gamma_of(
 
 
 def detected(picture: NDArray[Any], camera: Camera, kb: KnowledgeBase, clock: Stopwatch) -> Gamma:
-    """Γ of a picture (H, W, 3), BGR, by all detectors that report a type of the KB. Raises InputError where none does."""
+    """Γ of a picture (H, W, 3), BGR, by all detectors that report a type of the KB.
+
+    Raises InputError where none does.
+    """
     from sensing.detectors.detector import detect
 
     if not detectable(kb):

@@ -52,7 +52,10 @@ class Detector(Protocol):
         """The appearance types that it can report."""
 
     def detect(self, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
-        """Appearances in an (H, W, 3) uint8 image, blue first; their ids are of no account. A constant image gives none."""
+        """Appearances in an (H, W, 3) uint8 image, blue first; their ids are of no account.
+
+        A constant image gives none.
+        """
 
 
 def _junctions() -> Detector:

@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 
 
 def fairly(uv: NDArray[np.float64], cell: float) -> NDArray[np.intp]:
-    """(N,) order of what is at places (N, 2), the best first: by turns the best left and the next cell's best left; cells are ``cell`` pixels wide.
+    """(N,) order of what is at places (N, 2), the best first: by turns the best left and the next cell's best left.
+
+    Cells are ``cell`` pixels wide.
 
     The cells' turns: the first of every cell of the image, then the second of every one, and so on.
     """
@@ -49,7 +51,10 @@ BORDER = 5
 
 @dataclass(frozen=True)
 class EdgePoints:
-    """``uv`` (N, 2) pixels; ``angle`` (N,) radians of the gradient, from dark to bright, clockwise from +x; ``rise`` (N,) grey levels a pixel."""
+    """``uv`` (N, 2) pixels; ``angle`` (N,) radians of the gradient, from dark to bright, clockwise from +x.
+
+    ``rise`` (N,) grey levels a pixel.
+    """
 
     uv: Floats
     angle: Floats
@@ -57,7 +62,9 @@ class EdgePoints:
 
 
 def edge_points(image: NDArray[np.uint8], cell: int, most: int, least: float = LEAST) -> EdgePoints:
-    """The strongest point of an edge in each square cell of an image, ``cell`` pixels wide; at most ``most``, the strongest first.
+    """The strongest point of an edge in each square cell of an image, ``cell`` pixels wide.
+
+    At most ``most``, the strongest first.
 
     It rises by more than ``least`` grey levels a pixel. A point is where the gradient is greatest along its own
     direction, to a part of a pixel. Of an image (H, W, 3) the gradient is that of the channel in which it is greatest,
@@ -149,7 +156,10 @@ class EdgeSides:
 
 
 def edge_sides(image: Bytes, cell: int, most: int = MOST) -> EdgeSides:
-    """Both sides of the strongest edge in each square cell of an (H, W, 3) image, blue first, ``cell`` pixels wide; ``most`` edges at most."""
+    """Both sides of the strongest edge in each square cell of an (H, W, 3) image, blue first, ``cell`` pixels wide.
+
+    ``most`` edges at most.
+    """
     import cv2
 
     points = edge_points(image, cell, image.size, max(LEAST, NOISY * noise(image)))

@@ -38,7 +38,10 @@ def sample(grey: NDArray[np.float32], at: Floats) -> NDArray[np.float32]:
 
 
 def directions(segments: Floats) -> tuple[Floats, Floats, Floats]:
-    """(N, 2) unit directions, (N, 2) unit normals and (N,) lengths of (N, 4) segments; a point's direction is (0, 0)."""
+    """(N, 2) unit directions, (N, 2) unit normals and (N,) lengths of (N, 4) segments.
+
+    A point's direction is (0, 0).
+    """
     along = segments[:, 2:] - segments[:, :2]
     length = np.linalg.norm(along, axis=1)
     along = along / np.maximum(length, 1e-9)[:, None]

@@ -157,7 +157,10 @@ def _difference(grey: NDArray[np.float32], on: Floats, across: Floats) -> Floats
 
 
 def completed(step: Floats, least: Floats, arms: Floats, lengths: Floats) -> tuple[Floats, Floats]:
-    """Arms (k,) with those added that the steps (D,) of one place show, the strongest first; an added arm is as long as was looked at."""
+    """Arms (k,) with those added that the steps (D,) of one place show, the strongest first.
+
+    An added arm is as long as was looked at.
+    """
     angle = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
     peak = (step >= np.roll(step, 1)) & (step > np.roll(step, -1)) & (step >= MIN_STEP) & (least >= LEAST * step)
     wide = round(APART / (2 * np.pi / DIRECTIONS))
@@ -200,7 +203,10 @@ def _rim(corners: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Meeting:
-    """A place (u, v) where segments meet; ``arms`` (k,) directions in radians away from it, ``lengths`` (k,) in pixels, ``gap`` mean px."""
+    """A place (u, v) where segments meet.
+
+    ``arms`` (k,) directions in radians away from it, ``lengths`` (k,) in pixels, ``gap`` mean px.
+    """
 
     place: Floats
     arms: Floats
@@ -260,7 +266,10 @@ def _meeting(segments: Floats, start: Floats) -> Meeting:
 
 
 def _nearest(points: Floats, normals: Floats, weights: Floats, start: Floats) -> Floats:
-    """(2,) place with the least weighted squared distances from lines; ``start`` where they fix none within 3 px of it."""
+    """(2,) place with the least weighted squared distances from lines.
+
+    ``start`` where they fix none within 3 px of it.
+    """
     A = np.einsum("n,ni,nj->ij", weights, normals, normals)
     b = np.einsum("n,ni,n->i", weights, normals, (points * normals).sum(axis=1))
     if np.linalg.det(A) < 1e-6 * np.trace(A) ** 2:
@@ -270,7 +279,10 @@ def _nearest(points: Floats, normals: Floats, weights: Floats, start: Floats) ->
 
 
 def _arms(segments: Floats, along: Floats, length: Floats, place: Floats) -> tuple[Floats, Floats]:
-    """Directions and lengths of the arms: where a segment runs on by more than the overshoot; near-equal directions once, the longest."""
+    """Directions and lengths of the arms: where a segment runs on by more than the overshoot.
+
+    Near-equal directions once, the longest.
+    """
     t = ((place - segments[:, :2]) * along).sum(axis=1)
     angles = np.concatenate([np.arctan2(along[:, 1], along[:, 0]), np.arctan2(-along[:, 1], -along[:, 0])])
     lengths = np.concatenate([length - t, t])

@@ -23,9 +23,11 @@ REACH, BROAD = 0.75, 0.5
 DARK = 16.0
 """Grey levels added to each channel: in the dark, colours are noise."""
 GAIN = 64.0
-"""Bytes for a factor of e between two channels. All five cells off by a factor of 2 are then as far apart as two SIFT
-descriptors of one thing usually are (about 100): light may tint colours by a fifth at little cost, and what has another
-colour is not alike."""
+"""Bytes for a factor of e between two channels.
+
+All five cells off by a factor of 2 are then as far apart as two SIFT descriptors of one
+thing usually are (about 100): light may tint colours by a fifth at little cost, and what has another colour is not
+    alike."""
 WIDTH = 2 * len(CELLS)
 """Bytes of a keypoint's colours."""
 _LEVELS, _ROW = 6, 8192

@@ -106,14 +106,20 @@ class KeypointDetector:
         contrast: float | None = None,
         most: int = MOST,
     ) -> None:
-        """A detector that names types by ``words``, or by its own name where they are None or another detector's; see ``keypoints``."""
+        """A detector that names types by ``words``, or by its own name where they are None or another detector's.
+
+        See ``keypoints``.
+        """
         self.name: str = name
         self._words = words if words is not None and words.detector == name else None
         self._contrast, self._most = contrast, most
         self.types: tuple[str, ...] = (name,) if self._words is None else tuple(self._words.names)
 
     def detect(self, image_bgr: Bytes) -> list[Appearance]:
-        """``described`` of an (H, W, 3) uint8 image, in that order; then the sides of its edges, where words know any and it has colours."""
+        """``described`` of an (H, W, 3) uint8 image, in that order.
+
+        Then the sides of its edges, where words know any and it has colours.
+        """
         found = described(image_bgr, self.name, contrast=self._contrast, most=self._most)
         word = (
             self._words.nearest(found.descriptors)

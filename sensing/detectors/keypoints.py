@@ -147,7 +147,10 @@ def _between_centres(pt: Floats, octave: Floats, shape: tuple[int, ...]) -> Floa
 
 
 def _strongest(found: Keypoints, most: int) -> Keypoints:
-    """At most ``most`` by response, then v, u, angle and scale; of those with one place and one angle, the first alone."""
+    """At most ``most`` by response, then v, u, angle and scale.
+
+    Of those with one place and one angle, the first alone.
+    """
     order = np.lexsort((found.scale, found.angle, found.uv[:, 0], found.uv[:, 1], -found.response))
     found = found.chosen(order)
     key = np.column_stack([np.round(found.uv, 2), np.round(found.angle, 3)])

@@ -43,7 +43,10 @@ MAX_ASPECT = 12.0
 
 @dataclass(frozen=True, eq=False)
 class Patches:
-    """N patches: ``corners`` (N, 4, 2) px, clockwise on the screen; ``centre`` (N, 2) px; ``contrast`` (N,) grey levels; ``score`` (N,)."""
+    """N patches: ``corners`` (N, 4, 2) px, clockwise on the screen; ``centre`` (N, 2) px.
+
+    ``contrast`` (N,) grey levels; ``score`` (N,).
+    """
 
     corners: Floats
     centre: Floats
@@ -173,7 +176,10 @@ def _fitted(grey: NDArray[np.float32], quads: Floats, share: float) -> tuple[Flo
 
 
 def _chosen(grey: NDArray[np.float32], quads: Floats, rise: Floats, areas_seen: Floats) -> Patches:
-    """Those that a sharp rise surrounds on every side, that are even inside, and as large as their blob; each place once."""
+    """Those that a sharp rise surrounds on every side, that are even inside, and as large as their blob.
+
+    Each place once.
+    """
     whole = _plausible(quads)
     quads, rise, areas_seen = quads[whole], rise[whole], areas_seen[whole]
     inside = _inside(grey, quads)

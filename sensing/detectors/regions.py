@@ -53,7 +53,10 @@ typical response does."""
 
 
 class _Region(NamedTuple):
-    """``channel``, which of the image's it was found in; over how many thresholds it is stable; its pixels (P, 2), their middle, its radius."""
+    """``channel``, which of the image's it was found in; over how many thresholds it is stable.
+
+    Its pixels (P, 2), their middle, its radius.
+    """
 
     channel: int
     step: int
@@ -63,7 +66,9 @@ class _Region(NamedTuple):
 
 
 def regions(image: Bytes, most: int = MOST) -> Keypoints:
-    """Of an (H, W) or (H, W, 3) uint8 image, blue first; those that stand out most first, each once for each of its directions.
+    """Of an (H, W) or (H, W, 3) uint8 image, blue first.
+
+    Those that stand out most first, each once for each of its directions.
 
     ``scale`` is the diameter of a circle as large; ``descriptors`` are (N, 138), or (N, 128) of an image without
     colours.

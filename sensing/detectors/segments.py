@@ -124,7 +124,10 @@ def _sharp(grey: NDArray[np.float32], segments: Floats) -> NDArray[np.bool_]:
 
 
 def merged(segments: Floats) -> Floats:
-    """Collinear pieces of one polarity joined over gaps shorter than a sixth of their joint length plus 4 px; longest first."""
+    """Collinear pieces of one polarity joined over gaps shorter than a sixth of their joint length plus 4 px.
+
+    Longest first.
+    """
     rest = _longest_first(segments)
     done: list[Floats] = []
     while len(rest):

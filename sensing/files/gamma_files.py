@@ -80,7 +80,10 @@ def read_gamma(path: str | Path, vocabulary: Collection[str] | None = None) -> G
 
 
 def gamma_from_text(text: str, name: str = "gamma.json", vocabulary: Collection[str] | None = None) -> Gamma:
-    """Γ from the text of a ``gamma.json``; ``name`` opens every mistake's line. Raises GammaError as ``read_gamma`` does."""
+    """Γ from the text of a ``gamma.json``; ``name`` opens every mistake's line.
+
+    Raises GammaError as ``read_gamma`` does.
+    """
     return gamma_from_dict(_parsed(text, name), name, vocabulary)
 
 
@@ -105,7 +108,10 @@ def gamma_to_dict(gamma: Gamma) -> dict[str, Any]:
 
 
 def appearance_to_dict(appearance: Appearance, *, described: bool = True) -> dict[str, Any]:
-    """One appearance with the contract's keys; optional ones only where there is a value, its descriptor only where it is to be ``described``."""
+    """One appearance with the contract's keys.
+
+    Optional ones only where there is a value, its descriptor only where it is to be ``described``.
+    """
     a = appearance
     keys: dict[str, Any] = {"id": a.id, "type": a.type, "uv": list(a.uv), "detector": a.detector}
     if a.angle is not None:

@@ -115,7 +115,10 @@ def _to_eight_bits(pixels: NDArray[np.uint16], path: str | Path) -> NDArray[np.u
 
 
 def damage(data: bytes) -> str | None:
-    """What is wrong with a file's bytes as one clause; None where nothing shows, which is all that can be said of kinds other than PNG and JPEG."""
+    """What is wrong with a file's bytes as one clause.
+
+    None where nothing shows, which is all that can be said of kinds other than PNG and JPEG.
+    """
     if not data:
         return "is empty"
     if data.startswith(_JPEG):

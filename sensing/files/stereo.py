@@ -55,7 +55,10 @@ ALIKE = 0.8
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """``right_from_left`` (4, 4): points of the left camera's frame in the right one's, metres. Raises CameraError where it is no such pose."""
+    """``right_from_left`` (4, 4): points of the left camera's frame in the right one's, metres.
+
+    Raises CameraError where it is no such pose.
+    """
 
     right_from_left: NDArray[np.float64]
 
@@ -125,7 +128,10 @@ def _alike(left: tuple[Appearance, ...], right: tuple[Appearance, ...]) -> NDArr
 
 
 def _unique(left: Gamma, right: Gamma, near: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Pairs of which neither has another partner; of keypoints, of which the descriptors say that no other is nearly as like."""
+    """Pairs of which neither has another partner.
+
+    Of keypoints, of which the descriptors say that no other is nearly as like.
+    """
     cost = np.where(near, _unlikeness(left, right, near), np.inf)
     if not cost.size:
         return []

@@ -115,7 +115,10 @@ def new_folder(folder: Path) -> Iterator[Path]:
 
 
 def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write a new folder with ``files`` (name → bytes), whole or not at all; raises SensingError as ``new_folder`` does."""
+    """Write a new folder with ``files`` (name → bytes), whole or not at all.
+
+    Raises SensingError as ``new_folder`` does.
+    """
     with new_folder(folder) as made:
         for name, data in files.items():
             (made / name).write_bytes(data)

@@ -66,7 +66,10 @@ class TexturedMesh:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A mesh at ``world_from_body`` (4, 4); ``label`` names it in the ground truth and nowhere else, None for an untyped decoy."""
+    """A mesh at ``world_from_body`` (4, 4).
+
+    ``label`` names it in the ground truth and nowhere else, None for an untyped decoy.
+    """
 
     label: str | None
     mesh: TexturedMesh

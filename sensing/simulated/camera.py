@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sensor:
-    """``noise``: standard deviation, grey levels per channel; ``blur``: the lens' standard deviation, pixels; ``seed`` of the noise."""
+    """``noise``: standard deviation, grey levels per channel; ``blur``: the lens' standard deviation, pixels.
+
+    ``seed`` of the noise.
+    """
 
     noise: float = 3.5
     blur: float = 0.4

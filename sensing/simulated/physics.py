@@ -1,6 +1,9 @@
-"""Physics by pybullet, where there is one: a client per use, closed afterwards, silent; and bodies that come to rest on the floor.
+"""Physics by pybullet, where there is one: a client per use, closed afterwards, silent.
 
-It has wheels for CPython 3.11 on x86-64 Linux; its fork ``pybullet-arm64``, a module of the same name, has them for 3.12
+And bodies that come to rest on the floor.
+
+It has wheels for CPython 3.11 on x86-64 Linux; its fork ``pybullet-arm64``, a module of the same name, has them for
+3.12
 and 3.13 and for macOS on Arm. Elsewhere pictures are drawn by rays, and nothing settles or is held.
 
 Bodies come to rest on the floor (z = 0) each as its convex hull: good enough to stand things up. Whether bodies share
@@ -83,7 +86,10 @@ def client() -> Iterator[tuple[Any, int]]:
 
 
 def _flush_c() -> None:
-    """C's own buffers hold the banner back until they are flushed; flush them while the descriptors still lead nowhere."""
+    """C's own buffers hold the banner back until they are flushed.
+
+    Flush them while the descriptors still lead nowhere.
+    """
     import ctypes
 
     ctypes.CDLL(None).fflush(None)

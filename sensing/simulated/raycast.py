@@ -50,7 +50,10 @@ class TexturePyramid:
         return self.levels[0].shape[1], self.levels[0].shape[0]
 
     def at(self, uv: NDArray[np.float64], footprint: NDArray[np.float64]) -> NDArray[np.float32]:
-        """(N, 3) colours at ``uv`` (N, 2) in [0, 1], (0, 0) the lower left; ``footprint`` (N,): texels between neighbouring samples."""
+        """(N, 3) colours at ``uv`` (N, 2) in [0, 1], (0, 0) the lower left.
+
+        ``footprint`` (N,): texels between neighbouring samples.
+        """
         level = np.clip(np.rint(np.log2(np.maximum(footprint, 1e-9))), 0, len(self.levels) - 1).astype(int)
         colours = np.empty((len(uv), 3), np.float32)
         for i, picture in enumerate(self.levels):
@@ -107,7 +110,10 @@ class Caster:
         self.mesh = RayMesh(self._corners.reshape(-1, 3), np.arange(self._corners.shape[0] * 3).reshape(-1, 3))
 
     def cast(self, eye: NDArray[np.float64], rays: NDArray[np.float64]) -> Cast:
-        """What rays (N, 3) of any length from ``eye`` (3,) meet; a depth of inf, a zero normal and a NaN point for nothing."""
+        """What rays (N, 3) of any length from ``eye`` (3,) meet.
+
+        A depth of inf, a zero normal and a NaN point for nothing.
+        """
         distance, triangle = self.mesh.first_triangle(eye[None], rays)
         depth = distance / np.linalg.norm(rays, axis=1)
         hit = triangle >= 0

@@ -5,7 +5,8 @@
 The bodies stay where they settled. Each look has noise of its own; the same looks at the same places give the same
 bytes.
 
-What a robot saw on its way, as a folder: ``frame-000/`` with image.png, camera.json and truth.json, and so on, and ``poses.json``.
+What a robot saw on its way, as a folder: ``frame-000/`` with image.png, camera.json and truth.json, and so on, and
+``poses.json``.
 
 ``poses.json`` is ``poses/1``, as ``plogic perceive FRAME... --poses FILE`` reads it.
 """
@@ -104,7 +105,10 @@ class Robot:
         return replace(self._scene, fractions=visible_fractions(self._scene.bodies, self._scene.camera))
 
     def ring(self, views: int) -> list[NDArray[np.float64]]:
-        """So many places (4, 4) evenly around the middle, at the present height and distance, turned to the middle; the first is on this side."""
+        """So many places (4, 4) evenly around the middle, at the present height and distance, turned to the middle.
+
+        The first is on this side.
+        """
         eye = self.world_from_camera[:3, 3]
         out = eye - self.middle
         height, level = out[2], np.array([out[0], out[1], 0.0])

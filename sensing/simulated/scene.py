@@ -5,7 +5,8 @@
 
 Untyped things to stand about: boxes and wedges of random sizes, plain or painted with random rectangles.
 
-A simulated scene as a folder: ``image.png``, ``camera.json`` (the contract's camera), ``truth.json``; whole or not at all.
+A simulated scene as a folder: ``image.png``, ``camera.json`` (the contract's camera), ``truth.json``; whole or not at
+    all.
 """
 
 from __future__ import annotations
@@ -51,7 +52,10 @@ ATTEMPTS = 400
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Bodies, the camera with its pose in the world, and what decides the pixels; ``fractions`` is the visible share of each body."""
+    """Bodies, the camera with its pose in the world, and what decides the pixels.
+
+    ``fractions`` is the visible share of each body.
+    """
 
     bodies: tuple[Body, ...]
     camera: Camera
@@ -139,7 +143,10 @@ def _standing(
     placement: Placement,
     azimuth: float,
 ) -> tuple[Body, ...] | None:
-    """Bodies upright on the floor, footprints apart; None where chance put two into one place. ``azimuth`` is the camera's side."""
+    """Bodies upright on the floor, footprints apart; None where chance put two into one place.
+
+    ``azimuth`` is the camera's side.
+    """
     away = -np.array([np.cos(azimuth), np.sin(azimuth)])
     across = np.array([-away[1], away[0]])
     bodies: list[Body] = []
@@ -174,7 +181,10 @@ def _apart(bodies: Sequence[Body]) -> bool:
 def _aimed(
     bodies: Sequence[Body], shapes: int, azimuth: float, rng: np.random.Generator, template: Camera
 ) -> Camera | None:
-    """A camera on the side ``azimuth`` that has everything in view; None if eight distances and elevations of chance give none."""
+    """A camera on the side ``azimuth`` that has everything in view.
+
+    None if eight distances and elevations of chance give none.
+    """
     points = np.concatenate([b.vertices_world for b in bodies]) if bodies else np.zeros((1, 3))
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     for _ in range(8):

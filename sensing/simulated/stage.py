@@ -118,7 +118,10 @@ class _Rays:
         return segmentation
 
     def _paint(self, found: Cast, rays: NDArray[np.float64], pixel: float) -> NDArray[np.uint8]:
-        """(N, 3) light of what each ray (N, 3) met, blue first; ``pixel``: between neighbouring rays, at a depth of 1."""
+        """(N, 3) light of what each ray (N, 3) met, blue first.
+
+        ``pixel``: between neighbouring rays, at a depth of 1.
+        """
         some = np.maximum(found.triangle, 0)
         steepness = np.abs(np.einsum("nx,nx->n", self._facets[some], rays)) / np.linalg.norm(rays, axis=1)
         light = self._caster.colours(found, found.depth * pixel, steepness) * self._brightness[some, None]
@@ -147,7 +150,10 @@ class _Sight:
             yield (some, columns), (u + v).reshape(-1, 3)
 
     def _around(self) -> tuple[slice, slice]:
-        """Rows and columns of the bodies' box in the picture; all of them where a body is beside or behind the camera."""
+        """Rows and columns of the bodies' box in the picture.
+
+        All of them where a body is beside or behind the camera.
+        """
         height, width = self.shape
         if not self._bodies:
             return slice(0, 0), slice(0, 0)
@@ -259,7 +265,10 @@ def view_matrix(camera: Camera) -> list[float]:
 
 
 def projection_matrix(camera: Camera, supersample: int, near: float, far: float) -> list[float]:
-    """OpenGL projection matrix, column-major, for an image ``supersample`` times as wide and high; near and far in metres."""
+    """OpenGL projection matrix, column-major, for an image ``supersample`` times as wide and high.
+
+    Near and far in metres.
+    """
     K = _undistorted(camera, supersample)
     width, height = camera.width * supersample, camera.height * supersample
     P = np.zeros((4, 4))
@@ -284,7 +293,10 @@ def _undistorted(camera: Camera, supersample: int) -> NDArray[np.float64]:
 
 
 def supersampled(K: NDArray[np.float64], factor: int) -> NDArray[np.float64]:
-    """K (3, 3) of the image that is ``factor`` times larger; an integer stays a pixel's centre: u' = (u + ½) factor − ½."""
+    """K (3, 3) of the image that is ``factor`` times larger.
+
+    An integer stays a pixel's centre: u' = (u + ½) factor − ½.
+    """
     larger = K.copy()
     larger[:2] *= factor
     larger[:2, 2] += (factor - 1) / 2

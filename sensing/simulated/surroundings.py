@@ -72,7 +72,10 @@ HAZE_METRES = 25.0
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What the floor (z = 0 of the world) and the background look like; ``contrast`` is the texture's standard deviation in grey levels."""
+    """What the floor (z = 0 of the world) and the background look like.
+
+    ``contrast`` is the texture's standard deviation in grey levels.
+    """
 
     seed: int = 0
     floor: tuple[float, float, float] = (118.0, 122.0, 126.0)

@@ -1,4 +1,7 @@
-"""A rough stand-in for ``plogic kb learn``: keypoints of a few rendered views, put back on the surface by rays. Not clustered."""
+"""A rough stand-in for ``plogic kb learn``: keypoints of a few rendered views, put back on the surface by rays.
+
+Not clustered.
+"""
 
 from __future__ import annotations
 

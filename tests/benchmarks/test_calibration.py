@@ -131,7 +131,10 @@ def test_the_base_rate_is_calibrated_and_has_no_skill_and_the_perfect_has_all(y,
 @SOME
 @given(FORECASTS)
 def test_murphys_parts_make_the_score_where_forecasts_of_a_bin_are_alike(rows):
-    """As many bins as it takes to part any two that differ; then skill is what is resolved, less what is wrong, of what was uncertain."""
+    """As many bins as it takes to part any two that differ.
+
+    Then skill is what is resolved, less what is wrong, of what was uncertain.
+    """
     p, y = split(rows)
     found = parts(p, y, bins=2 * len(p))
     assert found.reliability - found.resolution + found.uncertainty == pytest.approx(brier(p, y))

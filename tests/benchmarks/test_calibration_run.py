@@ -107,7 +107,10 @@ def test_rates_are_learned_about_as_they_are(world):
 
 
 def test_what_is_printed_is_that_of_the_forecasts():
-    """One scene a forecast: half say 0.75 and three of four are true, half say 0.25 and one of four is; P(ev) says 1 of all."""
+    """One scene a forecast: half say 0.75 and three of four are true, half say 0.25 and one of four is.
+
+    P(ev) says 1 of all.
+    """
     rows_of = [(0.75, i % 4 != 0) for i in range(40)] + [(0.25, i % 4 == 0) for i in range(40)]
     found = [Forecast(i, GATE, true, dict.fromkeys(READINGS, p) | {P_EV: 1.0}) for i, (p, true) in enumerate(rows_of)]
     table = {row["reading"]: row for row in rows(found)}

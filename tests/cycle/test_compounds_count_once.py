@@ -1,4 +1,7 @@
-"""A learned compound counts once (A1): in the cells, in ev, in the valuation, and in what worlds are made of; whatever the number of its parts."""
+"""A learned compound counts once (A1): in the cells, in ev, in the valuation, and in what worlds are made of.
+
+Whatever the number of its parts.
+"""
 
 from __future__ import annotations
 

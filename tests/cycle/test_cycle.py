@@ -191,7 +191,10 @@ def test_pure_clutter_is_the_empty_world(number):
 
 
 def test_a_regular_grid_of_patches_terminates():
-    """The hardest clutter: windows of any wall anywhere, and no corner. What is seen in it must at least be consistent (A4)."""
+    """The hardest clutter: windows of any wall anywhere, and no corner.
+
+    What is seen in it must at least be consistent (A4).
+    """
     grid = [Appearance(f"a{i}", "patch", (100.0 + 40 * (i % 8), 80.0 + 40 * (i // 8)), "drawn") for i in range(64)]
     cycle = cycle_of(Gamma(CAMERA, tuple(grid)))
     assert cycle.trace.steps[-1].event == "stable"

@@ -30,7 +30,10 @@ POSTERIOR = Options(reading="posterior")
 
 
 def stand(seed, wide, found):
-    """A thing of 30 features, so much as wide as usual, ``found`` of them detected a pixel off; its belief, Γ and knowledge base."""
+    """A thing of 30 features, so much as wide as usual, ``found`` of them detected a pixel off.
+
+    Its belief, Γ and knowledge base.
+    """
     rng = np.random.default_rng(seed)
     cloud = one_sided(seed, FEATURES)
     cloud = replace(cloud, at=cloud.at * wide)

@@ -25,7 +25,10 @@ PLACES = (0.06, -0.09), (-0.09, 0.06), (-0.02, -0.24)
 
 
 def standing(x, y, degrees=0.0, height=0.0, tip=0.0):
-    """camera_from_cube of a cube on the table, its own z axis up; ``height`` (m) above it, tipped by so many degrees."""
+    """camera_from_cube of a cube on the table, its own z axis up.
+
+    ``height`` (m) above it, tipped by so many degrees.
+    """
     c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     ct, st_ = np.cos(np.radians(tip)), np.sin(np.radians(tip))
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array([[1, 0, 0], [0, ct, -st_], [0, st_, ct]])

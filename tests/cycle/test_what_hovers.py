@@ -26,7 +26,10 @@ HIGH = 0.6
 
 @cache
 def shot():
-    """Two towers on the floor, and between them, farther away, the appearances of a third that hovers; the world is the first's frame."""
+    """Two towers on the floor, and between them, farther away, the appearances of a third that hovers.
+
+    The world is the first's frame.
+    """
     rng = np.random.default_rng(7411)
     poses = side_by_side(rng)
     camera = replace(CAMERA, world_from_camera=inverse(poses["t1"]))

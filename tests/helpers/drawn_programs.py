@@ -12,7 +12,10 @@ LABELS = ("0.1", "0.25", "0.5", "0.9", "0.0", "1.0", "1/3")
 
 @dataclass(frozen=True)
 class Drawn:
-    """``choices``: ((label, atom), ...) per alternative; ``rules``: (head, ((negated, atom), ...)), heads in layers, so that none is cyclic."""
+    """``choices``: ((label, atom), ...) per alternative.
+
+    ``rules``: (head, ((negated, atom), ...)), heads in layers, so that none is cyclic.
+    """
 
     choices: tuple[tuple[tuple[str, str], ...], ...]
     rules: tuple[tuple[str, tuple[tuple[bool, str], ...]], ...]

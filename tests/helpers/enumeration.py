@@ -1,4 +1,7 @@
-"""The oracle: the weight of every subset of the hypotheses, both readings, by the definitions and nothing else; 2^k of them."""
+"""The oracle: the weight of every subset of the hypotheses, both readings, by the definitions and nothing else.
+
+2^k of them.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,10 @@ def subsets(members):
 
 
 def log_weights(situation):
-    """Natural logarithm of the weight of every subset, (2^k,), −inf where a constraint is violated; it sums to the evidence."""
+    """Natural logarithm of the weight of every subset, (2^k,), −inf where a constraint is violated.
+
+    It sums to the evidence.
+    """
     scene = Scene(situation)
     present = subsets([h.id for h in situation.hypotheses])
     score = situation.reading == "score"

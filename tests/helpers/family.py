@@ -1,4 +1,6 @@
-"""A process that starts children of every kind and tells their numbers; then it waits to be killed. Run as ``family.py KIND``.
+"""A process that starts children of every kind and tells their numbers; then it waits to be killed.
+
+Run as ``family.py KIND``.
 
 As ``family.py child``, one that sleeps, having started another.
 """

@@ -66,7 +66,10 @@ class Ready:
         return Search(self.asked(data)).proposals(data)
 
     def together(self, data, hidden_of=None):
-        """By type the hypotheses of all types, as the cycle asks for them; {} where they are not searched for together."""
+        """By type the hypotheses of all types, as the cycle asks for them.
+
+        {} where they are not searched for together.
+        """
         search = search_of(self.shared, data, self.kb)
         return {} if search is None else generate_together(search, data, self.kb, hidden_of)
 
@@ -142,7 +145,10 @@ def seen_from(index, cell, roll=0.0):
 
 
 def picture_of(index, pose, features, camera=STRAIGHT):
-    """Exact data of some features at a pose; an angle is where a point a little way along the x axis of the feature's frame is seen."""
+    """Exact data of some features at a pose.
+
+    An angle is where a point a little way along the x axis of the feature's frame is seen.
+    """
     chosen = [index.object_type.features[f] for f in features]
     at = transform_points(pose, np.array([feature.at for feature in chosen]).reshape(-1, 3))
     beside = transform_points(

@@ -156,7 +156,10 @@ def _random_situation(rng, most, readings, modes):
 
 
 def with_gravity(subject, seed, **changes):
-    """Of which some float in some worlds: heights and who rests on whom are drawn; the ground's height is told in half of them."""
+    """Of which some float in some worlds: heights and who rests on whom are drawn.
+
+    The ground's height is told in half of them.
+    """
     rng = Random(seed)  # noqa: S311 - a test's
     known = [h.id for h in subject.hypotheses if rng.random() < 0.9]
     feet = tuple(

@@ -61,7 +61,10 @@ f 3 1 4
 
 
 def write_small(folder: Path, **changed: str | bytes | None) -> Path:
-    """The KB's folder; ``kb``, ``object``, ``mesh``, ``rules`` take the place of the texts above; None leaves the file out."""
+    """The KB's folder; ``kb``, ``object``, ``mesh``, ``rules`` take the place of the texts above.
+
+    None leaves the file out.
+    """
     files = {
         "kb": "kb.yaml",
         "object": "objects/tent/object.yaml",

@@ -84,7 +84,10 @@ def seen_features(poses, camera=CAMERA):
 
 
 def scene(rng, poses, *, hit=0.8, patch_hit=0.9, noise=0.4, clutter=12, arms=True, camera=CAMERA):
-    """A Γ of the posed towers. ``hit`` is the chance that a junction is detected; ``clutter`` the number of false appearances."""
+    """A Γ of the posed towers.
+
+    ``hit`` is the chance that a junction is detected; ``clutter`` the number of false appearances.
+    """
     kb, rows, names = towers(), [], set()
     for name, seen in seen_features(poses, camera).items():
         kind, pose = kb.type(name), poses[name]
@@ -137,7 +140,10 @@ def one_before_the_other(rng, distance=5.0):
 
 
 def stand(rng, distance, across, deep):
-    """t1 and t2 on the floor, ``across`` m either side of the camera's axis; t1 ``deep`` m before the middle, t2 as far behind."""
+    """t1 and t2 on the floor, ``across`` m either side of the camera's axis.
+
+    T1 ``deep`` m before the middle, t2 as far behind.
+    """
     azimuth = rng.uniform(0, 2 * np.pi)
     eye = MIDDLE + distance * direction(azimuth, np.radians(rng.uniform(14, 22)))
     camera_from_world = look_at(eye, MIDDLE)

@@ -18,7 +18,10 @@ def turned_four_times(tile):
 
 
 def picture():
-    """(2 * TILE, 3 * TILE, 3): tiles 0 to 2 in the lower row as painted, for sides; 3 to 5 in the upper row with four quarters, for lids."""
+    """(2 * TILE, 3 * TILE, 3): tiles 0 to 2 in the lower row as painted, for sides.
+
+    3 to 5 in the upper row with four quarters, for lids.
+    """
     whole = paint().copy()
     for i in range(3):
         tile = whole[:TILE, i * TILE : (i + 1) * TILE]

@@ -44,7 +44,9 @@ def _counts_lines(counts):
 
 
 def kb_files(kb):
-    """Every file of the folder, by relative path. Surfaces are written as ``mesh.obj`` in metres; textures do not travel.
+    """Every file of the folder, by relative path.
+
+    Surfaces are written as ``mesh.obj`` in metres; textures do not travel.
 
     Raises:
         KBError: for a type whose name cannot be a folder's; for learned types and their words, which only a copy of the

@@ -58,7 +58,10 @@ def seen(seed):
 
 
 def touching(seed, degrees=0.0):
-    """A scene of two, side by side, moved towards each other until they only just touch; by the ``camera`` turned around them by so much."""
+    """A scene of two, side by side, moved towards each other until they only just touch.
+
+    By the ``camera`` turned around them by so much.
+    """
     rng, kb = np.random.default_rng([seed, 1]), few_kb()
     one, other = (kb.types[i] for i in rng.choice(len(kb.types), 2, replace=False))
     there = from_rotation_translation(rotation_from_quat_xyzw(rng.normal(size=4)), [-0.12, 0.0, 0.9])
@@ -75,7 +78,10 @@ def touching(seed, degrees=0.0):
 
 
 def camera(degrees):
-    """world_from_camera of one turned about the vertical through the middle of two that touch; by 0 degrees it is where the world begins."""
+    """world_from_camera of one turned about the vertical through the middle of two that touch.
+
+    By 0 degrees it is where the world begins.
+    """
     about, middle = Rotation.from_rotvec([0.0, np.radians(degrees), 0.0]).as_matrix(), np.array([0.0, 0.0, 0.9])
     return from_rotation_translation(about, middle - about @ middle)
 

@@ -36,7 +36,10 @@ class _Countdown(Clock):
 
 @contextmanager
 def stopped(checks, width):
-    """Within, beliefs that have a deadline stop at that check; beliefs without one are exact. Past ``width`` bits both go case by case."""
+    """Within, beliefs that have a deadline stop at that check; beliefs without one are exact.
+
+    Past ``width`` bits both go case by case.
+    """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(marginals, "Clock", lambda seconds: Clock(None) if seconds is None else _Countdown(checks))
         for beliefs in (marginals.beliefs, marginals.Remembered.beliefs):

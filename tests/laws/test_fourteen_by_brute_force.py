@@ -1,4 +1,7 @@
-"""Up to 14 hypotheses: every world, in order, against the weights of all subsets; and what excludes each other is never listed together."""
+"""Up to 14 hypotheses: every world, in order, against the weights of all subsets.
+
+And what excludes each other is never listed together.
+"""
 
 from __future__ import annotations
 
@@ -79,7 +82,10 @@ def assert_never_together(subject, worlds):
 @QUICK
 @given(random_situations(), st.integers(0, 12))
 def test_what_excludes_each_other_is_never_listed_together(subject, checks):
-    """A4 in both readings, shared data in the score reading, one instance in the posterior reading; at any deadline, too."""
+    """A4 in both readings, shared data in the score reading, one instance in the posterior reading.
+
+    At any deadline, too.
+    """
     try:
         worlds = ranked_worlds(subject, 10**6).worlds
     except InconsistentError:

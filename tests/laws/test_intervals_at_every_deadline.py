@@ -1,4 +1,7 @@
-"""Intervals contain the exact value wherever a deadline falls: scenes, live scenes and programs; in wide pieces above all."""
+"""Intervals contain the exact value wherever a deadline falls: scenes, live scenes and programs.
+
+In wide pieces above all.
+"""
 
 from __future__ import annotations
 

@@ -163,7 +163,10 @@ def test_a_camera_turned_in_its_plane_turns_the_answers(subject, angle):
     [*(("many", seed) for seed in range(5400, 5408)), *(("towers", seed) for seed in range(9510, 9516))],
 )
 def test_a_turned_camera_turns_the_answers_of_any_scene(subject, seed):
-    """By one of three angles; up to the types' symmetries: which of the equal poses of a tower is told may be another."""
+    """By one of three angles.
+
+    Up to the types' symmetries: which of the equal poses of a tower is told may be another.
+    """
     perceiving = SUBJECTS[subject]()[0]
     gamma = in_a_square(scene_of_seed(seed).gamma if subject == "many" else tower_before_the_other(seed))
     upright = accepted_rows(perceiving(gamma, POSTERIOR))
@@ -207,7 +210,9 @@ def test_clutter_of_types_that_no_object_has_changes_nothing():
 
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_far_clutter_of_known_types_changes_nothing_that_is_accepted(subject):
-    """A law of judgement, for nothing of Γ counts outside an evidence area; of the search it holds where that finds the right poses anyhow.
+    """A law of judgement, for nothing of Γ counts outside an evidence area.
+
+    Of the search it holds where that finds the right poses anyhow.
 
     How many data look alike decides which poses are refined first, so that of crowds of clutter it cannot be a law.
     """

@@ -129,7 +129,10 @@ def against(document, name, reading):
 
 
 def counterpart(h, final, kb):
-    """The same hypothesis of the finished interpretation: of one type, in one place; None where more time rejects it, or moves it away."""
+    """The same hypothesis of the finished interpretation: of one type, in one place.
+
+    None where more time rejects it, or moves it away.
+    """
     kind, pose = kb.type(h["type"]), np.array(h["T_camera_object"])
     same = [
         o

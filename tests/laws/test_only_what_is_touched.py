@@ -50,7 +50,10 @@ def live_or_none(subject):
     st.randoms(use_true_random=False),
 )
 def test_any_detour_comes_to_the_bytes_of_the_direct_way(subject, evidence, random):
-    """Evidence comes and goes, in an order of its own; what is left says what it says alone in a scene that never saw the rest."""
+    """Evidence comes and goes, in an order of its own.
+
+    What is left says what it says alone in a scene that never saw the rest.
+    """
     assume(len(subject.hypotheses) > 1)
     live, kept = live_or_none(subject), []
     for goal in evidence:

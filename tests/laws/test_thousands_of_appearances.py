@@ -24,7 +24,10 @@ MISSED = 1200
 
 
 def scene(ratios, reading="posterior"):
-    """h1 claims the first appearances, h2 the last; ``SHARED`` in the middle are claimed by both, and h3 hides one of h1's."""
+    """h1 claims the first appearances, h2 the last.
+
+    ``SHARED`` in the middle are claimed by both, and h3 hides one of h1's.
+    """
     size = (COUNT + SHARED) // 2
     mine, other = range(size), range(COUNT - size, COUNT)
 
@@ -104,7 +107,10 @@ def test_in_the_posterior_reading_they_weigh_their_closed_form(kind):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("mode", ["drop", "to_B", "reassign"])
 def test_in_the_score_reading_all_sums_hold(kind, mode):
-    """The score asks for no density: that thousands of features are there is all that counts; h3, which is seen, hides one of them."""
+    """The score asks for no density: that thousands of features are there is all that counts.
+
+    H3, which is seen, hides one of them.
+    """
     subject = scene(KINDS[kind](np.random.default_rng(4)).tolist(), "score")
     front = hypothesis("h3", [feature("m", "A", match="a2999")])
     subject = replace(subject, reconsider=mode, hypotheses=(*subject.hypotheses[:2], front))

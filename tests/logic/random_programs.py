@@ -87,7 +87,10 @@ def worlds(clauses):
 
 
 def explanations(clauses, goal, *, wanted, evidence):
-    """All minimal sets of choices that entail goal = wanted, with P(choices | evidence); those of probability 0 are left out."""
+    """All minimal sets of choices that entail goal = wanted, with P(choices | evidence).
+
+    Those of probability 0 are left out.
+    """
     all_worlds = list(worlds(clauses))
     total = math.fsum(p for p, _, m in all_worlds if _agrees(m, evidence))
     choosing = [i for i, clause in enumerate(clauses) if clause.labels]

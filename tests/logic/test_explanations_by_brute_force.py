@@ -1,4 +1,7 @@
-"""Oracle: every total choice of small random programs. Minimal, entailing, right in probability, and the best ones first."""
+"""Oracle: every total choice of small random programs.
+
+Minimal, entailing, right in probability, and the best ones first.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +48,10 @@ def accountant(text, goal, evidence, most):
 
 
 def stock_grounds(text, goal, evidence):
-    """ProbLog takes some positive cycles beside a negation for a negative one; what it does not ground, nobody has to explain."""
+    """ProbLog takes some positive cycles beside a negation for a negative one.
+
+    What it does not ground, nobody has to explain.
+    """
     observed = [f"e{i} :- {literal}. query(e{i})." for i, literal in enumerate(evidence)]
     try:
         DefaultEngine().ground_all(PrologString("\n".join([text, f"query({goal}).", *observed])))

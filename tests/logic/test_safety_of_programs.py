@@ -354,7 +354,10 @@ ENTRIES = ["query", "query of a goal", "worlds", "explain", "why not", "given"]
 @pytest.mark.parametrize("entry", ENTRIES)
 @pytest.mark.parametrize("trick", ["goal", "stored goal, tried", "directive from data", "query from data"])
 def test_every_entry_passes_both_layers(entry, trick, bait):
-    """Each command and verb on a program goes one of these ways; one that never calls the trick must leave no trace either."""
+    """Each command and verb on a program goes one of these ways.
+
+    One that never calls the trick must leave no trace either.
+    """
     from plogic.logic.served.program_worlds import program_worlds
     from plogic.scene.asking.explanations import explain
     from plogic.scene.asking.query import answers

@@ -78,7 +78,10 @@ def test_shanahans_values_sum_to_one_and_ev_does_not(tables):
 
 
 def test_on_wrong_hypotheses_the_measures_disagree(tables):
-    """P(ev) of a wrong pose is far from 0, for what is hidden and missed supports it; the other two leave it nothing."""
+    """P(ev) of a wrong pose is far from 0, for what is hidden and missed supports it.
+
+    The other two leave it nothing.
+    """
     wrong = [row for rows in tables for row in rows if row.name == "turned"]
     assert wrong
     for row in wrong:

@@ -109,7 +109,10 @@ def test_a_every_appearance_has_one_cause_in_every_world(reading, hiding):
 
 
 def test_b_a_phantom_in_delta_has_no_world():
-    """Put among the hypotheses by hand, a t2 wholly hidden by t1 has probability 0 in the score reading; alone its ev would be 1."""
+    """Put among the hypotheses by hand, a t2 wholly hidden by t1 has probability 0 in the score reading.
+
+    Alone its ev would be 1.
+    """
     rng = np.random.default_rng(8101)
     front = side_by_side(rng)["t1"]
     shot = scene(rng, {"t1": front}, clutter=0)

@@ -63,7 +63,10 @@ def test_counts_add_in_any_order(one, other):
 
 
 def em_by_definition(slots, observed, start):
-    """E: P(present | sightings) and P(hit | near, present) of each slot; M: the shares of the sums. Until nothing changes."""
+    """E: P(present | sightings) and P(hit | near, present) of each slot; M: the shares of the sums.
+
+    Until nothing changes.
+    """
     hit = {name: start.hit[name] for s in slots for name in {x.feature_type for x in s.sightings}}
     prior = {s.object_type: start.prior[s.object_type] for s in slots}
     for _ in range(20000):

@@ -24,7 +24,10 @@ def features(subject):
 
 
 def by_function(subject, world):
-    """The features that D7 as a function expects, by their places; who hides is taken from the facts, by its definition."""
+    """The features that D7 as a function expects, by their places.
+
+    Who hides is taken from the facts, by its definition.
+    """
     rivals = {frozenset(pair) for pair in subject.rivals}
     opaque = {h.id for h in subject.hypotheses if h.opaque}
 

@@ -1,4 +1,7 @@
-"""Oracle: stock ProbLog. Every explanation entails its goal, loses that with any choice less, and is as probable as it says."""
+"""Oracle: stock ProbLog.
+
+Every explanation entails its goal, loses that with any choice less, and is as probable as it says.
+"""
 
 from __future__ import annotations
 

@@ -21,7 +21,10 @@ QUICK = settings(max_examples=200, deadline=None, derandomize=True, suppress_hea
 
 
 def by_graph(subject, **options):
-    """Subset → log weight by the graph, auxiliary variables summed out by brute force; −inf for a subset that is no joint state."""
+    """Subset → log weight by the graph, auxiliary variables summed out by brute force.
+
+    −inf for a subset that is no joint state.
+    """
     scene = scene_graph(subject, **options)
     ids = [h.id for h in subject.hypotheses]
     logs = np.full(2 ** len(ids), -np.inf)
@@ -84,7 +87,10 @@ def test_arrays_weigh_what_lists_do(subject):
 @settings(QUICK, max_examples=60)
 @given(random_situations(), st.randoms(use_true_random=False))
 def test_one_feature_changes_exactly_its_own_factor(subject, random):
-    """What one feature's case is, only factors over its hypothesis' variable say; the others stay as they are, bit by bit."""
+    """What one feature's case is, only factors over its hypothesis' variable say.
+
+    The others stay as they are, bit by bit.
+    """
     h = random.choice(subject.hypotheses)
     k = random.randrange(len(h.features))
     changed = replace(h.features[k], hit_rate=0.61, dv=0.37, density=0.011)

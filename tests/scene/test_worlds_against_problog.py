@@ -66,7 +66,10 @@ def test_marginals_and_causes_equal_problog(subject):
 
 
 def assert_one_case_per_feature(subject, names, theirs, ranking):
-    """A present feature in the image is in exactly one of the four cases (§4); one that projects outside it is in none."""
+    """A present feature in the image is in exactly one of the four cases (§4).
+
+    One that projects outside it is in none.
+    """
     totals, due = {}, {}
     for h in subject.hypotheses:
         for f in h.features:

@@ -59,7 +59,10 @@ def _prepared(text: str, ask_something: bool) -> tuple[Request, Compiled]:  # no
 
 
 def grouped(request: Request, found: Ground, values: Iterable[Any]) -> list[list[tuple[str, Any]]]:
-    """What was found for each query, by goal and as users write it. A goal with variables is answered where it can hold."""
+    """What was found for each query, by goal and as users write it.
+
+    A goal with variables is answered where it can hold.
+    """
     results = {name: (value, literal) for (name, literal), value in zip(found.asked, values, strict=True)}
     if not request.goals:
         return [[(shown(term, request.names), value) for term, (value, _) in results.items()]]

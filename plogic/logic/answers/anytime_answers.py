@@ -56,9 +56,12 @@ class Truth:
     levels: tuple[_Level, ...]
 
     def certain(self, decided: Ints) -> Bools:
-        """``certain[literal, column]``: the literal holds whatever the open alternatives come to; ``(2 size + 1, columns)``.
+        """``certain[literal, column]``: the literal holds whatever the open alternatives come to.
 
-        ``decided``: outcome of each alternative, or UNDECIDED, ``(alternatives, columns)``. Negative literals count from the
+        ``(2 size + 1, columns)``.
+
+        ``decided``: outcome of each alternative, or UNDECIDED, ``(alternatives, columns)``. Negative literals count
+        from the
         end.
         """
         certain = np.zeros((2 * self.size + 1, decided.shape[1]), dtype=bool)
@@ -123,7 +126,10 @@ ADDITION_ERROR = 2.0**-52
 
 @dataclass(order=True)
 class _Open:
-    """A partial decision whose mass is not settled. Of each query, with the evidence: whether it certainly, and possibly, holds or fails."""
+    """A partial decision whose mass is not settled.
+
+    Of each query, with the evidence: whether it certainly, and possibly, holds or fails.
+    """
 
     minus_mass: float
     order: int
@@ -166,7 +172,10 @@ class Bounds:
         self._add(children)
 
     def intervals(self) -> list[tuple[float, float]]:
-        """Of each query, an interval that contains its probability given the evidence; [0, 1] where the evidence may be impossible."""
+        """Of each query, an interval that contains its probability given the evidence.
+
+        [0, 1] where the evidence may be impossible.
+        """
         slack = (self.sums + 1) * ADDITION_ERROR
         least, most = np.maximum(self.certain - slack, 0.0), np.minimum(self.possible + slack, 1.0)
         with np.errstate(invalid="ignore"):
@@ -175,7 +184,10 @@ class Bounds:
         return [(max(float(a), 0.0), min(float(b), 1.0)) for a, b in zip(low, high, strict=True)]
 
     def _add(self, decisions: list[tuple[tuple[int, ...], float]]) -> None:
-        """Count the decisions; those that leave something open are kept, those that the evidence excludes are not counted."""
+        """Count the decisions.
+
+        Those that leave something open are kept, those that the evidence excludes are not counted.
+        """
         certain = self.truth.certain(columns((decided for decided, _ in decisions), len(self.outcomes)))
         holds, fails = self._evidence(certain)
         yes, no = self._queries(certain)
@@ -213,7 +225,9 @@ FIRST_WAIT = 0.02
 
 
 def answers_by(document: dict[str, Any], tell: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
-    """The exact reply to a request; ``tell`` gets replies with intervals on the way: ``{"answers": [[[goal, low, high], ...]], "partial"}``.
+    """The exact reply to a request.
+
+    ``tell`` gets replies with intervals on the way: ``{"answers": [[[goal, low, high], ...]], "partial"}``.
 
     A goal whose substitutions are not known yet is not told.
     """

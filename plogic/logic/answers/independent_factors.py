@@ -52,7 +52,10 @@ class Factor:
     total: float
 
     def states(self) -> Iterator[tuple[float, State]]:
-        """All possible states with ln P(state | evidence), non-increasing; ties with true before false, the first atom first."""
+        """All possible states with ln P(state | evidence), non-increasing.
+
+        Ties with true before false, the first atom first.
+        """
         queue: list[tuple[float, tuple[int, ...], float]] = [(0.0, (), self.total)]  # marks: 0 holds, 1 does not
         while queue:
             taken = [heapq.heappop(queue)]
@@ -83,7 +86,10 @@ class Factor:
 
 
 def factors_of(program: Compiled, atoms: list[int]) -> list[Factor]:
-    """The factors of a program, those without query atoms, too; ``atoms``: variables that are open, in the order in which they were asked."""
+    """The factors of a program, those without query atoms, too.
+
+    ``atoms``: variables that are open, in the order in which they were asked.
+    """
     if program.circuit is None:
         return []
     nnf, values = program.nnf, program.values([()])[:, 0]

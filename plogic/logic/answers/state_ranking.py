@@ -84,7 +84,10 @@ Stream = Single | Pair
 
 
 def merged(streams: list[Iterator[tuple[float, State]]]) -> Iterator[Item]:
-    """All combinations of one state of each stream, non-increasing in the sum of log weights; of no streams, the empty one."""
+    """All combinations of one state of each stream, non-increasing in the sum of log weights.
+
+    Of no streams, the empty one.
+    """
     level: list[Stream] = [Single(states) for states in streams]
     if not level:
         yield 0.0, ()
@@ -187,7 +190,9 @@ class _Worlds:
 
 
 def _choice_names(request: Request, program: Compiled) -> list[list[str]]:
-    """The choices of each alternative as users write them; where the head alone does not tell which choice it is, with its line.
+    """The choices of each alternative as users write them.
+
+    Where the head alone does not tell which choice it is, with its line.
 
     It does not where two choices have the same head, or where another clause can give it too: then it may hold though
     the choice fell otherwise.

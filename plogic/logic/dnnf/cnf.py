@@ -31,7 +31,9 @@ Inputs = tuple[int, ...]
 
 @dataclass(frozen=True)
 class Modules:
-    """``gates``: literal that stands for the disjunction → its inputs, children first; ``clauses``: disjunctions that hold, of inputs of their own.
+    """``gates``: literal that stands for the disjunction → its inputs, children first.
+
+    ``clauses``: disjunctions that hold, of inputs of their own.
 
     ``left``: the clauses that are not in modules; ``size``: number of variables, new ones included.
     """
@@ -43,7 +45,10 @@ class Modules:
 
 
 class Splitter:
-    """Finds the modules. ``gates``: as ``Modules.gates``, all that are open; ``others``: the clauses beside their definitions."""
+    """Finds the modules.
+
+    ``gates``: as ``Modules.gates``, all that are open; ``others``: the clauses beside their definitions.
+    """
 
     def __init__(self, gates: dict[int, Inputs], others: Sequence[Clause], size: int) -> None:
         self.size = size
@@ -122,7 +127,9 @@ PAIRWISE = 8
 
 @dataclass(frozen=True)
 class Residue:
-    """``fixed``: variable → value; ``modules``: what needs no compiler; ``components``: other clauses, that share no variable with another's.
+    """``fixed``: variable → value; ``modules``: what needs no compiler.
+
+    ``components``: other clauses, that share no variable with another's.
 
     ``log_weight``: variable → (log weight where true, where false), 0 for what is derived; finite for every variable
     that is not fixed. ``rest``: index of an alternative → the variable that stands for none of its choices. ``size``:
@@ -185,7 +192,10 @@ def _completion(variable: int, gate: Gate) -> Iterator[Clause]:
 def _choices(
     ground: Ground, clauses: list[Clause], weight: dict[int, tuple[float, float]], rest: dict[int, int]
 ) -> int:
-    """Adds the alternatives' clauses and weights; the number of variables. What has probability 0 is fixed by a clause of its own."""
+    """Adds the alternatives' clauses and weights; the number of variables.
+
+    What has probability 0 is fixed by a clause of its own.
+    """
     size = ground.size
     for index, alternative in enumerate(ground.alternatives):
         clauses.extend((-v,) for v, share in zip(alternative.variables, alternative.shares, strict=True) if share == 0)
@@ -206,7 +216,10 @@ def _choices(
 
 
 def _exactly_one(outcomes: list[int], clauses: list[Clause], size: int) -> int:
-    """Exactly one of the outcomes; many of them by a ladder of derived variables ("one of the first i"), so that clauses grow linearly."""
+    """Exactly one of the outcomes.
+
+    Many of them by a ladder of derived variables ("one of the first i"), so that clauses grow linearly.
+    """
     clauses.append(tuple(outcomes))
     if len(outcomes) <= PAIRWISE:
         clauses.extend((-v, -w) for i, v in enumerate(outcomes) for w in outcomes[i + 1 :])
@@ -225,7 +238,10 @@ def _log(share: float) -> float:
 
 
 def _propagate(size: int, clauses: list[Clause]) -> tuple[dict[int, bool], dict[int, Clause]] | None:
-    """Unit propagation: what is fixed, and the clauses that are left, by their places, without their false literals; None on a contradiction."""
+    """Unit propagation: what is fixed, and the clauses that are left, by their places, without their false literals.
+
+    None on a contradiction.
+    """
     watch = _Watch(size, clauses)
     queue = [clause[0] for clause, count in zip(clauses, watch.open, strict=True) if count == 1]
     possible = all(watch.open)
@@ -242,7 +258,10 @@ def _propagate(size: int, clauses: list[Clause]) -> tuple[dict[int, bool], dict[
 
 
 class _Watch:
-    """Where each literal occurs, and how many literals of each clause are not false. Negative literals count from the end of the lists."""
+    """Where each literal occurs, and how many literals of each clause are not false.
+
+    Negative literals count from the end of the lists.
+    """
 
     def __init__(self, size: int, clauses: list[Clause]) -> None:
         self.clauses = clauses

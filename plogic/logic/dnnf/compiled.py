@@ -127,7 +127,9 @@ def _log_sums(inputs: Floats, level: Level) -> Floats:
 
 
 def circuit_of(nnf: Nnf, root: int | None = None, best_of: Container[int] = ()) -> Circuit:
-    """The nodes under a root, in levels: leaves first, then each gate above its highest child; the root must not be a constant.
+    """The nodes under a root, in levels: leaves first, then each gate above its highest child.
+
+    The root must not be a constant.
 
     The nodes ``best_of`` are ORs that take the greatest of their children and not their sum.
     """
@@ -146,7 +148,10 @@ def circuit_of(nnf: Nnf, root: int | None = None, best_of: Container[int] = ()) 
 
 
 def _depths(nnf: Nnf, root: int) -> dict[int, int]:
-    """The nodes under a root, each with its height above its lowest leaf; children have smaller numbers than their parents."""
+    """The nodes under a root, each with its height above its lowest leaf.
+
+    Children have smaller numbers than their parents.
+    """
     depth: dict[int, int] = {}
     for node in sorted(nodes_under(nnf, root)):
         depth[node] = 1 + max((depth[child] for child in nnf.children[node]), default=-1)
@@ -182,7 +187,10 @@ class Compiled:
     base: float
 
     def log_mass(self, conditions: Sequence[Sequence[Literal]]) -> Floats:
-        """Give ln P(conditions and evidence) of each conjunction of literals, ``(len(conditions),)``; −inf where impossible."""
+        """Give ln P(conditions and evidence) of each conjunction of literals, ``(len(conditions),)``.
+
+        −inf where impossible.
+        """
         return self.base + self.values(conditions)[-1]
 
     def values(self, conditions: Sequence[Sequence[Literal]], *, most: bool = False) -> Floats:
@@ -218,7 +226,10 @@ class Compiled:
         return None if literal in place and -literal in place else literal in place
 
     def probabilities(self, literals: Iterable[Literal], given: Sequence[Literal] = ()) -> list[float]:
-        """P(literal | evidence, given) of each literal, by one upward and one downward pass; raises InconsistentError."""
+        """P(literal | evidence, given) of each literal, by one upward and one downward pass.
+
+        Raises InconsistentError.
+        """
         values = self.values([given])
         if np.isneginf(values[-1, 0]):
             raise InconsistentError(IMPOSSIBLE)
@@ -234,7 +245,10 @@ class Compiled:
 
 
 def compiled(ground: Ground) -> Compiled:
-    """The program with its evidence compiled; raises InconsistentError where its probability is 0, LimitError where no compiler manages."""
+    """The program with its evidence compiled.
+
+    Raises InconsistentError where its probability is 0, LimitError where no compiler manages.
+    """
     left = residue(ground)
     if left is None:
         raise InconsistentError(IMPOSSIBLE)

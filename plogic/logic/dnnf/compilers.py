@@ -1,4 +1,7 @@
-"""Clauses to d-DNNF: modules by themselves; the rest by ProbLog's dsharp, several components to a run; by PySDD where dsharp fails."""
+"""Clauses to d-DNNF: modules by themselves; the rest by ProbLog's dsharp, several components to a run.
+
+By PySDD where dsharp fails.
+"""
 
 from __future__ import annotations
 

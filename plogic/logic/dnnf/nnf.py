@@ -1,4 +1,6 @@
-"""A formula in negation normal form, deterministic and decomposable (d-DNNF), as lists; made smooth, so that every branch weighs every variable.
+"""A formula in negation normal form, deterministic and decomposable (d-DNNF), as lists.
+
+Made smooth, so that every branch weighs every variable.
 
 Nodes are numbered from 0, children before parents. Node 0 is true, node 1 is false; a literal's node is made on demand.
 """
@@ -54,7 +56,10 @@ class Nnf:
         return self._add(AND, kept, reduce(or_, (self.mentions[child] for child in kept)))
 
     def disjunction(self, children: Iterable[int]) -> int:
-        """Or: no two of its children are true at once. A child that does not mention a variable of another's gets it, either way."""
+        """Or: no two of its children are true at once.
+
+        A child that does not mention a variable of another's gets it, either way.
+        """
         kept = tuple(child for child in children if child != FALSE)
         if len(kept) < 2:
             return kept[0] if kept else FALSE
@@ -68,14 +73,20 @@ class Nnf:
         return self.conjunction((child, *self.frees(missing)))
 
     def stand_for(self, literal: int, yes: int, no: int, *, whole: bool) -> None:
-        """Let ``yes`` stand for a literal and ``no`` for its negation; both mention the same, of which nothing occurs elsewhere if ``whole``."""
+        """Let ``yes`` stand for a literal and ``no`` for its negation.
+
+        Both mention the same, of which nothing occurs elsewhere if ``whole``.
+        """
         self._stands |= {literal: yes, -literal: no}
         if whole:
             free = self.disjunction((yes, no))
             self._free |= dict.fromkeys(members(self.mentions[free]), free)
 
     def frees(self, variables: int) -> list[int]:
-        """Nodes that leave the variables, given as bits, open; together with all that a node which stands for a literal mentions."""
+        """Nodes that leave the variables, given as bits, open.
+
+        Together with all that a node which stands for a literal mentions.
+        """
         found = []
         while variables:
             found.append(self.free((variables & -variables).bit_length() - 1))

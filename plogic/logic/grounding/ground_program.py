@@ -57,7 +57,9 @@ Node = Gate | Choice
 
 @dataclass(frozen=True)
 class Alternative:
-    """A set of mutually exclusive choices: ``variables[i]`` with ``shares[i]``, none of them with ``rest``; Σ shares + rest = 1.
+    """A set of mutually exclusive choices: ``variables[i]`` with ``shares[i]``, none of them with ``rest``.
+
+    Σ shares + rest = 1.
 
     ``names[i]`` makes the name of a choice, its head.
     """
@@ -74,7 +76,8 @@ class Ground:
 
     ``size``: number of variables; ``gates``: derived variable → its gate; ``asked``: name and literal of each query, in
     the order of the program; ``observed``: literals that the evidence makes true. Variables in neither ``gates`` nor
-    ``alternatives`` are free: they weigh 1 either way.
+    ``alternatives``
+    are free: they weigh 1 either way.
     """
 
     size: int

@@ -198,7 +198,10 @@ class Grounder:
         return 0 if literal is None else None if literal == 0 else -literal
 
     def _tested(self, functor: str, arguments: tuple[Small, ...], environment: Environment) -> Iterator[Environment]:
-        """The environment, with what the test binds, if it holds; ProbLog decides what is compared before it is known."""
+        """The environment, with what the test binds, if it holds.
+
+        ProbLog decides what is compared before it is known.
+        """
         left, right = (applied(argument, environment) for argument in arguments)
         if functor not in ("=", "is"):
             if self._holds(functor, left, right):
@@ -273,7 +276,10 @@ def _canonical(arguments: tuple[Small, ...]) -> tuple[Small, ...]:
 
 
 def _meets(head: Small, argument: Small, environment: Environment) -> bool:
-    """Whether a call may meet a head; binds the head's variables to what is ground of the call (the caller compares the rest)."""
+    """Whether a call may meet a head.
+
+    Binds the head's variables to what is ground of the call (the caller compares the rest).
+    """
     if isinstance(head, int):
         if not is_ground(argument):
             return True

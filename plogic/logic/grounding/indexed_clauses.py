@@ -63,7 +63,10 @@ class Rule:
 
 @dataclass
 class Predicate:
-    """Its rules, by the ground arguments of their heads; ``facts``: whether it is ground facts without probability and nothing else."""
+    """Its rules, by the ground arguments of their heads.
+
+    ``facts``: whether it is ground facts without probability and nothing else.
+    """
 
     rules: list[Rule] = field(default_factory=list)
     facts: bool = True
@@ -212,7 +215,10 @@ class Reader:
         return Term(term[0], *arguments, **self.operators.get((term[0], len(arguments)), {}))
 
     def spelled(self, functor: Any) -> str:  # noqa: ANN401
-        """The functor; ProbLog takes 'a' and a for the same in some places and not in others, so a text that has both is left to it."""
+        """The functor.
+
+        ProbLog takes 'a' and a for the same in some places and not in others, so a text that has both is left to it.
+        """
         text = str(functor)
         if self.spelling.setdefault(text.strip("'"), text) != text:
             raise UnsupportedError
@@ -220,7 +226,10 @@ class Reader:
 
 
 class Variables:
-    """The variables of one clause, by name. ``depth``: negations around what is being read; ``firm``: variables that occur outside any."""
+    """The variables of one clause, by name.
+
+    ``depth``: negations around what is being read; ``firm``: variables that occur outside any.
+    """
 
     def __init__(self) -> None:
         self.names: dict[str, int] = {}

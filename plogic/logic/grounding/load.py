@@ -52,7 +52,10 @@ class Request:
 
 
 def request_from(document: dict[str, Any]) -> Request:
-    """The request that the child process got, parsed and held to the allow-list (unless trusted); raises ProgramError."""
+    """The request that the child process got, parsed and held to the allow-list (unless trusted).
+
+    Raises ProgramError.
+    """
     atoms = document.get("names")
     names = None if atoms is None else Names(atoms, {atom: label for label, atom in atoms.items()})
     trust = bool(document.get("trust", False))
@@ -85,7 +88,10 @@ def with_something_asked(request: Request) -> Request:
 def _read(
     texts: Sequence[dict[str, str]], names: Names | None, *, trust: bool
 ) -> tuple[tuple[Source, ...], list[Any], frozenset[str]]:
-    """The sources, their statements and the signatures that they define. Texts after the first may not add to the first one's predicates."""
+    """The sources, their statements and the signatures that they define.
+
+    Texts after the first may not add to the first one's predicates.
+    """
     known: frozenset[str] = frozenset()
     sources, statements = [], []
     for i, item in enumerate(texts):
@@ -113,7 +119,10 @@ def _goal(source: Source, names: Names | None, known: frozenset[str], *, trust: 
 
 
 def goal_shown(text: str, names: Names | None) -> str | None:
-    """A goal as its answers show it; None where it has variables, so that it may have any number of answers. Raises ProgramError."""
+    """A goal as its answers show it; None where it has variables, so that it may have any number of answers.
+
+    Raises ProgramError.
+    """
     goal = _goal(_parsed(text, "goal", 1), names, frozenset(), trust=True)
     return None if variables(goal) else shown(goal, names)
 
@@ -137,7 +146,10 @@ def variables(goal: Any) -> list[str]:  # noqa: ANN401 - terms of ProbLog's
 
 
 def ground(request: Request) -> Ground:
-    """The ground program; raises ProgramError, and InconsistentError where evidence is a constant that contradicts it."""
+    """The ground program.
+
+    Raises ProgramError, and InconsistentError where evidence is a constant that contradicts it.
+    """
     if not request.trust:
         try:
             return quickly(request)

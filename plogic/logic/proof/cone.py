@@ -49,7 +49,10 @@ class Choice:
 
     @cached_property
     def sure(self) -> int | None:
-        """What it takes with probability 1, so that no explanation needs to say so; None where it is a choice indeed."""
+        """What it takes with probability 1, so that no explanation needs to say so.
+
+        None where it is a choice indeed.
+        """
         return next(iter(self.domain)) if len(self.domain) == 1 else None
 
     @cached_property
@@ -142,7 +145,10 @@ class Cone:
         return value_of(self.root, self.values(allowed))
 
     def counterexample(self, allowed: Allowed, wanted: bool) -> Allowed | None:  # noqa: FBT001 - a truth value
-        """An implicant of "root = wanted" that agrees with what is allowed; None where no world does. As weak as dropping makes it."""
+        """An implicant of "root = wanted" that agrees with what is allowed; None where no world does.
+
+        As weak as dropping makes it.
+        """
         found = self._complete(allowed, wanted)
         return None if found is None else self._weakened(found, wanted)
 
@@ -175,7 +181,10 @@ class Cone:
         return (choice, with_it, without) if want else (choice, without, with_it)
 
     def _reasons(self, values: Values) -> Allowed:
-        """What the root's value rests on: one child of an AND that is false, or of an OR that is true; else all of them."""
+        """What the root's value rests on: one child of an AND that is false, or of an OR that is true.
+
+        Else all of them.
+        """
         needed: Allowed = {}
         seen: set[int] = set()
         stack = [abs(self.root)] if self.root else []

@@ -54,7 +54,10 @@ class Search:
     found: list[Selection] = field(default_factory=list)
 
     def explanations(self) -> Iterator[tuple[float, Selection]]:
-        """(ln P(choices | evidence), choices), most probable first; ties by fewer choices, then as the program is written."""
+        """(ln P(choices | evidence), choices), most probable first.
+
+        Ties by fewer choices, then as the program is written.
+        """
         heap: list[Entry] = [(0.0, 0, (), 0.0, {})]
         seen: set[frozenset[tuple[Choice, int]]] = {frozenset()}
         while heap:
@@ -135,7 +138,10 @@ class Options:
 
 @dataclass(frozen=True)
 class Asked:
-    """``goal`` as it was written, ``ask`` its atom in the rewritten program, with its answers; ``any``: the node of "there is one"."""
+    """``goal`` as it was written, ``ask`` its atom in the rewritten program, with its answers.
+
+    ``any``: the node of "there is one".
+    """
 
     goal: Small
     ask: Small

@@ -116,7 +116,10 @@ class Grounding:
             return None
 
     def choice(self, node: int) -> tuple[Choice, int] | None:
-        """The choice that an atom of the formula belongs to, and which of its heads it is; None of the rest of a disjunction."""
+        """The choice that an atom of the formula belongs to, and which of its heads it is.
+
+        None of the rest of a disjunction.
+        """
         if node not in self.choices:
             content = self.formula.get_node(node)
             self.choices[node] = None if content.is_extra else self.choice_of(content.identifier)
@@ -164,7 +167,10 @@ class Tree:
 
 
 def choice_literal(ground: Grounding, choice: Choice, taken: int) -> Small:
-    """The head that is taken; where none is, the negation of all of them. A clause with conditions is shown with them."""
+    """The head that is taken; where none is, the negation of all of them.
+
+    A clause with conditions is shown with them.
+    """
     rule = ground.rules.by_number[choice.rule]
     body = _shown_body(rule, choice)
     if taken != NONE_TAKEN:

@@ -47,7 +47,10 @@ class Condition:
 
 @dataclass
 class Candidate:
-    """One instance of a rule whose ``index``-th head gives ``goal``; no rule where the goal is itself the conditions."""
+    """One instance of a rule whose ``index``-th head gives ``goal``.
+
+    No rule where the goal is itself the conditions.
+    """
 
     goal: Small
     rule: Rule | None
@@ -57,7 +60,10 @@ class Candidate:
 
 @dataclass
 class Looking:
-    """Finds candidates; ``left`` is what may still be looked at, ``skipped`` counts the goal's own rule instances that were not."""
+    """Finds candidates.
+
+    ``left`` is what may still be looked at, ``skipped`` counts the goal's own rule instances that were not.
+    """
 
     ground: Grounding
     left: int = CONDITIONS
@@ -96,7 +102,10 @@ class Looking:
     def _next(
         self, literal: Literal, bound: Bindings, done: list[Condition], depth: int, above: tuple[Small, ...]
     ) -> list[tuple[Bindings, Condition]]:  # fmt: skip
-        """The condition; open where a variable stayed unbound since one before it failed: the program itself would never ask that."""
+        """The condition.
+
+        Open where a variable stayed unbound since one before it failed: the program itself would never ask that.
+        """
         if any(map(_fails, done)) and not is_ground(resolved(literal.ask, bound)):
             goal = resolved(literal.goal, bound)
             return [(bound, Condition(("\\+", goal) if literal.kind == "not" else goal, None, is_open=True))]
@@ -243,7 +252,10 @@ def _condition(condition: Condition, chances: dict[int, float], names: Names | N
 
 
 def _below(condition: Condition, chances: dict[int, float], names: Names | None) -> list[Data]:
-    """What a failed condition lacks: the conditions of its nearest miss. Of a negation: what holds although it should not."""
+    """What a failed condition lacks: the conditions of its nearest miss.
+
+    Of a negation: what holds although it should not.
+    """
     if not condition.below:
         return []
     order = [(lacking(c, lambda x: chances[id(x)]), i, c) for i, c in enumerate(condition.below)]

@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 
 @dataclass
 class Truth:
-    """Values under one selection; nodes are evaluated when they are first asked for. ``rank``: the order in which nodes became certain."""
+    """Values under one selection; nodes are evaluated when they are first asked for.
+
+    ``rank``: the order in which nodes became certain.
+    """
 
     ground: Grounding
     selection: Selection

@@ -178,7 +178,10 @@ def _require(possible: bool) -> None:  # noqa: FBT001 - the condition itself
 
 
 def _part(grounding: Grounding, keys: Sequence[Key], evidence: Evidence) -> Ground:
-    """The ground program of the keys, in their order, with this evidence; its cycles broken by ProbLog where it has any."""
+    """The ground program of the keys, in their order, with this evidence.
+
+    Its cycles broken by ProbLog where it has any.
+    """
     formula = grounding.formula
     asked = [(Term("asked", Constant(i)), key) for i, key in enumerate(keys)]
     observed = [(name, key if sign > 0 else formula.negate(key)) for name, key, sign in evidence]

@@ -46,7 +46,10 @@ class Literal:
 
 @dataclass(frozen=True)
 class Rule:
-    """``number`` identifies the rule, ``variables`` what its choices and its instances are told apart by; ``ask`` is its instances' atom."""
+    """``number`` identifies the rule, ``variables`` what its choices and its instances are told apart by.
+
+    ``ask`` is its instances' atom.
+    """
 
     number: int
     heads: tuple[Small, ...]
@@ -67,7 +70,10 @@ class Rule:
 
 @dataclass(frozen=True)
 class Rules:
-    """Signature → (rule, which of its heads), with an index on a ground first argument; ``by_number`` holds every rule."""
+    """Signature → (rule, which of its heads), with an index on a ground first argument.
+
+    ``by_number`` holds every rule.
+    """
 
     by_number: dict[int, Rule] = field(default_factory=dict)
     by_signature: dict[tuple[str, int], list[tuple[Rule, int]]] = field(default_factory=dict)
@@ -160,7 +166,10 @@ class Rewriter:
         return [Clause(statement.head if isinstance(statement, Clause) else statement, Term("true"))]
 
     def _literals(self, body: Small, outside: set[Ref]) -> tuple[list[Literal], list[Any]]:
-        """The conditions of a body in their order, and the clauses of its parts; ``outside`` are variables that are used elsewhere too."""
+        """The conditions of a body in their order, and the clauses of its parts.
+
+        ``outside`` are variables that are used elsewhere too.
+        """
         goals = [goal for goal in _flat(body) if goal != TRUE]
         result: list[Literal] = []
         more: list[Any] = []

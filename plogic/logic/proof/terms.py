@@ -29,7 +29,10 @@ class Ref:
 
 
 def small(term: Any, variables: dict[str, Ref]) -> Small:  # noqa: ANN401 - a term of ProbLog's
-    """From ProbLog's term; ``variables`` holds the variables by name; an underscore, or what the engine left unbound, is always a new one."""
+    """From ProbLog's term; ``variables`` holds the variables by name.
+
+    An underscore, or what the engine left unbound, is always a new one.
+    """
     if term is None or isinstance(term, int):
         return Ref()
     if isinstance(term, Var):

@@ -1,8 +1,11 @@
-"""What a program may call. Everything that is not here is refused, so a new built-in of ProbLog's is refused until it is read.
+"""What a program may call.
+
+Everything that is not here is refused, so a new built-in of ProbLog's is refused until it is read.
 
 Every built-in of ProbLog 2.3 falls under one heading: pure (runs as it is), loud (runs, and its output goes nowhere), a
-loader (runs, and the database decides which file it opens: ``engine.SafeDB``), or none, and then it is refused.
-``META`` says which arguments are goals.
+loader (runs, and the
+database decides which file it opens: ``engine.SafeDB``), or none, and then it is refused. ``META`` says which arguments
+    are goals.
 """
 
 from __future__ import annotations

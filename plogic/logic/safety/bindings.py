@@ -11,7 +11,10 @@ Value = str | int | float
 
 
 def bindings(goal: str, answer: str) -> dict[str, Value]:
-    """Return the value of each named variable of ``goal``, in the order in which they appear; none where ``answer`` is no instance of it."""
+    """Return the value of each named variable of ``goal``, in the order in which they appear.
+
+    None where ``answer`` is no instance of it.
+    """
     from plogic.logic.safety.author import load_problog
 
     load_problog()

@@ -44,7 +44,10 @@ class Source:
     program: Any = field(repr=False)
 
     def place(self, term: Any) -> dict[str, Any]:  # noqa: ANN401 - a term of ProbLog's
-        """file, line and column of a term, as far as ProbLog remembers them; else of its first part that has a place."""
+        """file, line and column of a term, as far as ProbLog remembers them.
+
+        Else of its first part that has a place.
+        """
         for part in _inside(term):
             location = getattr(part, "location", None)
             if location is not None and location[1] is not None:
@@ -74,12 +77,16 @@ def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
 def check_source(
     source: Source, known: frozenset[str] = frozenset(), protected: frozenset[str] = frozenset()
 ) -> frozenset[str]:
-    """Hold every statement to the allow-list; the signatures that the text defines. All that is wrong is told in one error.
+    """Hold every statement to the allow-list; the signatures that the text defines.
+
+    All that is wrong is told in one error.
 
     ``known`` may be called beside what the text defines; ``protected`` may not be defined by it. A text with something
-    protected is a piece added to a program: it may call only what is known. A whole program may also name what has no
-    clauses, as long as it is not called: that is told when it is. ``ANYTHING`` is among the signatures where the text
-    alone does not tell what it defines.
+    protected is a
+    piece added to a program: it may call only what is known. A whole program may also name what has no clauses, as long
+        as it is not
+    called: that is told when it is. ``ANYTHING`` is among the signatures where the text alone does not tell what it
+        defines.
     """
     try:
         defined = frozenset(head.signature for statement in source.statements for head in heads(statement))
@@ -281,7 +288,10 @@ def _shown(term: Any) -> str:  # noqa: ANN401 - a term of ProbLog's
 
 
 def _line_column(text: str, location: object) -> dict[str, Any]:
-    """ProbLog gives a parse error's place as (file, line, column), or as a position; columns in the first line count from 0, in others from 1."""
+    """ProbLog gives a parse error's place as (file, line, column), or as a position.
+
+    Columns in the first line count from 0, in others from 1.
+    """
     if isinstance(location, tuple) and len(location) == 3:
         return {"line": location[1], "column": location[2] + (location[1] == 1)}
     if isinstance(location, int):

@@ -90,7 +90,10 @@ def _plain(term: Any) -> str:  # noqa: ANN401
 
 
 def label_of(term: Any) -> str | None:  # noqa: ANN401
-    """The name that a constant writes: ``'roof/apex'``, ``"roof/apex"`` and ``roof`` alike; None of a number or a compound."""
+    """The name that a constant writes: ``'roof/apex'``, ``"roof/apex"`` and ``roof`` alike.
+
+    None of a number or a compound.
+    """
     if isinstance(term, Constant):
         return str(term.functor)[1:-1] if term.is_string() else None
     if not isinstance(term, Term) or isinstance(term, (Var, And, Or, Not)) or term.arity:

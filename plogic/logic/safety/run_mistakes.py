@@ -48,7 +48,10 @@ class Edge:
 
 
 def spelt_cycle(sources: Iterable[Source], place: dict[str, Any], through: frozenset[str]) -> str:
-    """The shortest cycle with an edge under one of ``through``, at best one at ``place``; empty where the text shows none."""
+    """The shortest cycle with an edge under one of ``through``, at best one at ``place``.
+
+    Empty where the text shows none.
+    """
     edges = list(_edges(sources))
     wanted = (place.get("file"), place.get("line"))
     marked = sorted((edge for edge in edges if edge.under & through), key=lambda edge: edge.line != wanted)
@@ -133,7 +136,10 @@ NONE_SUCH = {
 
 
 def told(error: Exception, texts: list[dict[str, str]], db: Any = None) -> NoReturn:  # noqa: ANN401 - a ClauseDB
-    """An error of ProbLog's as ours. ``texts``: ``{"text", "file"}`` of each piece; ``db``: the database that ran them, if there is one."""
+    """An error of ProbLog's as ours.
+
+    ``texts``: ``{"text", "file"}`` of each piece; ``db``: the database that ran them, if there is one.
+    """
     if isinstance(error, (BeliefError, MemoryError, RecursionError)):
         raise error
     if isinstance(error, InconsistentEvidenceError):

@@ -35,7 +35,10 @@ class Text:
 
 @dataclass(frozen=True)
 class Limits:
-    """Wall time and address space that one run may take; ``trust`` lets a program do whatever ProbLog lets it (read files, run Python)."""
+    """Wall time and address space that one run may take.
+
+    ``trust`` lets a program do whatever ProbLog lets it (read files, run Python).
+    """
 
     seconds: float = 60.0
     megabytes: int = 2048
@@ -92,7 +95,10 @@ def run_until(
 
 
 def ask_until(request: dict[str, Any], limits: Limits, seconds: float) -> dict[str, Any] | None:
-    """The last reply of a fresh process after some seconds, maybe a partial one; None if there is none yet. Raises what went wrong in it."""
+    """The last reply of a fresh process after some seconds, maybe a partial one; None if there is none yet.
+
+    Raises what went wrong in it.
+    """
     reply = _last(_told(_trusted(request, limits), replace(limits, seconds=min(seconds, limits.seconds))))
     if reply is not None and "error" in reply:
         _raise(reply["error"], limits)
@@ -118,7 +124,10 @@ TOO_DEEP = "the proofs are nested too deeply to be told"
 
 
 def unknown(goal: str, names: Names | None) -> list[Answer]:
-    """What can be said of a goal without any work: [0, 1] of a ground one, nothing of one with variables; raises ProgramError."""
+    """What can be said of a goal without any work: [0, 1] of a ground one, nothing of one with variables.
+
+    Raises ProgramError.
+    """
     from plogic.logic.safety.author import load_problog
 
     load_problog()

@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 
 def outline(request: dict[str, Any]) -> dict[str, Any]:
-    """``{"predicates": [[name, arity, [clause, ...]], ...], "constants": [...]}``; raises ProgramError with the place of a mistake."""
+    """``{"predicates": [[name, arity, [clause, ...]], ...], "constants": [...]}``.
+
+    Raises ProgramError with the place of a mistake.
+    """
     predicates: dict[tuple[str, int], list[str]] = {}
     constants: dict[str, None] = {}
     known: frozenset[str] = frozenset()

@@ -1,4 +1,6 @@
-"""The process that runs programs: reads one request (JSON) from stdin, writes replies (JSON, one a line) to stdout; never a traceback.
+"""The process that runs programs: reads one request (JSON) from stdin, writes replies (JSON, one a line) to stdout.
+
+Never a traceback.
 
 The last line is the reply; lines before it are what was known by then, where the request asks for that (``anytime``).
 Started by ``plogic.logic.served.engine``; its limits are set before anything of the request is looked at.

@@ -82,7 +82,10 @@ def _note(atom: Small, place: int, argument: Small, known: list[str], names: Nam
 
 
 def _at(rules: Rules, wanted: tuple[str, int], place: int) -> set[Small]:
-    """The constants at a place of a predicate's heads; nothing if some head has a variable there and its rule gives no hint."""
+    """The constants at a place of a predicate's heads.
+
+    Nothing if some head has a variable there and its rule gives no hint.
+    """
     found: set[Small] = set()
     for rule, index in rules.by_signature.get(wanted, ()):
         argument = rule.heads[index][place]
@@ -151,7 +154,10 @@ def _read(texts: list[dict[str, str]], names: Names | None, *, trust: bool) -> t
 def _goal(
     text: str, file: str, known: frozenset[str], statements: list[Any], names: Names | None, *, trust: bool
 ) -> Any:  # noqa: ANN401
-    """The goal as ProbLog's term, labels mapped; a predicate that nobody defines is answered with what would be right."""
+    """The goal as ProbLog's term, labels mapped.
+
+    A predicate that nobody defines is answered with what would be right.
+    """
     if not text.strip():
         raise ProgramError("is empty; a goal is one term, like present(h1)", file=file)
     source = parse(text.rstrip().removesuffix(".") + "\n.", file)

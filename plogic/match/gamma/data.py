@@ -43,7 +43,9 @@ def blocks(rows: int, columns: int) -> Iterator[slice]:
 
 @dataclass(frozen=True)
 class Data:
-    """``ideal`` (A, 2) ideal pixels; ``types`` (A,) names; ``arms`` (A, K) screen angles, NaN where a junction has fewer.
+    """``ideal`` (A, 2) ideal pixels; ``types`` (A,) names.
+
+    ``arms`` (A, K) screen angles, NaN where a junction has fewer.
 
     ``angle`` (A,) rad, ``scale`` (A,) pixels, NaN where the detector gives none; ``descriptors`` (A, D) uint8;
     ``described`` (A,) whether a datum has place, angle, scale and descriptor: a keypoint; ``sided`` (A,) whether it is
@@ -201,7 +203,10 @@ FAR = np.float32(-1e6)
 
 
 def project_ideal(poses: NDArray[np.float64], points: NDArray[np.float64], data: Data) -> NDArray[np.float32]:
-    """(N, F, 2) ideal pixels of object points (F, 3) under poses (N, 4, 4), single precision; far outside the image where behind the camera."""
+    """(N, F, 2) ideal pixels of object points (F, 3) under poses (N, 4, 4), single precision.
+
+    Far outside the image where behind the camera.
+    """
     rotations = poses[:, :3, :3].astype(np.float32).reshape(-1, 3)
     local = (rotations @ points.T.astype(np.float32)).reshape(len(poses), 3, len(points))
     local += poses[:, :3, 3:].astype(np.float32)

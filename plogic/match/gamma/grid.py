@@ -36,7 +36,10 @@ TURNS = 18
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """``datum`` (N,) data by cell; ``starts`` where each cell begins among them; ``shape`` parts of the circle, cells down and across."""
+    """``datum`` (N,) data by cell; ``starts`` where each cell begins among them.
+
+    ``shape`` parts of the circle, cells down and across.
+    """
 
     datum: Indices
     starts: Indices
@@ -81,7 +84,10 @@ def _beside(angle: Floats) -> Indices:
 
 
 def grid_of(datum: Indices, uv: Floats, size: tuple[int, int], angle: Floats | None = None) -> Grid:
-    """Of data ``datum`` (N,) at uv (N, 2) pixels in an image of ``size`` (width, height); ``angle`` (N,) radians: and by where they face."""
+    """Of data ``datum`` (N,) at uv (N, 2) pixels in an image of ``size`` (width, height).
+
+    ``angle`` (N,) radians: and by where they face.
+    """
     shape = 1 if angle is None else TURNS, size[1] // CELL + 1, size[0] // CELL + 1
     column, row = np.floor((uv + HALF) / CELL).astype(np.intp).T
     part = np.zeros(len(uv), np.intp) if angle is None else part_of_circle(angle, TURNS)

@@ -39,7 +39,10 @@ WILD = 0.1
 
 
 def colours_off(mine: NDArray[np.float32], its: NDArray[np.uint8], *, coloured: bool) -> NDArray[np.float32]:
-    """(N,) of appearances' looks (N, 6) and data's (N, 5); what says nothing either way where there are no colours to compare."""
+    """(N,) of appearances' looks (N, 6) and data's (N, 5).
+
+    What says nothing either way where there are no colours to compare.
+    """
     if not coloured:
         return np.full(len(its), NEUTRAL, np.float32)
     apart = its[:, :COLOURS].astype(np.float32) - mine[:, :COLOURS]

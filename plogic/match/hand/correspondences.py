@@ -42,7 +42,10 @@ MOST_PAIRS = 60_000
 
 @dataclass(frozen=True)
 class Pairs:
-    """N coarse poses: cell, first and second feature and appearance, (N,) each; ``roll`` radians; ``scale`` pixels per metre."""
+    """N coarse poses: cell, first and second feature and appearance, (N,) each; ``roll`` radians.
+
+    ``scale`` pixels per metre.
+    """
 
     cell: NDArray[np.intp]
     feature: NDArray[np.intp]
@@ -70,7 +73,10 @@ STRAIGHT = np.cos(np.radians(1.0))
 
 @dataclass(frozen=True)
 class DataLinks:
-    """N links of Γ: ``first``, ``second`` (N,) data; ``angle`` (N,) of the line from first to second; ``length`` (N,) pixels."""
+    """N links of Γ: ``first``, ``second`` (N,) data; ``angle`` (N,) of the line from first to second.
+
+    ``length`` (N,) pixels.
+    """
 
     first: NDArray[np.intp]
     second: NDArray[np.intp]
@@ -79,7 +85,10 @@ class DataLinks:
 
 
 def feature_links(points: NDArray[np.float64], arms: list[NDArray[np.float64]]) -> NDArray[np.intp]:
-    """(N, 2) ordered pairs of features (F, 3) that an edge joins, both ways round; ``arms`` are each feature's edge directions."""
+    """(N, 2) ordered pairs of features (F, 3) that an edge joins, both ways round.
+
+    ``arms`` are each feature's edge directions.
+    """
     found = set()
     for f, directions in enumerate(arms):
         for direction in directions:
@@ -94,7 +103,10 @@ def feature_links(points: NDArray[np.float64], arms: list[NDArray[np.float64]]) 
 
 
 def data_links(data: Data, check: Callable[[], None] = unhurried) -> DataLinks:
-    """Every arm to the nearest junctions that it points at; ``check`` is called between blocks of junctions, and may raise to end it."""
+    """Every arm to the nearest junctions that it points at.
+
+    ``check`` is called between blocks of junctions, and may raise to end it.
+    """
     armed = np.flatnonzero(np.isfinite(data.arms).any(axis=1))
     found = [_links_from(armed[some], data, check) for some in blocks(len(armed), len(data.ids))]
     if not found:
@@ -131,7 +143,9 @@ def linked_pairs(
     scales: tuple[float, float],
     check: Callable[[], None] = unhurried,
 ) -> Pairs:
-    """Every link of the cloud on every link of Γ, in every cell that shows both features; those whose arms fit best, at most ``MOST_PAIRS``.
+    """Every link of the cloud on every link of Γ, in every cell that shows both features.
+
+    Those whose arms fit best, at most ``MOST_PAIRS``.
 
     ``links`` (N, 2) as from ``feature_links``; ``allowed`` (F, A) the compatible types; ``scales`` the range of pixels
     a metre; ``check`` is called between blocks, and may raise to end it.
@@ -284,7 +298,10 @@ def _of_cell(
 
 
 def _thinned(packed: list[tuple[int, int, NDArray[np.uint8]]]) -> NDArray[np.intp]:
-    """Where bits are set in blocks of them, one after the other: all, or ``MOST_OF_CELL`` evenly; a block: how many are set, and are there."""
+    """Where bits are set in blocks of them, one after the other: all, or ``MOST_OF_CELL`` evenly.
+
+    A block: how many are set, and are there.
+    """
     total = sum(count for count, _, _ in packed)
     wanted = np.arange(total) if total <= MOST_OF_CELL else np.linspace(0, total - 1, MOST_OF_CELL).astype(np.intp)
     found, before, start = [np.zeros(0, np.intp)], 0, 0

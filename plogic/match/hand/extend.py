@@ -42,7 +42,10 @@ MISSED = 0.4
 
 @dataclass(frozen=True)
 class Candidates:
-    """N candidate poses (N, 4, 4); ``matches`` (N, F) datum indices, −1 for none; ``fitted`` (N,) whether to at least ``FEWEST`` of them."""
+    """N candidate poses (N, 4, 4); ``matches`` (N, F) datum indices, −1 for none.
+
+    ``fitted`` (N,) whether to at least ``FEWEST`` of them.
+    """
 
     camera_from_object: NDArray[np.float64]
     matches: NDArray[np.intp]
@@ -216,7 +219,10 @@ def _from_quadruples(
     matches: NDArray[np.intp],
     data: Data,
 ) -> NDArray[np.float64]:
-    """POSIT on the four matched features of highest dv, spread apart; where it refuses or reprojects worse, the coarse pose stays."""
+    """POSIT on the four matched features of highest dv, spread apart.
+
+    Where it refuses or reprojects worse, the coarse pose stays.
+    """
     four = _sets_of_four(points, weights, matches)
     chosen = np.take_along_axis(matches, four, axis=1)
     complete = np.flatnonzero((chosen >= 0).all(axis=1))

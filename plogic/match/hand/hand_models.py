@@ -1,6 +1,7 @@
 """Hand-modelled types whose data are places alone: one is searched for after another (``plogic.match.hand.generate``).
 
-* ``TypeIndex``: a type made ready: its view cells, its features' places and dv. A ``plogic.match.judged.type_models.TypeModel``
+* ``TypeIndex``: a type made ready: its view cells, its features' places and dv. A
+  ``plogic.match.judged.type_models.TypeModel``
 * ``HandModels``: all types of this kind
 """
 
@@ -41,7 +42,10 @@ SAME = 1e-3
 
 
 def permutations(points: NDArray[np.float64], symmetries: NDArray[np.float64]) -> NDArray[np.intp]:
-    """(S, F) where each symmetry (S, 4, 4) carries each feature (F, 3); a symmetry that carries one onto none is left out."""
+    """(S, F) where each symmetry (S, 4, 4) carries each feature (F, 3).
+
+    A symmetry that carries one onto none is left out.
+    """
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 1.0
     rows = []
     for motion in symmetries:
@@ -164,7 +168,10 @@ class TypeIndex:
         return settle(self, pose, data, kb, free, hidden, rounds)
 
     def significance(self, posed: Hypothesis) -> float:
-        """By places alone the best of so many tries is good by luck: as many as there are pairs of data. Where angles count all poses are counted."""
+        """By places alone the best of so many tries is good by luck: as many as there are pairs of data.
+
+        Where angles count all poses are counted.
+        """
         return SURE if posed.axes is not None else log(MOST_PAIRS)
 
     def allowed(self, data: Data) -> NDArray[np.bool_]:
@@ -197,7 +204,10 @@ def type_index(
     cells: ViewCells | None = None,
     made: type[Made] = TypeIndex,  # type: ignore[assignment]
 ) -> Made:
-    """Build the index of one type; dv 0 throughout (one feature type in all of Σo) counts every feature alike. ``cells``, where they are known."""
+    """Build the index of one type; dv 0 throughout (one feature type in all of Σo) counts every feature alike.
+
+    ``cells``, where they are known.
+    """
     features = object_type.features
     weights = np.array([dv[feature.type] for feature in features])
     if not weights.any():

@@ -40,9 +40,12 @@ compact."""
 
 @dataclass(frozen=True)
 class PlaneTriples:
-    """M triples of features, counter-clockwise seen from outside: ``features`` (M, 3); ``axes`` (M, 3, 3) rows x, y, outward normal of the
-    plane, object frame; ``sides`` (M, 2, 2) columns are the second and third feature relative to the first, in x and y, metres.
-    """  # noqa: D205 - one table, one sentence
+    """M triples of features, counter-clockwise seen from outside: ``features`` (M, 3).
+
+    ``axes`` (M, 3, 3) rows x, y, outward normal of the
+    plane, object frame; ``sides`` (M, 2, 2) columns are the second and third feature relative to the first, in x and y,
+    metres.
+    """
 
     features: NDArray[np.intp]
     axes: NDArray[np.float64]
@@ -96,9 +99,12 @@ def _right_angled(
 
 @dataclass(frozen=True)
 class ImageTriples:
-    """N triples of data (N, 3), counter-clockwise as the eye sees them (y up); ``frame`` (N, 3, 3) turns the optical axis to the first's ray;
-    ``sides`` (N, 2, 2) columns are the second and third relative to the first in the plane square to that ray, tangents (y down).
-    """  # noqa: D205 - one table, one sentence
+    """N triples of data (N, 3), counter-clockwise as the eye sees them (y up).
+
+    ``frame`` (N, 3, 3) turns the optical axis to the first's ray;
+    ``sides`` (N, 2, 2) columns are the second and third relative to the first in the plane square to that ray, tangents
+    (y down).
+    """
 
     data: NDArray[np.intp]
     frame: NDArray[np.float64]
@@ -119,7 +125,10 @@ def image_triples(data: Data, members: NDArray[np.intp], check: Callable[[], Non
 def _neighbouring(
     places: NDArray[np.float64], check: Callable[[], None]
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Triples (N, 3) of places (M, 2) and their scores (N, 2): 0 where a fourth completes a parallelogram, else 1; then the area's scale."""
+    """Triples (N, 3) of places (M, 2) and their scores (N, 2): 0 where a fourth completes a parallelogram, else 1.
+
+    Then the area's scale.
+    """
     near = _nearest(places, check)
     one, other = np.array(list(combinations(range(near.shape[1]), 2)), dtype=np.intp).reshape(-1, 2).T
     first, j, k = (np.repeat(np.arange(len(places)), len(one)), near[:, one].ravel(), near[:, other].ravel())

@@ -124,7 +124,10 @@ def _project(
 def _behind_itself(
     object_type: ObjectType, viewpoints: NDArray[np.float64], points: NDArray[np.float64], diameter: float
 ) -> NDArray[np.bool_]:
-    """(C, N) whether each point is Behind the type's own surface from each viewpoint (§3.4); nothing is where there is no opaque surface."""
+    """(C, N) whether each point is Behind the type's own surface from each viewpoint (§3.4).
+
+    Nothing is where there is no opaque surface.
+    """
     if object_type.surface is None or not object_type.opaque:
         return np.zeros((len(viewpoints), len(points)), dtype=bool)
     rays = object_type.surface.rays

@@ -35,7 +35,9 @@ LOOSE = 0.10
 
 @dataclass(frozen=True)
 class DistanceMaps:
-    """For each map, the distance in pixels to the nearest datum (H, W) and that datum's index (H, W); ``of_feature`` (F,) picks the map.
+    """For each map, the distance in pixels to the nearest datum (H, W) and that datum's index (H, W).
+
+    ``of_feature`` (F,) picks the map.
 
     ``covered`` (H, W): where an accepted opaque object stands, so that a feature there may well be hidden.
     """
@@ -46,7 +48,10 @@ class DistanceMaps:
     covered: NDArray[np.bool_]
 
     def look_up(self, places: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.intp]]:
-        """Distance (..., F) and nearest datum (..., F) of ``places`` (..., F, 2) in ideal pixels; outside the image, infinity and −1."""
+        """Distance (..., F) and nearest datum (..., F) of ``places`` (..., F, 2) in ideal pixels.
+
+        Outside the image, infinity and −1.
+        """
         pixel, inside = _pixel(places, self.covered.shape)
         index = pixel + self._starts()
         return np.where(inside, self.distance.ravel()[index], np.inf), np.where(inside, self.nearest.ravel()[index], -1)

@@ -47,7 +47,9 @@ def apart(
     alike: tuple[float, float],
     kinds: NDArray[np.intp] | None = None,
 ) -> list[int]:
-    """The best of coarse poses (N, 4, 4) by worth (N,), at most so many, no two alike; ``middles`` (N, 3) of the objects, camera frame.
+    """The best of coarse poses (N, 4, 4) by worth (N,), at most so many, no two alike.
+
+    ``middles`` (N, 3) of the objects, camera frame.
 
     ``alike``: radians, and share of the distance, by less than which two differ that are; ``kinds`` (N,): none is alike
     one of another kind.

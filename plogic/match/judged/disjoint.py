@@ -90,7 +90,9 @@ def reaches_into(one: Hypothesis, other: Hypothesis) -> bool:
 
 
 def contacts(posed: Sequence[Hypothesis], poses: Sequence[Floats], still: int = 0) -> list[Contact]:
-    """Where bodies at some poses reach into each other, once a connected piece of what they share; of one that is no solid nobody knows.
+    """Where bodies at some poses reach into each other, once a connected piece of what they share.
+
+    Of one that is no solid nobody knows.
 
     Pairs of the first, which stand ``still``, are left out.
     """

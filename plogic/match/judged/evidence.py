@@ -1,6 +1,7 @@
 """The evidence for one hypothesis against clutter (§8, posterior, one claimant): the logarithm of a likelihood ratio.
 
-``as_fitted`` is what the program is told of a pose that was fitted to its matches: they say less than of a pose that was
+``as_fitted`` is what the program is told of a pose that was fitted to its matches: they say less than of a pose that
+was
 known before. The posterior of an object's presence sums over all poses that it may have; a hypothesis stands for those
 about its own. So its prior is the type's times the share of all poses that fit about as well
 (``plogic.match.judged.pose_information``), often below what ProbLog can read as a label. It is told with the matches
@@ -45,13 +46,19 @@ def clutter_density(kb: KnowledgeBase, data: Data, which: NDArray[np.intp] | Non
 
 
 def match_density(posed: Hypothesis, kb: KnowledgeBase) -> NDArray[np.float64]:
-    """N (F,) per pixel² of each feature's match, 0 where it has none; of a learned type against clutter that looks as right, not any."""
+    """N (F,) per pixel² of each feature's match, 0 where it has none.
+
+    Of a learned type against clutter that looks as right, not any.
+    """
     near = density(posed.residual, sigmas(posed, kb))
     return near if posed.likeness is None else near * posed.likeness
 
 
 def hit_rates(posed: Hypothesis, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
-    """h_F (F,) of each feature; of a learned type the measured rates, times the share of them that holds in this image (``clarity``)."""
+    """h_F (F,) of each feature.
+
+    Of a learned type the measured rates, times the share of them that holds in this image (``clarity``).
+    """
     if posed.hit is not None:
         return np.asarray(np.clip(posed.hit * clarities(posed, hidden), LEAST_HIT, MOST_HIT))
     return np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.features])
@@ -113,7 +120,9 @@ FIXED_BY = 3
 
 @dataclass(frozen=True)
 class Evidence:
-    """``ratio``: the log-likelihood ratio of presence against clutter at this pose; ``surplus``: what is left of it besides what any pose has.
+    """``ratio``: the log-likelihood ratio of presence against clutter at this pose.
+
+    ``surplus``: what is left of it besides what any pose has.
 
     Of a type written by hand that is what is left without the ``FIXED_BY`` best matches; of a learned one, and where
     angles count, for matches say more than their places then, the ratio at all poses together (``freedom``).

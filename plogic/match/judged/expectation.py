@@ -57,7 +57,10 @@ def pose_of(
 
 
 def _right_types(table: LobeTable, held: NDArray[np.bool_], data: Data) -> NDArray[np.bool_]:
-    """(F, A) the data whose type some lobe of the feature reports from here; ``held`` (L,) are the lobes that hold the viewpoint."""
+    """(F, A) the data whose type some lobe of the feature reports from here.
+
+    ``held`` (L,) are the lobes that hold the viewpoint.
+    """
     names = sorted(set(table.types))
     column = {name: i for i, name in enumerate(names)}
     reports = np.zeros((table.features, len(names)), dtype=bool)
@@ -78,7 +81,9 @@ def matched(
     free: NDArray[np.bool_] | None = None,
     hidden: NDArray[np.bool_] | None = None,
 ) -> Hypothesis:
-    """The hypothesis' one assignment (D8): expected features first, with the types whose lobe holds v; then unexpected ones.
+    """The hypothesis' one assignment (D8): expected features first, with the types whose lobe holds v.
+
+    Then unexpected ones.
 
     ``allowed`` (F, A) are the types of each feature in any lobe; ``tolerance`` in pixels; ``free`` (A,) the data that
     nobody else has claimed; ``hidden`` (F,) the features that accepted opaque objects hide. An appearance serves one
@@ -135,7 +140,8 @@ def _assign(matches: NDArray[np.intp], off: NDArray[np.float64], possible: NDArr
 def hidden_by(posed: Hypothesis, other: Hypothesis) -> NDArray[np.bool_]:
     """(F,) Behind(f, other, v): the line of sight to each feature of ``posed`` meets the other's surface first (§3.4).
 
-    Of a learned type's thousands of features it is asked of those alone that are expected or detected: of others nothing
+    Of a learned type's thousands of features it is asked of those alone that are expected or detected: of others
+    nothing
     is said.
     """
     surface, mask = other.object_type.surface, np.zeros(len(posed.at), dtype=bool)

@@ -4,7 +4,8 @@ Of all poses a few fit any matches, so that a fit to them is no evidence by itse
 all poses, not of the best (the marginal likelihood, by Laplace's method): the likelihood at the best pose, times the
 share of all poses that fit about as well.
 
-* ``known(posed, which, data, kb)``: the places that matches fix, how sharply, and the lines that their angles lead along
+* ``known(posed, which, data, kb)``: the places that matches fix, how sharply, and the lines that their angles lead
+  along
 * ``log_share(at, precision, centre, camera, across)``: the logarithm of that share, at most 0; ``share_of(information,
   ...)``, of what is known
 """
@@ -72,7 +73,10 @@ class Known(NamedTuple):
 
 
 def known(posed: Hypothesis, which: NDArray[np.bool_], data: Data, kb: KnowledgeBase) -> Known:
-    """Of features ``which`` (F,), all matched: their places, as much as they are counted; and their angles, where these count."""
+    """Of features ``which`` (F,), all matched: their places, as much as they are counted.
+
+    And their angles, where these count.
+    """
     at, sigma = posed.at[which], sigmas(posed, kb)[which]
     precision, lines = posed.counted[which] / sigma**2, None if posed.across is None else posed.across[which]
     if posed.axes is not None and kb.rates.sigma_angle is not None:

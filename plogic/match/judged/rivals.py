@@ -38,7 +38,10 @@ def solid_of(surface: Surface) -> Solid:
 
 
 def overlap(one: Hypothesis, other: Hypothesis) -> bool:
-    """A4: whether the two bodies share volume beyond what pose errors make of touching ones; of one that is no solid nobody knows."""
+    """A4: whether the two bodies share volume beyond what pose errors make of touching ones.
+
+    Of one that is no solid nobody knows.
+    """
     a, b = one.object_type.surface, other.object_type.surface
     if a is None or b is None:
         return False

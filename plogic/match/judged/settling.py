@@ -82,7 +82,9 @@ def settled(
     worth: Callable[[Hypothesis], float] | None = None,
     as_good: float = 0.0,
 ) -> Hypothesis:
-    """Match, refine, and match again, until nothing changes or ``rounds``; ``better`` gives a better pose, or None. What is posed is matched already.
+    """Match, refine, and match again, until nothing changes or ``rounds``; ``better`` gives a better pose, or None.
+
+    What is posed is matched already.
 
     With ``worth``, the one of greatest worth on the way: a pose that fits its matches better may still explain less. Of
     those that are less by no more than ``as_good`` it is the last, which depends least on where it began.

@@ -1,6 +1,7 @@
 """The protocol of a kind of type models: how all object types of one kind are found and judged together (§7).
 
-A kind is one folder below ``plogic.match`` and one row of ``plogic.match.kinds.KINDS``. The layers above ask these methods, never what kind a type
+A kind is one folder below ``plogic.match`` and one row of ``plogic.match.kinds.KINDS``. The layers above ask these
+methods, never what kind a type
 has. The methods that have a body here state what most kinds do; a kind that derives from the protocol has them.
 
 * ``TypeModel``: one object type, made ready
@@ -47,7 +48,8 @@ class Ranks(NamedTuple):
 class Given(NamedTuple):
     """What a search is given besides the free data.
 
-    ``accepted``: Δi so far. ``hidden_of`` tells (F,) which features of a hypothesis Δi hides. ``seen`` is told the hypotheses of a type as soon as
+    ``accepted``: Δi so far. ``hidden_of`` tells (F,) which features of a hypothesis Δi hides. ``seen`` is told the
+    hypotheses of a type as soon as
     they are found, best first. ``tell`` is told what the trace shall say.
     """
 
@@ -71,7 +73,10 @@ class Setup(NamedTuple):
 
 
 class Request(NamedTuple):
-    """One Γ that is searched by so many ``processes`` at most; ``check`` is called between stages, and may raise to end the search."""
+    """One Γ that is searched by so many ``processes`` at most.
+
+    ``check`` is called between stages, and may raise to end the search.
+    """
 
     data: Data
     kb: KnowledgeBase
@@ -137,7 +142,8 @@ class TypeModel(Protocol):
     ) -> Hypothesis:
         """The type at a pose camera_from_object (4, 4), or a hypothesis that is matched already: matched (D7, D8), refined, and matched again.
 
-        ``free`` (A,) the data that nobody else has claimed; ``hidden`` (F,) the features that accepted opaque objects hide.
+        ``free`` (A,) the data that nobody else has claimed; ``hidden`` (F,) the features that accepted opaque objects
+        hide.
         """
         ...
 
@@ -160,7 +166,10 @@ class Search(Protocol):
         ...
 
     def deepen(self, left: Data, *, accepted: bool) -> str | None:  # noqa: ARG002 - a kind may have more to say
-        """Search further the next time, and why; None where that is not done. ``accepted``: whether Δi holds anything."""
+        """Search further the next time, and why; None where that is not done.
+
+        ``accepted``: whether Δi holds anything.
+        """
         return None
 
     def tilted(self, posed: Hypothesis, left: Data) -> list[Floats]:  # noqa: ARG002 - a kind may have more to say

@@ -44,7 +44,9 @@ class Agreement:
 
 
 def agreement(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data, share: float, pixels: float) -> Agreement:
-    """Of poses (H, 4, 4); a pair agrees in place within ``share`` of the object's diameter on the screen plus ``pixels``.
+    """Of poses (H, 4, 4).
+
+    A pair agrees in place within ``share`` of the object's diameter on the screen plus ``pixels``.
 
     What is less exact in space, as the middle of a region is, may be farther off by twice its σ, and its residual is
     told as that much smaller.
@@ -79,7 +81,10 @@ def agreement(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data, shar
 
 
 def _near(*factors: NDArray[np.float32]) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
-    """Poses and pairs that are near, and the square of how far off; ``factors``: across, down and reach, of poses (H, K), then of pairs (P, K)."""
+    """Poses and pairs that are near, and the square of how far off.
+
+    ``factors``: across, down and reach, of poses (H, K), then of pairs (P, K).
+    """
     found = []
     for start in range(0, len(factors[0]), _BLOCK):
         across, down, reach = (
@@ -126,7 +131,10 @@ def greatest(owner: NDArray[np.intp], worth: Floats) -> NDArray[np.intp]:
 
 @dataclass(frozen=True)
 class Held:
-    """Of H poses what they are held by: ``pose``, ``pair`` (N,), by pose, one a keypoint and one a feature; ``weight`` (N,) more than 0."""
+    """Of H poses what they are held by: ``pose``, ``pair`` (N,), by pose, one a keypoint and one a feature.
+
+    ``weight`` (N,) more than 0.
+    """
 
     pose: NDArray[np.intp]
     pair: NDArray[np.intp]

@@ -72,7 +72,10 @@ def lobes_of(cloud: LearnedCloud, which: Indices, centre: Floats) -> Lobes:
 
 
 def held_from(lobes: Lobes, viewpoints: Floats, granularity: float) -> NDArray[np.bool_]:
-    """(H, M) whether each lobe holds each viewpoint (H, 3), object frame; ``granularity``: f over that at which ranges are told."""
+    """(H, M) whether each lobe holds each viewpoint (H, 3), object frame.
+
+    ``granularity``: f over that at which ranges are told.
+    """
     along, distance = lobes.seen_from(viewpoints)
     scale = np.float32(granularity)
     return np.asarray(

@@ -108,7 +108,9 @@ def matched(
     free: NDArray[np.bool_] | None = None,
     hidden: NDArray[np.bool_] | None = None,
 ) -> Hypothesis:
-    """The hypothesis' one assignment (D8): expected features first, then unexpected ones; one keypoint a feature, one feature a keypoint.
+    """The hypothesis' one assignment (D8): expected features first, then unexpected ones.
+
+    One keypoint a feature, one feature a keypoint.
 
     Sides of edges are looked for where they are expected alone: edges are everywhere, and those of a hidden feature
     would be found by chance.
@@ -160,7 +162,10 @@ def _with_sides(
     lobes: NDArray[np.intp],
     free: NDArray[np.bool_],
 ) -> Hypothesis:
-    """What is matched so far, and the sides of edges that are those of ``lobes``, which are expected; of data that are ``free`` (A,)."""
+    """What is matched so far, and the sides of edges that are those of ``lobes``, which are expected.
+
+    Of data that are ``free`` (A,).
+    """
     spread = index.cloud.sigma * data.camera.f / np.maximum(posed.at[:, 2], 1e-6)
     found = side_matches(index, posed, data, lobes, free, np.clip(WIDE * spread, *SIDES_REACH))
     names = "matches", "residual", "sigma", "likeness", "across"
@@ -176,7 +181,10 @@ def _with_sides(
 
 
 def precision(posed: Hypothesis) -> Floats:
-    """(F,) 1/pixel² of each match's place, as much as it is counted; what lies far off for this noise is likely another's."""
+    """(F,) 1/pixel² of each match's place, as much as it is counted.
+
+    What lies far off for this noise is likely another's.
+    """
     assert posed.sigma is not None  # noqa: S101 - of a learned type it was measured
     return np.nan_to_num(posed.counted / (posed.sigma**2 + 0.25 * posed.residual**2))
 

@@ -44,7 +44,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class LearnedIndex:
-    """``points`` (F, 3) metres; ``weights`` (F,) dv; ``cloud`` with its L appearances; ``lexicon`` where they are looked up."""
+    """``points`` (F, 3) metres; ``weights`` (F,) dv; ``cloud`` with its L appearances.
+
+    ``lexicon`` where they are looked up.
+    """
 
     settled_when_found: ClassVar[bool] = True
 
@@ -98,7 +101,10 @@ class LearnedIndex:
 
     @cached_property
     def looks(self) -> NDArray[np.float32]:
-        """(L, 6) looks of each appearance that is the side of an edge, and how much the last of them varies; 0 where there are no colours."""
+        """(L, 6) looks of each appearance that is the side of an edge, and how much the last of them varies.
+
+        0 where there are no colours.
+        """
         looks = self.cloud.descriptor[:, POINT : POINT + SIDE + 1].astype(np.float32)
         return looks if looks.shape[1] else np.zeros((len(looks), SIDE + 1), np.float32)
 
@@ -117,7 +123,10 @@ class LearnedIndex:
 
     @cached_property
     def inner_radius(self) -> float:
-        """Metres from ``centre`` to the nearest face that it can stand on, 0 without one; the face nearest to the middle of mass is such."""
+        """Metres from ``centre`` to the nearest face that it can stand on, 0 without one.
+
+        The face nearest to the middle of mass is such.
+        """
         return (
             float(max(0.0, (self.resting.reach - self.resting.down @ self.centre).min()))
             if len(self.resting.reach)
@@ -157,7 +166,10 @@ class LearnedIndex:
 
 
 def learned_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> LearnedIndex:
-    """The index of a type with a learned cloud; dv 0 throughout counts every feature alike. Without a lexicon it has one of its own."""
+    """The index of a type with a learned cloud; dv 0 throughout counts every feature alike.
+
+    Without a lexicon it has one of its own.
+    """
     cloud = object_type.learned
     assert cloud is not None  # noqa: S101 - the caller looks
     weights = np.array([dv[feature.type] for feature in object_type.features])
@@ -232,7 +244,10 @@ class LearnedModels(TypeModels):
 
 @dataclass(eq=False)
 class LearnedSearch(Search):
-    """The search in what is left of Γ; ``_searched``: the types searched for before, each with how many of it were accepted then."""
+    """The search in what is left of Γ.
+
+    ``_searched``: the types searched for before, each with how many of it were accepted then.
+    """
 
     models: Mapping[str, LearnedIndex]
     kb: KnowledgeBase
@@ -240,7 +255,10 @@ class LearnedSearch(Search):
     _searched: dict[str, int] = field(default_factory=dict)
 
     def propose(self, names: Sequence[str], left: Data, given: Given) -> Generator[Found]:
-        """The hypotheses of each type; none of one of which nothing was accepted since it was searched for, for all of its poses were told then."""
+        """The hypotheses of each type.
+
+        None of one of which nothing was accepted since it was searched for, for all of its poses were told then.
+        """
         taken = bodies(self.models, given.accepted)
         expected = [name for name in names if self._searched.get(name) != given.count(name)]
 

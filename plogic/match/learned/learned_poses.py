@@ -60,7 +60,9 @@ def generate(
     refined: int = REFINED,
     verified: int = VERIFIED,
 ) -> list[tuple[float, Hypothesis]]:
-    """The settled poses with their log-likelihood ratios, best first; ``refined``, ``verified``: how many poses go that far.
+    """The settled poses with their log-likelihood ratios, best first.
+
+    ``refined``, ``verified``: how many poses go that far.
 
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that are there already, m: poses that overlap
     them (A4) are not looked at.
@@ -208,7 +210,10 @@ def resting(
 
 
 def set_down(index: LearnedIndex, pairs: Pairs, plane: Plane, data: Data) -> Floats:
-    """(N, 4, 4) the poses on the plane that are near to those that the pairs fix in the air; each stands on one of its resting faces."""
+    """(N, 4, 4) the poses on the plane that are near to those that the pairs fix in the air.
+
+    Each stands on one of its resting faces.
+    """
     rays, places = sights(pairs, data), index.places[pairs.lobe]
     turned, told, falling = turns(index, pairs, data), depths(index, pairs, data), rays @ plane.up
     found = [np.zeros((0, 4, 4))]

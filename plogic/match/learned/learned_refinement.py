@@ -41,7 +41,9 @@ LOOSE = 0.25
 
 @dataclass(frozen=True)
 class SideFit:
-    """``points`` (H, Q, 3) m, object frame; ``uv`` (H, Q, 2) pixels; ``across`` (H, Q, 2); ``weight`` (H, Q), 0 where there is none.
+    """``points`` (H, Q, 3) m, object frame; ``uv`` (H, Q, 2) pixels; ``across`` (H, Q, 2).
+
+    ``weight`` (H, Q), 0 where there is none.
 
     ``worth`` (H,): about the logarithm of how much likelier the sides are of these poses than of clutter.
     """
@@ -147,7 +149,9 @@ def refined(
     thin: bool = True,
     moves: Floats | None = None,
 ) -> tuple[Floats, Floats]:
-    """Refined on the pairs and the sides of edges that agree, ever more tightly, best first, with their worth; those with too few are dropped.
+    """Refined on the pairs and the sides of edges that agree, ever more tightly, best first, with their worth.
+
+    Those with too few are dropped.
 
     ``granularity``: f / f_ref. ``thin``: ever fewer go on, the best. ``moves`` (6, M): the steps that poses may take,
     as in ``Steps``.

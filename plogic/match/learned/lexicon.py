@@ -56,7 +56,9 @@ def farthest(vectors: NDArray[np.float32]) -> float:
 
 @dataclass(eq=False)
 class Lexicon:
-    """Appearances in the order of their words; each is in one word, and so all the keypoints that it may look like are found together.
+    """Appearances in the order of their words.
+
+    Each is in one word, and so all the keypoints that it may look like are found together.
 
     Attributes:
         names: (T,) the types.
@@ -78,7 +80,10 @@ class Lexicon:
         self._last: tuple[Data, dict[str, Alike]] | None = None
 
     def alike(self, name: str, data: Data) -> Alike:
-        """The pairs of one type that look alike; those of all types and all of Γ are found at the first question about it."""
+        """The pairs of one type that look alike.
+
+        Those of all types and all of Γ are found at the first question about it.
+        """
         found = self.ask(data)[name]
         place = np.full(len(data.whole.ids), -1, np.intp)
         place[data.rows] = np.arange(len(data.ids))
@@ -165,7 +170,10 @@ class Lexicon:
 
 
 def lexicon_of(clouds: Mapping[str, LearnedCloud], words: NDArray[np.uint8] | None = None) -> Lexicon:
-    """Of the keypoints of types' clouds, at least one; ``words`` (W, D) bytes are the vocabulary's, which the clouds' words are indices of."""
+    """Of the keypoints of types' clouds, at least one.
+
+    ``words`` (W, D) bytes are the vocabulary's, which the clouds' words are indices of.
+    """
     points = [np.flatnonzero(~cloud.sided) for cloud in clouds.values()]
     sizes = [len(some) for some in points]
     width = min(cloud.descriptor.shape[1] for cloud in clouds.values())

@@ -52,7 +52,9 @@ that a pose demands."""
 
 @dataclass(frozen=True)
 class RightPairs:
-    """``feature`` (N,), ``datum`` (N,); of all M ways to look right, ``pair`` (M,) says which pair and ``lobe`` (M,) by which appearance.
+    """``feature`` (N,), ``datum`` (N,).
+
+    Of all M ways to look right, ``pair`` (M,) says which pair and ``lobe`` (M,) by which appearance.
 
     ``best`` (N,) is the appearance by which a pair looks most right; ``apart`` (N,) how far apart the descriptors are
     then, as a share of the farthest that look right; ``fit`` (N,) how much likelier such an angle and size are of what
@@ -150,7 +152,10 @@ def _right(
 
 
 def _against_even(off: Floats, sigma: float, most: float) -> Floats:
-    """How much likelier it is to be ``off`` (N,) by chance of measurement than evenly anywhere up to ``most``; ``EVEN`` of what is right is even."""
+    """How much likelier it is to be ``off`` (N,) by chance of measurement than evenly anywhere up to ``most``.
+
+    ``EVEN`` of what is right is even.
+    """
     return np.asarray(
         (1.0 - EVEN) * np.exp(-0.5 * (off / sigma) ** 2) / (np.sqrt(2.0 * np.pi) * sigma) * 2.0 * most + EVEN
     )

@@ -152,7 +152,9 @@ its line."""
 
 @dataclass(frozen=True)
 class SideMatches:
-    """``feature`` (N,), ``datum`` (N,); ``off`` (N,) pixels across the line; ``across`` (N, 2) unit vector there; ``rare`` (N,).
+    """``feature`` (N,), ``datum`` (N,); ``off`` (N,) pixels across the line; ``across`` (N, 2) unit vector there.
+
+    ``rare`` (N,).
 
     ``pattern``: the share of them that is found at several other places nearby as well (``patterns``), 0 where that is
     less than ``ORDERED``. ``rare``: per pixel along its line and across it, how much likelier a side that faces so is
@@ -170,7 +172,9 @@ class SideMatches:
 def side_matches(
     index: LearnedIndex, posed: Hypothesis, data: Data, lobes: Indices, free: NDArray[np.bool_], reach: Floats
 ) -> SideMatches:
-    """Of the appearances ``lobes``, which hold the viewpoint, those of sides in the image; of data that are ``free`` (A,).
+    """Of the appearances ``lobes``, which hold the viewpoint, those of sides in the image.
+
+    Of data that are ``free`` (A,).
 
     ``reach`` (F,) pixels across. One side a feature, one feature a side.
     """

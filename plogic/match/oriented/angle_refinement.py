@@ -61,7 +61,9 @@ def refined(
 def met(
     poses: Floats, held: Held, noise: Noise, camera: Camera, sigma: Floats | None = None
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """What poses (N, 4, 4) are to meet, of places and then of angles, as ``refined_poses`` takes it; ``sigma`` as in ``refined``.
+    """What poses (N, 4, 4) are to meet, of places and then of angles, as ``refined_poses`` takes it.
+
+    ``sigma`` as in ``refined``.
 
     Points (N, 2 V, 3) m, pixels (N, 2 V, 2), weights (N, 2 V) 1/pixel², and unit vectors across lines (N, 2 V, 2).
     """

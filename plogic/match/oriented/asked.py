@@ -74,7 +74,9 @@ direction."""
 
 
 def turn_of(data: Data, which: NDArray[np.bool_]) -> float:
-    """Radians, clockwise on the screen from +x, to the mean of the data ``which`` (A,), from the image's centre; 0 where they have none.
+    """Radians, clockwise on the screen from +x, to the mean of the data ``which`` (A,), from the image's centre.
+
+    0 where they have none.
 
     Their order decides nothing, to the last bit.
     """
@@ -103,7 +105,9 @@ def poses_turned(poses: Floats, angle: float) -> Floats:
 
 
 class Chances(NamedTuple):
-    """``hit`` (K,) rate of an expected feature, by number of its type in the index; ``clutter`` (L,) appearances of an image that are no object's.
+    """``hit`` (K,) rate of an expected feature, by number of its type in the index.
+
+    ``clutter`` (L,) appearances of an image that are no object's.
 
     The latter by number of the appearance type.
     """
@@ -120,7 +124,10 @@ def chances_of(index: PairIndex, rates: Rates) -> Chances:
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """``turn``: by how much all is turned, radians clockwise; ``check`` is called between stages, and may raise to end the search."""
+    """``turn``: by how much all is turned, radians clockwise.
+
+    ``check`` is called between stages, and may raise to end the search.
+    """
 
     index: PairIndex
     data: Data

@@ -40,7 +40,9 @@ STILL = 1e-8
 def climbed(
     asked: Asked, kind: Indices, poses: Floats, share: float, steps: int, squares: int = 1
 ) -> tuple[Floats, Floats, Floats]:
-    """Poses (N, 4, 4) of types ``kind`` (N,) after so many steps or fewer; their evidence (N,), and how many sights are likely matched (N,).
+    """Poses (N, 4, 4) of types ``kind`` (N,) after so many steps or fewer.
+
+    Their evidence (N,), and how many sights are likely matched (N,).
 
     Their sights may be off by a ``share`` of the diameter. A step is so many ``squares``, steps of least squares,
     towards what draws the pose.

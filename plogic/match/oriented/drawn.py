@@ -38,7 +38,10 @@ holds there."""
 
 
 class Shown(NamedTuple):
-    """S sights: ``pose`` (S,) which pose shows it, in order; ``feature`` (S,) whose it is; ``looks`` (S,) number of its appearance type."""
+    """S sights: ``pose`` (S,) which pose shows it, in order; ``feature`` (S,) whose it is.
+
+    ``looks`` (S,) number of its appearance type.
+    """
 
     pose: Indices
     feature: Indices
@@ -77,7 +80,9 @@ NEAREST = 1e-6
 
 
 class Drawn(NamedTuple):
-    """Of N poses: ``held`` what draws them; ``noise`` and ``sigma`` (N,) how far off that may be; ``worth`` (N,) their evidence.
+    """Of N poses: ``held`` what draws them; ``noise`` and ``sigma`` (N,) how far off that may be.
+
+    ``worth`` (N,) their evidence.
 
     ``likely`` (N,): how many sights are matched, each as much as it is likely to be.
     """
@@ -169,7 +174,10 @@ def _pairs(asked: Asked, sights: _Sights, sigma: Floats, spread: float, within: 
 
 
 def _held(sights: _Sights, pairs: _Pairs, part: Floats, weight: Floats, poses: int) -> Held:
-    """Where each sight is drawn to: the mean of its data, each ``part`` (P,) as much as it is likely; padded, a row a pose."""
+    """Where each sight is drawn to: the mean of its data, each ``part`` (P,) as much as it is likely.
+
+    Padded, a row a pose.
+    """
     count = len(weight)
     some = np.flatnonzero(weight > LEAST)
     shares = 1.0 / weight[some]

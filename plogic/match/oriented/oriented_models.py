@@ -98,7 +98,10 @@ class OrientedSearch(Search):
 def search_of(
     shared: PairIndex, data: Data, kb: KnowledgeBase, check: Callable[[], None] = unhurried
 ) -> TogetherSearch | None:
-    """The search for all types of an index in one Γ; None where the KB does not know how angles err, or no datum has one."""
+    """The search for all types of an index in one Γ.
+
+    None where the KB does not know how angles err, or no datum has one.
+    """
     if kb.rates.sigma_angle is None or not np.isfinite(data.angle).any():
         return None
     return TogetherSearch(

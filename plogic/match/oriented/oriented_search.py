@@ -39,7 +39,9 @@ TILTS_KEPT = 2
 
 
 class Round(NamedTuple):
-    """How far off a sight may be, as a share of the diameter; how many steps a pose climbs; and how many poses, no two alike, go on.
+    """How far off a sight may be, as a share of the diameter; how many steps a pose climbs.
+
+    And how many poses, no two alike, go on.
 
     ``squares``: of least squares a step; one leads on while all is coarse, more of them home.
     """
@@ -56,7 +58,9 @@ def _home(most: int) -> tuple[Round, ...]:
 
 
 class Width(NamedTuple):
-    """How many go on: the heaviest votes, whose clouds are ``laid`` onto Γ, of these the ``best``, in rounds; of the last, so many are ``tilted``.
+    """How many go on: the heaviest votes, whose clouds are ``laid`` onto Γ, of these the ``best``, in rounds.
+
+    Of the last, so many are ``tilted``.
 
     ``fours``: how many of the last, and of what comes of all sets of four that draw them.
     """
@@ -85,7 +89,10 @@ TILTED = Round(0.05, 3, 0), Round(0.02, 3, 0), Round(0.006, 3, 0), Round(0.0, 10
 
 
 class Proposal(NamedTuple):
-    """``kind`` number of the type in the index; ``pose`` (4, 4) camera_from_object; ``worth`` its evidence, at all poses about it together."""
+    """``kind`` number of the type in the index; ``pose`` (4, 4) camera_from_object.
+
+    ``worth`` its evidence, at all poses about it together.
+    """
 
     kind: int
     pose: Floats
@@ -93,7 +100,10 @@ class Proposal(NamedTuple):
 
 
 class _Posed(NamedTuple):
-    """N poses of types ``kind`` (N,), of ``worth`` (N,); ``likely`` (N,) how many of their sights are matched, about."""
+    """N poses of types ``kind`` (N,), of ``worth`` (N,).
+
+    ``likely`` (N,) how many of their sights are matched, about.
+    """
 
     kind: Indices
     poses: Floats
@@ -106,7 +116,9 @@ class _Posed(NamedTuple):
 
 
 class Search:
-    """The search for all types in one Γ: its pairs vote once, and what is claimed later is no longer counted. It works on Γ turned upright.
+    """The search for all types in one Γ: its pairs vote once, and what is claimed later is no longer counted.
+
+    It works on Γ turned upright.
 
     ``unasked``: types of which single data were not asked, for there were too many.
     """

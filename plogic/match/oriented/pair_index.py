@@ -119,7 +119,9 @@ _FAR = 127.0
 
 
 class Lobes(NamedTuple):
-    """Of T types, padded: (T, L) ``feature``, number of what it ``looks`` like, ``cos_half``; ``axis`` (T, L, 3) unit, object frame.
+    """Of T types, padded: (T, L) ``feature``, number of what it ``looks`` like, ``cos_half``.
+
+    ``axis`` (T, L, 3) unit, object frame.
 
     ``own`` (T,): how many lobes each has.
     """
@@ -133,7 +135,9 @@ class Lobes(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PairIndex:
-    """``looks``: names of the appearance types, by number; E pairs: ``key`` (E,) increasing, ``entry`` (E,) what each says, as numbers in 64 bits.
+    """``looks``: names of the appearance types, by number.
+
+    E pairs: ``key`` (E,) increasing, ``entry`` (E,) what each says, as numbers in 64 bits.
 
     ``turned`` (E, 2): in which of ``FINE`` parts of the circle the angle of each of the two is, to the line from the
     first to the second. The first's looks have the lower number.
@@ -193,7 +197,9 @@ class PairIndex:
 
     @cached_property
     def sizes(self) -> NDArray[np.float32] | None:
-        """(2, T, looks) m, the least and the most that a type's sights of some looks are wide; 0 and infinity where one of them is of unknown size.
+        """(2, T, looks) m, the least and the most that a type's sights of some looks are wide.
+
+        0 and infinity where one of them is of unknown size.
 
         None where no size is known at all.
         """
@@ -214,8 +220,10 @@ class PairIndex:
         """All N pairs that look alike: query and entry (N,), and by how much each of the two angles (N, 2) is off, in ``FINE``ths of the circle.
 
         Q queries of ``looks`` (numbers, the lower first), ``angles`` to the line, radians. Those are found both angles
-        of which are within ``tolerance``, radians, as far as ``FINE`` and ``BINS`` tell. Where more than ``most`` are
-        to be looked at, the queries are left out that find the most entries: what is common says little (§5.1).
+        of which are within
+        ``tolerance``, radians, as far as ``FINE`` and ``BINS`` tell. Where more than ``most`` are to be looked at, the
+        queries are left out that
+        find the most entries: what is common says little (§5.1).
         """
         part, other = (part_of_circle(angle, BINS) for angle in angles)
         base = (looks[0].astype(np.int64) * len(self.looks) + looks[1]) * BINS

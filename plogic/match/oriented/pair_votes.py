@@ -93,7 +93,10 @@ class Raw:
 
 
 def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw:
-    """All votes; ``looks`` (A,) numbers of the data's types, −1 for one that no sight has; ``sigma``: noise of angles, radians."""
+    """All votes; ``looks`` (A,) numbers of the data's types, −1 for one that no sight has.
+
+    ``sigma``: noise of angles, radians.
+    """
     from scipy.spatial import cKDTree
 
     some = np.flatnonzero((looks >= 0) & np.isfinite(data.angle))
@@ -168,7 +171,9 @@ def _changes(values: Indices | NDArray[np.uint64]) -> NDArray[np.bool_]:
 
 
 def _boxes(votes: Votes, places: Floats, size: Floats, offset: float) -> NDArray[np.uint64]:
-    """(N,) a number for the box that each vote lies in: of one type, place, roll and size. It leaves room for ``_ROW`` bits.
+    """(N,) a number for the box that each vote lies in: of one type, place, roll and size.
+
+    It leaves room for ``_ROW`` bits.
 
     ``places`` (N, 2) pixels from the image's middle, which stays where it is when the camera is turned.
     """

@@ -1,8 +1,11 @@
-"""All hand-modelled types whose data have angles, made ready for the search of all at once; kept on disk between runs, and mapped from there.
+"""All hand-modelled types whose data have angles, made ready for the search of all at once.
+
+Kept on disk between runs, and mapped from there.
 
 * ``OrientedIndex``: one such type
 * ``ready(types, dv, folder)``: the indices of the types, and the index over them
-* ``key_of(types)``: what decides the index over types, as 64 hex digits: the types themselves as they enter it, in their
+* ``key_of(types)``: what decides the index over types, as 64 hex digits: the types themselves as they enter it, in
+  their
   order, our source, and the libraries. Neither dv nor the rates enter what is kept
 """
 

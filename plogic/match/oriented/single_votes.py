@@ -168,7 +168,10 @@ def _matches(index: PairIndex, kind: int, cells: slice, typed: TypedData, centre
 
 
 def _boxed(matches: _Matches, size: float, offset: float) -> tuple[Indices, Indices]:
-    """The matches (N,) in boxes that hold ``FEWEST`` or more, box by box, and (B,) where each box begins; ``size``: pixels a diameter."""
+    """The matches (N,) in boxes that hold ``FEWEST`` or more, box by box, and (B,) where each box begins.
+
+    ``size``: pixels a diameter.
+    """
     keys = _keys(matches, size, offset)
     place = (keys * _SPREAD) >> np.uint32(32 - _BITS)
     rows = np.flatnonzero((np.bincount(place, minlength=1 << _BITS) >= FEWEST)[place])
@@ -196,7 +199,9 @@ def _keys(matches: _Matches, size: float, offset: float) -> Keys:
 def _scored(
     matches: _Matches, rows: Indices, first: Indices, size: float, area: float, noise: Noise
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """Of each box (B,) its middle, pixels from that of the image, its roll, and its score; ``area`` of the image, square pixels.
+    """Of each box (B,) its middle, pixels from that of the image, its roll, and its score.
+
+    ``area`` of the image, square pixels.
 
     A box is a place that a vote is as likely to be at as at any, so that smaller ones are more; they weigh as much
     together at each size.

@@ -31,7 +31,10 @@ FEWEST = 4
 
 
 class Typed(NamedTuple):
-    """``points`` (F, 3) m: the features' places; P pairs, by feature and then by datum: ``feature`` (P,) and ``datum`` (P,)."""
+    """``points`` (F, 3) m: the features' places.
+
+    P pairs, by feature and then by datum: ``feature`` (P,) and ``datum`` (P,).
+    """
 
     kind: ObjectType
     points: Floats
@@ -56,7 +59,10 @@ def pairs_of(index: TypeIndex, data: Data) -> Typed:
 
 
 def off(poses: Floats, pairs: Typed, uv: Floats, camera: Camera) -> Floats:
-    """(N, P) pixels from where N poses show the pairs' features to their data, ``uv`` (A, 2) undistorted; infinite behind the camera."""
+    """(N, P) pixels from where N poses show the pairs' features to their data, ``uv`` (A, 2) undistorted.
+
+    Infinite behind the camera.
+    """
     at = np.einsum("nij,fj->nfi", poses[:, :3, :3], pairs.points) + poses[:, None, :3, 3]
     depth = np.where(at[..., 2] > 0.0, at[..., 2], np.nan)
     shown = camera.to_pixels(at[..., :2] / depth[..., None])
@@ -126,7 +132,10 @@ def extended(scene: Scene, poses: Floats, most: int) -> list[Floats]:
 
 
 def _refined(scene: Scene, pose: Floats, wider: float) -> Floats:
-    """Least squares on the features that the pose expects and that have a datum near; as it was where those are too few."""
+    """Least squares on the features that the pose expects and that have a datum near.
+
+    As it was where those are too few.
+    """
     pairs, sigma = scene.pairs, scene.kb.rates.sigma
     reach = wider * scene.kb.rates.match_tolerance
     apart_by = off(pose[None], pairs, scene.uv, scene.data.camera)[0]

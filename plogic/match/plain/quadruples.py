@@ -103,7 +103,10 @@ KEPT, PROPOSED = 120, 24
 
 
 def proposals(index: TypeIndex, data: Data, kb: KnowledgeBase, check: Callable[[], None] = unhurried) -> list[Floats]:
-    """Poses (4, 4) of a type, best first; none where fewer than four of its features find data. ``check`` may raise to end the search."""
+    """Poses (4, 4) of a type, best first; none where fewer than four of its features find data.
+
+    ``check`` may raise to end the search.
+    """
     scene = scene_of(index, data, kb)
     poses, values = np.zeros((0, 4, 4)), np.zeros(0)
     for feature, datum in sets(scene):
@@ -131,7 +134,9 @@ def sets(scene: Scene) -> Iterator[Sets]:
 def posed(
     pairs: Typed, xy: Floats, feature: Indices, datum: Indices, noise: float, turned: float = MOST_TURNED
 ) -> Floats:
-    """(N', 4, 4) what POSIT makes of sets of features (N, 4) at data (N, 4) of ``xy`` (A, 2) = x/z, y/z; those it refuses are left out.
+    """(N', 4, 4) what POSIT makes of sets of features (N, 4) at data (N, 4) of ``xy`` (A, 2) = x/z, y/z.
+
+    Those it refuses are left out.
 
     ``noise`` of the data, in units of x/z; ``turned``: radians by which it may turn a set's pose.
     """

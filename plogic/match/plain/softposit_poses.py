@@ -36,7 +36,10 @@ PROPOSED = 24
 
 
 def proposals(index: TypeIndex, data: Data, kb: KnowledgeBase, check: Callable[[], None] = unhurried) -> list[Floats]:
-    """Poses (4, 4) of a type, best first; none where no start converges. ``check`` is called between starts, and may raise to end the search."""
+    """Poses (4, 4) of a type, best first; none where no start converges.
+
+    ``check`` is called between starts, and may raise to end the search.
+    """
     scene, camera = scene_of(index, data, kb), data.camera
     if (scene.pairs.numbers > 0).sum() < FEWEST:
         return []
@@ -54,7 +57,10 @@ def proposals(index: TypeIndex, data: Data, kb: KnowledgeBase, check: Callable[[
 def annealed(
     pairs: Typed, xy: Floats, rng: np.random.Generator, depth: tuple[float, float], *, noise: float, f: float
 ) -> SoftPositResult:
-    """What SoftPOSIT makes of the next ``STARTS`` random starts, the object between two depths, m; ``noise`` and the focal length in pixels."""
+    """What SoftPOSIT makes of the next ``STARTS`` random starts, the object between two depths, m.
+
+    ``noise`` and the focal length in pixels.
+    """
     setting = Annealing(beta=BETA, noise=noise, pixel=1.0 / f)
     start = random_starts(pairs.points, xy, STARTS, rng, depth=depth)
     return softposit(pairs.points, xy, start, allowed=pairs.mask(len(xy)), annealing=setting)

@@ -1,4 +1,7 @@
-"""Workers of a Dask cluster that somebody else runs. They must have plogic installed and see the same files under the same names."""
+"""Workers of a Dask cluster that somebody else runs.
+
+They must have plogic installed and see the same files under the same names.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,10 @@ AHEAD = 2
 
 
 class Cluster:
-    """The cluster of the scheduler at ``address``; otherwise as ``Pool``. ``say`` gets the lines that a user is to see meanwhile."""
+    """The cluster of the scheduler at ``address``; otherwise as ``Pool``.
+
+    ``say`` gets the lines that a user is to see meanwhile.
+    """
 
     def __init__(
         self, settings: Settings, folder: str, address: str, timeout: float | None, say: Callable[[str], None]
@@ -46,7 +52,10 @@ class Cluster:
         """As of a pool; here whoever gets the first frame starts."""
 
     def kb(self) -> dict[str, str]:
-        """Name and digest of the KB as a worker reads it. Raises InputError where it cannot be read, or there are no workers."""
+        """Name and digest of the KB as a worker reads it.
+
+        Raises InputError where it cannot be read, or there are no workers.
+        """
         if self._lines is None:
             self._connection.wait()
             future = self._submit(None)

@@ -25,7 +25,10 @@ CLOSING = 5.0
 
 
 def distributed() -> Any:  # noqa: ANN401 - the module
-    """Dask's package, which is to keep its tracebacks to itself: what happens is told in one line. Raises InputError where it is absent."""
+    """Dask's package, which is to keep its tracebacks to itself: what happens is told in one line.
+
+    Raises InputError where it is absent.
+    """
     try:
         import_module("dask").config.set({"logging": {"distributed": "critical", "distributed.client": "critical"}})
         return import_module("distributed")
@@ -61,7 +64,10 @@ class Connection:
         return monotonic() - self._looked > LOOK
 
     def threads(self) -> int:
-        """The threads of all workers; where there are none that is said once. Raises InputError where that lasts, or the scheduler is lost."""
+        """The threads of all workers; where there are none that is said once.
+
+        Raises InputError where that lasts, or the scheduler is lost.
+        """
         try:
             found = sum(self.client.nthreads(callback_timeout=CONNECTING).values())
         except Exception as error:

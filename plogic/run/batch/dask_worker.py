@@ -46,7 +46,10 @@ class _Kept:
         self._watched = False
 
     def begin(self, task: Told, worker: Any) -> Pool:  # noqa: ANN401 - a worker of Dask
-        """This thread's, which is at work from now on; that of another run is closed first. Raises InputError where the run is over."""
+        """This thread's, which is at work from now on; that of another run is closed first.
+
+        Raises InputError where the run is over.
+        """
         thread, key = threading.get_ident(), worker.get_current_task()
         with self._lock:
             if task["run"] in self._over:

@@ -87,7 +87,10 @@ class Settings:
 
 
 def camera_of(frame: Frame, camera: str | None) -> str | None:
-    """The camera file of a picture: the one that was given for all, else ``camera.json`` beside it; None where there is neither."""
+    """The camera file of a picture: the one that was given for all, else ``camera.json`` beside it.
+
+    None where there is neither.
+    """
     beside = Path(frame.input).parent / "camera.json"
     return camera if camera is not None or not is_there(beside) else str(beside)
 
@@ -115,7 +118,9 @@ def _scene(folder: str, number: int, _version: tuple[int, ...]) -> Scene:
 
 
 def digest_of(frame: Frame, camera: str | None, *, nested: bool = False) -> str | None:
-    """SHA-256 (hexadecimal) of all that a frame's line is made of, its camera too; None where some of it cannot be read.
+    """SHA-256 (hexadecimal) of all that a frame's line is made of, its camera too.
+
+    None where some of it cannot be read.
 
     ``nested``: each file counts by its own SHA-256, as in files of lines that an earlier plogic wrote.
     """

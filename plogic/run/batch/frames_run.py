@@ -42,7 +42,9 @@ def run(
     *,
     in_order: bool,
 ) -> None:
-    """Have every frame perceived, and ``write`` its status and line once; in order, those that are done too early are ``waiting`` meanwhile.
+    """Have every frame perceived, and ``write`` its status and line once.
+
+    In order, those that are done too early are ``waiting`` meanwhile.
 
     Frames that waited already when an earlier run was killed are written and not perceived again.
     """

@@ -35,7 +35,9 @@ DATASET = ("scene_camera.json", "[0-9]*/scene_camera.json", "*/[0-9]*/scene_came
 
 
 def frames_of(inputs: Iterable[str], listed: Iterable[str]) -> list[Frame]:
-    """Every frame once, in the order of the inputs, and inside a folder in that of names; ``-`` stands for the lines of ``listed``.
+    """Every frame once, in the order of the inputs, and inside a folder in that of names.
+
+    ``-`` stands for the lines of ``listed``.
 
     An input that leads to no frame, or a folder that is no BOP dataset though it looks like one, is a lost frame.
     Raises InputError where there is no input at all.

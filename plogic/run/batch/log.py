@@ -155,7 +155,10 @@ def _lock(file: RawIOBase, out: str) -> None:
 
 
 def read_lines(path: Path, out: str) -> tuple[list[Written], int]:
-    """What the lines of a file tell, and how many bytes they are; what follows the last end of a line is a torn one. Raises InputError."""
+    """What the lines of a file tell, and how many bytes they are; what follows the last end of a line is a torn one.
+
+    Raises InputError.
+    """
     written: list[Written] = []
     end = 0
     wrong = Mistakes(TAKE_OUT)

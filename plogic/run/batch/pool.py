@@ -33,7 +33,9 @@ class Answer(NamedTuple):
 
 
 class Pool:
-    """``jobs`` workers with one thread each, started when there is something to do. ``timeout``: seconds that a frame may take.
+    """``jobs`` workers with one thread each, started when there is something to do.
+
+    ``timeout``: seconds that a frame may take.
 
     ``folder``: that names of files are relative to.
     """

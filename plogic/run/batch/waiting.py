@@ -27,7 +27,10 @@ STALE = 512
 
 
 class Waiting:
-    """Of the run that writes beside ``place``; without a place nothing is kept. ``written``: what the file told when this was made."""
+    """Of the run that writes beside ``place``; without a place nothing is kept.
+
+    ``written``: what the file told when this was made.
+    """
 
     def __init__(self, place: Path | None = None) -> None:
         """Changes nothing. Raises InputError where the file holds something else."""
@@ -49,7 +52,10 @@ class Waiting:
         }
 
     def keep(self, line: bytes, held: Collection[bytes]) -> None:
-        """One line more waits; ``held`` are all that do, it among them. Raises SensingError where it cannot be written."""
+        """One line more waits; ``held`` are all that do, it among them.
+
+        Raises SensingError where it cannot be written.
+        """
         if self._place is None:
             return
         self._count += 1

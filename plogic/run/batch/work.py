@@ -29,7 +29,10 @@ CHANGED = "changed while it was read"
 
 
 class Worker:
-    """A knowledge base made ready, and what makes a line of a frame with it. Raises PlogicError where the KB cannot be read."""
+    """A knowledge base made ready, and what makes a line of a frame with it.
+
+    Raises PlogicError where the KB cannot be read.
+    """
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings

@@ -29,7 +29,11 @@ class Job(NamedTuple):
 
 
 class Process:
-    """One worker. ``job``: what it is at work on; ``kb``: name and digest of what it has read; ``since``: when it could begin (monotonic)."""
+    """One worker.
+
+    ``job``: what it is at work on; ``kb``: name and digest of what it has read; ``since``: when it could begin
+    (monotonic).
+    """
 
     def __init__(self, settings: Settings, folder: str) -> None:
         self._child = Child(python("plogic.run.batch.worker_child"), folder=folder, variables=ONE_THREAD)
@@ -49,7 +53,10 @@ class Process:
         self._tell(astuple(job.frame))
 
     def read(self) -> list[bytes] | None:
-        """The lines that have become whole, without their ends; None once it has died. Waits where ``fileno`` is not readable."""
+        """The lines that have become whole, without their ends; None once it has died.
+
+        Waits where ``fileno`` is not readable.
+        """
         piece = self._child.read()
         if not piece:
             return None

@@ -33,7 +33,10 @@ PICTURES = tuple(
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """One object of a frame's ground truth: ``camera_from_object`` (4, 4) m; ``visible`` fraction, None where nobody says."""
+    """One object of a frame's ground truth: ``camera_from_object`` (4, 4) m.
+
+    ``visible`` fraction, None where nobody says.
+    """
 
     obj_id: int
     camera_from_object: NDArray[np.float64]
@@ -137,7 +140,9 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """``targets``: per (scene, image) the wanted instances by object; None: every image, every object. ``models``: their folder.
+    """``targets``: per (scene, image) the wanted instances by object; None: every image, every object.
+
+    ``models``: their folder.
 
     ``wrong``: a line for each folder that would be a scene and is left out.
     """

@@ -1,4 +1,7 @@
-"""A perceiver over a dataset's frames: estimates, and a line for each frame that went wrong; then the views that are scored."""
+"""A perceiver over a dataset's frames: estimates, and a line for each frame that went wrong.
+
+Then the views that are scored.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,10 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """``cameras``: of every frame that was looked at, by (scene, image). ``wrong``: one line each. ``frames``: how many there were."""
+    """``cameras``: of every frame that was looked at, by (scene, image).
+
+    ``wrong``: one line each. ``frames``: how many there were.
+    """
 
     estimates: tuple[Estimate, ...]
     cameras: Mapping[tuple[int, int], Camera]
@@ -40,7 +46,10 @@ class Run:
 
 
 def run(dataset: Dataset, look: Look, ids: Mapping[str, int], say: Say, *, timed: bool = False) -> Run:
-    """Look at every frame that is wanted; ``timed``: with the seconds of each, else -1. A bad frame is a line, never a stop."""
+    """Look at every frame that is wanted; ``timed``: with the seconds of each, else -1.
+
+    A bad frame is a line, never a stop.
+    """
     names, wrong = dataset.listed()
     for line in wrong:
         say(line)

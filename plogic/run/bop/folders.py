@@ -104,7 +104,10 @@ def _models(roots: Sequence[Path]) -> Path | None:
 
 
 def read_targets(path: Path) -> dict[tuple[int, int], dict[int, int]]:
-    """``test_targets_bop19.json``: per (scene, image) how many instances of which object are wanted. Raises InputError."""
+    """``test_targets_bop19.json``: per (scene, image) how many instances of which object are wanted.
+
+    Raises InputError.
+    """
     fault = fault_of(path)
     if fault is not None:
         raise InputError(f"{path}: {fault}")

@@ -28,7 +28,10 @@ VISIBLE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """One image. ``camera`` may be None where there is no estimate. ``wanted``: instances by object; None: all that are visible."""
+    """One image.
+
+    ``camera`` may be None where there is no estimate. ``wanted``: instances by object; None: all that are visible.
+    """
 
     truths: tuple[Truth, ...]
     estimates: tuple[Estimate, ...]
@@ -52,13 +55,19 @@ def targets_of(view: View) -> dict[int, list[Truth]]:
 
 
 def taken(view: View, obj_id: int, targets: int) -> list[Estimate]:
-    """The estimates of an object that count: the best-scored, as many as instances are wanted; among equals the first."""
+    """The estimates of an object that count: the best-scored, as many as instances are wanted.
+
+    Among equals the first.
+    """
     count = targets if view.wanted is None else view.wanted.get(obj_id, 0)
     return sorted((e for e in view.estimates if e.obj_id == obj_id), key=lambda e: -e.score)[:count]
 
 
 def matched(errors: NDArray[np.float64] | Sequence[Sequence[float]], threshold: float) -> list[tuple[int, int]]:
-    """(estimate, truth) pairs by ``errors`` (E, G), the estimates by decreasing score; an error must be below the threshold."""
+    """(estimate, truth) pairs by ``errors`` (E, G), the estimates by decreasing score.
+
+    An error must be below the threshold.
+    """
     free = np.array(errors, dtype=np.float64)
     pairs = []
     for row in range(len(free)):

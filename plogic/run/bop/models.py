@@ -35,7 +35,10 @@ NAMED = re.compile(r"obj_0*(\d+)")
 
 
 def ids_of(types: Sequence[str], stated: Mapping[str, int]) -> dict[str, int]:
-    """The numbers of the types that have one, ``stated`` before what a name says. Raises InputError where two types have one number."""
+    """The numbers of the types that have one, ``stated`` before what a name says.
+
+    Raises InputError where two types have one number.
+    """
     named = {name: int(match[1]) for name in types if (match := NAMED.fullmatch(name))}
     found = {name: stated.get(name, named.get(name, -1)) for name in types if name in stated or name in named}
     for name, number in found.items():
@@ -58,7 +61,10 @@ def read_ids(path: str | None) -> dict[str, int]:
 def unknown(
     types: Sequence[str], ids: Mapping[str, int], stated: Collection[str], models: Collection[int] | None
 ) -> list[str]:
-    """A line for each name or number that leads nowhere; ``models``: the objects that the dataset has, None where it does not say."""
+    """A line for each name or number that leads nowhere.
+
+    ``models``: the objects that the dataset has, None where it does not say.
+    """
     lines = [
         f"{name}: has no BOP number: what is found of it is left out (name it obj_000001, or give --ids)"
         for name in types
@@ -147,7 +153,10 @@ def model_ids(folder: Path) -> list[int]:
 
 
 def read_models(folder: Path, ids: Iterable[int]) -> dict[int, Model]:
-    """The models of these objects: ``models_info.json`` and ``obj_000001.ply``, millimetres there. Raises InputError."""
+    """The models of these objects: ``models_info.json`` and ``obj_000001.ply``, millimetres there.
+
+    Raises InputError.
+    """
     path = folder / "models_info.json"
     infos = numbered(path)
     return {

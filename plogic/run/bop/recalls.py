@@ -61,7 +61,10 @@ def mssd(estimates: ArrayLike, truths: ArrayLike, points: ArrayLike, symmetries:
 def mspd(
     estimates: ArrayLike, truths: ArrayLike, points: ArrayLike, symmetries: ArrayLike, K: ArrayLike
 ) -> NDArray[np.float64]:
-    """MSPD (...) px by the camera matrix ``K`` (3, 3); inf where a vertex is not before the camera: it has no image there."""
+    """MSPD (...) px by the camera matrix ``K`` (3, 3).
+
+    Inf where a vertex is not before the camera: it has no image there.
+    """
     cloud, own, matrix = _points(points), _poses(symmetries), np.asarray(K, dtype=np.float64)
 
     def one(estimate: NDArray[np.float64], truth: NDArray[np.float64]) -> float:
@@ -167,7 +170,10 @@ class Recalls:
 
 @dataclass(frozen=True)
 class Scores:
-    """All objects together and one by one. ``estimates``: all that were made. ``absent``: of these, of objects that are not in their image."""
+    """All objects together and one by one.
+
+    ``estimates``: all that were made. ``absent``: of these, of objects that are not in their image.
+    """
 
     images: int
     estimates: int

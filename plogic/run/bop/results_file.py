@@ -30,7 +30,10 @@ LARGEST = 1024 * 2**20
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """One pose found: ``camera_from_object`` (4, 4) m; the higher the ``score`` the surer; ``time`` s of the whole image, -1: unknown."""
+    """One pose found: ``camera_from_object`` (4, 4) m; the higher the ``score`` the surer.
+
+    ``time`` s of the whole image, -1: unknown.
+    """
 
     scene_id: int
     im_id: int

@@ -12,7 +12,8 @@ The silhouette is what rays through the pixels' centres hit of the object alone,
 high as the image, so that what the image's border cuts off counts as hidden; the visible part is the rendering's own
 segmentation.
 
-A model is written as BOP wants it: ``obj_000001.ply`` in millimetres with normals (and texture), and its entry in ``models_info.json``.
+A model is written as BOP wants it: ``obj_000001.ply`` in millimetres with normals (and texture), and its entry in
+    ``models_info.json``.
 """
 
 from __future__ import annotations
@@ -71,7 +72,10 @@ def ply(mesh: TexturedMesh, texture: str | None) -> bytes:
 
 
 def vertex_normals(mesh: TexturedMesh) -> NDArray[np.float64]:
-    """(V, 3) unit: the mean of the normals of the triangles at each vertex, by their area; (0, 0, 1) where no triangle is."""
+    """(V, 3) unit: the mean of the normals of the triangles at each vertex, by their area.
+
+    (0, 0, 1) where no triangle is.
+    """
     a, b, c = np.moveaxis(mesh.corners, 1, 0)
     sums = np.zeros_like(mesh.vertices)
     for corner in range(3):
@@ -119,7 +123,10 @@ NOTHING: Box = [-1, -1, -1, -1]
 
 @dataclass(frozen=True, eq=False)
 class Silhouette:
-    """``mask`` (H, W): the part in the image; ``pixels`` and ``box`` (x, y, width, height) of all of it, beyond the border too."""
+    """``mask`` (H, W): the part in the image.
+
+    ``pixels`` and ``box`` (x, y, width, height) of all of it, beyond the border too.
+    """
 
     mask: NDArray[np.bool_]
     pixels: int
@@ -151,14 +158,19 @@ def _grid(points_camera: NDArray[np.float64], camera: Camera) -> tuple[NDArray[n
 
 
 def box_of(u: NDArray[Any], v: NDArray[Any]) -> Box:
-    """BOP's box (x, y, width, height) of pixels; -1 for none. As in the benchmark the width is the last column minus the first."""
+    """BOP's box (x, y, width, height) of pixels; -1 for none.
+
+    As in the benchmark the width is the last column minus the first.
+    """
     if not len(u):
         return list(NOTHING)
     return [int(u.min()), int(v.min()), int(u.max() - u.min()), int(v.max() - v.min())]
 
 
 def gt_info(whole: Silhouette, visible: NDArray[np.bool_], measured: NDArray[np.bool_]) -> dict[str, Any]:
-    """One entry of ``scene_gt_info.json``; ``visible`` and ``measured`` (H, W): the object's pixels, and those that have a depth.
+    """One entry of ``scene_gt_info.json``.
+
+    ``visible`` and ``measured`` (H, W): the object's pixels, and those that have a depth.
 
     A visible pixel at the edge that no ray has hit counts as the silhouette's.
     """

@@ -56,7 +56,9 @@ class Explanation:
 
 @dataclass(frozen=True)
 class Covered:
-    """``listed``: P(at least one of the listed explanations | evidence), an interval; ``unlisted``: at most so much is left for all others.
+    """``listed``: P(at least one of the listed explanations | evidence), an interval.
+
+    ``unlisted``: at most so much is left for all others.
 
     ``stopped``: the search ended before it had all that were asked for.
     """
@@ -103,7 +105,9 @@ class Account:
 def explain(
     subject: Subject, goal: str, *, given: Sequence[str] = (), most: int = 5, limits: Limits | None = None
 ) -> Account:
-    """The ``most`` probable explanations of a goal and of its negation, given the evidence; raises as ``plogic.scene.asking.query.answers`` does.
+    """The ``most`` probable explanations of a goal and of its negation, given the evidence.
+
+    Raises as ``plogic.scene.asking.query.answers`` does.
 
     Of a goal with variables the probability is that of its most probable answer. Choices of probability 1 are certain,
     and not listed. Where the presence of a scene's hypothesis cannot be explained choice by choice within the limits,

@@ -48,7 +48,9 @@ class _Posed(NamedTuple):
 
 
 class LiveScene:
-    """``given``: the evidence, in the order in which it came; ``solved``: how many pieces of graphs had to be solved so far.
+    """``given``: the evidence, in the order in which it came.
+
+    ``solved``: how many pieces of graphs had to be solved so far.
 
     Every question takes ``seconds``, after which (grounding not counted) it answers in intervals that contain the exact
     values.
@@ -68,7 +70,10 @@ class LiveScene:
         return self._memory.solved
 
     def observe(self, goal: str, *, seconds: float | None = None) -> None:
-        """Add evidence: there is a substitution for which the goal holds. Raises InconsistentError, and then nothing has changed."""
+        """Add evidence: there is a substitution for which the goal holds.
+
+        Raises InconsistentError, and then nothing has changed.
+        """
         before, self.given = self.given, (*self.given, goal)
         try:
             self._posed(seconds=seconds)
@@ -173,7 +178,10 @@ def _solver(memory: Remembered, seconds: float | None) -> Callable[[FactorGraph]
 def posed(
     situation: Situation, given: Sequence[Meaning], explicit: Iterable[str], solve: Callable[[FactorGraph], Beliefs]
 ) -> _Posed:
-    """The graph with the causes in ``explicit``, and what the evidence says; raises InconsistentError where that is impossible."""
+    """The graph with the causes in ``explicit``, and what the evidence says.
+
+    Raises InconsistentError where that is impossible.
+    """
     scene = scene_graph(situation, explicit=frozenset(explicit).union(*(m.appearances for m in given)))
     formulas = [formula for m in given for formula in m.formulas(m.given, scene)]
     graph, literals = with_formulas(scene.graph, formulas)
@@ -199,7 +207,9 @@ def scene_answers(
     limits: Limits | None = None,
     seconds: float | None = None,
 ) -> list[list[Answer]]:
-    """P(goal | evidence) for each goal, as ``plogic.logic.served.engine.run`` on the program text gives it; raises OutsideError too.
+    """P(goal | evidence) for each goal, as ``plogic.logic.served.engine.run`` on the program text gives it.
+
+    Raises OutsideError too.
 
     With ``seconds`` (which the grounding, under ``limits``, does not count against) the answers may be intervals.
     """

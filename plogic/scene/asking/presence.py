@@ -33,14 +33,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Contribution:
-    """``datum``: an appearance, or a feature that has none; ``llr``: ln P(datum | hypothesis) − ln P(datum | without it)."""
+    """``datum``: an appearance, or a feature that has none.
+
+    ``llr``: ln P(datum | hypothesis) − ln P(datum | without it).
+    """
 
     datum: str
     llr: float
 
 
 def contributions(situation: Situation, hypothesis: str, world: Iterable[str]) -> list[Contribution]:
-    """Every datum that tells ``world`` with the hypothesis from ``world`` without it, the strongest first; ties by name.
+    """Every datum that tells ``world`` with the hypothesis from ``world`` without it, the strongest first.
+
+    Ties by name.
 
     The ratios sum to the logarithm of the Bayes factor between these two worlds. A ratio may be infinite (a hit rate of
     1).

@@ -107,7 +107,10 @@ def _on_graph(
     limits: Limits | None,
     seconds: float | None = None,
 ) -> list[list[Answer]] | None:
-    """None for what only the program text can say, or can say what is wrong with it; with ``seconds``, intervals by then."""
+    """None for what only the program text can say, or can say what is wrong with it.
+
+    With ``seconds``, intervals by then.
+    """
     from plogic.scene.asking.live import scene_answers
 
     try:

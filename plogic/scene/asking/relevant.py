@@ -32,7 +32,10 @@ WHOSE = {
 
 
 def relevant(situation: Situation, goals: Sequence[str]) -> Situation:
-    """The part that the goals are about; all of it where a goal is about all, or calls a rule of the author's, or cannot be read."""
+    """The part that the goals are about.
+
+    All of it where a goal is about all, or calls a rule of the author's, or cannot be read.
+    """
     named: set[str] = set()
     for goal in goals:
         found = _named(goal, situation)

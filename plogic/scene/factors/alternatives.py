@@ -30,7 +30,10 @@ class Alternative:
 
 @dataclass(frozen=True)
 class Cast:
-    """A situation with the variables of its graph and its look-ups; ``unhiding["h4"]``: h4 and its rivals, none of which hides h4 (§4.1)."""
+    """A situation with the variables of its graph and its look-ups.
+
+    ``unhiding["h4"]``: h4 and its rivals, none of which hides h4 (§4.1).
+    """
 
     situation: Situation
     variables: tuple[Alternative, ...]
@@ -74,7 +77,10 @@ def _groups(situation: Situation) -> list[list[str]]:
 
 
 def _cliques(situation: Situation) -> list[list[str]]:
-    """Score: hypotheses of one group of which no two can be present together; each joins the first clique that it fits."""
+    """Score: hypotheses of one group of which no two can be present together.
+
+    Each joins the first clique that it fits.
+    """
     cliques: list[list[str]] = []
     of_group: dict[str, list[list[str]]] = {}
     for h in situation.hypotheses:

@@ -1,4 +1,6 @@
-"""P(formula) on a graph, piece by piece: what touches independent pieces as a conjunction multiplies; the rest takes gates.
+"""P(formula) on a graph, piece by piece: what touches independent pieces as a conjunction multiplies.
+
+The rest takes gates.
 
 Vocabulary: a *piece* is a connected component of the graph; ``Asked`` has solved a graph once and answers any number of
 formulas.
@@ -85,7 +87,10 @@ class Asked:
 
 
 def together(situation: Situation, pairs: Sequence[tuple[str, str]], seconds: float | None = None) -> list[Interval]:
-    """P(both are present) of each pair of hypotheses, exact, or what is known by a deadline; raises InconsistentError where no world is possible."""
+    """P(both are present) of each pair of hypotheses, exact, or what is known by a deadline.
+
+    Raises InconsistentError where no world is possible.
+    """
     if not pairs:
         return []
     scene = scene_graph(situation)

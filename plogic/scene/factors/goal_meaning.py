@@ -120,7 +120,9 @@ TRUE, FALSE = And(()), Or(())
 
 @dataclass(frozen=True)
 class Meaning:
-    """``answers``: per goal, what to show of each answer and its key; ``single``: whether the goal has one answer, possible or not.
+    """``answers``: per goal, what to show of each answer and its key.
+
+    ``single``: whether the goal has one answer, possible or not.
 
     ``given``: keys that the evidence makes true.
     """

@@ -37,7 +37,10 @@ NOBODY = (1.0, 0.0)
 
 
 class Claim(NamedTuple):
-    """A candidate feature of the hypothesis at (variable, state); it is hidden where one of ``hiders`` holds, all of other variables."""
+    """A candidate feature of the hypothesis at (variable, state).
+
+    It is hidden where one of ``hiders`` holds, all of other variables.
+    """
 
     variable: int
     state: int
@@ -102,7 +105,10 @@ def add_miss(tables: Tables, claim: Claim) -> None:
 
 
 def _unhidden(datum: Datum, scope: Scope, cards: tuple[int, ...]) -> list[list[Pair]] | None:
-    """One pair a state of each variable of the scope, whose states exclude each other; None where something hides a claim."""
+    """One pair a state of each variable of the scope, whose states exclude each other.
+
+    None where something hides a claim.
+    """
     found = {v: [NOBODY] * card for v, card in zip(scope, cards, strict=True)}
     for (variable, state, hit, _, hiders, _), share in zip(datum.claims, datum.shares, strict=True):
         if hiders:
@@ -190,7 +196,11 @@ class Cause(NamedTuple):
 
 
 def add_posterior(tables: Tables, cast: Cast, explicit: Collection[str] = ()) -> dict[str, Cause]:
-    """All of it; appearances in ``explicit`` (and those with too many claimants) get a variable of their cause, returned by appearance."""
+    """All of it.
+
+    Appearances in ``explicit`` (and those with too many claimants) get a variable of their cause, returned by
+    appearance.
+    """
     _add_priors(tables, cast)
     claimed = _add_features(tables, cast)
     clutter = {a.id: a.clutter for a in cast.situation.appearances}
@@ -217,7 +227,10 @@ def _add_priors(tables: Tables, cast: Cast) -> None:
 
 
 def _add_features(tables: Tables, cast: Cast) -> dict[str, list[Claim]]:
-    """Weigh the candidate features that no appearance was found for by 1 − h_F where they are expected; hand back the others by appearance."""
+    """Weigh the candidate features that no appearance was found for by 1 − h_F where they are expected.
+
+    Hand back the others by appearance.
+    """
     claimed: dict[str, list[Claim]] = {}
     opaque = cast.opaque
     for h in cast.situation.hypotheses:
@@ -247,7 +260,10 @@ def _add_features(tables: Tables, cast: Cast) -> dict[str, list[Claim]]:
 
 
 def _hiders(tables: Tables, cast: Cast, mine: int, names: list[str]) -> tuple[Literal, ...]:
-    """The names as literals, without the rivals that cannot be present with a state of ``mine``; one auxiliary literal for very many."""
+    """The names as literals, without the rivals that cannot be present with a state of ``mine``.
+
+    One auxiliary literal for very many.
+    """
     if len(names) == 1:
         v, s = cast.place[names[0]]
         return ((v, (s,)),) if v != mine else ()
@@ -273,7 +289,10 @@ def _live(tables: Tables, scope: tuple[int, ...], claim: Claim) -> NDArray[np.bo
 
 
 def _add_cause(tables: Tables, datum: Datum) -> int:
-    """The cause as a variable of its own: a star of factors, each of one claim, instead of one over all of them; its number."""
+    """The cause as a variable of its own: a star of factors, each of one claim, instead of one over all of them.
+
+    Its number.
+    """
     cause = tables.variable(logs_of([datum.noise * datum.scale, *(share * datum.scale for share in datum.shares)]))
     for i, claim in enumerate(datum.claims, 1):
         scope = (*scope_of([claim]), cause)

@@ -95,7 +95,9 @@ class _Below:
 
 @dataclass(frozen=True)
 class SceneGraph:
-    """``variables[v]`` is what variable v of the graph decides; ``place["h4"]`` is the (variable, state) in which h4 is present.
+    """``variables[v]`` is what variable v of the graph decides.
+
+    ``place["h4"]`` is the (variable, state) in which h4 is present.
 
     ``causes["a3"]``: the cause of an appearance, as a variable, if one was asked for, or that has very many claimants.
     ``decided``: auxiliary variables of which each has one possible state in a world.
@@ -118,7 +120,10 @@ class SceneGraph:
 
 
 def scene_graph(situation: Situation, *, explicit: Collection[str] = ()) -> SceneGraph:
-    """The graph of a checked situation (``plogic.facts.sanity.check``); of appearances in ``explicit`` the cause is a variable (posterior)."""
+    """The graph of a checked situation (``plogic.facts.sanity.check``).
+
+    Of appearances in ``explicit`` the cause is a variable (posterior).
+    """
     cast = cast_of(situation)
     tables = Tables([len(v.states) for v in cast.variables])
     causes: dict[str, Cause] = {}

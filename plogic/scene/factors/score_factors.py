@@ -1,4 +1,6 @@
-"""The factors of the score reading: P(present(H) | its occluders) = P(ev), picks summed out analytically; cyclic blocks jointly (§8).
+"""The factors of the score reading: P(present(H) | its occluders) = P(ev), picks summed out analytically.
+
+Cyclic blocks jointly (§8).
 
 In mode `to_B` P(ev) is linear in the features: one look at each, then a sum for every set of others that are present.
 This is the second form of ``plogic.scene.readings.score_reading.acceptance`` in this mode, tested equal to it.
@@ -8,7 +10,8 @@ This is the second form of ``plogic.scene.readings.score_reading.acceptance`` in
   since none was
 
 Where very many others bear on a hypothesis, so that one factor over all is too wide, its pick is a variable of its own:
-present(h) holds iff h is supported and the feature that it picks is concordant, a boolean formula over the pick and over
+present(h) holds iff h is supported and the feature that it picks is concordant, a boolean formula over the pick and
+over
 who is present, which the graph takes as gates.
 """
 
@@ -41,7 +44,10 @@ if TYPE_CHECKING:
 
 
 class Linear(NamedTuple):
-    """``names``: who changes a cell, most cells first; ``fixed``: None where nothing is detected or ev is undefined; ``cells`` that change."""
+    """``names``: who changes a cell, most cells first; ``fixed``: None where nothing is detected or ev is undefined.
+
+    ``cells`` that change.
+    """
 
     names: list[str]
     fixed: float | None
@@ -107,7 +113,10 @@ def _array(size: int, fixed: float, cells: Sequence[Cell], epsilon: float) -> ND
 
 
 def add_pick(tables: Tables, cast: Cast, scene: Scene, h: Hypothesis, epsilon: float) -> None:
-    """Modes `to_B` and `reassign`: state 0 and 1 of the pick are luck, good and bad (ε each); state i > 1 is the i-th feature in the image."""
+    """Modes `to_B` and `reassign`: state 0 and 1 of the pick are luck, good and bad (ε each).
+
+    State i > 1 is the i-th feature in the image.
+    """
     seen = [f for f in h.features if f.in_image]
     shares = alternative([f.dv for f in seen])
     if not shares:  # every dv is 0: ev is undefined, and the hypothesis is never present
@@ -240,7 +249,10 @@ def _add_block(tables: Tables, cast: Cast, seen: Seen, block: tuple[str, ...]) -
 
 
 def normalised(weight: Chances) -> Chances:
-    """(contexts, 2^k): rows that sum to 1, nothing possible below LEAST; where no state is stable, the empty one takes it all."""
+    """(contexts, 2^k): rows that sum to 1, nothing possible below LEAST.
+
+    Where no state is stable, the empty one takes it all.
+    """
     weight = weight.copy()
     weight[weight.sum(axis=1) <= 0, 0] = 1.0
     share = weight / weight.sum(axis=1, keepdims=True)

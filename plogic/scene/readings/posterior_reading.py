@@ -44,7 +44,10 @@ def group_shares(scene: Scene) -> dict[str, list[tuple[str, float]]]:
 
 
 def causes_of(scene: Scene, appearance: str) -> Causes:
-    """N_i / Z for each claimant, f / Z for noise, Z = ΣN + f; where all are 0 nothing can cause the appearance and the list is empty."""
+    """N_i / Z for each claimant, f / Z for noise, Z = ΣN + f.
+
+    Where all are 0 nothing can cause the appearance and the list is empty.
+    """
     claimants = scene.claimants.get(appearance, [])
     clutter = next(a.clutter for a in scene.situation.appearances if a.id == appearance)
     densities = [f.density for _, f in claimants]

@@ -47,7 +47,10 @@ def expected(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> F
 
 
 def cells(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Cells:
-    """D7 and D8; in mode `reassign` an unexpected feature loses an appearance that another object's expected feature claims."""
+    """D7 and D8.
+
+    In mode `reassign` an unexpected feature loses an appearance that another object's expected feature claims.
+    """
     awaited = expected(scene, h, f, present)
     found = np.full_like(awaited, f.match is not None and f.in_image)
     if scene.situation.reconsider == "reassign":

@@ -56,7 +56,10 @@ def flagged(document: Marked, stopped: Stopped) -> Marked:
 
 
 def notice(stopped: Stopped, *, anew: bool = True) -> str:
-    """The line that says so, '' of what is finished; ``anew``: of what was taken from Δh, and not from the listed worlds."""
+    """The line that says so, '' of what is finished.
+
+    ``anew``: of what was taken from Δh, and not from the listed worlds.
+    """
     return f"{REASONS[stopped]}; {FOUND if stopped == SEARCH else ANEW if anew else LISTED}" if stopped else ""
 
 

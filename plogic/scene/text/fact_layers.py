@@ -1,4 +1,6 @@
-"""Layers 1 and 2 of the program: the trees of the hypotheses, and the facts that geometry computed; constraints and support.
+"""Layers 1 and 2 of the program: the trees of the hypotheses, and the facts that geometry computed.
+
+Constraints and support.
 
 The facts of space: middles, distances, who is over and on whom, which way is up; a hypothesis whose body nobody
 described is a point at its origin. Support: who may hold whom (layer 2), an excuse for each that may float (layer 3),
@@ -27,7 +29,10 @@ if TYPE_CHECKING:
 
 
 def holds(w: Writer) -> Iterator[str]:
-    """``weighs(h1). open_foot(h1, 0.0, 0.02).``, then ``body_rests(h2, h1).``; nothing where nobody said that gravity holds."""
+    """``weighs(h1). open_foot(h1, 0.0, 0.02).``, then ``body_rests(h2, h1).``.
+
+    Nothing where nobody said that gravity holds.
+    """
     gravity = w.scene.situation.gravity
     if gravity is None:
         return
@@ -181,7 +186,11 @@ def _feature(w: Writer, h: Hypothesis, f: FeatureFact) -> str:
 
 
 def _data(w: Writer) -> Iterator[str]:
-    """Γ; who is preferred where several candidate features are matched to one appearance: the smaller residual, then the order of Δh."""
+    """Γ.
+
+    Who is preferred where several candidate features are matched to one appearance: the smaller residual, then the
+    order of Δh.
+    """
     yield ""
     yield "% Γ: appearance, type."
     for a in w.scene.situation.appearances:

@@ -1,4 +1,6 @@
-"""The program text of a situation: four layers, then the evidence (§8). Making it and running it are two functions; this one makes it.
+"""The program text of a situation: four layers, then the evidence (§8).
+
+Making it and running it are two functions; this one makes it.
 
 The text *is* the definition of the semantics: ``plogic.scene.worlds.ranked_worlds`` is tested equal to it. It is
 deterministic. Layer 3, the choices, depends on the reading. Score: the choices that make P(present(H) | its occluders)

@@ -20,7 +20,10 @@ NOISE = "noise"
 
 
 class Claim(NamedTuple):
-    """``label``: what the cause is called; ``residual`` in pixels, inf where there is none; ``density`` per pixel²; ``hit`` h_F."""
+    """``label``: what the cause is called; ``residual`` in pixels, inf where there is none; ``density`` per pixel².
+
+    ``hit`` h_F.
+    """
 
     hypothesis: int
     label: str

@@ -48,7 +48,10 @@ if TYPE_CHECKING:
 
 
 def weighed(scene: SceneGraph, clock: Clock) -> Iterator[Weighed]:
-    """(log weight, one state a variable of the scene's alternatives) of every possible world, heaviest first; OutOfTimeError past the clock."""
+    """(log weight, one state a variable of the scene's alternatives) of every possible world, heaviest first.
+
+    OutOfTimeError past the clock.
+    """
     graph, left = scene.graph, []
     for v in (v for v in scene.auxiliary if v not in scene.decided):
         clock.check()
@@ -101,7 +104,10 @@ are listed."""
 
 @dataclass(frozen=True)
 class World:
-    """One possible world; ``present`` in the order of Δh, ``causes`` for every appearance of Γ; ``interval`` bounds the probability."""
+    """One possible world; ``present`` in the order of Δh, ``causes`` for every appearance of Γ.
+
+    ``interval`` bounds the probability.
+    """
 
     probability: float
     present: tuple[str, ...]
@@ -111,7 +117,9 @@ class World:
 
 @dataclass(frozen=True)
 class Ranking:
-    """The ``worlds``, most probable first, ties by ids; the interval of the mass ``unlisted``; ``marginals`` P(present(H)).
+    """The ``worlds``, most probable first, ties by ids; the interval of the mass ``unlisted``.
+
+    ``marginals`` P(present(H)).
 
     ``log_evidence`` is ln P(constraints) in the score reading, and ln of the density of Γ's claimed part, of what is
     missing in it and of the constraints in the posterior reading. ``intervals`` and ``log_evidence_interval`` bound
@@ -135,7 +143,9 @@ class Ranking:
 
 
 def ranked_worlds(situation: Situation, n: int = 10, *, seconds: float | None = None) -> Ranking:
-    """The ``n`` most probable worlds; with ``seconds``, what can be said by then, in intervals that contain the exact values.
+    """The ``n`` most probable worlds.
+
+    With ``seconds``, what can be said by then, in intervals that contain the exact values.
 
     Raises InconsistentError where none is possible, WidthError (without ``seconds``) where exact inference would need
     too large a table.

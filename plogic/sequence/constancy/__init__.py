@@ -1,1 +1,4 @@
-"""Constancy (§4.4): what triangulates to one place over moved views, and persists, is physical; what does not is noise."""
+"""Constancy (§4.4): what triangulates to one place over moved views, and persists, is physical.
+
+What does not is noise.
+"""

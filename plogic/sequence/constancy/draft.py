@@ -35,7 +35,10 @@ NEARER, FARTHER = 0.5, 2.0
 
 
 def draft_type(name: str, features: Sequence[SeenFeature], f_ref: float) -> ObjectType:
-    """The draft ``name``; ranges hold for the focal length ``f_ref``, pixels. Its body is what ``draft_body`` says; without one it is not opaque."""
+    """The draft ``name``; ranges hold for the focal length ``f_ref``, pixels.
+
+    Its body is what ``draft_body`` says; without one it is not opaque.
+    """
     centroid = np.mean([feature.at for feature in features], axis=0)
     parts = [_branch(f"f{i}", feature, centroid, f_ref) for i, feature in enumerate(features, 1)]
     tree = build_tree(Branch("object", name, name, parts=parts))
@@ -74,7 +77,9 @@ SLACK = 0.004
 
 
 def draft_body(features: Sequence[SeenFeature], centroid: Floats) -> Surface | None:
-    """The body in the draft's frame; None where the features span no volume, or no hull of half the size lets all be seen that was.
+    """The body in the draft's frame.
+
+    None where the features span no volume, or no hull of half the size lets all be seen that was.
 
     A hull is too small where sides were not looked at, and too large where the body is hollow; features are known to
     some millimetres only, so that the hull itself would hide those that seem to lie a little inside.

@@ -1,4 +1,7 @@
-"""Which tracks there are, all together: a datum has one cause. A packing of greatest weight, and the probability of each track in it."""
+"""Which tracks there are, all together: a datum has one cause.
+
+A packing of greatest weight, and the probability of each track in it.
+"""
 
 from __future__ import annotations
 

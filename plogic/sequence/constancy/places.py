@@ -28,7 +28,9 @@ determined."""
 
 
 class Places(NamedTuple):
-    """``at`` (T, 3) m, world; ``covariance`` (T, 3, 3) m²; ``chi2`` (T,) of the residuals; ``depth`` (T, V) m, NaN in other views.
+    """``at`` (T, 3) m, world; ``covariance`` (T, 3, 3) m²; ``chi2`` (T,) of the residuals.
+
+    ``depth`` (T, V) m, NaN in other views.
 
     ``parallax`` (T,) rad, the greatest between two of the track's lines of sight; ``good`` (T,): solved, and in front
     of all its views.
@@ -48,7 +50,10 @@ class Places(NamedTuple):
 
 
 class _Observed(NamedTuple):
-    """``track``, ``view`` (O,); ``first`` (T,) where each track's begin; ``seen`` (O, 2) ideal; ``weight`` (O,) one over the noise."""
+    """``track``, ``view`` (O,); ``first`` (T,) where each track's begin; ``seen`` (O, 2) ideal.
+
+    ``weight`` (O,) one over the noise.
+    """
 
     track: Ints
     view: Ints

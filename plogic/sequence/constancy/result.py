@@ -46,7 +46,10 @@ class PhysicalFeature:
 
 @dataclass(frozen=True, eq=False)
 class UnknownObject:
-    """A cluster of physical features that no type of Σo explains. ``probability``: that one of them at least is physical."""
+    """A cluster of physical features that no type of Σo explains.
+
+    ``probability``: that one of them at least is physical.
+    """
 
     id: str
     probability: float

@@ -35,7 +35,10 @@ RARE = 0.001
 
 
 class Tracks(NamedTuple):
-    """``data`` (T, V): in each view the index of a datum, -1 for none; ``kind`` (T,) the number of its type; where they lie."""
+    """``data`` (T, V): in each view the index of a datum, -1 for none; ``kind`` (T,) the number of its type.
+
+    Where they lie.
+    """
 
     data: Ints
     kind: Ints
@@ -121,7 +124,10 @@ def _kinds(sights: Sights, data: Ints) -> Ints:
 
 
 def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Ints:
-    """(T, V) the tracks with the datum of view ``v`` that is nearest to where they lead; as they were where there is none, or one already."""
+    """(T, V) the tracks with the datum of view ``v`` that is nearest to where they lead.
+
+    As they were where there is none, or one already.
+    """
     grown = tracks.data.copy()
     free = np.flatnonzero(tracks.data[:, v] < 0)
     if not len(free) or not sights.xy.shape[1]:

@@ -98,7 +98,10 @@ def log_weights(sights: Sights, tracks: Tracks, hidden: Hidden | None, company: 
 
 
 def log_place(sights: Sights, tracks: Tracks) -> Floats:
-    """The logarithms of p(X̂) (T,) per m³: anywhere in the image alike, and log-uniform over ``DEPTHS``; the mean over the track's views."""
+    """The logarithms of p(X̂) (T,) per m³: anywhere in the image alike, and log-uniform over ``DEPTHS``.
+
+    The mean over the track's views.
+    """
     mask = tracks.data >= 0
     area = np.array(
         [view.gamma.camera.width * view.gamma.camera.height / view.gamma.camera.f**2 for view in sights.views]

@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Sightings:
-    """N features: ``body`` (N,) and ``feature`` (N,) which; ``uv`` (N, 2) pixels; ``looks`` (N, T) the types that lobes report from here.
+    """N features: ``body`` (N,) and ``feature`` (N,) which; ``uv`` (N, 2) pixels.
+
+    ``looks`` (N, T) the types that lobes report from here.
 
     ``hit`` (N,): the greatest rate of a lobe that holds the camera. ``hidden`` (N, B): Behind which other bodies it is,
     transparent ones and rivals left out. ``names`` (T,): the types.
@@ -101,7 +103,10 @@ def _alone(body: Body, pose: Floats, camera: Camera, granularity: float, names: 
 
 
 def _hidden(which: int, at: Floats, poses: list[Floats], prospect: Prospect) -> Flags:
-    """(M, B) which other opaque bodies the features (M, 3) of one lie Behind; rivals hide nothing of each other (§4.1)."""
+    """(M, B) which other opaque bodies the features (M, 3) of one lie Behind.
+
+    Rivals hide nothing of each other (§4.1).
+    """
     bodies = prospect.bodies
     hidden = np.zeros((len(at), len(bodies)), bool)
     for other, body in enumerate(bodies):
@@ -129,7 +134,10 @@ def _beside(cloud: Cloud, pose: Floats, at: Floats) -> bool:
 
 
 class Sites(NamedTuple):
-    """S sites: ``of`` (N,) the site of each sighting; ``expected`` (W, N) the sightings in each world; ``report`` (W, S) P(a datum there | w)."""
+    """S sites: ``of`` (N,) the site of each sighting; ``expected`` (W, N) the sightings in each world.
+
+    ``report`` (W, S) P(a datum there | w).
+    """
 
     of: NDArray[np.intp]
     expected: NDArray[np.bool_]

@@ -121,7 +121,10 @@ def looked_ahead(
     answers: NDArray[np.float64] | None = None,
     seed: int = 0,
 ) -> list[Outlook]:
-    """All candidates, that of the greatest gain first; ``answers`` (W, A): P(answer | w) of the goal that it is about, None for the worlds."""
+    """All candidates, that of the greatest gain first.
+
+    ``answers`` (W, A): P(answer | w) of the goal that it is about, None for the worlds.
+    """
     found = [outlook(prospect, camera, one, answers, seed) for one in candidates]
     return sorted(found, key=lambda look: -round(look.gain.bits, DIGITS))
 

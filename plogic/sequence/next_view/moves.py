@@ -54,7 +54,10 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Stand:
-    """Where the camera is and which way is up: ``reference_from_camera`` (4, 4), m; ``up`` (3,) unit, reference frame; ``upright``: up is known."""
+    """Where the camera is and which way is up: ``reference_from_camera`` (4, 4), m.
+
+    ``up`` (3,) unit, reference frame; ``upright``: up is known.
+    """
 
     reference_from_camera: Floats
     up: Floats
@@ -68,7 +71,10 @@ def standing(world_from_camera: Floats | None) -> Stand:
 
 
 def turned_to(eye: Floats, middle: Floats, up: Floats) -> Floats:
-    """reference_from_camera (4, 4) of a camera at ``eye`` that looks at ``middle``; straight up or down, the image's top is any direction."""
+    """reference_from_camera (4, 4) of a camera at ``eye`` that looks at ``middle``.
+
+    Straight up or down, the image's top is any direction.
+    """
     line = (middle - eye) / np.linalg.norm(middle - eye)
     if abs(float(line @ up)) > STEEP:
         up = np.eye(3)[int(np.argmin(np.abs(line)))]
@@ -111,7 +117,9 @@ def ring(
 
 
 def within(prospect: Prospect, stand: Stand, distance: float) -> tuple[list[Candidate], MovesRow]:
-    """Every place of a grid within ``distance`` m of the camera, turned to the scene's middle, the nearest first; ``STEPS`` steps to the farthest.
+    """Every place of a grid within ``distance`` m of the camera, turned to the scene's middle, the nearest first.
+
+    ``STEPS`` steps to the farthest.
 
     Left out are the present place, what is nearer the middle than ``CLEAR`` radii of the scene (and the camera is not),
     and, where up is known, what is lower than all that may be there.

@@ -71,7 +71,8 @@ class Prospect:
     """B bodies and W worlds: ``present`` (W, B), ``probability`` (W,) that sums to 1 over those that are listed.
 
     ``rivals``: unordered pairs of ids that never hide each other (§4.1). ``clutter``: expected data of noise an image,
-    by appearance type, of any other type one. ``tolerance``: pixels (D8). ``f_ref``: pixels (§2.7).
+    by appearance type, of any
+    other type one. ``tolerance``: pixels (D8). ``f_ref``: pixels (§2.7).
     """
 
     bodies: tuple[Body, ...]

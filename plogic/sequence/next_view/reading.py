@@ -42,7 +42,9 @@ AGAIN = "says nothing of how its types are seen, as older ones do: perceive agai
 def prospect_of(
     document: Interpretation | LastView, worlds: Sequence[tuple[float, Sequence[str]]] | None = None
 ) -> Prospect:
-    """The prospect of an ``interpretation/1``, in the present camera's frame; ``worlds``, (probability, present), in place of those that it lists.
+    """The prospect of an ``interpretation/1``, in the present camera's frame.
+
+    ``worlds``, (probability, present), in place of those that it lists.
 
     The probabilities of what is listed are scaled to sum to 1. Raises InterpretationError where it is an old one, or
     broken.
@@ -121,7 +123,10 @@ class PosedRow(TypedDict):
 
 
 class LastView(Marks):
-    """The keys of an interpretation that looking ahead reads, of a sequence; ``plogic query`` cannot ask it, so it has no ``format``."""
+    """The keys of an interpretation that looking ahead reads, of a sequence.
+
+    ``plogic query`` cannot ask it, so it has no ``format``.
+    """
 
     reading: Reading
     camera: CameraRow
@@ -135,7 +140,10 @@ class LastView(Marks):
 
 
 def read_looked(path: Path | str) -> Interpretation | LastView:
-    """An ``interpretation/1``, or of a ``panorama/1`` what stands for one; '-' is stdin. Raises InterpretationError, a line a mistake."""
+    """An ``interpretation/1``, or of a ``panorama/1`` what stands for one; '-' is stdin.
+
+    Raises InterpretationError, a line a mistake.
+    """
     name = "<stdin>" if str(path) == "-" else str(path)
     document = parsed(path)
     if not isinstance(document, dict) or document.get("format") != FORMAT:
@@ -150,7 +158,9 @@ def read_looked(path: Path | str) -> Interpretation | LastView:
 
 
 def of_last_view(panorama: Panorama) -> LastView:
-    """The sequence's hypotheses and worlds from where its last view stood; how types are seen, from the views' interpretations.
+    """The sequence's hypotheses and worlds from where its last view stood.
+
+    How types are seen, from the views' interpretations.
 
     Raises ValueError where there is no view, a view's interpretation is too old, or a pose is not rigid.
     """

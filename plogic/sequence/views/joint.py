@@ -53,7 +53,10 @@ AGAIN = 3
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """``standing``: Δh in the order h1, h2, ..., the ``first`` of them Δi; ``posed[v][i]``: how view v shows hypothesis i; ``situation`` of all."""
+    """``standing``: Δh in the order h1, h2, ..., the ``first`` of them Δi.
+
+    ``posed[v][i]``: how view v shows hypothesis i; ``situation`` of all.
+    """
 
     standing: tuple[Standing, ...]
     first: int
@@ -222,7 +225,10 @@ def _known(posed: Hypothesis, hidden: NDArray[np.bool_] | None, seen: Seen, kb: 
 
 
 def _merged(told: Sequence[_Told], seen: Sequence[Seen], standing: Sequence[Standing]) -> Situation:
-    """One Situation of all views': hypotheses with the features of each, ids behind those of their views. Relations are of views, and not told."""
+    """One Situation of all views': hypotheses with the features of each, ids behind those of their views.
+
+    Relations are of views, and not told.
+    """
     last = told[-1].situation
     exclusive = frozenset(chain.from_iterable(t.situation.exclusive for t in told))
     groups = instances({h.id: h.type for h in last.hypotheses}, exclusive)

@@ -1,8 +1,8 @@
 """Δp, the panorama (§1): what was interpreted over a sequence of views, kept in the world's frame.
 
 What leaves the view stays, with its probability and its age; what comes back into view is looked at where it is
-remembered, before any search. The world is taken to stand still: what is expected in a view and plainly not there is
-gone, and is forgotten.
+remembered, before any search.
+The world is taken to stand still: what is expected in a view and plainly not there is gone, and is forgotten.
 
 * ``Known``: one object of Δp, ``Known("p1", standing, 0.99, last_seen="v3", age=2)``
 * ``Panorama``: Δp over the views so far
@@ -56,7 +56,10 @@ it."""
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """One object of Δp. ``age``: views since it was last in view; ``by_view``: which hypothesis of a view's interpretation it was."""
+    """One object of Δp.
+
+    ``age``: views since it was last in view; ``by_view``: which hypothesis of a view's interpretation it was.
+    """
 
     id: str
     standing: Standing
@@ -79,7 +82,10 @@ class Look:
 
 
 class Panorama:
-    """Δp. ``look`` at one view after the other; ``known`` is what is believed, ``rivals`` what might be there instead."""
+    """Δp.
+
+    ``look`` at one view after the other; ``known`` is what is believed, ``rivals`` what might be there instead.
+    """
 
     def __init__(self, perceiver: Perceiver, options: Options) -> None:
         self.perceiver, self.options = perceiver, options
@@ -92,7 +98,10 @@ class Panorama:
         self.named = 0
 
     def look(self, view: View, image: NDArray[np.uint8] | None = None) -> Look:
-        """Interpret a view with what is remembered, and remember what comes of it. Raises BeliefError as a single image does."""
+        """Interpret a view with what is remembered, and remember what comes of it.
+
+        Raises BeliefError as a single image does.
+        """
         clock = Stopwatch()
         with clock.stage("expect"):
             expected = self.expected(view)

@@ -38,7 +38,10 @@ class Body(NamedTuple):
 
 
 def hiding(views: Sequence[View], bodies: Mapping[str, Sequence[Body]]) -> Hidden:
-    """The callback that ``unknown_objects`` takes: which places (N, 3) m, world, some body hides from a view; ``bodies`` by the view's id."""
+    """The callback that ``unknown_objects`` takes: which places (N, 3) m, world, some body hides from a view.
+
+    ``bodies`` by the view's id.
+    """
     camera_from_world = {view.id: inverse(view.world_from_camera) for view in views}
 
     def hidden(view: str, world: Floats) -> NDArray[np.bool_]:
@@ -51,7 +54,10 @@ def hiding(views: Sequence[View], bodies: Mapping[str, Sequence[Body]]) -> Hidde
 
 
 def constancy_of(panorama: Panorama, looks: Sequence[Look]) -> Constancy:
-    """What is unknown, noise or undecided of all ``looks`` so far; the opaque objects of Δp hide what they hide in each (D4)."""
+    """What is unknown, noise or undecided of all ``looks`` so far.
+
+    The opaque objects of Δp hide what they hide in each (D4).
+    """
     views = [look.view for look in looks]
     bodies = []
     for known in panorama.known:

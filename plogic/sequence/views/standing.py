@@ -99,7 +99,10 @@ def _settled(
 
 
 def refined(standing: Standing, posed: Sequence[Hypothesis], seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:
-    """The hypothesis at the pose that fits its expected, detected features best in all views together; as it was where they are too few."""
+    """The hypothesis at the pose that fits its expected, detected features best in all views together.
+
+    As it was where they are too few.
+    """
     sights = [_sight(one, some, kb) for one, some in zip(posed, seen, strict=True)]
     if sum(len(sight.uv) for sight in sights) < LEAST_MATCHES:
         return standing

@@ -119,7 +119,10 @@ def test_of_a_feature_s_lobes_the_surest_is_taken_and_of_equal_ones_the_wider():
 
 
 def test_the_surest_are_taken_but_from_all_directions():
-    """Two features a side, one of them surer; one side's are surer than all others': each side comes once before any comes twice."""
+    """Two features a side, one of them surer.
+
+    One side's are surer than all others': each side comes once before any comes twice.
+    """
     at = np.concatenate([SIDES * 0.1 + 0.03 * UPS, SIDES * 0.1 - 0.03 * UPS])
     hit = np.concatenate([[0.99, 0.4, 0.4, 0.4, 0.4, 0.4], [0.98, 0.3, 0.3, 0.3, 0.3, 0.3]])
     kb = learned_kb(at=at, axis=np.tile(SIDES, (2, 1)), up=np.tile(UPS, (2, 1)), hit=hit, word=np.arange(12))

@@ -1,4 +1,7 @@
-"""The simulated family: Δh as the search poses it, near-duplicates merged, nothing pruned; photographs that are joined stay independent."""
+"""The simulated family: Δh as the search poses it, near-duplicates merged, nothing pruned.
+
+Photographs that are joined stay independent.
+"""
 
 import math
 from collections import Counter

@@ -1,4 +1,7 @@
-"""``kb learn`` through the console script: a mesh to a recognised picture, and what it says where it cannot learn; with few, small views."""
+"""``kb learn`` through the console script: a mesh to a recognised picture, and what it says where it cannot learn.
+
+With few, small views.
+"""
 
 from __future__ import annotations
 

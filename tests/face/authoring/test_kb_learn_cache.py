@@ -39,7 +39,10 @@ def mesh():
 
 
 def written(folder, imports, forms):
-    """Modules ``pack/m0.py``, ... that import each other as asked; each also names all the others for the type checker alone."""
+    """Modules ``pack/m0.py``, ... that import each other as asked.
+
+    Each also names all the others for the type checker alone.
+    """
     (folder / "pack").mkdir()
     for i, others in enumerate(imports):
         lines = [forms[(i + j) % len(forms)].format(f"pack.m{j}", f"m{j}") for j in others]

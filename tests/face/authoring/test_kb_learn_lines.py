@@ -1,4 +1,7 @@
-"""An entry put into YAML that somebody wrote: it is there afterwards, and nothing else has changed; or the user is told what to write."""
+"""An entry put into YAML that somebody wrote: it is there afterwards, and nothing else has changed.
+
+Or the user is told what to write.
+"""
 
 from __future__ import annotations
 

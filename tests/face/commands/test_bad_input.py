@@ -1,4 +1,7 @@
-"""Bad input: one clear line a mistake on stderr, exit 1, nothing on stdout, nothing written, no traceback; bad usage: exit 2."""
+"""Bad input: one clear line a mistake on stderr, exit 1, nothing on stdout, nothing written, no traceback.
+
+Bad usage: exit 2.
+"""
 
 from __future__ import annotations
 

@@ -22,7 +22,10 @@ CAMERA = {"width": 64, "height": 48, "K": [[60, 0, 32], [0, 60, 24], [0, 0, 1]],
 
 @pytest.fixture
 def left(monkeypatch):
-    """Where the seconds that were left as perceiving began are told; reading the KB, its index and detection are slow."""
+    """Where the seconds that were left as perceiving began are told.
+
+    Reading the KB, its index and detection are slow.
+    """
     seconds = []
 
     class Slow(plogic.run.perceive.Perceiver):

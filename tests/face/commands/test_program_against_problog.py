@@ -110,7 +110,10 @@ def queries_of_worlds(ids):
 
 
 def worlds(source, options):
-    """(ids, {name of the query: probability}) of all possible worlds, as ``worlds --json`` ranks them; 0 for one that is not listed."""
+    """(ids, {name of the query: probability}) of all possible worlds, as ``worlds --json`` ranks them.
+
+    0 for one that is not listed.
+    """
     found = document("worlds", source, *options, "-n", 1000, "--json")
     assert found["unlisted_mass"] == [0.0, 0.0]
     ids = sorted({h for world in found["worlds"] for h in world["present"]})

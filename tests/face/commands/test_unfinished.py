@@ -1,4 +1,7 @@
-"""Every command that answers from an unfinished interpretation says so, in one line of text and in a key of JSON; of a finished one none does."""
+"""Every command that answers from an unfinished interpretation says so, in one line of text and in a key of JSON.
+
+Of a finished one none does.
+"""
 
 from __future__ import annotations
 

@@ -34,7 +34,10 @@ def test_a_brick_stands_on_six_sides_the_largest_first():
 
 
 def test_what_would_topple_is_no_face_to_stand_on():
-    """A tower that leans out over its foot stands on its long sides, not on its foot; a needle does not stand on its point."""
+    """A tower that leans out over its foot stands on its long sides, not on its foot.
+
+    A needle does not stand on its point.
+    """
     leaning = BODIES["brick"] * [0.2, 0.4, 5.0]
     leaning = leaning + np.outer(leaning[:, 2], [0.5, 0.0, 0.0])
     assert not (resting_faces(leaning).down @ [0, 0, -1.0] > 0.99).any()

@@ -1,4 +1,7 @@
-"""Scenes for SoftPOSIT: a random cloud of 1 m, 4 to 9 m away, seen among strangers, f = 600 px; and poses near the true one."""
+"""Scenes for SoftPOSIT: a random cloud of 1 m, 4 to 9 m away, seen among strangers, f = 600 px.
+
+And poses near the true one.
+"""
 
 import numpy as np
 from geometry_bodies import random_rotations

@@ -178,7 +178,10 @@ def test_the_covariance_is_the_inverse_of_the_information(seed, first, weight):
 @settings(max_examples=20, deadline=None, derandomize=True)
 @given(SEEDS, st.floats(0.0, np.pi))
 def test_one_direction_of_lines_leaves_the_pose_unfixed(seed, angle):
-    """All may move along the lines. Some points that are to be met fix it again, and so do lines of another direction."""
+    """All may move along the lines.
+
+    Some points that are to be met fix it again, and so do lines of another direction.
+    """
     _, objects, uv, weights, across, poses = scene(seed, [angle])
     assert np.isinf(
         np.diagonal(refine_poses(poses, objects, uv, weights, CAMERA, across=across)[2], axis1=1, axis2=2)

@@ -1,4 +1,7 @@
-"""``cloud.npz``: the same cloud gives the same bytes and comes back; whatever else the file holds is one CloudError, and nothing in it is run."""
+"""``cloud.npz``: the same cloud gives the same bytes and comes back.
+
+Whatever else the file holds is one CloudError, and nothing in it is run.
+"""
 
 import io
 import zipfile

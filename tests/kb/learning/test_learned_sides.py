@@ -1,4 +1,7 @@
-"""Sides of edges as features of a cloud: where they are, which way they face, how often they were seen; and clouds with and without them."""
+"""Sides of edges as features of a cloud: where they are, which way they face, how often they were seen.
+
+And clouds with and without them.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Where in space the side of an edge is: on the plane of the surface farther in, where that is a plane; and how densely sides are looked for."""
+"""Where in space the side of an edge is: on the plane of the surface farther in, where that is a plane.
+
+And how densely sides are looked for.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Words of the sides of edges among those of keypoints, and their nearest by brute force; and that learning tells the two apart."""
+"""Words of the sides of edges among those of keypoints, and their nearest by brute force.
+
+And that learning tells the two apart.
+"""
 
 from __future__ import annotations
 

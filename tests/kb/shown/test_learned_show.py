@@ -1,4 +1,7 @@
-"""What is shown of learned types: a few lines each, never a line a feature or a word; and what of them may be meant otherwise."""
+"""What is shown of learned types: a few lines each, never a line a feature or a word.
+
+And what of them may be meant otherwise.
+"""
 
 import json
 from dataclasses import replace

@@ -1,4 +1,7 @@
-"""Angles on the screen: wrapping, and the direction in which a line in space is seen; the camera's own projection is the oracle."""
+"""Angles on the screen: wrapping, and the direction in which a line in space is seen.
+
+The camera's own projection is the oracle.
+"""
 
 import numpy as np
 from hypothesis import given, settings

@@ -22,7 +22,10 @@ ARRAYS = ("uv", "ideal", "angle", "scale", "descriptors", "described", "sided", 
 
 
 def places(rng, count, size):
-    """(N, 2) pixels anywhere in an image, some of them at its border and some at those of cells; (N,) angles, some at the seam."""
+    """(N, 2) pixels anywhere in an image, some of them at its border and some at those of cells.
+
+    (N,) angles, some at the seam.
+    """
     uv = rng.uniform(-0.5, np.array(size) - 0.5, (count, 2))
     edge = rng.random((count, 2))
     uv = np.where(edge < 0.1, -0.5, np.where(edge > 0.9, np.array(size) - 0.5, uv))
@@ -32,7 +35,10 @@ def places(rng, count, size):
 
 
 def close(uv, angle, sides, facing, reach):
-    """Pairs (place, side) within ``reach`` pixels, and within a part of the circle; at a hair's breadth of it neither."""
+    """Pairs (place, side) within ``reach`` pixels, and within a part of the circle.
+
+    At a hair's breadth of it neither.
+    """
     far = np.linalg.norm(uv[:, None] - sides[None], axis=2)
     turned = np.abs(np.angle(np.exp(1j * (angle[:, None] - facing[None]))))
     return set(

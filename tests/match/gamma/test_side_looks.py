@@ -96,7 +96,10 @@ def test_colours_evenly_off_fit_neither_better_nor_worse():
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(st.integers(90, 165), VARIED, st.integers(0, 9999), st.integers(0, 400))
 def test_contrasts_of_the_images_edges_fit_on_average_neither_better_nor_worse(contrast, varied, seed, count):
-    """By their own share among its edges: what looks likelier here looks less likely there. In bytes: the rims of 0 and 255 are far."""
+    """By their own share among its edges: what looks likelier here looks less likely there.
+
+    In bytes: the rims of 0 and 255 are far.
+    """
     rng = np.random.default_rng(seed)
     edges = np.zeros((count, SIDE), np.uint8)
     edges[:, SIDE - 1] = np.clip(128 + rng.normal(0, rng.uniform(5, 40), count), 0, 255)

@@ -33,7 +33,10 @@ def perturbed(rng, pose, centre, degrees, share):
 @pytest.mark.parametrize("name", ["t1", "t2"])
 @pytest.mark.parametrize("seed", range(5040, 5044))
 def test_the_true_pose_is_recovered_from_perturbed_ones(name, seed):
-    """8° and 2 % of the distance is a cell's width off; half of the starts come home, and the first of the result is right."""
+    """8° and 2 % of the distance is a cell's width off.
+
+    Half of the starts come home, and the first of the result is right.
+    """
     index, pose, data, maps, rng = view(name, seed)
     starts = np.stack([perturbed(rng, pose, index.cells.centre, 8.0, 0.02) for _ in range(8)])
     found = extend(starts, index.cells, index.points, index.weights, maps, data, TOLERANCE)

@@ -1,4 +1,7 @@
-"""Votes: how many features of a coarse pose find an appearance of a right type near their place; brute force is the oracle."""
+"""Votes: how many features of a coarse pose find an appearance of a right type near their place.
+
+Brute force is the oracle.
+"""
 
 import numpy as np
 import pytest

@@ -109,7 +109,10 @@ def test_a_match_of_a_keypoint_counts_against_clutter_that_looks_as_right(thing,
 
 
 def test_what_is_everywhere_around_says_little(thing, pose):
-    """Copies of a keypoint within reach, out of place: the match of its feature counts the less, the more there are; no other does."""
+    """Copies of a keypoint within reach, out of place: the match of its feature counts the less, the more there are.
+
+    No other does.
+    """
     before, of = settled(thing, pose, range(20))
     first = int(before.matches[0])
     usual, counts = clutter_density(thing.kb, of)[first], []
@@ -133,7 +136,10 @@ def test_what_is_everywhere_around_says_little(thing, pose):
 
 
 def test_the_ratio_is_the_sum_of_the_formulas(thing, pose):
-    """Each feature as much as it is counted, and the prior of clarity; the surplus is that times the share of poses that fit."""
+    """Each feature as much as it is counted, and the prior of clarity.
+
+    The surplus is that times the share of poses that fit.
+    """
     posed, of = settled(thing, pose, range(20))
     rates, near, shares, gains, misses = (
         hit_rates(posed, thing.kb),

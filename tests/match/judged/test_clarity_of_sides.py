@@ -40,7 +40,10 @@ def thing():
 
 
 def seen(shown):
-    """A hypothesis whose appearances ``shown`` (F,) were detected, and the data; one side more is far away, so that sides are looked for."""
+    """A hypothesis whose appearances ``shown`` (F,) were detected, and the data.
+
+    One side more is far away, so that sides are looked for.
+    """
     pose = pose_before(np.random.default_rng(5))
     data = gamma_at(thing().cloud, [*np.flatnonzero(shown).tolist(), 0], pose)
     data.uv[-1] = 3.0

@@ -15,7 +15,10 @@ from plogic.match.judged.rivals import solid_of
 
 
 def pushed(seed, deep, names=("t1", "t2")):
-    """Two towers side by side, the second pushed sideways until it reaches ``deep`` m into the first; matched where they truly are."""
+    """Two towers side by side, the second pushed sideways until it reaches ``deep`` m into the first.
+
+    Matched where they truly are.
+    """
     rng = np.random.default_rng(seed)
     poses = stand(rng, 5.0, across=0.8, deep=0.0)
     of = data(scene(rng, poses))
@@ -128,7 +131,10 @@ def test_bodies_one_inside_the_other_are_told():
 
 
 def test_whatever_is_accepted_satisfies_a4_to_a_millimetre():
-    """Towers that touch, seen with noise: single poses may reach into each other; accepted ones do not, and some were moved."""
+    """Towers that touch, seen with noise: single poses may reach into each other.
+
+    Accepted ones do not, and some were moved.
+    """
     moved = both = 0
     for seed in range(9200, 9206):
         rng = np.random.default_rng(seed)

@@ -110,7 +110,10 @@ def test_an_empty_gamma_gives_penalties_only():
 
 @pytest.mark.parametrize("stand", [side_by_side, one_before_the_other])
 def test_the_posteriors_log_odds_are_prior_plus_evidence(stand):
-    """One claimant, nothing else in the world: the cycle's ratio and the share of poses that fit; no less than misses."""
+    """One claimant, nothing else in the world: the cycle's ratio and the share of poses that fit.
+
+    No less than misses.
+    """
     rng = np.random.default_rng(7102)
     shot = scene(rng, {"t1": stand(rng)["t1"]}, hit=0.5, patch_hit=0.15, clutter=3)
     of, ready = data(shot), Perceiver(towers())

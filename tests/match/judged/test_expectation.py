@@ -189,7 +189,10 @@ def tight_views(draw):
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(tight_views())
 def test_detected_by_brute_force(view):
-    """Expected features first, with the types whose lobe holds v; the rest takes what is left; each appearance serves one feature."""
+    """Expected features first, with the types whose lobe holds v; the rest takes what is left.
+
+    Each appearance serves one feature.
+    """
     features, places, expected, right, allowed, free = view
     posed, of = small(features, places, expected, right)
     posed = matched(posed, of, allowed, TOLERANCE, free)

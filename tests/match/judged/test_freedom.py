@@ -28,7 +28,10 @@ def places(seed, count, spread=0.2, distance=1.0):
 
 
 def moved(at, centre, step):
-    """(S, N, 3) places after steps (S, 6): across, down, along the depth, by shares of it; then turned about the middle."""
+    """(S, N, 3) places after steps (S, 6): across, down, along the depth, by shares of it.
+
+    Then turned about the middle.
+    """
     turned = np.einsum("sij,nj->sni", Rotation.from_rotvec(step[:, 3:]).as_matrix(), at - centre)
     return turned + centre + centre[2] * step[:, None, :3]
 

@@ -14,7 +14,10 @@ LISTS = st.lists(st.integers(0, 4), min_size=1, max_size=8)
 
 
 def run(matches, worths, rounds, end=99, *, worth=True, as_good=0.0):
-    """Pose number i is matched as ``matches[i]`` and worth ``worths[i]``; from ``end`` on no pose is better. The pose, and those looked at."""
+    """Pose number i is matched as ``matches[i]`` and worth ``worths[i]``; from ``end`` on no pose is better.
+
+    The pose, and those looked at.
+    """
     looked = []
 
     def match(pose):

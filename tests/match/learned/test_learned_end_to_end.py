@@ -1,4 +1,7 @@
-"""A painted cube, learned from a few small pictures, is found in pictures that it was not learned from; where it is not, nothing is."""
+"""A painted cube, learned from a few small pictures, is found in pictures that it was not learned from.
+
+Where it is not, nothing is.
+"""
 
 import cv2
 import numpy as np

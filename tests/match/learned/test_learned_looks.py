@@ -1,4 +1,7 @@
-"""What looks right at a pose, by a loop over all features, appearances and keypoints; and how rare that is where it is."""
+"""What looks right at a pose, by a loop over all features, appearances and keypoints.
+
+And how rare that is where it is.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +66,10 @@ def about(thing, posed, lobe):
 
 
 def how_right(thing, posed, data, lobe, datum):
-    """How far apart the descriptors are (of the farthest) and how well angle and size fit; None where it does not look right."""
+    """How far apart the descriptors are (of the farthest) and how well angle and size fit.
+
+    None where it does not look right.
+    """
     cloud, at = thing.cloud, posed.at[thing.cloud.feature[lobe]]
     grown = log(cloud.size[lobe] * data.camera.f / at[2] / data.scale[datum])
     turned = float(screen_angle(posed.camera_from_object[:3, :3] @ cloud.up[lobe], at)) - data.angle[datum]

@@ -71,7 +71,10 @@ def best_worth(possible, off, tolerance):
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(st.integers(0, 9999))
 def test_the_assignment_takes_expected_features_first_and_is_the_best(seed):
-    """Four features so close that they could take each other's keypoints; some lobes do not hold the viewpoint, some are hidden."""
+    """Four features so close that they could take each other's keypoints.
+
+    Some lobes do not hold the viewpoint, some are hidden.
+    """
     rng = np.random.default_rng(seed)
     look = np.tile(rng.integers(0, 256, 128, np.uint8), (4, 1))
     alike = {

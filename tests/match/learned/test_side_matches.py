@@ -1,4 +1,7 @@
-"""Which sides of edges a pose's own are (D8), read from the words of the definition by loops; and how rare that is where they are."""
+"""Which sides of edges a pose's own are (D8), read from the words of the definition by loops.
+
+And how rare that is where they are.
+"""
 
 from __future__ import annotations
 

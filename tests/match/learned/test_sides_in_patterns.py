@@ -1,4 +1,7 @@
-"""Sides of edges in a checkered floor are evidence of nothing; what matches say of places across their edges, by the formula."""
+"""Sides of edges in a checkered floor are evidence of nothing.
+
+What matches say of places across their edges, by the formula.
+"""
 
 from __future__ import annotations
 

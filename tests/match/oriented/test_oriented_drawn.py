@@ -27,7 +27,10 @@ def posed(seed, detector=EASY):
 
 
 def expected(index, pose):
-    """(F,) in a lobe of the true viewpoint, and seen from one of the nearest cells; every feature has one appearance."""
+    """(F,) in a lobe of the true viewpoint, and seen from one of the nearest cells.
+
+    Every feature has one appearance.
+    """
     viewpoint = inverse(pose)[:3, 3]
     held = in_lobe(index.object_type.lobes, viewpoint[None])[0]
     near = np.argsort(-(index.cells.directions @ (viewpoint - index.cells.centre)))[:NEAR]
@@ -95,7 +98,10 @@ def test_the_evidence_is_that_of_all_sights_one_by_one(seed, share, monkeypatch)
 
 @pytest.mark.parametrize("detector", [EASY, HARD])
 def test_at_the_noise_of_the_detector_it_is_the_evidence_of_the_cycle(detector):
-    """Where no two data are of one sight: its own sights, its matches, all poses together; rays tell a little else of what is shown than cells do."""
+    """Where no two data are of one sight: its own sights, its matches, all poses together.
+
+    Rays tell a little else of what is shown than cells do.
+    """
     close = []
     for seed in range(12):
         asked, which, pose = posed(seed, detector)

@@ -36,7 +36,10 @@ def same(one, other):
 @settings(max_examples=20, deadline=None, derandomize=True)
 @given(st.integers(0, 4), st.integers(0, 161), st.floats(-3.1, 3.1))
 def test_an_exact_picture_votes_for_what_it_shows(kind, cell, roll):
-    """One of the best hundred is right in everything, as well as a cell, a box and a turn tell it; the best is of the right type and place."""
+    """One of the best hundred is right in everything, as well as a cell, a box and a turn tell it.
+
+    The best is of the right type and place.
+    """
     ready = clouds()
     index = ready.rows[kind]
     data = data_of(picture_of(index, seen_from(index, cell, roll), np.flatnonzero(index.cells.visible[cell])), STRAIGHT)

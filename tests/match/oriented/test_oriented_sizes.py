@@ -31,7 +31,10 @@ def ready(width=lambda _: WIDTH):
 
 
 def scaled(case, kind, factor=1.0):
-    """The data, with the scales of what is as wide as ``WIDTH``, times a factor; clutter has scales too, of anything."""
+    """The data, with the scales of what is as wide as ``WIDTH``, times a factor.
+
+    Clutter has scales too, of anything.
+    """
     rng, focal = np.random.default_rng(0), case.gamma.camera.f
     at = transform_points(case.truth.camera_from_object, np.array([f.at for f in kind.features]))
     right = {name: factor * WIDTH * focal / at[f, 2] for name, f in case.causes.items()}

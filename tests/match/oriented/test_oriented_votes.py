@@ -58,7 +58,10 @@ def test_an_exact_picture_votes_for_what_it_shows(kind, cell, roll):
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(st.integers(0, 4), st.integers(0, 161), st.floats(-3.1, 3.1), st.integers(2, 8))
 def test_a_vote_counts_different_pairs_of_the_image(kind, cell, roll, most):
-    """However many cells and types a pair resembles, it counts once a box, and no more than whole; of n data there are at most n (n − 1) / 2."""
+    """However many cells and types a pair resembles, it counts once a box, and no more than whole.
+
+    Of n data there are at most n (n − 1) / 2.
+    """
     appearances, _ = exact(clouds(), kind, cell, roll, most)
     uv = np.array([a.uv for a in appearances])
     apart = np.linalg.norm(uv[:, None] - uv[None], axis=2)[np.triu_indices(len(uv), 1)]
@@ -98,7 +101,10 @@ def test_what_has_no_angle_or_no_known_type_never_votes():
 
 @pytest.mark.parametrize("degrees", [0.0, 6.0, 12.0, 16.0])
 def test_an_angle_that_is_off_weighs_less(degrees):
-    """By a normal density of the noise and of what a cell's width turns; to the fineness with which an entry tells its angles."""
+    """By a normal density of the noise and of what a cell's width turns.
+
+    To the fineness with which an entry tells its angles.
+    """
     ready, step, spread = clouds(), 2.0 * np.pi / FINE, np.hypot(SIGMA, BENT)
     appearances, scale = exact(ready, 2, 40, 1.0, 2)
     turned = [appearances[0], replace(appearances[1], angle=appearances[1].angle + np.radians(degrees))]

@@ -21,7 +21,10 @@ TYPES, FEATURES, LOOKS, CLUTTER = 4, 24, 24, 10
 
 @cache
 def world(objects, seed, angles):
-    """Knowledge base, Γ and truths; without ``angles`` the knowledge base does not say how exact they are, and nobody asks."""
+    """Knowledge base, Γ and truths.
+
+    Without ``angles`` the knowledge base does not say how exact they are, and nobody asks.
+    """
     kb = random_types(TYPES, FEATURES, LOOKS, np.random.default_rng(seed), SHARP, CLUTTER)
     rng = np.random.default_rng([seed, 7])
     data, truths, trials = [], [], []

@@ -53,7 +53,10 @@ def group_members(group):
 
 @pytest.fixture(scope="module")
 def waiting(frames, tmp_path_factory):
-    """The frames again, with one more that is waited over for ever where the detector is there; and the variables by which it is."""
+    """The frames again, with one more that is waited over for ever where the detector is there.
+
+    And the variables by which it is.
+    """
     root = tmp_path_factory.mktemp("killed")
     shutil.copytree(frames / "frames", root / "frames")
     picture(root / "frames" / "shot" / "late.png", WAITS)

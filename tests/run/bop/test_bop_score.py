@@ -66,7 +66,10 @@ def test_mssd_counts_thresholds_of_the_diameter(share, passed):
 
 @pytest.mark.parametrize(("camera", "pixels", "passed"), SHIFTS)
 def test_mspd_counts_pixels_of_an_image_640_wide(camera, pixels, passed):
-    """The nearest face, at 0.95 m, sets the shift: f · x / 0.95 px; twice the pixels are let pass where the image is twice as wide."""
+    """The nearest face, at 0.95 m, sets the shift: f · x / 0.95 px.
+
+    Twice the pixels are let pass where the image is twice as wide.
+    """
     x = pixels * 0.95 / camera.K[0, 0]
     recalls = together(view([Truth(1, at())], [found(at(x=x))], camera))
     assert recalls.ar_mspd == pytest.approx(passed / 10)
@@ -119,7 +122,10 @@ def test_hidden_objects_are_no_targets():
 
 
 def test_a_list_of_targets_rules():
-    """The most visible as many as are wanted, whatever their visibility; others and their estimates count for nothing."""
+    """The most visible as many as are wanted, whatever their visibility.
+
+    Others and their estimates count for nothing.
+    """
     truths = [Truth(1, at(), 0.05), Truth(1, at(x=0.5), 0.07), Truth(2, at(y=0.3), 1.0)]
     one = view(truths, [found(at(x=0.5)), found(at(), sure=0.5), found(at(y=0.3), 2)], wanted={1: 1})
     assert [t.visible for t in targets_of(one)[1]] == [0.07]

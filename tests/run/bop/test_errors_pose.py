@@ -34,7 +34,10 @@ poses = st.builds(lambda q, t: pose(q, np.add(t, (0, 0, 9))), quats, st.tuples(n
 
 
 def test_a_cube_turned_about_its_axis_of_symmetry():
-    """Without the symmetry every vertex of the unit cube travels a side (its chord over 90° at radius √½); with it, nothing."""
+    """Without the symmetry every vertex of the unit cube travels a side (its chord over 90° at radius √½).
+
+    With it, nothing.
+    """
     assert mssd(turn(90), turn(0), CUBE, NONE) == pytest.approx(1.0)
     assert mssd(turn(90), turn(0), CUBE, symmetry_motions(QUARTER, "x")) == pytest.approx(0.0, abs=1e-12)
     assert mspd(turn(90), turn(0), CUBE, NONE, K) > 1
@@ -67,7 +70,10 @@ def test_add_is_the_mean_and_mssd_the_maximum():
 
 
 def test_add_s_goes_to_the_nearest():
-    """Truth at 0 and 10, estimate at 4 and 14: 0 → 4 is 4, 10 → 14 is 4, ADD 4; at 9 and 19: 0 → 9 is 9, 10 → 9 is 1, ADD-S 5."""
+    """Truth at 0 and 10, estimate at 4 and 14: 0 → 4 is 4, 10 → 14 is 4, ADD 4.
+
+    At 9 and 19: 0 → 9 is 9, 10 → 9 is 1, ADD-S 5.
+    """
     points = np.array([[0.0, 0, 0], [10, 0, 0]])
     assert add_s(pose(t=(4, 0, 5)), pose(), points) == pytest.approx(4)
     assert add_s(pose(t=(9, 0, 5)), pose(), points) == pytest.approx(5)

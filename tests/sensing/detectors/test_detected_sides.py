@@ -1,4 +1,7 @@
-"""What the keypoint detector says of the sides of edges: only where words know any and the image has colours; and in a file of Γ."""
+"""What the keypoint detector says of the sides of edges: only where words know any and the image has colours.
+
+And in a file of Γ.
+"""
 
 from __future__ import annotations
 

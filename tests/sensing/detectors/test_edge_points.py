@@ -1,4 +1,7 @@
-"""Points along edges: on a blurred step to about a tenth of a pixel, turned from dark to bright, one a cell; and by a loop over all pixels."""
+"""Points along edges: on a blurred step to about a tenth of a pixel, turned from dark to bright, one a cell.
+
+And by a loop over all pixels.
+"""
 
 from __future__ import annotations
 

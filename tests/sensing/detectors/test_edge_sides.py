@@ -38,7 +38,10 @@ GREY = np.array([0.114, 0.587, 0.299])
 
 
 def halves(angle, shift, blur, near, far):
-    """Colour ``near`` on the side that ``angle`` points to, ``far`` on the other; their edge ``shift`` pixels from the middle."""
+    """Colour ``near`` on the side that ``angle`` points to, ``far`` on the other.
+
+    Their edge ``shift`` pixels from the middle.
+    """
     v, u = np.mgrid[:SIZE, :SIZE] - (SIZE - 1) / 2
     share = ndtr((u * cos(angle) + v * sin(angle) - shift) / blur)[..., None]
     return np.rint(share * np.array(near, float) + (1 - share) * np.array(far, float)).astype(np.uint8)

@@ -16,7 +16,10 @@ SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
 
 
 def picture(name, number, H, size=(320, 240), noise=3.0):
-    """A marker on a grey wall; ``H`` maps its unit square (v down) to pixels. Drawn four times finer, averaged down, blurred, noised."""
+    """A marker on a grey wall; ``H`` maps its unit square (v down) to pixels.
+
+    Drawn four times finer, averaged down, blurred, noised.
+    """
     dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARIES[name][0]))
     print_ = np.full((DRAWN + 2 * RIM,) * 2, 255, np.uint8)
     print_[RIM:-RIM, RIM:-RIM] = cv2.aruco.generateImageMarker(dictionary, number, DRAWN)

@@ -82,7 +82,10 @@ def test_turned_and_grown_it_looks_the_same_and_its_angle_turns_with_it(shape, t
 @pytest.mark.parametrize("shape", sorted(SHAPES))
 @pytest.mark.parametrize(("level", "floor"), [(40.0, 5), (200.0, 5), (110.0, 30)])
 def test_what_lies_behind_counts_for_nothing(shape, level, floor):
-    """A shape before another floor is as like as two pictures of it may be; two shapes are farther apart, whatever lies behind."""
+    """A shape before another floor is as like as two pictures of it may be.
+
+    Two shapes are farther apart, whatever lies behind.
+    """
     (image, mask), (other, its_mask) = scene(shape), scene(shape, level=level, floor=floor, seed=2)
     one, two = regions(image), regions(other)
     same = apart(one, about(one, mask), two, about(two, its_mask))

@@ -182,7 +182,10 @@ def test_two_bodies_apart_are_two_objects(rng):
 
 
 def test_angles_tell_where_places_do_not(rng):
-    """Two data that meet by chance, with angles that no direction in space has, are clutter; with angles that one has, physical."""
+    """Two data that meet by chance, with angles that no direction in space has, are clutter.
+
+    With angles that one has, physical.
+    """
     views, _ = views_of(np.array([[0.0, 0.0, 0.1]]), ring(3, 10.0), rng, sigma=0.3)
     rates = replace(RATES, sigma_angle=0.05)
 

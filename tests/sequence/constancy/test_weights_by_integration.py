@@ -1,4 +1,7 @@
-"""The weight of a track against its definition, integrated by brute force; persistence against drawn lobes; turns against drawn directions."""
+"""The weight of a track against its definition, integrated by brute force; persistence against drawn lobes.
+
+Turns against drawn directions.
+"""
 
 from __future__ import annotations
 

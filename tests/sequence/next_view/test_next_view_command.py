@@ -30,7 +30,10 @@ WORLD = camera_at(0.6, -4.0, 1.8)
 
 @cache
 def document():
-    """A tower of which the north wall would tell which it is, seen from the south; six of seven features that show are reported, without noise."""
+    """A tower of which the north wall would tell which it is, seen from the south.
+
+    Six of seven features that show are reported, without noise.
+    """
     from plogic.match.gamma.data import data_of
     from plogic.match.judged.expectation import pose_of
 
