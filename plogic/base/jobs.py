@@ -147,7 +147,7 @@ def _work(done: Callable[[Job], Any], jobs: Sequence[Job], left: int, end: Conne
 def afresh(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -> Generator[Result]:
     """As ``map``, by so many fresh processes.
 
-    ``done`` is a function of a module, and it, jobs and results can be pickled.
+    ``done`` is a function of a module, and it, jobs and results can be pickled. It runs in this process's folder.
 
     Of who stops asking no further job is begun.
 
@@ -156,7 +156,7 @@ def afresh(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -
     """
     with ExitStack() as stack:
         count = min(processes, len(jobs))
-        workers = [_Fresh(stack.enter_context(Child(python("plogic.base.jobs"))), done) for _ in range(count)]
+        workers = [_Fresh(stack.enter_context(Child(python("plogic.base.jobs"), folder=".")), done) for _ in range(count)]
         left, results = iter(enumerate(jobs)), dict[int, tuple[bool, Any]]()
         for worker in workers:
             worker.take(next(left, None))

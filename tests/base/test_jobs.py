@@ -36,6 +36,11 @@ def later(number):
     return number * number
 
 
+def resolved(name):
+    """A relative path as the process sees it."""
+    return Path(name).resolve()
+
+
 def here(_):
     """In which process; long enough that nobody can do all."""
     time.sleep(0.02)
@@ -173,3 +178,9 @@ def test_what_a_fresh_process_raises_is_raised_here_in_its_turn(some):
 def test_a_fresh_process_that_dies_is_told(some):
     with pytest.raises(ChildDiedError, match="signal 9"):
         list(afresh(dies, range(10), some))
+
+
+@pytest.mark.usefixtures("found_afresh")
+def test_a_fresh_process_runs_in_this_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert list(afresh(resolved, ["kb"], 1)) == [tmp_path / "kb"]
