@@ -1,9 +1,8 @@
 """A user's first commands, on one Python beside another.
 
 ``smoke.py inputs DIR`` writes a textured mesh and a Γ. ``smoke.py answers INPUTS OUT`` runs the commands with the
-plogic
-beside this Python, ``asked INPUTS OUT`` those alone that answer from the Γ. ``smoke.py compare A B`` holds the answers
-of two such runs against each other.
+plogic beside this Python, ``asked INPUTS OUT`` those alone that answer from the Γ. ``smoke.py compare A B`` holds the
+answers of two such runs against each other.
 """
 # ruff: noqa: INP001, T201, S603 - a script of our own, no package
 

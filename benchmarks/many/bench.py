@@ -1,8 +1,7 @@
 """``plogic bench many``: scenes of five to ten objects, partly one behind another, of a knowledge base of fifty types, beside a peer; and of more.
 
 Half of the types are polyhedra, half are made of what was learned from the YCB meshes; where these are not there all
-are
-polyhedra, and the text says so. ``--quick``: few scenes.
+are polyhedra, and the text says so. ``--quick``: few scenes.
 """
 
 from __future__ import annotations

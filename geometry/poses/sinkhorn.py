@@ -7,8 +7,8 @@ each row i but the slack
 row, and each column j but the slack column, sums to 1. The result has the form m_ij = r_i k_ij c_j, with slack r_i s
 and s c_j, and is unique:
 r and c minimise the strictly convex  sum r k c + s sum r + s sum c - sum log r - sum log c. So neither the order of the
-two scalings nor
-where c starts (here: where the last step of an annealing left it) changes what is reached, only how soon.
+two scalings nor where c starts (here: where the last step of an annealing left it) changes what is reached, only how
+soon.
 
 Only pairs that may correspond are kept, as a list: with 300 types, 100 model points and 1000 image points, 333 of
 100,000.

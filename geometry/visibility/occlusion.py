@@ -96,9 +96,8 @@ def occlusion(
     """The one relation of ROC-20 that holds of x and y as `camera` sees them: 'partially_occludes_po' has x before y.
 
     `tolerance` (px) is that of the images (`geometry.visibility.occlusion`); `depth_tolerance` (part of the distance)
-    says
-    when two are equally near. Decided on ideal pixels: the relation is topological, so a lens does not change it. Give
-    the `images` of both (`drawn`) where they are known.
+    says when two are equally near. Decided on ideal pixels: the relation is topological, so a lens does not change it.
+    Give the `images` of both (`drawn`) where they are known.
     """
     image_x, image_y = images or (drawn(x, camera), drawn(y, camera))
     rcc, interior = related(image_x, image_y, tolerance)

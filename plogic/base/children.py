@@ -1,9 +1,8 @@
 """Child processes: all of them are started here.
 
 A child ends when the process that started it ends, by SIGKILL too. Its memory is a share of that process's limit. It
-can
-be waited for among others, and is killed with all that it started. The folder that it writes in is removed, if need be
-by the next process that starts one.
+can be waited for among others, and is killed with all that it started. The folder that it writes in is removed, if need
+be by the next process that starts one.
 
 * ``with Child(python("plogic.logic.served.program_child"), told=request) as child: child.rest(seconds=5.0)``
 * ``heard([one, other], 1.0)``: those that say something within a second; the others may be ended
@@ -54,12 +53,10 @@ class Child:
     """A command that runs in a session and a scratch folder of its own, whose standard output is read here.
 
     ``told``: all that it will find on standard input; left out, ``tell`` writes there. ``memory``: bytes of address
-    space
-    that it may use, if this process has twice as much left. ``folder``: where it runs, if not in its scratch folder;
-    ``variables`` are added to the environment. ``files`` are written into its scratch folder before it starts.
+    space that it may use, if this process has twice as much left. ``folder``: where it runs, if not in its scratch
+    folder; ``variables`` are added to the environment. ``files`` are written into its scratch folder before it starts.
     ``foreign``: it is no module of ours, and does not call ``begin``. Without ``memory`` it has this process's limit,
-    as a
-    compiler reserves more address space than half of that and uses little of it.
+    as a compiler reserves more address space than half of that and uses little of it.
     """
 
     def __init__(

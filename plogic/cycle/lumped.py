@@ -7,8 +7,7 @@ their sum stands for all of them, and every probability stays. Features outside 
 out. Types written by hand are told in full.
 
 A learned compound is told, and counts, once: by the part that stands for it (``Hypothesis.stands``). Its other parts
-are told
-for the data that they explain, and have no dv.
+are told for the data that they explain, and have no dv.
 """
 
 from __future__ import annotations

@@ -3,8 +3,7 @@
 A small table, and one whose entries differ by more than floats can hold, is multiplied as logarithms. A large one is
 multiplied as plain numbers, several times faster, but only where the spreads of all that enters it (ln of greatest over
 least positive entry, measured) sum to less than ``MOST_SPREAD``: then no positive product can underflow, and both ways
-agree
-to rounding.
+agree to rounding.
 
 * ``Message(values)``: what enters a bucket, a given table or what a child tells; the scale that was taken out of it is
   kept apart

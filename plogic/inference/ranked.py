@@ -9,9 +9,8 @@ What is guaranteed: every joint state of positive weight comes exactly once; the
 within 1e-9 of the sums of the tables' entries (relative, where tables span more than a million); the same graph gives
 the same sequence, so the first n are the first n of any longer list. States within 1e-11 of each other are ties: of
 those that follow the first of them, up to ``MOST_TIES`` are looked at together and come in lexicographic order, with
-one
-falling weight. More ties than that come by whole units of 2.3e-13 (``ranked_tables``), and in lexicographic order where
-these are equal; in a piece that is wider than ``WIDTH`` bits, in the order of the search; in a graph of few joint
+one falling weight. More ties than that come by whole units of 2.3e-13 (``ranked_tables``), and in lexicographic order
+where these are equal; in a piece that is wider than ``WIDTH`` bits, in the order of the search; in a graph of few joint
 states all ties are looked at together.
 
 The joint states of a small graph are sorted at once in one table (``whole``). A cost is how many nats a state lies

@@ -1,14 +1,13 @@
 """The ranking of a connected piece too wide for exact tables: A* under mini-bucket bounds.
 
 A bucket whose table would be too large is split into *minis* of few enough cells, each of which takes its own minimum
-over the bucket's
-variable: the sum of minima is no more than the minimum of the sum, so what is left is a bound that never overestimates
+over the bucket's variable: the sum of minima is no more than the minimum of the sum, so what is left is a bound that
+never overestimates
     a cost (R. Dechter
 and I. Rish, Mini-buckets, 2003), and A* under it finds all solutions in exact order, after opening more nodes than
 needed. The bounds are
 tightened by levelling the minis of a bucket: each gets the mean of their least costs per state (A. Ihler et al.,
-Join-graph based
-cost-shifting schemes, 2012), which leaves their sum as it is.
+Join-graph based cost-shifting schemes, 2012), which leaves their sum as it is.
 """
 
 from __future__ import annotations

@@ -3,8 +3,7 @@
 And bodies that come to rest on the floor.
 
 It has wheels for CPython 3.11 on x86-64 Linux; its fork ``pybullet-arm64``, a module of the same name, has them for
-3.12
-and 3.13 and for macOS on Arm. Elsewhere pictures are drawn by rays, and nothing settles or is held.
+3.12 and 3.13 and for macOS on Arm. Elsewhere pictures are drawn by rays, and nothing settles or is held.
 
 Bodies come to rest on the floor (z = 0) each as its convex hull: good enough to stand things up. Whether bodies share
 volume is decided elsewhere, from the exact meshes. Without pybullet a body stays as it was put and its lowest place

@@ -61,8 +61,7 @@ class Truth:
         ``(2 size + 1, columns)``.
 
         ``decided``: outcome of each alternative, or UNDECIDED, ``(alternatives, columns)``. Negative literals count
-        from the
-        end.
+        from the end.
         """
         certain = np.zeros((2 * self.size + 1, decided.shape[1]), dtype=bool)
         certain[0] = True

@@ -76,8 +76,7 @@ class Ground:
 
     ``size``: number of variables; ``gates``: derived variable → its gate; ``asked``: name and literal of each query, in
     the order of the program; ``observed``: literals that the evidence makes true. Variables in neither ``gates`` nor
-    ``alternatives``
-    are free: they weigh 1 either way.
+    ``alternatives`` are free: they weigh 1 either way.
     """
 
     size: int

@@ -82,8 +82,8 @@ def check_source(
     All that is wrong is told in one error.
 
     ``known`` may be called beside what the text defines; ``protected`` may not be defined by it. A text with something
-    protected is a
-    piece added to a program: it may call only what is known. A whole program may also name what has no clauses, as long
+    protected is a piece added to a program: it may call only what is known. A whole program may also name what has no
+    clauses, as long
         as it is not
     called: that is told when it is. ``ANYTHING`` is among the signatures where the text alone does not tell what it
         defines.

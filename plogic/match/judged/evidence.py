@@ -1,9 +1,8 @@
 """The evidence for one hypothesis against clutter (§8, posterior, one claimant): the logarithm of a likelihood ratio.
 
 ``as_fitted`` is what the program is told of a pose that was fitted to its matches: they say less than of a pose that
-was
-known before. The posterior of an object's presence sums over all poses that it may have; a hypothesis stands for those
-about its own. So its prior is the type's times the share of all poses that fit about as well
+was known before. The posterior of an object's presence sums over all poses that it may have; a hypothesis stands for
+those about its own. So its prior is the type's times the share of all poses that fit about as well
 (``plogic.match.judged.pose_information``), often below what ProbLog can read as a label. It is told with the matches
 instead, of which each gives up in proportion. The log odds of a lone hypothesis are then its type's prior, plus its
 evidence, plus the share.

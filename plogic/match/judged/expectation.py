@@ -141,8 +141,7 @@ def hidden_by(posed: Hypothesis, other: Hypothesis) -> NDArray[np.bool_]:
     """(F,) Behind(f, other, v): the line of sight to each feature of ``posed`` meets the other's surface first (§3.4).
 
     Of a learned type's thousands of features it is asked of those alone that are expected or detected: of others
-    nothing
-    is said.
+    nothing is said.
     """
     surface, mask = other.object_type.surface, np.zeros(len(posed.at), dtype=bool)
     if surface is None:

@@ -5,8 +5,7 @@ Kept on disk between runs, and mapped from there.
 * ``OrientedIndex``: one such type
 * ``ready(types, dv, folder)``: the indices of the types, and the index over them
 * ``key_of(types)``: what decides the index over types, as 64 hex digits: the types themselves as they enter it, in
-  their
-  order, our source, and the libraries. Neither dv nor the rates enter what is kept
+  their order, our source, and the libraries. Neither dv nor the rates enter what is kept
 """
 
 from __future__ import annotations

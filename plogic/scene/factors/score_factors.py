@@ -11,8 +11,7 @@ This is the second form of ``plogic.scene.readings.score_reading.acceptance`` in
 
 Where very many others bear on a hypothesis, so that one factor over all is too wide, its pick is a variable of its own:
 present(h) holds iff h is supported and the feature that it picks is concordant, a boolean formula over the pick and
-over
-who is present, which the graph takes as gates.
+over who is present, which the graph takes as gates.
 """
 
 from __future__ import annotations
