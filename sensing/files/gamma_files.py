@@ -263,4 +263,6 @@ def _appearance(model: _AppearanceModel) -> Appearance:
         model.score,
         tuple(model.arms),
         descriptor,
+        model.depth,
+        model.depth_sigma,
     )
