@@ -192,7 +192,7 @@ def answered(
 
 def ours(perceiver: Perceiver, gamma: Gamma) -> tuple[list[Found], list[Found]]:
     """What we accept, and what else we thought of, each the best first."""
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from plogic.cycle.delta import Options
 
     delta, rejected, _ = perceiver.delta(gamma, Options(reading="posterior"), Stopwatch())

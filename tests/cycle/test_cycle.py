@@ -24,7 +24,7 @@ from synthetic import (
 
 from geometry.frames import look_at
 from plogic.base import clock as deadline
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.attention import attend
 from plogic.cycle.delta import Options
 from plogic.cycle.judging import FEWEST, judge, refusal

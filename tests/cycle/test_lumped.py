@@ -11,7 +11,7 @@ from painted_cube import CAMERA, CORNER, cloud, picture, pose_towards, seen, wri
 import plogic.cycle.delta
 import plogic.run.document
 from kb.files.read import read_kb
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.cycle.lumped import left_out, looked_at, told
 from plogic.facts.interpretation import situation_of, text_of

@@ -13,8 +13,8 @@ from geometry.frames import inverse, look_at, transform_points
 from kb.surfaces.surface import Surface
 from plogic.cycle.delta import Options, delta_of
 from plogic.cycle.placing import space_of_view, upward
-from plogic.facts.exclusions import exclusion_lines, exclusions
 from plogic.facts.interpretation import situation_of, text_of
+from plogic.facts.spatial import exclusion_lines, exclusions
 from plogic.run.document import document_of
 from plogic.scene.asking.presence import presence
 from plogic.scene.worlds.ranked_worlds import ranked_worlds

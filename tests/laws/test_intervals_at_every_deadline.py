@@ -21,11 +21,11 @@ from stopping import LONG, stopped
 from tangles import tangle
 
 from plogic.base.errors import InconsistentError
-from plogic.logic.answers import anytime_answers as anytime
-from plogic.logic.answers import anytime_answers as bounds
+from plogic.logic.answers import answer as anytime
+from plogic.logic.answers import answer as bounds
 from plogic.logic.answers import state_ranking as ranking
 from plogic.logic.served.engine import through
-from plogic.logic.served.serve import serve
+from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 

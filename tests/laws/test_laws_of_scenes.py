@@ -17,7 +17,7 @@ from synthetic import one_before_the_other, perceiver, scene, towers
 from geometry.frames import pose_error
 from kb.files.folder import shipped
 from kb.files.read import read_kb
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.disjoint import DEEP

@@ -14,7 +14,7 @@ import pytest
 
 from plogic.base import errors
 from plogic.logic.served.engine import Text
-from plogic.logic.served.serve import serve
+from plogic.logic.served.program_child import serve
 from plogic.scene.asking.query import answers
 
 pytestmark = pytest.mark.filterwarnings("ignore:The use of '")  # ProbLog's parser doubts that one means it

@@ -9,8 +9,7 @@ from synthetic import belief_at, cycle_of, data, perceiver, scene, towers
 
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
 from plogic.cycle.delta import Options, delta_of
-from plogic.measures.explanatory import explanatory_value
-from plogic.measures.shanahan import shanahan_values
+from plogic.measures.explanatory import explanatory_value, shanahan_values
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 NOISE = 0.02

@@ -29,8 +29,7 @@ from plogic.match.gamma.data import data_of
 from plogic.match.hand.hand_models import type_index
 from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from plogic.measures.distinctiveness import distinctiveness, distinctiveness_over_delta, instance_counts
-from plogic.measures.explanatory import explanatory_value
-from plogic.measures.shanahan import shanahan_values
+from plogic.measures.explanatory import explanatory_value, shanahan_values
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 TRUTHS = [("t1", 8000), ("t2", 8001), ("t1", 8002), ("t2", 8003)]

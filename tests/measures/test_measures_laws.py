@@ -9,17 +9,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plogic.measures.distinctiveness import distinctiveness, probability_of_distinctiveness
+from plogic.measures.distinctiveness import (
+    best_substitution,
+    compatible,
+    distinctiveness,
+    is_legal,
+    probability_of_distinctiveness,
+    rank,
+    valuation,
+)
 from plogic.measures.explanatory import (
     Cells,
     case_of,
     explanatory_value,
     probability_of_ev,
     reconsidered,
+    shanahan_values,
     tally,
 )
-from plogic.measures.shanahan import shanahan_values
-from plogic.measures.valuation import best_substitution, compatible, is_legal, rank, valuation
 
 COUNTS = st.dictionaries(st.sampled_from(["apex", "corner", "patch", "edge"]), st.integers(1, 200), min_size=1)
 CELLS = st.builds(Cells, *[st.integers(0, 9)] * 4)

@@ -14,10 +14,10 @@ from situations import feature, hypothesis, random_situations, situation, with_g
 
 from plogic.base.errors import InconsistentError, SituationError
 from plogic.facts.gravity import Foot, Gravity
-from plogic.facts.names import names_of
+from plogic.facts.situation import names_of
 from plogic.inference.marginals import beliefs
 from plogic.logic.served.engine import through
-from plogic.logic.served.serve import serve
+from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene, scene_answers
 from plogic.scene.asking.query import answers
 from plogic.scene.asking.relevant import relevant

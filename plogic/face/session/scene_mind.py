@@ -55,7 +55,7 @@ class SceneMind(Asked):
 
     def _worlds_of_text(self, n: int, given: Sequence[str]) -> Ranked:
         """The same by the program text, where the evidence speaks of what the graph has summed out; the causes are not told then."""
-        from plogic.logic.served.program_worlds import program_worlds
+        from plogic.logic.served.engine import program_worlds
         from plogic.scene.asking.query import subject_text
 
         text, table = subject_text(self.situation)

@@ -10,7 +10,7 @@ from oriented_scenes import EASY, HARD, a_trial, clouds
 
 from benchmarks.recognition.score import Found, errors_of
 from geometry.frames import is_rigid
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.match.oriented import oriented_search as generate
 from plogic.match.oriented import single_votes

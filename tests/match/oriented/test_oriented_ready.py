@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from oriented_scenes import a_trial, clouds
 
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.match.oriented.oriented_search import Search
 from plogic.match.oriented.ready import MANY, ready

@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.clutter.scenes import CAMERA, trial
 from benchmarks.clutter.types import Detector, random_types
 from geometry.frames import pose_error
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.run.perceive import Perceiver
 from sensing.appearance import Gamma
