@@ -1,4 +1,7 @@
-"""Learned features and the parts of their type: given by the nearest surface, kept in the file, read with checks, told in the program."""
+"""Learned features and the parts of their type.
+
+Given by the nearest surface, kept in the file, read with checks, told in the program.
+"""
 
 from __future__ import annotations
 
