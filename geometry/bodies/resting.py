@@ -10,20 +10,15 @@ asked what it stands on, and its own facets where it is asked what stands on it;
 there too.
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Ints
+from geometry.arrays import Floats, Ints
 
 GRAIN = 0.01
 """Share of the body's size to which its corners are rounded: what is smaller tips nobody."""

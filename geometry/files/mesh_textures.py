@@ -5,21 +5,17 @@ The pictures are not decoded here: their bytes are handed on as they are.
 Vocabulary: ``Texture``, the picture of one material, ``Texture("paint", "texture 'paint.png'", data)``.
 """
 
-from __future__ import annotations
-
 import base64
 import binascii
 import json
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 from urllib.parse import unquote
 
 from geometry.files.plain_files import fault_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 MAX_PICTURE_BYTES = 256 * 1024 * 1024
 """Largest texture; the same that an image may have."""

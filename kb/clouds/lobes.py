@@ -3,18 +3,11 @@
 Vocabulary: ``LobeTable``, all L lobes of one type as arrays in the object's frame.
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import ArrayLike, NDArray
-
+from numpy.typing import ArrayLike, NDArray
 
 GRAIN = 1e-9
 """Slack of the cone's and the range's bounds, so that a viewpoint on a bound is inside."""

@@ -5,22 +5,17 @@ Vocabulary: ``Branch``, a nested description: ``Branch("object", "t2", "t2", par
 ``'roof/apex#0'`` an appearance.
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import networkx as nx
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from geometry.frames import compose, from_rotation_translation, is_rigid
 from kb.clouds.lobes import Feature, FeatureAppearance, Lobe
 from kb.errors import TreeError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from numpy.typing import ArrayLike, NDArray
 
 Kind = Literal["object", "feature", "appearance"]
 
@@ -47,7 +42,7 @@ class Branch:
     type: str
     at: ArrayLike = (0.0, 0.0, 0.0)
     rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
-    parts: Sequence[Branch] = ()
+    parts: Sequence["Branch"] = ()
     lobe: Lobe | None = None
     arms: ArrayLike = ()
 

@@ -1,23 +1,17 @@
 """From what an author wrote to the tree's description: of a good document, and, leniently, of any document that mistakes are sought in."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.frames import rotation_from_quat_xyzw
 from kb.clouds.lobes import Lobe
 from kb.clouds.tree import Branch, Kind
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from numpy.typing import NDArray
-
-    from kb.files.schema import AppearanceModel, FeatureModel, ObjectModel, PartModel, RotationModel
-    from kb.files.yaml_text import Path
+from kb.files.schema import AppearanceModel, FeatureModel, ObjectModel, PartModel, RotationModel
+from kb.files.yaml_text import Path
 
 LISTS: dict[str, Kind] = {"parts": "object", "features": "feature", "appearances": "appearance"}
 """The keys whose lists hold what a node is made of, in the order of ``Branch.parts``, and what they should hold."""

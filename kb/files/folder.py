@@ -1,7 +1,5 @@
 """The files of a KB's folder, read within limits and never outside of it, with the mistakes met."""
 
-from __future__ import annotations
-
 import hashlib
 import os.path
 from dataclasses import dataclass, field

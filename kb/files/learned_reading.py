@@ -3,9 +3,9 @@
 And a learned cloud as features of its type.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,13 +15,8 @@ from kb.clouds.words import MAX_BYTES as MAX_WORDS
 from kb.clouds.words import Words, dominant, read_words
 from kb.errors import CloudError
 from kb.files.branches import nodes
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
-
-    from kb.files.folder import Folder
-    from kb.files.yaml_text import Document
+from kb.files.folder import Folder
+from kb.files.yaml_text import Document
 
 Kind = TypeVar("Kind")
 

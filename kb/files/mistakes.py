@@ -1,21 +1,15 @@
 """What pydantic finds wrong with a document, in our words and at its place."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
+from kb.errors import Mistake
 from kb.files.branches import nodes
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from pydantic_core import ErrorDetails
-
-    from kb.errors import Mistake
-    from kb.files.schema import KBModel
-    from kb.files.yaml_text import Document, Path
+from kb.files.schema import KBModel
+from kb.files.yaml_text import Document, Path
 
 Model = TypeVar("Model", bound=BaseModel)
 

@@ -1,14 +1,14 @@
 """Read a KB's folder, or say everything that is wrong with it."""
 
-from __future__ import annotations
-
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
 from kb.clouds.cloud import UNKNOWN_SUPPORT, Counts, KnowledgeBase, ObjectType, Rates, clutter_prior, word_clutter
+from kb.clouds.learned import LearnedCloud
 from kb.clouds.tree import build_tree, features_of, object_nodes, tree_mistakes
+from kb.clouds.words import Words
 from kb.errors import KBErrors, Mistake, SurfaceError
 from kb.files.branches import branch_of, misplaced, outline, path_to
 from kb.files.folder import MAX_MESH_BYTES, Folder
@@ -22,18 +22,11 @@ from kb.files.learned_reading import (
     words_of,
 )
 from kb.files.mistakes import checked, cross_mistakes, without
-from kb.files.schema import KBModel, ObjectModel
+from kb.files.schema import CountsModel, KBModel, ObjectModel
 from kb.files.values import LENGTHS
+from kb.files.yaml_text import Document
 from kb.surfaces.surface import Surface, surface_from_mesh
 from kb.surfaces.symmetries import motions
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from kb.clouds.learned import LearnedCloud
-    from kb.clouds.words import Words
-    from kb.files.schema import CountsModel
-    from kb.files.yaml_text import Document
 
 MAX_RULES_BYTES = 1_000_000
 """Largest ``rules.pl``."""

@@ -3,15 +3,14 @@
 Vocabulary: ``Document("kb.yaml", {"name": "towers"}, root, mistakes)``; ``document.place(("rates", "hit")) == (3, 8)``.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import warnings
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
@@ -19,9 +18,6 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.resolver import VersionedResolver
 
 from kb.errors import Mistake
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 Path = tuple[str | int, ...]
 """Keys and indices from the root of a document."""

@@ -1,7 +1,5 @@
 """The files of a new knowledge base, commented for whoever fills it."""
 
-from __future__ import annotations
-
 import json
 
 from kb.errors import IntakeError

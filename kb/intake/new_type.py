@@ -3,32 +3,25 @@
 Vocabulary: ``NewType``, the files by name, and what was done, for people and for programs.
 """
 
-from __future__ import annotations
-
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kb.errors import IntakeError
 from kb.files.values import LENGTHS
 from kb.files.write import flow
 from kb.intake.paint import painted_files
-from kb.intake.source import MAX_FILE_BYTES
+from kb.intake.source import MAX_FILE_BYTES, Source
 from kb.surfaces.pieces import pieces_of
 from kb.surfaces.repair import Repaired, repaired
+from kb.surfaces.surface import Surface
 from kb.surfaces.symmetries import Turn, turns_of
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from kb.intake.source import Source
-    from kb.surfaces.surface import Surface
 
 SMALLEST, LARGEST = 1e-4, 1e4
 """Extent of a mesh's longest side, m: what is outside is the wrong unit, or nothing that a camera sees."""

@@ -1,26 +1,21 @@
 """Robot descriptions: the visible shapes of all links of a URDF in the zero pose, and of an SDF at the poses that it states."""
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from xml.etree.ElementTree import Element
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kb.errors import IntakeError
 from kb.intake.visuals import Visual, frame, numbers, primitive_sizes, read_xml
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-    from xml.etree.ElementTree import Element
+Frame = NDArray[np.float64]
+Colour = tuple[int, int, int]
+Read = Callable[[Element, str], str | None]
+"""The text that a shape has under a key."""
 
-    from numpy.typing import NDArray
-
-    Frame = NDArray[np.float64]
-    Colour = tuple[int, int, int]
-    Read = Callable[[Element, str], str | None]
-    """The text that a shape has under a key."""
 
 HOLDERS = ("world", "model", "link")
 """Elements of SDF that hold others at a pose of their own."""

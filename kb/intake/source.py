@@ -4,25 +4,17 @@ Vocabulary: ``Piece``, the triangles of one material, ``Piece(vertices, triangle
 pieces of a file in its own unit, with ``notes`` on what could not be had.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from geometry.files.mesh_files import meshes_of, reason, triangles_of
+from geometry.files.mesh_files import Placed, meshes_of, reason, triangles_of
 from geometry.files.plain_files import IS_MISSING, fault_of
 from kb.errors import IntakeError
-from kb.intake.picture import textures_of
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from geometry.files.mesh_files import Placed
-    from kb.intake.picture import Picture
+from kb.intake.picture import Picture, textures_of
 
 MAX_FILE_BYTES = 200_000_000
 """Largest mesh file; it is refused before it is read."""
@@ -62,7 +54,7 @@ class Source:
         triangles = [piece.triangles + start for piece, start in zip(self.pieces, starts, strict=False)]
         return np.concatenate([piece.vertices for piece in self.pieces]), np.concatenate(triangles)
 
-    def moved(self, motion: NDArray[np.float64]) -> Source:
+    def moved(self, motion: NDArray[np.float64]) -> "Source":
         """The same by an affine ``motion`` (4, 4); a mirroring one turns the triangles over."""
         turned = slice(None, None, -1 if np.linalg.det(motion[:3, :3]) < 0 else 1)
         with np.errstate(

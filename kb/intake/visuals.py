@@ -4,27 +4,23 @@ Vocabulary: ``Visual``, one shape: a mesh file with its scale, or a primitive, a
 the description has one.
 """
 
-from __future__ import annotations
-
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.files.plain_files import fault_of
 from geometry.frames import from_rotation_translation
 from kb.errors import IntakeError
 from kb.intake.source import GREY, Piece, Source, read_source
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
+Frame = NDArray[np.float64]
 
-    from numpy.typing import NDArray
-
-    Frame = NDArray[np.float64]
 
 MAX_BYTES = 20_000_000
 """Largest description."""

@@ -14,27 +14,20 @@ the pairs that qualify would reach it if to be near made no difference. Compound
 every pair of a group qualifies, and the groups are disjoint.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Ints, Mask
 from geometry.cones import even_directions
-from kb.clouds.learned import numbered
-from kb.learning.sides import STRETCH
+from kb.clouds.learned import LearnedCloud, numbered
+from kb.learning.again import STRETCH
+from kb.learning.observations import Observations
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+Shares = NDArray[np.float32]
 
-    from numpy.typing import NDArray
-
-    from kb.clouds.learned import LearnedCloud
-    from kb.learning.observations import Observations
-
-    Floats = NDArray[np.float64]
-    Mask = NDArray[np.bool_]
-    Shares = NDArray[np.float32]
 
 OF_SIZE = 0.25
 """Share of its size within which what is seen is of one place: the middle of what is large, or round, is not exact."""
@@ -54,7 +47,7 @@ class Pictures(NamedTuple):
 
 def compounds_of(
     cloud: LearnedCloud, seen: Observations, groups: Sequence[NDArray[np.intp]], pictures: Pictures
-) -> NDArray[np.int64]:
+) -> Ints:
     """(F,) the compound of each feature, counted from 1; 0 of those in none.
 
     Keypoints and sides of edges make compounds of their own.
@@ -91,7 +84,7 @@ def widths(cloud: LearnedCloud, diameter: float) -> Floats:
     return widest
 
 
-def grouped(shown: Mask, held: Mask, at: Floats, width: Floats) -> NDArray[np.int64]:
+def grouped(shown: Mask, held: Mask, at: Floats, width: Floats) -> Ints:
     """(F,) the compound of each of F features of one kind, counted from 1; 0 of those in none.
 
     ``shown`` (F, N) which pictures showed each, and ``held`` (F, N) for which its lobes hold; ``at`` (F, 3) m;
@@ -128,12 +121,12 @@ def bar(near: Shares, others: Shares) -> float:
     return float(good.min(initial=np.inf))
 
 
-def within_parts(compound: NDArray[np.int64], part: NDArray[np.int64]) -> NDArray[np.int64]:
+def within_parts(compound: Ints, part: Ints) -> Ints:
     """(F,) the compounds of features that belong to parts (F,) of a type: what of one is in another part is another, or none (A1)."""
     return numbered(np.where(compound > 0, compound * (part.max(initial=0) + 1) + part, 0))
 
 
-def linked(similar: Shares, apart: Floats, qualify: Mask) -> NDArray[np.int64]:
+def linked(similar: Shares, apart: Floats, qualify: Mask) -> Ints:
     """(F,) groups of complete linkage, counted from 1, 0 of those that are alone: those most often together first, of equals the nearest.
 
     All of a group ``qualify`` (F, F) with each other.

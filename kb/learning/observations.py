@@ -3,31 +3,21 @@
 * ``Observations``: N of them as arrays; ``joined`` puts those of several views together
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from kb.learning.again import keypoints_again
-from kb.learning.sides import INSIDE, descriptors, sides_again
-from kb.learning.views import PIXELS, size_of, variants
+from geometry.arrays import Bytes, Floats, Ints, Mask
+from kb.learning.again import INSIDE, Look, Seen, descriptors, keypoints_again, sides_again
+from kb.learning.views import PIXELS, View, size_of, variants
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+Detect = Callable[[Bytes, Bytes, int], "Seen"]
+"""Of a picture and the same before a calm background; the number is how many pixels lie between points along an
+edge."""
 
-    from numpy.typing import NDArray
-
-    from kb.learning.again import Seen
-    from kb.learning.sides import Look
-    from kb.learning.views import View
-
-    Floats = NDArray[np.float64]
-    Detect = Callable[[NDArray[np.uint8], NDArray[np.uint8], int], "Seen"]
-    """Of a picture and the same before a calm background; the number is how many pixels lie between points along an
-    edge."""
 
 PICTURES = 4
 """Pictures of each size, all different; the first is where keypoints are looked for again in the others."""
@@ -72,8 +62,8 @@ class Observations:
     up: Floats
     size: Floats
     pixel: Floats
-    view: NDArray[np.int64]
-    level: NDArray[np.int64]
+    view: Ints
+    level: Ints
     hit: Floats
     descriptor: NDArray[np.float32]
 
@@ -81,7 +71,7 @@ class Observations:
         return len(self.at)
 
     @cached_property
-    def sided(self) -> NDArray[np.bool_]:
+    def sided(self) -> Mask:
         """(N,) which are sides of edges."""
         return np.asarray(self.size == 0.0)
 
@@ -114,7 +104,7 @@ def observed(view: View, number: int, detect: Detect, seed: int = 0, look: Look 
 
 
 def _sides(
-    view: View, pixels: float, pictures: Sequence[NDArray[np.uint8]], look: Look, number_level: tuple[int, int]
+    view: View, pixels: float, pictures: Sequence[Bytes], look: Look, number_level: tuple[int, int]
 ) -> Observations:
     """Carry sides of edges back to the surface that is on their side; those seldom seen are left out."""
     first, *others = [look(busy, SPARSE if i == 0 and pixels > SMALL else DENSE) for i, busy in enumerate(pictures)]
@@ -135,7 +125,7 @@ def _sides(
 
 def _on_surface(
     view: View,
-    inner: NDArray[np.bool_],
+    inner: Mask,
     pixels: float,
     first: Seen,
     uv: Floats,

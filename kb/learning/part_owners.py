@@ -4,26 +4,18 @@ Parts and pieces of the mesh know each other by their places, so that an author 
 some out.
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from kb.clouds.cloud import ObjectType
+from kb.clouds.learned import LearnedCloud
 from kb.clouds.tree import object_nodes, place
 from kb.learning.compounds import within_parts
 from kb.surfaces.nearness import Nearness
-from kb.surfaces.pieces import pieces_of
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import ObjectType
-    from kb.clouds.learned import LearnedCloud
-    from kb.surfaces.pieces import Piece
+from kb.surfaces.pieces import Piece, pieces_of
 
 
 def with_parts(kind: ObjectType, cloud: LearnedCloud) -> LearnedCloud:

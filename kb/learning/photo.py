@@ -5,27 +5,19 @@
 * ``on_shown``: what was observed on the triangles that the photo shows, away from grey ones
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.arrays import Bytes, Floats, Ints, Mask
+from geometry.camera import Camera
 from geometry.errors import GeometryError
 from geometry.frames import inverse, transform_points
 from geometry.poses.register import LEAST_POINTS_CALIBRATED, LEAST_POINTS_UNCALIBRATED, Registration, register, suspect
 from kb.errors import IntakeError, KBErrors
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
-    from kb.learning.observations import Observations
-    from kb.learning.points import Points
-    from kb.surfaces.surface import Surface
-
-    Floats = NDArray[np.float64]
+from kb.learning.observations import Observations
+from kb.learning.points import Points
+from kb.surfaces.surface import Surface
 
 TOO_FAR = 0.1
 """Of a clicked place from the mesh's box, as a share of the mesh's diameter: beyond, its unit or its numbers are
@@ -58,10 +50,10 @@ class PaintedMesh:
     """
 
     vertices: Floats
-    triangles: NDArray[np.int64]
+    triangles: Ints
     uv: Floats
-    texture: NDArray[np.uint8]
-    shown: NDArray[np.bool_]
+    texture: Bytes
+    shown: Mask
 
 
 def registered(points: Points, size: tuple[int, int], surface: Surface, camera: Camera | None = None) -> Registration:
@@ -113,7 +105,7 @@ def _check_seen(points: Points, found: Registration, surface: Surface) -> None:
         raise KBErrors(wrong)
 
 
-def painted(surface: Surface, photo: NDArray[np.uint8], camera: Camera, camera_from_object: Floats) -> PaintedMesh:
+def painted(surface: Surface, photo: Bytes, camera: Camera, camera_from_object: Floats) -> PaintedMesh:
     """The mesh cut finely and painted with the photo (H, W, 3), blue first.
 
     Raises:
@@ -156,7 +148,7 @@ def _cut(surface: Surface) -> Floats:
     return np.concatenate(done)
 
 
-def _shown(surface: Surface, corners: Floats, camera: Camera, camera_from_object: Floats) -> NDArray[np.bool_]:
+def _shown(surface: Surface, corners: Floats, camera: Camera, camera_from_object: Floats) -> Mask:
     """(T,) which triangles face the camera, not too aslant, are in the image, and are hidden at no corner."""
     eye = inverse(camera_from_object)[:3, 3]
     middle = corners.mean(axis=1)
@@ -176,7 +168,7 @@ def _enlargement(placed: Floats, camera: Camera, diameter: float) -> int:
     return int(np.clip(np.ceil(SHARP / max(across, 1.0)), 1, 4))
 
 
-def _texture(photo: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
+def _texture(photo: Bytes, factor: int) -> Bytes:
     import cv2
 
     grey = np.full((STRIP * factor, photo.shape[1] * factor, 3), GREY, np.uint8)

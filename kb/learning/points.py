@@ -5,23 +5,16 @@ v], at: [x, y, z]}``; or CSV, five numbers a line in the unit that is handed in,
 ``u,v,x,y,z``.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kb.errors import IntakeError, KBErrors, Mistake
 from kb.files.values import LENGTHS
-from kb.files.yaml_text import load
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from kb.files.yaml_text import Document
+from kb.files.yaml_text import Document, load
 
 MOST = 1000
 """Points of one file."""

@@ -4,25 +4,22 @@
   (``variants``)
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from geometry.camera import Camera
 
-    from geometry.camera import Camera
+Variant = tuple[NDArray[np.uint8], NDArray[np.uint8]]
+"""(h, w, 3) each: the view under random light, with blur and noise.
 
-    Variant = tuple[NDArray[np.uint8], NDArray[np.uint8]]
-    """(h, w, 3) each: the view under random light, with blur and noise.
+Before random spots, and before a calm background.
 
-    Before random spots, and before a calm background.
+Before spots no keypoint at the outline comes twice; but a region of one colour, which ends there, would hardly ever
+come at all.
+"""
 
-    Before spots no keypoint at the outline comes twice; but a region of one colour, which ends there, would hardly ever
-    come at all.
-    """
 
 DIRECTIONS = 80
 """Viewpoints on the sphere: one per 23°, within which SIFT holds."""

@@ -1,30 +1,18 @@
 """What in a knowledge base is no mistake and yet matters: what will never be found, or be found where it is not."""
 
-from __future__ import annotations
-
 from collections import Counter
+from collections.abc import Iterator
 from itertools import permutations
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Mask
 from geometry.cones import even_directions
-from kb.clouds.lobes import feature_in_lobe
+from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.clouds.lobes import LobeTable, feature_in_lobe
 from kb.shown.learned_summary import MANY, learned_summary
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.lobes import LobeTable
-    from kb.surfaces.surface import Surface
-
-    Places = NDArray[np.float64]
-
-    Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
-    Mask = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+from kb.surfaces.surface import Surface
 
 MOST_NAMED = 5
 """Features named in one warning; the rest are counted."""
@@ -131,9 +119,7 @@ def contained_in(small: ObjectType, large: ObjectType) -> bool:
     return False
 
 
-def _placements(
-    at: Places, there: Places, same: NDArray[np.bool_], near: float
-) -> Iterator[tuple[list[int], list[int]]]:
+def _placements(at: Floats, there: Floats, same: Mask, near: float) -> Iterator[tuple[list[int], list[int]]]:
     """Up to three features of the one, rare and far apart, with where they may be in the other: types and distances agree."""
     held = _wide(at, same.sum(axis=1))
     ways: list[list[int]] = [[]]
@@ -149,7 +135,7 @@ def _placements(
     yield from ((held, way) for way in ways[:MOST_TRIES])
 
 
-def _wide(at: Places, rare: NDArray[np.intp]) -> list[int]:
+def _wide(at: Floats, rare: NDArray[np.intp]) -> list[int]:
     """The rarest feature, the farthest from it, and the farthest from the line through both.
 
     Fewer where no more are apart.
@@ -164,7 +150,7 @@ def _wide(at: Places, rare: NDArray[np.intp]) -> list[int]:
     return [*held, int(off.argmax())] if off.max() > CLOSE * distance.max() else held
 
 
-def _moved(points: Places, here: Places, there: Places) -> Places:
+def _moved(points: Floats, here: Floats, there: Floats) -> Floats:
     """``points`` (N, 3) by the rigid motion that best takes ``here`` to ``there`` (Kabsch)."""
     a, b = here.mean(axis=0), there.mean(axis=0)
     u, _, v = np.linalg.svd((here - a).T @ (there - b))

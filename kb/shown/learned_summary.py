@@ -1,18 +1,13 @@
 """A learned type in a few lines: how much there is of it, how surely it is seen, and from where enough of it is expected."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.cones import even_directions
+from kb.clouds.cloud import ObjectType
+from kb.clouds.learned import LearnedCloud
 from kb.clouds.lobes import in_lobe
-
-if TYPE_CHECKING:
-    from kb.clouds.cloud import ObjectType
-    from kb.clouds.learned import LearnedCloud
 
 MANY = 20
 """Expected features with which a type is found though most of them are missed."""

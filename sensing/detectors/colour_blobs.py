@@ -5,16 +5,10 @@ gain, as long as none is clipped. A region that touches the image's border is le
 of what it shows.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from sensing.appearance import Appearance
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 HUES = {
     "red": (345, 15),

@@ -9,23 +9,16 @@ textured floor drowns a plain object.
 * ``EdgeSides``: N of them as arrays
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Bytes, Floats
 from sensing.detectors.keypoint_colours import DARK, between, ratios
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
-    Bytes = NDArray[np.uint8]
-
-
-def fairly(uv: NDArray[np.float64], cell: float) -> NDArray[np.intp]:
+def fairly(uv: Floats, cell: float) -> NDArray[np.intp]:
     """(N,) order of what is at places (N, 2), the best first: by turns the best left and the next cell's best left.
 
     Cells are ``cell`` pixels wide.
@@ -61,7 +54,7 @@ class EdgePoints:
     rise: Floats
 
 
-def edge_points(image: NDArray[np.uint8], cell: int, most: int, least: float = LEAST) -> EdgePoints:
+def edge_points(image: Bytes, cell: int, most: int, least: float = LEAST) -> EdgePoints:
     """The strongest point of an edge in each square cell of an image, ``cell`` pixels wide.
 
     At most ``most``, the strongest first.
@@ -90,7 +83,7 @@ def edge_points(image: NDArray[np.uint8], cell: int, most: int, least: float = L
     return EdgePoints(uv[best], np.arctan2(across[best, 1], across[best, 0]), here[best])
 
 
-def _gradient(image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _gradient(image: Bytes) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """(H, W) grey levels a pixel along x and y."""
     import cv2
 

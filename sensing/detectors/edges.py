@@ -5,16 +5,10 @@ quarter: the profile runs from the side on the left of the direction (as seen on
 (positive).
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+from geometry.arrays import Floats
 
 STEP = 0.5
 """Pixels between two samples of a profile."""

@@ -3,17 +3,12 @@
 * ``colours(image, uv, angle, scale)``: ten bytes a keypoint, to be put behind its descriptor
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-    Bytes = NDArray[np.uint8]
+from geometry.arrays import Bytes, Floats
 
 CELLS = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
 """Where a keypoint's colour is taken, in its own frame (along its angle, and across): at its place, and at the corners

@@ -8,23 +8,15 @@ OpenCV's bias of a quarter of a pixel, and what ORB finds in a smaller picture i
 not between their corners.
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Bytes, Floats, Mask
 from sensing.errors import DetectorError
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import cv2
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-    Bytes = NDArray[np.uint8]
 
 MOST = 4000
 """Keypoints that one image gives at most, the strongest; those of several directions at one place count each."""
@@ -65,7 +57,7 @@ class Keypoints:
     def __len__(self) -> int:
         return len(self.uv)
 
-    def chosen(self, which: NDArray[np.bool_] | NDArray[np.intp]) -> Keypoints:
+    def chosen(self, which: Mask | NDArray[np.intp]) -> "Keypoints":
         """Those that a mask (N,) or indices (M,) name, in that order."""
         return Keypoints(
             self.uv[which], self.angle[which], self.scale[which], self.response[which], self.descriptors[which]

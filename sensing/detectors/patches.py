@@ -7,21 +7,15 @@ rectangle's centre.
 Dark blobs: connected regions that stay the same over several brightness thresholds.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Bytes, Floats, Mask
 from sensing.appearance import Appearance
 from sensing.detectors.edges import edge_offsets, fit_lines, meet, profiles, sample
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
 
 STEP = 12
 """Grey levels between two thresholds."""
@@ -64,7 +58,7 @@ class PatchDetector:
     name = "patch"
     types: tuple[str, ...] = (TYPE,)
 
-    def detect(self, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
+    def detect(self, image_bgr: Bytes) -> list[Appearance]:
         """Patches of an (H, W, 3) uint8 image."""
         import cv2
 
@@ -79,7 +73,7 @@ class PatchDetector:
         ]
 
 
-def find_patches(grey: NDArray[np.uint8]) -> Patches:
+def find_patches(grey: Bytes) -> Patches:
     """Patches of an (H, W) uint8 image, in the order of their centres' v, then u.
 
     The last image's patches are kept: the junctions' detector asks for the same ones.
@@ -121,7 +115,7 @@ def _none() -> Patches:
     return Patches(np.zeros((0, 4, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0))
 
 
-def _quad(blob: Blob) -> Floats:
+def _quad(blob: "Blob") -> Floats:
     """(4, 2) first guess, clockwise: the outline's longest chord, and on either side of it the point that is farthest off."""
     import cv2
 
@@ -138,7 +132,7 @@ def _quad(blob: Blob) -> Floats:
     )
 
 
-def _plausible(quads: Floats) -> NDArray[np.bool_]:
+def _plausible(quads: Floats) -> Mask:
     """Convex, clockwise, no side too short, not too long for its width."""
     sides = np.linalg.norm(np.roll(quads, -1, axis=1) - quads, axis=2)
     area = areas(quads)
@@ -151,7 +145,7 @@ def _plausible(quads: Floats) -> NDArray[np.bool_]:
     return np.asarray(good & _convex(quads))
 
 
-def _convex(quads: Floats) -> NDArray[np.bool_]:
+def _convex(quads: Floats) -> Mask:
     e = np.roll(quads, -1, axis=1) - quads
     n = np.roll(e, -1, axis=1)
     return np.asarray(((e[:, :, 0] * n[:, :, 1] - e[:, :, 1] * n[:, :, 0]) > 0).all(axis=1))
@@ -253,7 +247,7 @@ class Blob:
     level: float
 
 
-def dark_blobs(grey: NDArray[np.uint8]) -> list[Blob]:
+def dark_blobs(grey: Bytes) -> list[Blob]:
     """Blobs of an (H, W) image that live through two thresholds or more, each once, at the middle threshold of its life."""
     levels = np.arange(int(grey.min()) + STEP // 2, int(grey.max()), STEP)
     rows = [_regions(grey, int(level)) for level in levels]
@@ -261,7 +255,7 @@ def dark_blobs(grey: NDArray[np.uint8]) -> list[Blob]:
     return [blob for members in _lives(found) if (blob := _blob(grey, found[members])) is not None]
 
 
-def _regions(grey: NDArray[np.uint8], level: int) -> NDArray[np.float64]:
+def _regions(grey: Bytes, level: int) -> Floats:
     """(N, 8) rows of regions darker than ``level``: centroid u, v, area, box left, top, width, height, level."""
     import cv2
 
@@ -272,11 +266,11 @@ def _regions(grey: NDArray[np.uint8], level: int) -> NDArray[np.float64]:
     solid = (area >= MIN_AREA) & (area <= MAX_SHARE * grey.size) & (area >= MIN_FILL * width * height)
     keep = inside & solid & (np.minimum(width, height) >= 2)
     keep[0] = False
-    kept: NDArray[np.float64] = np.c_[centre, area, left, top, width, height, np.full(len(area), level)][keep]
+    kept: Floats = np.c_[centre, area, left, top, width, height, np.full(len(area), level)][keep]
     return kept
 
 
-def _lives(found: NDArray[np.float64]) -> list[list[int]]:
+def _lives(found: Floats) -> list[list[int]]:
     """Groups of rows that are one region at successive thresholds: like centroids, areas within a factor of 2.5."""
     order = np.argsort(found[:, 7], kind="stable")
     grid: dict[tuple[int, int], list[list[int]]] = {}
@@ -294,12 +288,12 @@ def _lives(found: NDArray[np.float64]) -> list[list[int]]:
     return [g for g in groups if len(g) >= 2]
 
 
-def _same(row: NDArray[np.float64], u: float, v: float, area: float) -> bool:
+def _same(row: Floats, u: float, v: float, area: float) -> bool:
     reach = 0.8 + 0.12 * float(np.sqrt(row[2]))
     return bool(abs(row[0] - u) < reach and abs(row[1] - v) < reach and area < 2.5 * row[2] + 8)
 
 
-def _blob(grey: NDArray[np.uint8], rows: NDArray[np.float64]) -> Blob | None:
+def _blob(grey: Bytes, rows: Floats) -> Blob | None:
     """The blob at the middle of its life, with the outline of its largest part in its box."""
     import cv2
 

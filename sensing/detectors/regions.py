@@ -7,22 +7,15 @@ not change. It is described by its shape alone, so that what lies behind counts 
 * ``regions(image)``: as ``Keypoints``, one for each direction of a region
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Bytes, Floats
 from sensing.detectors.keypoint_colours import WIDTH, is_grey, ratios
 from sensing.detectors.keypoints import Keypoints, grey_of, sift_at
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-    Bytes = NDArray[np.uint8]
 
 MOST, LEAST_REGIONS, EVERY = 400, 60, 768
 """Regions of one image at most, those that stand out most: one in so many pixels, but at least and at most so many."""

@@ -5,20 +5,13 @@ A segment is a row (u1, v1, u2, v2) in pixels, as in ``edges``.
 Where an edge ends: a segment's ends moved out or in to where the step across it begins and ceases.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Mask
 from sensing.detectors.edges import directions, edge_offsets, fit_lines, profiles, sample
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
 
 OUT, IN = 8, 24
 """Pixels beyond each end, and inside it, that are looked at."""
@@ -59,7 +52,7 @@ def find_segments(channels: Sequence[NDArray[np.float32]]) -> Floats:
     return found[free]
 
 
-def _covered(longer: Floats, others: Floats) -> NDArray[np.bool_]:
+def _covered(longer: Floats, others: Floats) -> Mask:
     """Which of (N, 4) ``others`` lie along ``longer`` (4,) by more than half, in either sense."""
     along, normal, length = (x[0] for x in directions(longer[None]))
     ends = others.reshape(-1, 2, 2) - longer[:2]
@@ -112,7 +105,7 @@ def refined(grey: NDArray[np.float32], segments: Floats) -> Floats:
     return found[_sharp(grey, found)]
 
 
-def _sharp(grey: NDArray[np.float32], segments: Floats) -> NDArray[np.bool_]:
+def _sharp(grey: NDArray[np.float32], segments: Floats) -> Mask:
     """Whether brightness rises by enough within 1.5 px of the line, and most of its rise within 3.5 px lies there: a step, not a slope."""
     if not len(segments):
         return np.zeros(0, dtype=np.bool_)
@@ -145,7 +138,7 @@ def _longest_first(segments: Floats) -> Floats:
     return segments[np.argsort(-length, kind="stable")]
 
 
-def _mates(one: Floats, others: Floats) -> NDArray[np.bool_]:
+def _mates(one: Floats, others: Floats) -> Mask:
     """Which of (N, 4) ``others`` continue ``one`` (4,)."""
     along, normal, length = (x[0] for x in directions(one[None]))
     other_along, _, other_length = directions(others)

@@ -4,17 +4,13 @@
 * ``Body``: such a mesh somewhere in the world, ``Body("crate", mesh, world_from_body)``
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sensing.errors import SceneError
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)

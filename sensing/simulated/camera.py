@@ -4,23 +4,16 @@ Bodies are drawn (``stage``) at ``supersample`` times the size and averaged down
 square. Floor, background and shadows are drawn behind them. Then the lens blurs and the sensor adds noise.
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.camera import Camera
+from sensing.simulated.body import Body
 from sensing.simulated.stage import stage
 from sensing.simulated.surroundings import Light, Surroundings, draw_surroundings, floor_depth
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
-    from sensing.simulated.body import Body
 
 
 @dataclass(frozen=True)

@@ -1,24 +1,17 @@
 """Mesh files for the simulated camera, with the texture that they name (OBJ, PLY) or carry (GLB): whatever trimesh reads."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from geometry.files.mesh_files import meshes_of, reason, triangles_of
-from geometry.files.mesh_textures import textures_in
+from geometry.files.mesh_files import Placed, meshes_of, reason, triangles_of
+from geometry.files.mesh_textures import Texture, textures_in
 from geometry.files.plain_files import IS_MISSING, fault_of
 from sensing.errors import SceneError
 from sensing.files.images import image_from, read_image
 from sensing.simulated.body import TexturedMesh
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from geometry.files.mesh_files import Placed
-    from geometry.files.mesh_textures import Texture
 
 GREY = (0.75, 0.75, 0.75)
 """The colour of a mesh that brings none."""

@@ -6,21 +6,14 @@ flattered by it. A texture is looked up in a pyramid of halved copies, each samp
 * ``Cast``: what each ray met first, ``Caster(bodies).cast(eye, rays)``
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.visibility.rays import RayMesh
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from sensing.simulated.body import Body, TexturedMesh
+from sensing.simulated.body import Body, TexturedMesh
 
 SMALLEST = 16
 """Texels of the smallest copy's shorter side, at least."""

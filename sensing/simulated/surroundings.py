@@ -5,20 +5,14 @@ from everywhere. TinyRenderer knows one lamp, so two facets turned away from it 
 computed here, per facet, and given to TinyRenderer as a normal whose cosine with its lamp is that brightness.
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
-    from sensing.simulated.body import Body
+from geometry.camera import Camera
+from sensing.simulated.body import Body
 
 
 @dataclass(frozen=True)

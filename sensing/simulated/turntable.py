@@ -3,26 +3,17 @@
 * ``Turn``: one picture with its depth, ``Turn(image, mask, depth, camera, pixels=990.0)``
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at
-from sensing.simulated.body import Body
-from sensing.simulated.stage import stage
+from sensing.simulated.body import Body, TexturedMesh
+from sensing.simulated.stage import Stage, stage
 from sensing.simulated.surroundings import Light
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from numpy.typing import NDArray
-
-    from sensing.simulated.body import TexturedMesh
-    from sensing.simulated.stage import Stage
 
 FINER = 3
 """Pictures are drawn so many times larger than the largest that is needed."""

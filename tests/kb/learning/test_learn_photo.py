@@ -16,10 +16,10 @@ from geometry.frames import inverse, look_at, transform_points
 from geometry.poses.register import centred_camera
 from kb.errors import IntakeError, KBErrors
 from kb.files.read import read_kb
+from kb.learning.again import INSIDE
 from kb.learning.observations import STEEP
 from kb.learning.photo import on_shown, painted, registered
 from kb.learning.points import read_points
-from kb.learning.sides import INSIDE
 from kb.surfaces.surface import surface_from_mesh
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import render

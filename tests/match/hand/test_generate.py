@@ -48,7 +48,10 @@ def ratio_at(name, pose, gamma):
 
 @pytest.mark.parametrize("name", ["t1", "t2"])
 def test_the_best_hypothesis_is_the_true_pose(name, shots):
-    """Right in all views, but where the pose that is best by Γ is not the true one: then the search has still found the best."""
+    """Right in all views, but where the pose that is best by Γ is not the true one.
+
+    Then the search has still found the best.
+    """
     mine = [(pose, gamma) for kind, pose, gamma in shots if kind == name]
     right = 0
     for pose, gamma in mine:
