@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 from contextlib import suppress
+from functools import cache
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
@@ -89,7 +90,13 @@ def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:
     total = hashlib.sha256(
         repr((how, cv2.__version__, physics_version(), [version(name) for name in LIBRARIES])).encode()
     )
-    total.update(source_digest(ROOT, sources(ROOT, DECIDES)))
+    total.update(source_digest(ROOT, _deciding()))
     for array in (mesh.vertices, mesh.triangles, mesh.uv, mesh.texture):
         total.update(b"-" if array is None else repr(array.shape).encode() + array.tobytes())
     return total.hexdigest()
+
+
+@cache
+def _deciding() -> set[str]:
+    """The source files that decide a cloud."""
+    return sources(ROOT, DECIDES)

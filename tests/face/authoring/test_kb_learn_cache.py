@@ -164,8 +164,9 @@ def test_a_kept_cloud_in_which_any_bit_is_wrong_is_learned_anew():
     valid = 0
     for place in range(len(content)):
         harmed = content[:place] + bytes([content[place] ^ 1 << place % 8]) + content[place + 1 :]
-        with contextlib.suppress(CloudError):
-            valid += cloud_bytes(read_cloud(harmed)) != content
+        if not valid:
+            with contextlib.suppress(CloudError):
+                valid += cloud_bytes(read_cloud(harmed)) != content
         with pytest.raises(CloudError):
             kb_learn_cache._kept(harmed)
     assert valid > 0
