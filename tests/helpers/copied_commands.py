@@ -22,6 +22,8 @@ from contextlib import suppress
 from pathlib import Path
 
 PACKAGES = "geometry", "kb", "sensing", "plogic"
+OTHERS = "trimesh", "embreex.mesh_construction", "embreex.rtcore", "embreex.rtcore_scene", "manifold3d", "rich.console"
+"""Imported by functions of ours, when they are called."""
 ASIDE = "plogic.logic."
 """Imported and put aside: ProbLog, which they bring, sets the limit of recursion, and most commands do without."""
 
@@ -35,7 +37,8 @@ def import_all():
             for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
                 if not module.name.startswith(ASIDE):
                     import_one(module.name)
-        importlib.import_module("cli")
+        for name in ("cli", *OTHERS):
+            importlib.import_module(name)
         assert "problog" not in sys.modules, "it would change what commands do that do without"
         sys.meta_path.insert(0, Aside())
         assert "problog" not in sys.modules
@@ -55,7 +58,7 @@ class Aside:
         sys.setrecursionlimit(limit)
         self.modules = {name: sys.modules.pop(name) for name in new if name.startswith((ASIDE, "problog", "pysdd"))}
 
-    def find_spec(self, name, path=None, target=None):
+    def find_spec(self, name, *_):
         """The spec of a module that was put aside."""
         if name not in self.modules:
             return None
