@@ -17,9 +17,7 @@ LEAST = 1e-8
 
 def bounded(p: float) -> float:
     """``p`` itself if it is 0, 1 or at least ``LEAST`` away from both; else the nearest such value."""
-    if p <= 0.0 or p >= 1.0:
-        return min(max(p, 0.0), 1.0)
-    return min(max(p, LEAST), 1.0 - LEAST)
+    return min(max(p, 0.0), 1.0) if p <= 0.0 or p >= 1.0 else min(max(p, LEAST), 1.0 - LEAST)
 
 
 def alternative(weights: Sequence[float]) -> list[float]:

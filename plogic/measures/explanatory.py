@@ -65,9 +65,7 @@ def explanatory_value(support: Mapping[str, Cells], dv: Mapping[str, float]) -> 
     """
     concordant = sum(dv[name] * (cells.A + cells.B) for name, cells in support.items())
     discordant = sum(dv[name] * (cells.C + cells.D) for name, cells in support.items())
-    if concordant + discordant <= 0.0:
-        return None
-    return (concordant - discordant) / (concordant + discordant)
+    return None if concordant + discordant <= 0.0 else (concordant - discordant) / (concordant + discordant)
 
 
 def probability_of_ev(ev: float) -> float:

@@ -54,8 +54,7 @@ class Formula:
         """Or of literals and constants."""
         if 0 in literals:
             return 0
-        kept = tuple(dict.fromkeys(literal for literal in literals if literal is not None))
-        return self._gate("or", kept)
+        return self._gate("or", tuple(dict.fromkeys(literal for literal in literals if literal is not None)))
 
     def _gate(self, kind: str, children: tuple[int, ...]) -> Literal:
         if len(children) < 2:
@@ -109,8 +108,7 @@ class Grounder:
             raise UnsupportedError
         variables = Variables()
         arguments = tuple(variables.number("_") if a is None else self.reader.small(a, variables) for a in goal.args)
-        signature = (self.reader.spelled(goal.functor), goal.arity)
-        answers = self.solve(signature, _canonical(arguments))
+        answers = self.solve((self.reader.spelled(goal.functor), goal.arity), _canonical(arguments))
         if not variables.count:
             return [(goal, answers[0][1] if answers else None)]
         fitting = [answer for answer in answers if _fits(arguments, answer[0], [None] * variables.count)]

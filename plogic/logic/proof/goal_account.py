@@ -68,8 +68,7 @@ class Search:
         heap: list[Entry] = [(0.0, 0, (), 0.0, {})]
         seen: set[frozenset[tuple[Choice, int]]] = {frozenset()}
         while heap:
-            entry = heapq.heappop(heap)
-            _, _, _, p, selection = entry
+            _, _, _, p, selection = heapq.heappop(heap)
             self.bound = math.exp(p)
             if any(smaller.items() <= selection.items() for smaller in self.found):
                 continue
@@ -235,8 +234,7 @@ def account(ground: Grounding, ask: Small, goal: Small, options: Options) -> Dat
     """The reply of ``plogic.logic.served.prove``. Raises InconsistentError, LimitError, and what ProbLog raises."""
     instances = ground.ask(ask)
     asked = Asked(goal, ask, instances, ground.exists(ask))
-    steps = Steps(options.steps)
-    numbers = numbers_of(ground, [*(key for _, key in instances), asked.any], steps)
+    numbers = numbers_of(ground, [*(key for _, key in instances), asked.any], Steps(options.steps))
     *chances, total = numbers.probabilities(numbers.literals)
     teller = Accountant(ground, asked, numbers, options)
     (why, cut), (why_not, cut_not) = teller.why(chances), teller.search(None, wanted=False)

@@ -140,9 +140,7 @@ class Looking:
         return further, Condition(goal, None if is_open else key, is_open=is_open, below=below)
 
     def _below(self, goal: Small, depth: int, above: tuple[Small, ...]) -> list[Candidate]:
-        if depth >= DEEPEST or self.left <= 0 or goal in above:
-            return []
-        return self.candidates(goal, depth + 1, above)
+        return [] if depth >= DEEPEST or self.left <= 0 or goal in above else self.candidates(goal, depth + 1, above)
 
 
 def conditions(candidates: list[Candidate]) -> Iterator[Condition]:
@@ -258,8 +256,7 @@ def _below(condition: Condition, chances: dict[int, float], names: Names | None)
     if not condition.below:
         return []
     order = [(lacking(c, lambda x: chances[id(x)]), i, c) for i, c in enumerate(condition.below)]
-    nearest = min(order, key=lambda o: o[:2])[2]
-    told = [_condition(c, chances, names) for c in nearest.conditions]
+    told = [_condition(c, chances, names) for c in min(order, key=lambda o: o[:2])[2].conditions]
     return told if condition.is_negated or any(c["kind"] != "holds" for c in told) else []
 
 

@@ -224,8 +224,7 @@ def _edges(sources: Iterable[Source]) -> Iterator[Edge]:
         for statement in source.statements:
             if isinstance(statement, (Clause, AnnotatedDisjunction)) and not is_directive(statement):
                 for goal, under, written in _goals(statement.body, frozenset(), None):
-                    place = source.place(goal)
-                    line = (source.file, place.get("line"))
+                    line = (source.file, source.place(goal).get("line"))
                     at = source.file if line[1] is None else f"{source.file}:{line[1]}"
                     for head in heads(statement):
                         yield Edge(
