@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import reduce
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import problog
 
@@ -26,10 +27,6 @@ from plogic.base.errors import LimitError
 from plogic.base.walk import reached
 from plogic.inference.order import members
 from plogic.logic.dnnf.cnf import Clause, Residue, add_modules
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 LITERAL, AND, OR = 0, 1, 2
 TRUE, FALSE = 0, 1

@@ -175,7 +175,9 @@ def choice_literal(ground: Grounding, choice: Choice, taken: int) -> Small:
     A clause with conditions is shown with them.
     """
     rule = ground.rules.by_number[choice.rule]
-    body = _shown_body(rule, choice)
+    body = body_goal(rule)
+    if body is not None:
+        body = resolved(body, dict(zip(rule.variables, choice.values, strict=False)))
     if taken != NONE_TAKEN:
         return choice.heads[taken] if body is None or _tells(ground, rule, taken) else (":-", choice.heads[taken], body)
     if all(_tells(ground, rule, i) for i in range(len(rule.heads))):
@@ -192,11 +194,6 @@ def _tells(ground: Grounding, rule: Rule, head: int) -> bool:
         return False
     wanted = fresh(rule.heads[head])
     return sum(unify(other.heads[i], wanted, {}) for other, i in ground.rules.matching(wanted)) == 1
-
-
-def _shown_body(rule: Rule, choice: Choice) -> Small | None:
-    body = body_goal(rule)
-    return None if body is None else resolved(body, dict(zip(rule.variables, choice.values, strict=False)))
 
 
 def body_goal(rule: Rule) -> Small | None:

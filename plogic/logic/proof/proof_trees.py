@@ -206,11 +206,9 @@ class Trees:
         if is_open:
             needed.append(resolved(rule.heads[index], bound))
         elif not rule.is_certain:
-            told.append(Tree(self._own_choice(rule, instance, index), "choice"))
+            choice = self.ground.made[rule.number, tuple(map(canonical, instance[1:]))]
+            told.append(Tree(choice_literal(self.ground, choice, index), "choice"))
         return Tree(joined(",", needed) if needed else ("true",), "case", tuple(told))
-
-    def _own_choice(self, rule: Rule, instance: Small, index: int) -> Small:
-        return self.choice_literal(self.ground.made[rule.number, tuple(canonical(v) for v in instance[1:])], index)
 
     def _value(self, literal: Literal, bound: Bindings) -> bool | None:
         if literal.kind == "check":
@@ -244,7 +242,11 @@ class Trees:
             deeper = Trees(self.ground, Truth(self.ground, {**self.truth.selection, choice: taken}), self.depth + 1)
             below = deeper.against(goal[1], key)
             cases.append(
-                Tree(self.choice_literal(choice, taken), "case", below.children if below.kind == "absent" else (below,))
+                Tree(
+                    choice_literal(self.ground, choice, taken),
+                    "case",
+                    below.children if below.kind == "absent" else (below,),
+                )
             )
         return Tree(goal, "cases", tuple(cases))
 
@@ -266,11 +268,12 @@ class Trees:
 
     def _certain(self, goal: Small) -> Iterator[tuple[Rule, int, Small]]:
         """The instances of rules that certainly give the goal, in the order in which they became certain."""
-        found: list[tuple[int, int, Rule, int, Small]] = []
-        for rule, index, instance, key in self._instances(goal):
-            if self.truth.value(key) and (rule.is_certain or self._taken(rule, instance) == index):
-                found.append((self.truth.order(key), len(found), rule, index, instance))
-        yield from ((rule, index, instance) for _, _, rule, index, instance in sorted(found, key=lambda f: f[:2]))
+        found = [
+            (self.truth.order(key), (rule, index, instance))
+            for rule, index, instance, key in self._instances(goal)
+            if self.truth.value(key) and (rule.is_certain or self._taken(rule, instance) == index)
+        ]
+        yield from (way for _, way in sorted(found, key=lambda f: f[0]))
 
     def _taken(self, rule: Rule, instance: Small) -> int | None:
         choice = self.ground.made.get((rule.number, tuple(canonical(v) for v in instance[1:])))
@@ -304,11 +307,9 @@ class Trees:
         if is_ground(goal):
             return self._atom(goal, above)
         certain = [
-            (self.truth.order(key), i, instance)
-            for i, (instance, key) in enumerate(self.ground.ask(goal))
-            if self.truth.value(key)
+            (self.truth.order(key), instance) for instance, key in self.ground.ask(goal) if self.truth.value(key)
         ]
-        found = (self._atom(instance, above) for _, _, instance in sorted(certain, key=lambda c: c[:2]))
+        found = (self._atom(instance, above) for _, instance in sorted(certain, key=lambda c: c[0]))
         return next((tree for tree in found if tree is not None), None)
 
     def _absent(self, goal: Small, key: Key) -> Tree:
@@ -317,8 +318,6 @@ class Trees:
         return reasons[0] if len(reasons) == 1 and reasons[0].goal == denied else Tree(denied, "absent", reasons)
 
     def _choices(self, key: Key) -> tuple[Tree, ...]:
-        return tuple(Tree(self.choice_literal(choice, taken), "choice") for choice, taken in self.truth.reasons(key))
-
-    def choice_literal(self, choice: Choice, taken: int) -> Small:
-        """A choice as a goal: the head that is taken, with the body of its clause if it has one; or that none is."""
-        return choice_literal(self.ground, choice, taken)
+        return tuple(
+            Tree(choice_literal(self.ground, choice, taken), "choice") for choice, taken in self.truth.reasons(key)
+        )

@@ -14,8 +14,9 @@ to its head is the cycle.
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 import problog
 from problog.clausedb import ClauseDB
@@ -37,9 +38,6 @@ from plogic.base.errors import (
 )
 from plogic.logic.safety.allowlist import EVALUATORS, GOALS, LIBRARY_FILES, LIBRARY_META, LISTS, LOADERS, LOUD, META
 from plogic.logic.safety.check import Source, heads, is_directive, parse, together, with_place
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
 
 FOLDER = problog.root_path("problog", "library")
 """ProbLog's own library; nothing outside it is ever opened."""
