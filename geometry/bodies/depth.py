@@ -25,8 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry.arrays import Floats, Ints, last_axes
-from geometry.bodies.gap import nearest_places
-from geometry.bodies.overlap import Solid
+from geometry.bodies.overlap import Solid, nearest_places
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import RayMesh
 

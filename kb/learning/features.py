@@ -19,8 +19,7 @@ from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import COLOURS
 from kb.learning.again import LOOKS, STRETCH, VARIED, WIDE
 from kb.learning.compounds import OF_SIZE, Pictures, compounds_of
-from kb.learning.observations import Observations
-from kb.learning.views import PIXELS, distance
+from kb.learning.observations import PIXELS, Observations, distance
 
 SAME_PLACE = 1.6
 """Pixels (of the coarser of two pictures), or ``OF_SIZE`` of the size, within which observations are of one place: what

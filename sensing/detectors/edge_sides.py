@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Bytes, Floats
-from sensing.detectors.keypoint_colours import DARK, between, ratios
+from sensing.detectors.keypoints import DARK, between, ratios
 
 
 def fairly(uv: Floats, cell: float) -> NDArray[np.intp]:
@@ -135,7 +135,7 @@ class EdgeSides:
         uv: (N, 2) pixels, on the edge. angle: (N,) radians in [0, 2π), clockwise on the screen from +x, across the edge
         towards this side. rise: (N,) grey levels a pixel by which the edge rises, in the channel in which it rises
         most. looks: (N, 5) how red and how blue the side is against green, near and farther in
-        (``sensing.detectors.keypoint_colours.ratios``), and how bright it is near
+        (``sensing.detectors.keypoints.ratios``), and how bright it is near
             the edge against what is beyond, 128 for no difference.
     """
 

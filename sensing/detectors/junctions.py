@@ -27,9 +27,8 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Bytes, Floats, Mask
 from sensing.appearance import Appearance
-from sensing.detectors.edges import directions, meet, sample
+from sensing.detectors.edges import directions, find_segments, meet, sample
 from sensing.detectors.patches import areas, find_patches
-from sensing.detectors.segments import find_segments
 
 MIN_ANGLE = np.radians(12.0)
 """Two segments closer in direction than this do not fix a place."""

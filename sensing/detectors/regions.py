@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Bytes, Floats
-from sensing.detectors.keypoint_colours import WIDTH, is_grey, ratios
-from sensing.detectors.keypoints import Keypoints, grey_of, sift_at
+from sensing.detectors.keypoints import WIDTH, Keypoints, grey_of, is_grey, ratios, sift_at
 
 MOST, LEAST_REGIONS, EVERY = 400, 60, 768
 """Regions of one image at most, those that stand out most: one in so many pixels, but at least and at most so many."""
