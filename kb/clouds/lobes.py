@@ -4,8 +4,8 @@ A lobe is from where a detector can see a feature's appearance (§2.7); it bound
 Φ(x, v, Type, parts) as a ``networkx.DiGraph`` (§2.1-§2.4).
 
 Vocabulary: ``LobeTable``, all L lobes of one type as arrays in the object's frame; ``Branch``, a nested description:
-``Branch("object", "t2", "t2", parts=[Branch("object", "roof", "roof")])``. In the tree a node's name is its path: ``''`` the maximal object, ``'roof'``, ``'roof/apex'``,
-``'roof/apex#0'`` an appearance.
+``Branch("object", "t2", "t2", parts=[Branch("object", "roof", "roof")])``. In the tree a node's name is its path:
+``''`` the maximal object, ``'roof'``, ``'roof/apex'``, ``'roof/apex#0'`` an appearance.
 """
 
 from collections.abc import Iterator, Sequence
