@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from geometry.arrays import Floats, last_axes
 from geometry.errors import GeometryError
@@ -137,8 +138,6 @@ def least_width(points: Floats) -> tuple[float, Floats] | None:
 
     None of points in a plane.
     """
-    from scipy.spatial import ConvexHull, QhullError
-
     try:
         normals = ConvexHull(points).equations[:, :3]
     except (QhullError, ValueError):
@@ -224,8 +223,6 @@ def _nearest(surface: PosedSurface, place: Floats) -> Floats:
 @lru_cache(maxsize=256)
 def spread(rays: RayMesh) -> Spread:
     """Of one surface, once; always the same points."""
-    from scipy.spatial import cKDTree
-
     rng = np.random.default_rng(0)
     corners = rays.vertices[rays.triangles]
     a, b, c = np.moveaxis(corners, 1, 0)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,8 +42,6 @@ def picture_from(data: bytes) -> Picture | None:
 
 def pixels(data: bytes) -> NDArray[np.uint8] | None:
     """The pixels (H, W, 3) uint8, blue first; None where OpenCV cannot read the bytes."""
-    import cv2
-
     try:
         found: Any = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
     except cv2.error:
@@ -52,8 +51,6 @@ def pixels(data: bytes) -> NDArray[np.uint8] | None:
 
 def png(image: NDArray[np.uint8]) -> Picture:
     """A PNG of pixels (H, W, 3), blue first."""
-    import cv2
-
     return Picture("png", cv2.imencode(".png", image)[1].tobytes())
 
 

@@ -23,6 +23,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.cluster.hierarchy import fcluster, linkage
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial.distance import cdist
 
 from geometry.arrays import Floats, Ints, Mask
 from geometry.cones import even_directions
@@ -98,8 +103,6 @@ def grouped(shown: Mask, held: Mask, at: Floats, width: Floats) -> Ints:
     ``shown`` (F, N) which pictures showed each, and ``held`` (F, N) for which its lobes hold; ``at`` (F, 3) m;
     ``width`` (F,) m.
     """
-    from scipy.spatial.distance import cdist
-
     similar, apart = together(shown), cdist(at, at)
     shared = together(held) >= OFTEN
     np.fill_diagonal(shared, val=False)
@@ -139,10 +142,6 @@ def linked(similar: Shares, apart: Floats, qualify: Mask) -> Ints:
 
     All of a group ``qualify`` (F, F) with each other.
     """
-    from scipy.cluster.hierarchy import fcluster, linkage
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components
-
     result = np.zeros(len(qualify), np.int64)
     count, component = connected_components(csr_array(qualify), directed=False) if len(qualify) else (0, result)
     order = np.argsort(component, kind="stable")
@@ -190,8 +189,6 @@ def _nearest(points: NDArray[np.float64], places: NDArray[np.float64]) -> NDArra
 
 def _owners(pieces: Sequence[Piece], places: NDArray[np.float64]) -> NDArray[np.intp]:
     """(P,) which of the ``places`` (N, 3) of parts each piece is: one to one where they are as many, else the nearest."""
-    from scipy.optimize import linear_sum_assignment
-
     middles = np.array([piece.at for piece in pieces])
     if len(pieces) != len(places):
         return _nearest(middles, places)

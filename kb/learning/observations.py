@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Protocol
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -84,8 +85,6 @@ def size_of(view: View, pixels: float) -> tuple[int, int]:
 
 def variants(view: View, pixels: float, rng: np.random.Generator, count: int) -> list[Variant]:
     """``count`` variants of the view, all different, in which the object's diameter is ``pixels``."""
-    import cv2
-
     size = size_of(view, pixels)
     whole = np.asarray(cv2.resize(view.image * view.mask[..., None], size, interpolation=cv2.INTER_AREA), np.float32)
     share = np.asarray(cv2.resize(view.mask.astype(np.float32), size, interpolation=cv2.INTER_AREA), np.float32)[
@@ -97,8 +96,6 @@ def variants(view: View, pixels: float, rng: np.random.Generator, count: int) ->
 
 def _variant(even: NDArray[np.float32], share: NDArray[np.float32], rng: np.random.Generator) -> Variant:
     """One of an object's colours (h, w, 3), 0 to 1, that has a share (h, w, 1) of each pixel."""
-    import cv2
-
     size = share.shape[1], share.shape[0]
     own = even ** rng.uniform(*GAMMA) * (255.0 * rng.uniform(*GAIN))
     behind = _spots(size, rng)
@@ -114,8 +111,6 @@ def _variant(even: NDArray[np.float32], share: NDArray[np.float32], rng: np.rand
 
 def _calm(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
     """(h, w, 3) of nearly one colour, as floors, tables and walls are."""
-    import cv2
-
     (width, height), colour = size, rng.uniform(*LEVEL) + rng.normal(0.0, TINT, 3)
     cloudy = rng.normal(0.0, CLOUDY, (height // 16 + 2, width // 16 + 2, 1)).astype(np.float32)
     clouds = np.asarray(cv2.resize(cloudy, size, interpolation=cv2.INTER_CUBIC), np.float32)
@@ -124,8 +119,6 @@ def _calm(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32
 
 def _spots(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
     """(h, w, 3) coarse and fine spots."""
-    import cv2
-
     (width, height), spots = size, np.zeros((size[1], size[0], 3), np.float32)
     for cell, mean, spread, smooth in ((16, 128.0, 60.0, cv2.INTER_CUBIC), (3, 0.0, 25.0, cv2.INTER_LINEAR)):
         some = rng.normal(mean, spread, (height // cell + 2, width // cell + 2, 3)).astype(np.float32)
@@ -205,8 +198,6 @@ def observed(view: View, number: int, detect: Detect, seed: int = 0, look: Look 
 
     The same arguments give the same observations.
     """
-    import cv2
-
     inner = cv2.erode(view.mask.astype(np.uint8), np.ones((2 * EDGE + 1, 2 * EDGE + 1), np.uint8)) > 0
     levels = []
     for level, pixels in enumerate(PIXELS):

@@ -10,12 +10,14 @@ v], at: [x, y, z]}``; or CSV, five numbers a line in the unit that is handed in,
 ``u,v,x,y,z``.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from geometry.arrays import Bytes, Floats, Ints, Mask
 from geometry.camera import Camera
@@ -322,8 +324,6 @@ def _enlargement(placed: Floats, camera: Camera, diameter: float) -> int:
 
 
 def _texture(photo: Bytes, factor: int) -> Bytes:
-    import cv2
-
     grey = np.full((STRIP * factor, photo.shape[1] * factor, 3), GREY, np.uint8)
     large = (
         np.asarray(cv2.resize(photo, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC), np.uint8)
@@ -335,10 +335,6 @@ def _texture(photo: Bytes, factor: int) -> Bytes:
 
 def on_shown(mesh: PaintedMesh, seen: Observations) -> Observations:
     """The observations that owe nothing to the grey: on a shown triangle, and not near a grey one that their view shows as well."""
-    from dataclasses import fields, replace
-
-    from scipy.spatial import cKDTree
-
     corners = mesh.vertices[mesh.triangles]
     middle = corners.mean(axis=1)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

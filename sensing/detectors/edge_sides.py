@@ -11,6 +11,7 @@ textured floor drowns a plain object.
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -85,8 +86,6 @@ def edge_points(image: Bytes, cell: int, most: int, least: float = LEAST) -> Edg
 
 def _gradient(image: Bytes) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """(H, W) grey levels a pixel along x and y."""
-    import cv2
-
     smooth = np.asarray(cv2.GaussianBlur(image.astype(np.float32), (0, 0), SMOOTH), np.float32)
     gx, gy = (
         np.asarray(cv2.Sobel(smooth, cv2.CV_32F, *order, ksize=3) / 8.0, np.float32) for order in ((1, 0), (0, 1))
@@ -153,8 +152,6 @@ def edge_sides(image: Bytes, cell: int, most: int = MOST) -> EdgeSides:
 
     ``most`` edges at most.
     """
-    import cv2
-
     points = edge_points(image, cell, image.size, max(LEAST, NOISY * noise(image)))
     chosen = fairly(points.uv, BLOCK)[:most]
     at, rise, across = points.uv[chosen], points.rise[chosen], points.angle[chosen]
@@ -174,8 +171,6 @@ def noise(image: Bytes) -> float:
 
     Immerkaer, Fast Noise Variance Estimation (1996), cell by cell.
     """
-    import cv2
-
     cell, share = _CALM
     if min(image.shape[:2]) < 2 * cell:
         return 0.0

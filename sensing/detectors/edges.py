@@ -10,6 +10,7 @@ are moved out or in to where the step across it begins and ceases.
 
 from collections.abc import Sequence
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,8 +24,6 @@ _MAX_ROWS = 30_000
 
 def sample(grey: NDArray[np.float32], at: Floats) -> NDArray[np.float32]:
     """(...,) bilinear brightness at (..., 2) places (u, v); places outside take the border's value."""
-    import cv2
-
     if at.size == 0:
         return np.zeros(at.shape[:-1], np.float32)
     flat = at.reshape(-1, at.shape[-2], 2).astype(np.float32)
@@ -195,8 +194,6 @@ def _weak_edges(grey: NDArray[np.float32]) -> Floats:
 
 
 def _lsd(grey: NDArray[np.float32], blur: float, quantum: float, shortest: float) -> Floats:
-    import cv2
-
     soft = np.clip(cv2.GaussianBlur(grey, (0, 0), blur), 0, 255).astype(np.uint8)
     finder = cv2.createLineSegmentDetector(cv2.LSD_REFINE_STD, 0.8, 0.6, quantum, 22.5, 0, 0.6)
     lines = finder.detect(soft)[0]

@@ -94,15 +94,11 @@ def keypoints(image: Bytes, name: str = "sift", *, contrast: float | None = None
 
 def grey_of(image: Bytes) -> Bytes:
     """(H, W) uint8 of an (H, W) or (H, W, 3) image, blue first."""
-    import cv2
-
     return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), np.uint8) if image.ndim == 3 else image
 
 
 def sift_at(grey: Bytes, uv: Floats, angle: Floats, scale: Floats, response: Floats) -> Keypoints:
     """SIFT's descriptors of an (H, W) image at N given places, (N, 2) pixels, angles (radians), diameters (pixels) and responses."""
-    import cv2
-
     if not len(uv):
         return _arrays([], None, "sift", grey.shape)
     rows = zip(uv.tolist(), scale.tolist(), np.degrees(angle % (2 * np.pi)).tolist(), response.tolist(), strict=True)
@@ -112,14 +108,10 @@ def sift_at(grey: Bytes, uv: Floats, angle: Floats, scale: Floats, response: Flo
 
 
 def _sift(contrast: float | None, most: int) -> cv2.SIFT:
-    import cv2
-
     return cv2.SIFT.create(most, LAYERS, CONTRAST if contrast is None else contrast, EDGE, SIGMA, cv2.CV_8U, True)  # noqa: FBT003 (positional in OpenCV 4 and 5)
 
 
 def _orb(contrast: float | None, most: int) -> cv2.ORB:
-    import cv2
-
     return cv2.ORB.create(most, SHRINK, LEVELS, fastThreshold=round(FAST_LEVELS if contrast is None else contrast))
 
 
@@ -202,8 +194,6 @@ def ratios(levels: NDArray[np.floating[Any]]) -> Bytes:
 
 def _pyramid(image: Bytes) -> list[NDArray[np.float32]]:
     """Each picture half as large as the one before, its pixel i where that one's pixel 2i is, and about twice as blurred."""
-    import cv2
-
     pictures = [np.asarray(cv2.GaussianBlur(image.astype(np.float32), (0, 0), 1.0), np.float32)]
     while len(pictures) < _LEVELS:
         pictures.append(np.asarray(cv2.pyrDown(pictures[-1]), np.float32))
@@ -212,8 +202,6 @@ def _pyramid(image: Bytes) -> list[NDArray[np.float32]]:
 
 def between(picture: NDArray[np.float32], places: Floats) -> Floats:
     """(N, 3) values of an (H, W, 3) picture at places (N, 2) between pixels; beyond the border those at it."""
-    import cv2
-
     rows = [places[i : i + _ROW].astype(np.float32) for i in range(0, len(places), _ROW)]
     border = cv2.BORDER_REPLICATE
     found = [cv2.remap(picture, row[None], None, cv2.INTER_LINEAR, borderMode=border)[0] for row in rows]  # type: ignore[call-overload]

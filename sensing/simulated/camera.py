@@ -9,6 +9,7 @@ square. Floor, background and shadows are drawn behind them. Then the lens blurs
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -87,8 +88,6 @@ def _composed(
     colour: NDArray[np.uint8], segmentation: NDArray[np.int32], behind: NDArray[np.float32]
 ) -> NDArray[np.float32]:
     """Average the bodies' light over each pixel's square and let the surroundings through where they leave some."""
-    import cv2
-
     size = (behind.shape[1], behind.shape[0])
     own = (segmentation >= 0).astype(np.uint8)
     share = np.asarray(cv2.resize(own * 255, size, interpolation=cv2.INTER_AREA), np.float32)[:, :, None] / 255
@@ -97,8 +96,6 @@ def _composed(
 
 
 def _sensed(picture: NDArray[np.float32], sensor: Sensor) -> NDArray[np.uint8]:
-    import cv2
-
     if sensor.blur > 0:
         picture = np.asarray(cv2.GaussianBlur(picture, (0, 0), sensor.blur), np.float32)
     noise = np.random.default_rng([sensor.seed, 2]).standard_normal(picture.shape, dtype=np.float32)
