@@ -1,4 +1,7 @@
-"""A learned type of random features made ready for search, and keypoints as a camera would see them of it: exact, without pixels."""
+"""A learned type of random features made ready for search, and keypoints as a camera would see them of it.
+
+Exact, without pixels.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""A cube with a different picture on each face, as a mesh, as files, as learned observations, and as a knowledge base: for tests of learning."""
+"""A cube with a different picture on each face, as a mesh, as files, as learned observations, and as a knowledge base.
+
+For tests of learning.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""``kb new`` and ``kb add`` through the console script: what they write, what they say, and that nothing is half-written."""
+"""``kb new`` and ``kb add`` through the console script.
+
+What they write, what they say, and that nothing is half-written.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""``kb add`` and ``kb learn`` of a mesh of two parts that a quarter turn leaves as it is: both are found, written, shown, and of use."""
+"""``kb add`` and ``kb learn`` of a mesh of two parts that a quarter turn leaves as it is.
+
+Both are found, written, shown, and of use.
+"""
 
 from __future__ import annotations
 

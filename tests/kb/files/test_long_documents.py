@@ -1,4 +1,7 @@
-"""A KB's files of tens of thousands of rows, each with a mistake: all are said, at their places, and none costs a walk through the others."""
+"""A KB's files of tens of thousands of rows, each with a mistake.
+
+All are said, at their places, and none costs a walk through the others.
+"""
 
 import pytest
 from small_kb import KB, write_small
