@@ -1,4 +1,7 @@
-"""Features of a learned type that no world expects or detects are told as one: every probability stays, and the document says how many."""
+"""Features of a learned type that no world expects or detects are told as one.
+
+Every probability stays, and the document says how many.
+"""
 
 from __future__ import annotations
 

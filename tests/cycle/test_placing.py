@@ -1,4 +1,7 @@
-"""From posed hypotheses to the facts of space: up, who is on whom, what A4 says in numbers, and all of it back from the file."""
+"""From posed hypotheses to the facts of space.
+
+Up, who is on whom, what A4 says in numbers, and all of it back from the file.
+"""
 
 import json
 from dataclasses import replace
@@ -128,7 +131,10 @@ def test_what_a4_keeps_apart_has_its_volume_and_depth():
 
 @pytest.fixture(scope="module")
 def written():
-    """Two towers, and a rival that stands in the place of one: the situation, and the document as it comes back from text."""
+    """Two towers, and a rival that stands in the place of one.
+
+    The situation, and the document as it comes back from text.
+    """
     rng = np.random.default_rng(7400)
     shot = scene(rng, one_before_the_other(rng))
     cycle = replace(cycle_of(shot.gamma), considered=(belief_at("t1", shot.poses["t2"], data(shot), "rival"),))

@@ -1,4 +1,7 @@
-"""World weights sum to P(evidence): scenes against the program text in stock ProbLog, programs against every total choice and stock."""
+"""World weights sum to P(evidence).
+
+Scenes against the program text in stock ProbLog, programs against every total choice and stock.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Laws of whole interpretations: order, names, a camera turned in its plane, far clutter, A4, several of a type, data that are released."""
+"""Laws of whole interpretations.
+
+Order, names, a camera turned in its plane, far clutter, A4, several of a type, data that are released.
+"""
 
 from __future__ import annotations
 

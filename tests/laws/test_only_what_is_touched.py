@@ -1,4 +1,7 @@
-"""Observing, retracting, adding and removing: any detour restores every byte, and recomputes only the pieces that it touches."""
+"""Observing, retracting, adding and removing.
+
+Any detour restores every byte, and recomputes only the pieces that it touches.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Programs of our own, by area of the language, with their answers in the file: stock ProbLog and we are both held to them.
+"""Programs of our own, by area of the language, with their answers in the file.
+
+Stock ProbLog and we are both held to them.
 
 A file ends with what it expects: ``% expect: goal = probability`` (every answer), ``% expect nothing``, ``% expect
 error: Kind`` (stock fails, too), or ``% expect refused: line:column`` (by the safety rule).

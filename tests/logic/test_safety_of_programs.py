@@ -1,4 +1,7 @@
-"""ProbLog lets program text run Python and read files: two layers against it, each tested alone, with every trick (issues 2 and 3)."""
+"""ProbLog lets program text run Python and read files.
+
+Two layers against it, each tested alone, with every trick (issues 2 and 3).
+"""
 
 from __future__ import annotations
 

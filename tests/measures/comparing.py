@@ -35,7 +35,10 @@ def turned(pose, degrees, step=(0.0, 0.0, 0.0)):
 
 
 def abducibles(posed, of):
-    """Priors of what the explanation "it stands there" takes on: the object, each hit, each miss, and noise for what it leaves over."""
+    """Priors of what the explanation "it stands there" takes on.
+
+    The object, each hit, each miss, and noise for what it leaves over.
+    """
     kb = towers()
     hit = np.array([kb.rates.hit[f.type] for f in posed.object_type.features])
     found, missed = posed.candidate & posed.detected, posed.candidate & ~posed.detected

@@ -139,7 +139,10 @@ def test_an_appearance_type_may_serve_several_feature_types():
 
 
 def test_in_clutter_rank_saturates():
-    """A thousand random appearances give an absent type of a hundred features a rank near 1 (§5.3): rank is attention, no verdict."""
+    """A thousand random appearances give an absent type of a hundred features a rank near 1 (§5.3).
+
+    Rank is attention, no verdict.
+    """
     rng = np.random.default_rng(0)
     names = [f"t{i}" for i in range(30)]
     features = [frozenset({names[i]}) for i in rng.integers(0, 30, 100)]

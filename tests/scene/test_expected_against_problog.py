@@ -1,4 +1,7 @@
-"""D7 is one function and one rule text: what each says of every feature of random scenes, in random worlds, is the same."""
+"""D7 is one function and one rule text.
+
+What each says of every feature of random scenes, in random worlds, is the same.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Support as a soft constraint of Σc: the factor graph is stock ProbLog's on the program text, and every world's weight by hand; its laws."""
+"""Support as a soft constraint of Σc.
+
+The factor graph is stock ProbLog's on the program text, and every world's weight by hand; its laws.
+"""
 
 from __future__ import annotations
 
@@ -139,7 +142,10 @@ def lone(*names, **changes):
 
 
 def test_what_is_held_in_every_world_keeps_its_probability_beside_what_floats():
-    """H3 hovers over h1, h2 stands on the ground: by hand h3's odds fall tenfold where the ground is told, and nobody else's change."""
+    """H3 hovers over h1, h2 stands on the ground.
+
+    By hand h3's odds fall tenfold where the ground is told, and nobody else's change.
+    """
     rests = (("h1", "ground"), ("h2", "ground"))
     subject = lone(
         "h1", "h2", "h3", gravity=Gravity(0.1, 0.0, (Foot("h1", 0, 0), Foot("h2", 0, 0), Foot("h3", 0.2, 0.2)), rests)

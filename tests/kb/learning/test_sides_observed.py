@@ -1,4 +1,7 @@
-"""Sides that come again, stretches of edges, and what is seen of a plain plate from its front: its outline, from within."""
+"""Sides that come again, stretches of edges, and what is seen of a plain plate from its front.
+
+Its outline, from within.
+"""
 
 from __future__ import annotations
 

@@ -142,7 +142,10 @@ def steps(gamma, perceiving=None):
 
 
 def test_where_nothing_is_accepted_single_data_vote(monkeypatch):
-    """The heaviest vote of pairs alone is a wrong one in most of these trials: what is found then was found by what was asked later."""
+    """The heaviest vote of pairs alone is a wrong one in most of these trials.
+
+    What is found then was found by what was asked later.
+    """
     monkeypatch.setattr(generate, "USUAL", generate.USUAL._replace(laid=1))
     ready, later = clouds(detector=HARD, appearances=600, looks=20), 0
     hard = Perceiver(ready.kb)

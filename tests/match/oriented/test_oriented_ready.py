@@ -1,4 +1,7 @@
-"""The index over many types, kept between runs: the same answers from the files as without them, found by content alone."""
+"""The index over many types, kept between runs.
+
+The same answers from the files as without them, found by content alone.
+"""
 
 from dataclasses import replace
 

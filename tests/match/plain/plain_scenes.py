@@ -1,4 +1,7 @@
-"""Small scenes on which every set of four can be tried: four types of 24 oriented features, one or two objects, ten data of clutter."""
+"""Small scenes on which every set of four can be tried.
+
+Four types of 24 oriented features, one or two objects, ten data of clutter.
+"""
 
 from dataclasses import replace
 from functools import cache
