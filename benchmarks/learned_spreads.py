@@ -31,7 +31,7 @@ from plogic.measures import crowding
 from plogic.run.perceive import Perceiver
 from sensing.detectors.detector import detect
 from sensing.files.images import read_image
-from sensing.simulated.meshes import read_mesh
+from sensing.simulated.body import read_mesh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

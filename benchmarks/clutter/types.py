@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
-from kb.clouds.lobes import Lobe
-from kb.clouds.tree import Branch, build_tree, features_of
+from kb.clouds.lobes import Branch, Lobe, build_tree, features_of
 from kb.surfaces.surface import Surface
 
 if TYPE_CHECKING:

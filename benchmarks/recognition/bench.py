@@ -56,7 +56,7 @@ def run(
     Raises:
         InputError: The meshes are not there, or cannot be learned.
     """
-    from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.body import read_mesh
 
     meshes = ycb_meshes()
     with tempfile.TemporaryDirectory(prefix="plogic-recognition-") as folder:

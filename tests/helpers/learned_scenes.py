@@ -14,7 +14,7 @@ from random_cloud import random_cloud, random_words, unit
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, inverse, transform_points
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
-from kb.files.learned_reading import learned_features, learned_lobes, with_compounds
+from kb.files.read import learned_features, learned_lobes, with_compounds
 from kb.learning.again import LOOKS, VARIED
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import screen_angle

@@ -12,9 +12,8 @@ from painted_cube import CORNER, COUNT, F_REF, PIXELS, SIDE, cloud, cube, facing
 from geometry.cones import even_directions, spacing
 from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of, reaches
-from kb.learning.observations import EDGE, OFTEN, joined
-from kb.learning.views import AWAY, MARGIN, distance, variants
-from sensing.simulated.turntable import turned
+from kb.learning.observations import AWAY, EDGE, MARGIN, OFTEN, distance, joined, variants
+from sensing.simulated.camera import turned
 
 FEW = facing(CORNER, 25.0)
 
