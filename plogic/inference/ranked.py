@@ -31,9 +31,8 @@ from plogic.base.clock import Clock, OutOfTimeError
 from plogic.inference.graph import FactorGraph, Part, split
 from plogic.inference.marginals import WIDTH, plan
 from plogic.inference.merge import Stream, sums
-from plogic.inference.ranked_component import component
+from plogic.inference.ranked_component import component, wide
 from plogic.inference.ranked_tables import DIGITS, Digits, joint, placed
-from plogic.inference.ranked_wide import wide
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -189,7 +189,13 @@ class Compiled:
     def values(self, conditions: Sequence[Sequence[Literal]], *, most: bool = False) -> Floats:
         """The circuit's values under each conjunction, the root's last: ``(nodes, columns)``, see ``Circuit.up``."""
         leaves = self.leaves(conditions)
-        impossible = np.array([self._contradicted(condition) for condition in conditions])
+        impossible = np.array(
+            [
+                any(self.known(literal) is False or (literal and -literal in condition) for literal in condition)
+                for condition in conditions
+            ],
+            dtype=bool,
+        )
         if self.circuit is None:
             return np.where(impossible, -np.inf, 0.0)[np.newaxis, :]
         leaves[:, impossible] = -np.inf
@@ -202,11 +208,6 @@ class Compiled:
         for column, condition in enumerate(conditions):
             leaves[[place[-literal] for literal in condition if literal and -literal in place], column] = -np.inf
         return leaves
-
-    def _contradicted(self, condition: Sequence[Literal]) -> bool:
-        return any(self.known(literal) is False for literal in condition) or any(
-            -lit in condition for lit in condition if lit
-        )
 
     def known(self, literal: Literal) -> bool | None:
         """Whether a literal is true in every world, in none (False), or open (None)."""
