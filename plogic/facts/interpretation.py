@@ -43,8 +43,12 @@ def facts_of(situation: Situation) -> list[Fact]:
         {"fact": "part_relation", "relation": r.relation, "args": [r.x, r.y], **_roc(r), "parts": list(r.parts)}
         for r in situation.part_relations
     ]
-    for h in situation.hypotheses:
-        facts += [{"fact": "behind", "args": [f"{h.id}/{f.id}", other]} for f in h.features for other in f.hidden_by]
+    facts += [
+        {"fact": "behind", "args": [f"{h.id}/{f.id}", other]}
+        for h in situation.hypotheses
+        for f in h.features
+        for other in f.hidden_by
+    ]
     return facts
 
 

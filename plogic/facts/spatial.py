@@ -20,6 +20,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 
+from plogic.base.walk import by_key
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
@@ -312,10 +314,9 @@ def exclusion_lines(document: Interpretation) -> list[str]:
 
 def apart_of(space: Space, types: Mapping[str, str]) -> dict[str, list[str]]:
     """Of each hypothesis (``types``: its type by id) a sentence for each that A4 keeps out of its worlds, the deepest first, a few."""
-    told: dict[str, list[str]] = {}
-    for fact in sorted(space.shared, key=lambda s: (-s.depth[1], s.x, s.y)):
-        for me, other in ((fact.x, fact.y), (fact.y, fact.x)):
-            told.setdefault(me, []).append(
-                f"Never together with {types[other]} {other} (A4): they share {words_of_shared(fact)}."
-            )
+    told = by_key(
+        (me, f"Never together with {types[other]} {other} (A4): they share {words_of_shared(fact)}.")
+        for fact in sorted(space.shared, key=lambda s: (-s.depth[1], s.x, s.y))
+        for me, other in ((fact.x, fact.y), (fact.y, fact.x))
+    )
     return {name: lines[:LISTED] for name, lines in told.items()}

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from plogic.base.clock import Clock
     from plogic.inference.graph import Part
     from plogic.inference.order import Bucket, Order
-    from plogic.inference.ranked_tables import Costs, Digits, Table
+    from plogic.inference.ranked_tables import Costs, Table
 
     Term = tuple[tuple[int, ...], Table]  # variables of the piece, one axis each
 
@@ -289,9 +289,9 @@ class Wide(Stream):
     def _steps(self, depth: int, code: int) -> list[int | None]:
         """By how much each state of the next variable raises the bound; None is impossible."""
         steps: list[int | None] = [0] * self._cards[depth]
-        for table, least, cuts in self._readers[depth]:
+        for table, lowest, cuts in self._readers[depth]:
             row = sum([((code >> shift) & mask) * stride for shift, mask, stride in cuts])
-            base = int(least[row])
+            base = int(lowest[row])
             for state, cost in enumerate(table[row].tolist()):
                 before = steps[state]
                 steps[state] = None if before is None or cost >= self._impossible else before + cost - base

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plogic.base.errors import InconsistentError, LimitError
+from plogic.base.walk import by_key
 from plogic.logic.dnnf.cnf import Residue, residue
 from plogic.logic.dnnf.nnf import AND, LITERAL, Nnf, nodes_under
 from plogic.logic.dnnf.nnf import FALSE as NEVER
@@ -133,9 +134,7 @@ def circuit_of(nnf: Nnf, root: int | None = None, best_of: Container[int] = ()) 
     number = {node: i for i, node in enumerate(order)}
     leaves = [nnf.literals[node] for node in order if kinds[node] == LITERAL]
     place = {literal: i for i, literal in enumerate(leaves)}
-    groups: dict[tuple[int, int], list[int]] = {}
-    for node in order[len(leaves) :]:
-        groups.setdefault((depth[node], kinds[node]), []).append(node)
+    groups = by_key(((depth[node], kinds[node]), node) for node in order[len(leaves) :])
     levels = tuple(_level(nnf, kind, gates, number) for (_, kind), gates in groups.items())
     return Circuit(len(order), np.array(leaves, dtype=np.int64), place, levels, number)
 
