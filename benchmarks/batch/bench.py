@@ -82,8 +82,7 @@ def run(*, seed: int, quick: bool = False, as_json: bool = False, say: Say, **_:
 def one_at_a_time(folder: Path, say: Say) -> Done:
     """Each frame by what ``plogic perceive`` runs, in this process; its ``lines`` are the interpretations."""
     from plogic.face.commands.perceive_command import perceive_command
-    from plogic.run.batch.frames import camera_of
-    from plogic.run.batch.inputs import frames_of
+    from plogic.run.batch.frames import camera_of, frames_of
 
     clocks, texts = Clocks(), list[str]()
     frames = frames_of([str(folder / "frames")], ())

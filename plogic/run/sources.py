@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.files.plain_files import is_there
 from plogic.base.errors import InputError
+from plogic.logic.served.engine import Text
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.base.stopwatch import Stopwatch
     from plogic.facts.situation import Reading, Situation
-    from plogic.logic.served.engine import Text
     from plogic.scene.asking.query import Subject
     from sensing.appearance import Gamma
 
@@ -126,13 +126,9 @@ def situation_from(source: str, reading: Reading | None = None) -> Situation:
 
 def subject_of(source: str, reading: Reading | None) -> Subject:
     """A situation, or program text, as ``answers`` and ``explain`` take them."""
-    from plogic.logic.served.engine import Text
-
     return Text(program_text_of(source), source) if is_program(source) else situation_from(source, reading)
 
 
 def rules_from(path: str | None) -> Text | None:
     """A file of a user's own rules."""
-    from plogic.logic.served.engine import Text
-
     return None if path is None else Text(program_text_of(path), path)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from plogic.run.batch.frames import Frame, Settings
     from plogic.run.batch.frames_run import Engine
     from plogic.run.batch.log import Log
-    from plogic.run.batch.waiting import Waiting
+    from plogic.run.batch.frames_run import Waiting
 
 BAD, LATE = 1, 3
 """Exit statuses: a frame could not be perceived; the deadline cut one short."""
@@ -101,9 +101,9 @@ def batch_command(
     """
     from plogic.base.children import ending_well
     from plogic.run.batch.frames import Settings
-    from plogic.run.batch.inputs import frames_of
+    from plogic.run.batch.frames import frames_of
     from plogic.run.batch.log import check_out, log_at
-    from plogic.run.batch.waiting import Waiting, waiting_beside
+    from plogic.run.batch.frames_run import Waiting, waiting_beside
 
     beside = waiting_beside(out)
     check_out([] if out == "-" else [Path(out), *([beside] if beside is not None else [])], resume=options["resume"])

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.run.bop.dataset import Dataset
-    from plogic.run.bop.dataset_run import Look, Run
+    from plogic.run.bop.results_file import Look, Run
     from plogic.run.bop.recalls import Recalls, Scores
 
 NOTE = "AR_VSD is not computed: the mean of the two is not the challenge's AR, and is not to be compared with one"
@@ -65,8 +65,8 @@ def bop_command(
         PlogicError: What is wrong with the dataset, the KB or the places, before any work; nothing is written then.
     """
     from plogic.base.errors import InputError
-    from plogic.run.bop.dataset_run import run
-    from plogic.run.bop.folders import open_dataset
+    from plogic.run.bop.results_file import run
+    from plogic.run.bop.dataset import open_dataset
     from plogic.run.bop.results_file import results_text
     from plogic.run.sources import kb_of
     from sensing.files.whole_files import check_places, write_whole
@@ -131,8 +131,8 @@ def _ids(kb: KnowledgeBase, path: str | None, dataset: Dataset, say: Callable[[s
 def _scored(dataset: Dataset, done: Run, say: Callable[[str], None]) -> tuple[Scores | None, str]:
     """The scores, or None and why there are none."""
     from plogic.base.errors import InputError
-    from plogic.run.bop.dataset_run import views_of
-    from plogic.run.bop.matching import targets_of
+    from plogic.run.bop.results_file import views_of
+    from plogic.run.bop.recalls import targets_of
     from plogic.run.bop.models import read_models
     from plogic.run.bop.recalls import score
 

@@ -9,10 +9,9 @@ from click.testing import CliRunner
 
 from plogic.base.errors import InputError, ProgramError
 from plogic.face.commands.bop import bop, bop_command
-from plogic.run.bop.dataset_run import run, views_of
-from plogic.run.bop.folders import open_dataset
+from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, read_ids, unknown
-from plogic.run.bop.results_file import HEADER, read_results
+from plogic.run.bop.results_file import HEADER, read_results, run, views_of
 
 IDS = {"t1": 1, "t2": 2}
 OPTIONS = {"ids": None, "timed": False, "as_json": False}

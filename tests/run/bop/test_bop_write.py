@@ -15,10 +15,9 @@ from geometry.visibility.rays import RayMesh
 from plogic.base.errors import InputError
 from plogic.face.commands.bop import bop_command
 from plogic.face.commands.simulate import simulate_command
-from plogic.run.bop.folders import open_dataset
-from plogic.run.bop.matching import View
+from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import read_models
-from plogic.run.bop.recalls import score
+from plogic.run.bop.recalls import View, score
 from plogic.run.bop.results_file import Estimate, read_results, results_text
 from plogic.run.bop.write import Kind, box_of, diameter, gt_info, model_info, silhouette, write_dataset
 from sensing.errors import SensingError
