@@ -38,8 +38,8 @@ __all__ = [
 
 if TYPE_CHECKING:
     from geometry.errors import PlogicError as Error
-    from plogic.face.python.asking import Explanation, Program, Session
-    from plogic.face.python.interpretation import Hypotheses, Hypothesis, Interpretation, Relation, Relations
+    from plogic.face.python.asking import Explanation, Program
+    from plogic.face.python.interpretation import Hypotheses, Hypothesis, Interpretation, Relation, Relations, Session
     from plogic.face.python.knowledge import KnowledgeBase
     from plogic.face.python.measures import Measures
     from plogic.face.python.perceiving import detect, perceive
@@ -66,7 +66,7 @@ else:
         "Program": "plogic.face.python.asking",
         "Relation": "plogic.face.python.interpretation",
         "Relations": "plogic.face.python.interpretation",
-        "Session": "plogic.face.python.asking",
+        "Session": "plogic.face.python.interpretation",
         "World": "plogic.face.session.results",
         "Worlds": "plogic.face.session.results",
         "detect": "plogic.face.python.perceiving",

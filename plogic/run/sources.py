@@ -46,13 +46,16 @@ def gamma_of(
         return read_gamma(source, kb.appearance_types), None
     from geometry.files.camera_files import read_camera
 
-    camera = read_camera(str(camera_file))
+    camera = sized(read_camera(str(camera_file)), picture, str(camera_file), source)
+    return detected(picture, camera, kb, clock), picture
+
+
+def sized(camera: Camera, picture: NDArray[Any], named: str, source: str) -> Camera:
+    """The camera itself. Raises InputError where the picture (H, W, 3), from ``source``, is of another size."""
     height, width = picture.shape[:2]
     if (camera.width, camera.height) != (width, height):
-        raise InputError(
-            f"{camera_file}: the camera is {camera.width}x{camera.height}, but {source} is {width}x{height}"
-        )
-    return detected(picture, camera, kb, clock), picture
+        raise InputError(f"{named}: the camera is {camera.width}x{camera.height}, but {source} is {width}x{height}")
+    return camera
 
 
 def detected(picture: NDArray[Any], camera: Camera, kb: KnowledgeBase, clock: Stopwatch) -> Gamma:

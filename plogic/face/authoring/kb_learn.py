@@ -32,7 +32,7 @@ def learn_command(
     """Learn the types that are named, or all that have a texture and no features; ``options``: detector, jobs, seed, as_json."""
     from kb.clouds.words import worded
     from kb.learning.part_owners import with_parts
-    from plogic.face.authoring.kb_learn_cache import learned_of
+    from plogic.face.authoring.kb_learn_look import learned_of
     from plogic.face.authoring.kb_types import check_own, type_folders
     from sensing.files.whole_files import write_files
 
@@ -159,7 +159,7 @@ def files_of(folder: Path, words: Words, clouds: Mapping[str, LearnedCloud]) -> 
 def _named(file: Path, key: str, data: bytes) -> dict[Path, bytes]:
     """The data under the name that a YAML file gives them; where it gives none, under the usual one, and the file with a line that does."""
     from kb.files.yaml_text import load
-    from plogic.face.authoring.kb_learn_lines import with_entry
+    from plogic.face.authoring.kb_types import with_entry
 
     content = file.read_bytes()
     entry = load(str(file), content).data.get(key)
@@ -227,7 +227,7 @@ def written(files: dict[Path, bytes], found: Mapping[Path, Sequence[Trial]]) -> 
         InputError: a YAML file is written so that no line can be added; with what to write into it.
     """
     from kb.learning.symmetry_trials import entries
-    from plogic.face.authoring.kb_learn_lines import with_entry
+    from plogic.face.authoring.kb_types import with_entry
 
     more = {}
     for file, tried in found.items():

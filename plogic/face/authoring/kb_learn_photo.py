@@ -60,7 +60,7 @@ def learn_photo_command(
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
     """
     from kb.learning.part_owners import with_parts
-    from plogic.face.authoring.kb_learn_cache import learned_of
+    from plogic.face.authoring.kb_learn_look import learned_of
 
     kb, new, kind = _the_type(kb_folder, names, sources, options["detector"], say)
     found, mesh = _registered(kind, sources)
@@ -195,8 +195,7 @@ def _write(
     from kb.clouds.words import worded
     from kb.files.yaml_text import load
     from plogic.face.authoring.kb_learn import files_of
-    from plogic.face.authoring.kb_learn_lines import with_entry
-    from plogic.face.authoring.kb_types import type_folders, write_types
+    from plogic.face.authoring.kb_types import type_folders, with_entry, write_types
     from sensing.files.whole_files import write_files
 
     clouds = {kind.name: kind.learned for kind in kb_of(str(kb_folder)).types if kind.learned is not None} | {

@@ -47,12 +47,10 @@ def learn_rates_command(
 def _records(folders: Sequence[Path], kb: KnowledgeBase, say: Callable[[str], None]) -> list[Record]:
     """Every scene's record; what is wrong with any of them is told at once."""
     from geometry.errors import PlogicError
-    from plogic.base.jobs import processors
-    from plogic.base.remembered import cache_folder
     from plogic.rates.scene_records import record_of
-    from plogic.run.perceive import Perceiver
+    from plogic.run.perceive import perceiver_of
 
-    perceiver = Perceiver(kb, cache_folder("indices"), processors())
+    perceiver = perceiver_of(kb)
     records, wrong = [], []
     for i, folder in enumerate(folders, start=1):
         try:

@@ -96,7 +96,7 @@ def page_command(
     folder: str, name: str | None, out: str, *, say: Callable[[str], None], write: Callable[[str], None]
 ) -> None:
     """Write the page of a type, the KB's only one where none is named; `-` is stdout. Raises InputError."""
-    from plogic.face.pages.type_page import type_page
+    from plogic.face.pages.type_content import type_page
     from sensing.files.whole_files import write_whole
 
     kb = kb_of(folder)

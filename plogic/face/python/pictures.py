@@ -11,8 +11,8 @@ import numpy as np
 from geometry import camera as geometry_camera
 from geometry.errors import CameraError
 from plogic.base.errors import InputError
-from plogic.face.session.blocks import Column, Table
-from plogic.face.session.rows import Rows
+from plogic.face.session.blocks import Column, Rows, Table
+from plogic.run.sources import sized
 from sensing import appearance as sensing_appearance
 from sensing.appearance import Appearance
 from sensing.errors import ImageError
@@ -169,8 +169,4 @@ def camera_for(
             f"{source}: an image needs its camera: give a Camera or its file (ours, ROS, OpenCV, BOP or COLMAP)"
         )
     found = Camera.load(camera) if isinstance(camera, (str, Path)) else camera
-    height, width = pixels.shape[:2]
-    if (found.width, found.height) != (width, height):
-        name = str(camera) if isinstance(camera, (str, Path)) else "camera"
-        raise InputError(f"{name}: the camera is {found.width}x{found.height}, but {source} is {width}x{height}")
-    return found
+    return sized(found, pixels, str(camera) if isinstance(camera, (str, Path)) else "camera", source)

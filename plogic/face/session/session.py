@@ -18,13 +18,12 @@ from typing import TYPE_CHECKING, Self, TypeVar
 
 from plogic.base.errors import InconsistentError, InputError, ProgramError
 from plogic.face.session import results
+from plogic.face.session.blocks import Result
 from plogic.face.session.minds import mind_of
-from plogic.face.session.rows import Result
 from plogic.logic.safety.atoms import is_ground, one_line, tokens
 from plogic.scene.readings.unfinished import REASONS, opened, proved, stopped_of
 
 if TYPE_CHECKING:
-    from plogic.facts.situation import Reading
     from plogic.facts.stopped import Stopped
     from plogic.logic.served.engine import Answer, Limits
     from plogic.logic.served.outline import Predicate
@@ -48,17 +47,6 @@ class Session:
         self._observed: tuple[str, ...] = ()
         self._lines: tuple[str, ...] = ()
         self._known: dict[tuple[str | None, tuple[str, ...]], tuple[Answer, ...]] = {}
-
-    @classmethod
-    def open(cls, path: str | Path, *, reading: Reading | None = None, trust: bool = False) -> Self:
-        """A session about an ``interpretation.json`` or a program's file; raises InputError, InterpretationError.
-
-        ``trust`` lets a program of one's own run Python and read files.
-        """
-        from plogic.logic.served.engine import Limits
-        from plogic.run.sources import subject_of
-
-        return cls(subject_of(str(path), reading), limits=Limits(trust=trust))
 
     def __enter__(self) -> Self:
         return self
@@ -185,7 +173,7 @@ class Session:
 
     def load(self, path: str | Path) -> results.Replayed:
         """Do the lines of a saved session; the first that fails is told with its number (InputError), and those before it stay done."""
-        from plogic.face.session.replay import replayed
+        from plogic.face.session.lines import replayed
         from plogic.run.sources import program_text_of
 
         path = Path(path).expanduser()

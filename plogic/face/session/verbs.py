@@ -16,7 +16,7 @@ from plogic.logic.safety.atoms import OPERATORS
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from plogic.face.session.rows import Result
+    from plogic.face.session.blocks import Result
     from plogic.face.session.session import Session
 
 Takes = Literal["goal", "observed", "number", "predicate", "file", "verb", "nothing"]

@@ -104,6 +104,14 @@ def camera_of(frame: Frame, camera: str | None) -> str | None:
     return camera if camera is not None or not is_there(beside) else str(beside)
 
 
+def checked(path: str) -> str:
+    """The path of a plain file that may be read: a pipe would never end. Raises InputError for anything else."""
+    fault = fault_of(Path(path))
+    if fault is not None:
+        raise InputError(f"{path}: {fault}")
+    return path
+
+
 def scene_and_image(frame: Frame) -> tuple[int, int]:
     """The numbers of a BOP frame."""
     scene, _, image = str(frame.frame).partition("/")

@@ -8,7 +8,9 @@ from bop_folders import dataset, put, truth
 from click.testing import CliRunner
 
 from plogic.base.errors import InputError, ProgramError
-from plogic.face.commands.bop import bop, bop_command
+from plogic.face.commands.bop import bop_command
+from plogic.face.commands.clicked import bop
+from plogic.face.shown.options import Scoring
 from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, read_ids, unknown
 from plogic.run.bop.results_file import HEADER, read_results, run, views_of
@@ -46,7 +48,11 @@ def command(folder, out, look=perfect, **options):
     lines, say = told()
     written, write = told()
     stated = {**OPTIONS, "ids": str(folder.parent / "ids.json"), **options}
-    return bop_command(str(folder), "towers", str(out), stated, say=say, write=write, look=look), lines, written
+    return (
+        bop_command(str(folder), "towers", str(out), Scoring(**stated), say=say, write=write, look=look),
+        lines,
+        written,
+    )
 
 
 def test_every_frame_is_looked_at(folder):
