@@ -182,7 +182,7 @@ def shell(source: str, **options: Any) -> None:
 @AS_JSON
 def program(interpretation: str, reading: Any, as_json: bool) -> None:
     """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
-    from plogic.face.commands.asking import program_command
+    from plogic.face.commands.program import program_command
 
     emit(program_command(interpretation, reading, as_json=as_json))
 
@@ -192,7 +192,7 @@ def program(interpretation: str, reading: Any, as_json: bool) -> None:
 @click.option("-o", "--out", required=True, help="The page to write; `-` is stdout.")
 def report(interpretation: str, out: str) -> None:
     """Write one self-contained HTML page that works offline."""
-    from plogic.face.commands.asking import report_command
+    from plogic.face.commands.program import report_command
 
     report_command(interpretation, out, say=say, write=emit)
 

@@ -13,9 +13,24 @@ from functools import partial
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
+from geometry.cones import even_directions
+from kb.clouds.learned import LearnedCloud, cloud_bytes, read_cloud
+from kb.errors import CloudError
+from kb.learning.features import cloud_of
+from kb.learning.observations import Observations, joined, observed
+from kb.learning.photo import PaintedMesh, on_shown
+from kb.learning.views import AWAY, DIRECTIONS, MARGIN, PIXELS
+from kb.shown.learned_summary import compound_sizes, compounds_text
 from plogic.base.errors import InputError
 from plogic.base.jobs import ChildDiedError, afresh
 from plogic.base.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
+from sensing.detectors.edge_sides import edge_sides
+from sensing.detectors.keypoint_detector import described
+from sensing.errors import SensingError
+from sensing.files.whole_files import write_whole
+from sensing.simulated.meshes import read_mesh
+from sensing.simulated.physics import physics_version
+from sensing.simulated.turntable import extent, turned
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -24,9 +39,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learned import LearnedCloud
-    from kb.learning.observations import Observations
-    from kb.learning.photo import PaintedMesh
     from sensing.detectors.keypoints import Keypoints
     from sensing.simulated.body import TexturedMesh
 
@@ -48,14 +60,6 @@ def looked(
         InputError: nothing of it comes again from view to view, or a process died. SensingError: the mesh cannot be
         drawn.
     """
-    from kb.learning.features import cloud_of
-    from kb.learning.observations import joined
-    from kb.learning.photo import on_shown
-    from kb.learning.views import DIRECTIONS
-    from kb.shown.learned_summary import compound_sizes, compounds_text
-    from sensing.simulated.meshes import read_mesh
-    from sensing.simulated.turntable import extent
-
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
     task = (str(kind.mesh_file), kind.mesh_scale, options["detector"], options["seed"])
     whole = joined(_seen(kind.name, task, DIRECTIONS, options["jobs"]))
@@ -94,14 +98,6 @@ def _look(task: tuple[str, float, str, int], part: range) -> list[Observations]:
     """In a process of its own: render from some directions, and look."""
     import cv2
 
-    from geometry.cones import even_directions
-    from kb.learning.observations import observed
-    from kb.learning.views import AWAY, DIRECTIONS, MARGIN, PIXELS
-    from sensing.detectors.edge_sides import edge_sides
-    from sensing.detectors.keypoint_detector import described
-    from sensing.simulated.meshes import read_mesh
-    from sensing.simulated.turntable import turned
-
     cv2.setNumThreads(1)
     file, scale, detector, seed = task
 
@@ -134,12 +130,6 @@ def learned_of(
     painted: PaintedMesh | None = None,
 ) -> LearnedCloud:
     """The cloud of a type from the cache, or learned and put there; raises as ``looked`` does."""
-    from kb.clouds.learned import cloud_bytes, read_cloud
-    from kb.errors import CloudError
-    from sensing.errors import SensingError
-    from sensing.files.whole_files import write_whole
-    from sensing.simulated.meshes import read_mesh
-
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
     folder = cache_folder("clouds")
     if folder is None:
@@ -168,9 +158,6 @@ def learned_of(
 
 def _kept(content: bytes) -> LearnedCloud:
     """The cloud of a file; raises CloudError where it is not what was written: an archive's own checksums are of its arrays, not of their names."""
-    from kb.clouds.learned import cloud_bytes, read_cloud
-    from kb.errors import CloudError
-
     cloud = read_cloud(content)
     if cloud_bytes(cloud) != content:
         raise CloudError("is not what was written")
@@ -180,8 +167,6 @@ def _kept(content: bytes) -> LearnedCloud:
 def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:
     """SHA-256 over a mesh with its paint, ``how`` it is learned, the source that learns, and the versions of the libraries."""
     import cv2
-
-    from sensing.simulated.physics import physics_version
 
     total = hashlib.sha256(
         repr((how, cv2.__version__, physics_version(), [version(name) for name in LIBRARIES])).encode()

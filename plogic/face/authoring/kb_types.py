@@ -5,24 +5,31 @@ from __future__ import annotations
 import json
 import os.path
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ruamel.yaml.nodes import MappingNode, SequenceNode
+import numpy as np
+from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
+from kb.files.write import obj_text, object_text
+from kb.files.yaml_text import MAX_BYTES, load
+from kb.intake.bop_models import bop_models, bop_symmetries
+from kb.intake.new_kb import new_kb_files, schema_files
+from kb.intake.new_type import EDITOR_LINE, NewType, check_name, new_type
+from kb.intake.robots import sdf_visuals, urdf_visuals
+from kb.intake.source import read_source
+from kb.intake.visuals import merged
+from kb.shown.cautions import FIXING_A_POSE
 from plogic.base.errors import InputError
 from plogic.run.sources import kb_of
+from plogic.sequence.constancy.draft import draft_type
+from plogic.sequence.constancy.panorama_reading import unknown_of
+from sensing.files.whole_files import write_folder, write_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from typing import Any
-
-    from ruamel.yaml.nodes import Node
-
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.intake.new_type import NewType
     from plogic.sequence.constancy.result import SeenFeature
 
 
@@ -60,8 +67,6 @@ def check_places(folder: Path, names: Sequence[str]) -> None:
 
 def type_folders(folder: Path) -> dict[str, Path]:
     """Where each type of a KB's folder is described, by the name that its object.yaml states; what cannot be read is left out."""
-    from kb.files.yaml_text import MAX_BYTES, load
-
     found: dict[str, Path] = {}
     if fault_of(folder / "objects") != IS_FOLDER:
         return found
@@ -78,9 +83,6 @@ def write_types(folder: Path, types: Sequence[NewType], *, new: bool = False) ->
 
     Raises IntakeError, SensingError.
     """
-    from kb.intake.new_kb import schema_files
-    from sensing.files.whole_files import write_folder, write_whole
-
     if new:
         new_command(folder, None)
     for kind in types:
@@ -103,9 +105,6 @@ def told(folder: Path, types: Sequence[NewType], what: str, *, new: bool, as_jso
 
 def new_command(folder: Path, name: str | None) -> str:
     """Write a new knowledge base, whole or not at all, and never over anything. Raises IntakeError, SensingError."""
-    from kb.intake.new_kb import new_kb_files
-    from sensing.files.whole_files import write_folder
-
     write_folder(folder, new_kb_files(name or Path(os.path.realpath(folder)).name))
     (folder / "objects").mkdir()
     return f"wrote {folder}: kb.yaml, rules.pl, their schemas and objects/\nnext: plogic kb add NAME --mesh FILE --units m|cm|mm --kb {folder}"
@@ -116,9 +115,6 @@ def add_command(name: str, mesh: Path, units: str | None, folder: Path, *, as_js
 
     Raises IntakeError, InputError, SensingError.
     """
-    from kb.intake.new_type import check_name, new_type
-    from kb.intake.source import read_source
-
     fresh = is_new(folder)
     check_name(name)
     check_places(folder, [name])
@@ -147,10 +143,6 @@ def import_command(source: Path, folder: Path, units: str | None, *, as_json: bo
 
 def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
     """One type of one description, its meshes merged in the zero pose. URDF and SDF are in metres."""
-    from kb.intake.new_type import new_type
-    from kb.intake.robots import sdf_visuals, urdf_visuals
-    from kb.intake.visuals import merged
-
     readers = {".urdf": urdf_visuals, ".sdf": sdf_visuals, ".world": sdf_visuals}
     reader = readers.get(path.suffix.lower())
     if reader is None:
@@ -164,9 +156,6 @@ def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
 
 
 def _of_bop(models: Path, folder: Path, units: str | None) -> list[NewType]:
-    from kb.intake.bop_models import bop_models, bop_symmetries
-    from kb.intake.new_type import new_type
-    from kb.intake.source import read_source
 
     unit = units or "mm"
     rows = bop_models(models)
@@ -186,8 +175,6 @@ def with_entry(file: Path, content: bytes, key: str, value: Mapping[str, str] | 
         InputError: it is written in a form that cannot be changed so, such as an anchor or a flow; with what to write
         into it.
     """
-    from kb.files.yaml_text import load
-
     document = load(str(file), content)
     if document.data.get(key) == value:
         return content
@@ -231,9 +218,6 @@ def assimilate_command(panorama: str, unknown: str, kb_folder: str, name: str, *
 
     Raises InputError, IntakeError, KBError, SensingError.
     """
-    from kb.intake.new_type import check_name
-    from plogic.sequence.constancy.panorama_reading import unknown_of
-
     kb = kb_of(kb_folder)
     folder = check_own(kb_folder)
     check_name(name)
@@ -252,8 +236,6 @@ def assimilate_command(panorama: str, unknown: str, kb_folder: str, name: str, *
 
 def _check_features(features: Sequence[SeenFeature], kb: KnowledgeBase, panorama: str, unknown: str) -> None:
     """Raise InputError where no pose could be taken from the draft, or the KB has not its appearance types."""
-    from kb.shown.cautions import FIXING_A_POSE
-
     if len(features) < FIXING_A_POSE:
         raise InputError(
             f"{panorama}: {unknown} has {len(features)} features, and a pose is taken from {FIXING_A_POSE}: look at it again from elsewhere"
@@ -267,10 +249,6 @@ def _check_features(features: Sequence[SeenFeature], kb: KnowledgeBase, panorama
 
 def draft_files(name: str, features: Sequence[SeenFeature], kb: KnowledgeBase, origin: str) -> NewType:
     """The draft's files, and what is told of it."""
-    from kb.files.write import obj_text, object_text
-    from kb.intake.new_type import EDITOR_LINE, NewType
-    from plogic.sequence.constancy.draft import draft_type
-
     kind = draft_type(name, features, kb.f_ref)
     comment = "".join(sign if " " <= sign <= "~" else "?" for sign in origin)
     lines = [f"# A draft, made from {comment[:200]}: features where they were seen, lobes from where they were."]
@@ -286,7 +264,6 @@ def draft_files(name: str, features: Sequence[SeenFeature], kb: KnowledgeBase, o
 
 
 def _document(kind: ObjectType) -> dict[str, Any]:
-    import numpy as np
 
     at = np.array([feature.at for feature in kind.features])
     types = sorted({feature.type for feature in kind.features})

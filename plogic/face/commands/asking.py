@@ -1,4 +1,4 @@
-"""``plogic worlds``, ``query``, ``explain``, ``shell``, ``program``, ``report`` and ``measures``.
+"""``plogic worlds``, ``query``, ``explain`` and ``shell``.
 
 The verbs are those of Python (``plogic.face.python``); here their results become text and JSON.
 """
@@ -10,15 +10,12 @@ import sys
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from plogic.base.children import ending_well
 from plogic.base.errors import InputError, LimitError
 from plogic.face.python.asking import EXPLANATIONS
-from plogic.face.python.interpretation import Interpretation, Session, opened
+from plogic.face.python.interpretation import Interpretation, opened
 from plogic.face.session.minds import ranked
 from plogic.face.shown.figures import chance, interval
-from plogic.face.shown.options import written
 from plogic.facts.exclusions import exclusion_lines, exclusions
-from plogic.logic.safety.allowlist import TRUSTED
 from plogic.logic.safety.atoms import quoted
 from plogic.logic.served.engine import TOO_DEEP
 from plogic.run.sources import is_program
@@ -196,6 +193,10 @@ def shell_command(source: str, options: Asking, *, write: Callable[[str], None],
 
     The exit code is 1 where a line failed and nobody sat at a terminal.
     """
+    from plogic.base.children import ending_well
+    from plogic.face.python.sessions import Session
+    from plogic.logic.safety.allowlist import TRUSTED
+
     if source == "-":
         raise InputError("-: stdin holds the lines of the session; give the interpretation or the program as a file")
     if options.trust and is_program(source):
@@ -214,28 +215,3 @@ def shell_command(source: str, options: Asking, *, write: Callable[[str], None],
         from plogic.face.session.lines import run_lines
 
         return run_lines(session, sys.stdin.buffer, write_now, say)
-
-
-def program_command(interpretation: str, reading: Reading | None, *, as_json: bool = False) -> str:
-    """The ProbLog text with its queries."""
-    found = Interpretation.load(interpretation)
-    found = found if reading is None else found.read_as(reading)
-    text, stopped = found.program().text, found.subject.stopped
-    told = {"format": "program/1", "reading": found.reading, "program": text, **marks(stopped)}
-    return json.dumps(told) if as_json else text
-
-
-def report_command(interpretation: str, out: str, *, say: Callable[[str], None], write: Callable[[str], None]) -> None:
-    """Write the page; `-` is stdout."""
-    from plogic.face.pages.one_file import page
-
-    written(page(Interpretation.load(interpretation).document), out, say=say, write=write)
-
-
-def measures_command(source: str, *, as_json: bool) -> str:
-    """The document ``measures/1``, or both tables. Raises InterpretationError, SituationError."""
-    read = Interpretation.load(source)
-    found, stopped = read.measures(), read.subject.stopped
-    if as_json:
-        return json.dumps({"format": "measures/1", **asdict(found), **marks(stopped)})
-    return with_notice(str(found), stopped)

@@ -181,6 +181,6 @@ def measures(interpretation: str, *, as_json: bool) -> None:
 
     Distinctiveness is told over the types of the knowledge base, and over the instances in Δi.
     """
-    from plogic.face.commands.asking import measures_command
+    from plogic.face.commands.program import measures_command
 
     emit(measures_command(interpretation, as_json=as_json))

@@ -8,22 +8,20 @@ from typing import TYPE_CHECKING, Self
 
 from plogic.base.errors import LimitError
 from plogic.face.session.account_text import account_text
-from plogic.face.session.blocks import Lines, Result
+from plogic.face.session.blocks import Block, Lines, Result
 from plogic.face.session.minds import ranked
 from plogic.face.session.results import Answers, Worlds
 from plogic.logic.served.engine import TOO_DEEP, Limits, Text
 from plogic.run.sources import program_text_of, rules_from
 from plogic.scene.asking.explanations import Account, Reason, explain, present
-from plogic.scene.asking.query import answers, answers_until
+from plogic.scene.asking.query import Subject, answers, answers_until
 from plogic.scene.readings.unfinished import stopped_of, with_notice
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from plogic.face.session.blocks import Block
     from plogic.facts.stopped import Stopped
-    from plogic.scene.asking.query import Subject
 
 EXPLANATIONS = 5
 """Explanations of each kind, where no number is asked for."""

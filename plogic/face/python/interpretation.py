@@ -10,17 +10,14 @@ from typing import TYPE_CHECKING, Self, get_args
 
 import numpy as np
 
-from geometry.camera import camera_from_dict
 from plogic.base.errors import InputError
 from plogic.face.python.asking import Asked, Program
-from plogic.face.python.measures import Measures, measures_of
-from plogic.face.python.pictures import Camera
-from plogic.face.session import session
-from plogic.face.session.blocks import Column, Rows, Table, html_of, text_of
+from plogic.face.session.blocks import Block, Column, Rows, Table, html_of, text_of
 from plogic.face.session.results import World, Worlds
 from plogic.face.shown.figures import chance, interval, signed
+from plogic.facts import document as rows
 from plogic.facts import interpretation
-from plogic.facts.situation import Reading
+from plogic.facts.situation import Reading, Situation
 from plogic.run.sources import is_program
 from plogic.scene.text.program_text import program_text, query_lines
 from sensing.files.whole_files import write_whole
@@ -30,9 +27,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.face.session.blocks import Block
-    from plogic.facts import document as rows
-    from plogic.facts.situation import Situation
+    from plogic.face.python.measures import Measures
+    from plogic.face.python.pictures import Camera
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,6 +154,9 @@ class Interpretation(Asked):
     @property
     def camera(self) -> Camera:
         """The camera."""
+        from geometry.camera import camera_from_dict
+        from plogic.face.python.pictures import Camera
+
         return Camera.of(camera_from_dict(self._document["camera"]))
 
     @property
@@ -182,6 +181,8 @@ class Interpretation(Asked):
 
     def measures(self) -> Measures:
         """Return ev in each mode, Shanahan's value, the posterior, dv and rank: a row each hypothesis that is not rejected."""
+        from plogic.face.python.measures import measures_of
+
         return measures_of(self._document)
 
     def program(self) -> Program:
@@ -281,16 +282,3 @@ def opened(path: str | Path, reading: Reading | None = None, *, trust: bool = Fa
     found = found if reading is None else found.read_as(reading)
     found.trust = trust
     return found
-
-
-class Session(session.Session):
-    """A session about an interpretation or a program: what is observed stays, and is taken back."""
-
-    def __init__(self, about: Asked) -> None:
-        """Begin with nothing observed."""
-        super().__init__(about.subject, limits=about.limits)
-
-    @classmethod
-    def open(cls, path: str | Path, *, reading: Reading | None = None, trust: bool = False) -> Self:
-        """Begin a session about an ``interpretation.json`` or a program's file. Raises Error where it cannot be read."""
-        return cls(opened(path, reading, trust=trust))

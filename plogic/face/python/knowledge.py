@@ -10,13 +10,12 @@ from threading import Lock, active_count
 from typing import TYPE_CHECKING, Self
 
 from plogic.base.errors import InputError
-from plogic.face.session.blocks import Column, Table, html_of, text_of
+from plogic.face.session.blocks import Block, Column, Table, html_of, text_of
 from plogic.run.perceive import Perceiver, perceiver_of
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase as Sigma
-    from plogic.face.session.blocks import Block
 
 MOST_KEPT = 8
 """Knowledge bases that a process keeps of those which other processes sent it."""

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plogic.face.session.blocks import Column, Rows, Table
+from plogic.face.session.blocks import Block, Column, Rows, Table
 from plogic.face.shown.figures import chance, signed
 from plogic.run.measured import Distinctive, Measure, measured
 
 if TYPE_CHECKING:
-    from plogic.face.session.blocks import Block
     from plogic.facts.document import Interpretation
 
 TITLES = {

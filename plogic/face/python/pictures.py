@@ -10,8 +10,9 @@ import numpy as np
 
 from geometry import camera as geometry_camera
 from geometry.errors import CameraError
+from geometry.files.camera_files import read_camera
 from plogic.base.errors import InputError
-from plogic.face.session.blocks import Column, Rows, Table
+from plogic.face.session.blocks import Block, Column, Rows, Table
 from plogic.run.sources import sized
 from sensing import appearance as sensing_appearance
 from sensing.appearance import Appearance
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from plogic.face.session.blocks import Block
 
 Image = str | Path | np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
 """An image: its file, or its pixels (H, W, 3) uint8, blue first."""
@@ -58,8 +58,6 @@ class Camera(geometry_camera.Camera):
         Raises:
             Error: with the file, the key or the line, and what is wrong.
         """
-        from geometry.files.camera_files import read_camera
-
         return cls.of(read_camera(path, frame, size=size))
 
     @classmethod

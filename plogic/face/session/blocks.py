@@ -13,14 +13,14 @@ its escape, ``\\x1b``.
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from plogic.base.errors import InputError
 
+if TYPE_CHECKING:
     import pandas as pd
 
 
@@ -185,8 +185,6 @@ class Rows(Result, Sequence[Row_co]):
         Raises:
             InputError: where pandas is not installed; the message says how to install it.
         """
-        from plogic.base.errors import InputError
-
         try:
             import pandas as pd
         except ImportError:

@@ -9,7 +9,7 @@ import pytest
 from situations import towers
 
 from plogic.base.errors import InconsistentError, InputError, LimitError, ProgramError
-from plogic.face.python.interpretation import Session as Opened
+from plogic.face.python.sessions import Session as Opened
 from plogic.face.session.session import Session
 from plogic.logic.served.engine import Limits, Text
 from plogic.scene.asking.query import answers
