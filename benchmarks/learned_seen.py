@@ -1,4 +1,6 @@
-"""What is seen of a learned type at a pose, right or wrong, in the quantities of its likelihood: rows that ``learned_spreads.py`` makes figures of.
+"""What is seen of a learned type at a pose, right or wrong, in the quantities of its likelihood.
+
+Rows that ``learned_spreads.py`` makes figures of.
 
 At a right pose that is what the expected features were matched with, of which a few are there by chance; at a wrong one
 *clutter*: all around their places that looks as right, as the likelihood counts it. And what becomes of the poses that
@@ -49,7 +51,10 @@ one."""
 
 @dataclass
 class Seen:
-    """What was seen at poses of one kind, a piece a pose: under each name columns (C, N), which the functions below name."""
+    """What was seen at poses of one kind, a piece a pose.
+
+    Under each name columns (C, N), which the functions below name.
+    """
 
     poses: int = 0
     rows: dict[str, list[Floats]] = field(default_factory=lambda: defaultdict(list))
@@ -86,7 +91,10 @@ def _off(
 
 
 def _near(uv: Floats, which: NDArray[np.bool_], data: Data, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """All pairs of a place (Q, 2), pixels, and a datum of ``which`` (A,), at most ``reach`` pixels apart: indices of places and of data."""
+    """All pairs of a place (Q, 2), pixels, and a datum of ``which`` (A,), at most ``reach`` pixels apart.
+
+    Indices of places and of data.
+    """
     datum = np.flatnonzero(which)
     pairs = cKDTree(uv.reshape(-1, 2)).sparse_distance_matrix(cKDTree(data.uv[datum]), reach, output_type="coo_matrix")
     return pairs.row, datum[pairs.col]
@@ -154,7 +162,9 @@ def _gain(posed: Hypothesis, data: Data, kb: KnowledgeBase) -> Floats:
 
 
 def _linked(posed: Hypothesis, kb: KnowledgeBase, *, true: bool) -> Floats:
-    """(8, 1) of pairs of expected features, of keypoints and then with a side: Σ closeness · deviations, Σ closeness², Σ far, number far.
+    """(8, 1) of pairs of expected features, of keypoints and then with a side.
+
+    Σ closeness · deviations, Σ closeness², Σ far, number far.
 
     Closeness, up to 1, is as in ``crowding``; deviations are by how much each was found more than it should be, in its
     standard deviations: by the rates at a right pose, at a wrong one by the share of its kind that was found there.
@@ -187,7 +197,9 @@ def _closeness(uv: Floats, turn: Floats, one: NDArray[np.intp], other: NDArray[n
 
 
 def worths(index: LearnedIndex, data: Data, kb: KnowledgeBase, truths: Sequence[Truth]) -> Iterator[tuple[bool, float]]:
-    """Poses of a type as ``generate`` comes to them before it settles them, none given up for its worth: whether each is right, and its worth.
+    """Poses of a type as ``generate`` comes to them before it settles them, none given up for its worth.
+
+    Whether each is right, and its worth.
 
     Of each true object the best right one; all of a type that is not in the scene are wrong.
     """

@@ -1,4 +1,6 @@
-"""Measure what is right and what is clutter in scenes: what the constants of a learned type's likelihood stand on, each beside its figure.
+"""Measure what is right and what is clutter in scenes.
+
+What the constants of a learned type's likelihood stand on, each beside its figure.
 
 Run as ``python benchmarks/learned_spreads.py KB [--seeds FIRST..LAST]``, KB being a folder with the types of ``plogic
 bench recognition``, learned. The scenes are of its kind; their numbers are 5000 and more, for those below are the
@@ -29,7 +31,7 @@ from plogic.measures import crowding
 from plogic.run.perceive import Perceiver
 from sensing.detectors.detector import detect
 from sensing.files.images import read_image
-from sensing.simulated.meshes import read_mesh
+from sensing.simulated.body import read_mesh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -230,7 +232,10 @@ def power(shares: Floats) -> float:
 
 
 def gain_lines(name: str, right: Seen, wrong: Seen) -> list[str]:
-    """What features say by all of these constants together: the mean of a likelihood ratio over clutter is 1, if the model of clutter is right."""
+    """What features say by all of these constants together.
+
+    The mean of a likelihood ratio over clutter is 1, if the model of clutter is right.
+    """
     mine, its = right.of(name)[0], wrong.of(name)[0]
     mean = float(np.exp(np.minimum(its, SURPRISE)).mean())
     return [

@@ -78,7 +78,10 @@ def helps(
 
 
 def guides(texts: list[str]) -> list[str]:
-    """These pages with what their commands print now; they run one after the other, in an empty folder that has the examples in it."""
+    """These pages with what their commands print now.
+
+    They run one after the other, in an empty folder that has the examples in it.
+    """
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "examples").symlink_to(ROOT / "examples")
         return [BLOCK.sub(lambda found: _session(found[0], Path(folder)), text) for text in texts]

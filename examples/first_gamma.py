@@ -1,4 +1,6 @@
-"""Prints examples/first_gamma.json: what two imagined detectors report of the painted box of the KB ``first``, from 1.2 m away.
+"""Prints examples/first_gamma.json.
+
+What two imagined detectors report of the painted box of the KB ``first``, from 1.2 m away.
 
 It stands in for detectors of your own. It knows the box's pose; the Γ that it prints does not: it holds only types and
 places, some noise, three appearances that are clutter, and one visible corner that was missed. Run it as ``python

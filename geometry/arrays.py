@@ -10,6 +10,7 @@ from geometry.errors import GeometryError
 Floats = NDArray[np.float64]  # any shape, double precision
 Ints = NDArray[np.int64]  # any shape
 Mask = NDArray[np.bool_]  # any shape
+Bytes = NDArray[np.uint8]  # any shape: pixels, descriptors
 
 
 def frozen(values: ArrayLike) -> Floats:

@@ -135,7 +135,7 @@ def seen(
     kb: KnowledgeBase, perceiver: Perceiver, frame: Path, camera: Camera
 ) -> tuple[list[Hypothesis], list[Hypothesis]]:
     """All hypotheses of a picture, and those accepted, best first."""
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from plogic.cycle.delta import Options
     from sensing.detectors.detector import detect
     from sensing.files.images import read_image

@@ -1,4 +1,6 @@
-"""``plogic bench calibration``: whether probabilities mean what they say, of the posterior reading and of P(ev), side by side.
+"""``plogic bench calibration``.
+
+Whether probabilities mean what they say, of the posterior reading and of P(ev), side by side.
 
 Rates are learned on some scenes as ``plogic kb learn-rates`` learns them, and what perception then says is compared
 with the truth on others. ``--quick``: fewer scenes, which promise fewer hypotheses. ``--picture FILE``: the reliability

@@ -147,7 +147,10 @@ def bootstrap_interval(
 
 
 def _equal_mass(p: Floats, bins: int) -> NDArray[np.intp]:
-    """(N,) the bin of each forecast: where the middle of all that are equal to it stands in the order, in ``bins`` equal parts."""
+    """(N,) the bin of each forecast.
+
+    Where the middle of all that are equal to it stands in the order, in ``bins`` equal parts.
+    """
     if bins < 1:
         raise ValueError(f"{bins} bins: at least one is needed")
     _, group, count = np.unique(p, return_inverse=True, return_counts=True)

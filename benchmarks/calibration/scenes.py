@@ -1,4 +1,6 @@
-"""The scenes of ``plogic bench calibration``: bodies that look alike, seen by a poor detector in clutter, partly one behind another.
+"""The scenes of ``plogic bench calibration``.
+
+Bodies that look alike, seen by a poor detector in clutter, partly one behind another.
 
 * ``World``: the types, and how well they are really seen, which perception is not told: it learns it from training
   scenes

@@ -171,7 +171,10 @@ def series_of(case: Case, learned: KnowledgeBase | None, seed: int) -> Series:
 def answered(
     series: Series, perceiver: Perceiver, which: tuple[int, int], peers: Sequence[Peer], seconds: float
 ) -> list[Outcome]:
-    """The trial of ``which`` seed and number: ours first, then who was told, then the peers, who may take so many seconds, on the same Γ."""
+    """The trial of ``which`` seed and number.
+
+    Ours first, then who was told, then the peers, who may take so many seconds, on the same Γ.
+    """
     posed = series.trial(*which)
     asked: dict[str, Callable[[], list[Found]]] = {TOLD: lambda: told(series.kb, posed)}
     for peer in peers:
@@ -192,7 +195,7 @@ def answered(
 
 def ours(perceiver: Perceiver, gamma: Gamma) -> tuple[list[Found], list[Found]]:
     """What we accept, and what else we thought of, each the best first."""
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from plogic.cycle.delta import Options
 
     delta, rejected, _ = perceiver.delta(gamma, Options(reading="posterior"), Stopwatch())

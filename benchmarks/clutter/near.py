@@ -1,4 +1,6 @@
-"""A table of ``plogic bench clutter``: who is told the type and a near pose, and refines it, in the same Γ among the same clutter.
+"""A table of ``plogic bench clutter``.
+
+Who is told the type and a near pose, and refines it, in the same Γ among the same clutter.
 
 * ``Refined``: one pose that one of the refiners came to, judged
 
@@ -96,7 +98,10 @@ def begun(posed: Trial, turned: float, moved: float, rng: np.random.Generator) -
 
 
 def _off(posed: Trial, turned: float, moved: float) -> float:
-    """Pixels, about, by which the object's points are off then: by the turn at half the picture's radius, and by the move."""
+    """Pixels, about, by which the object's points are off then.
+
+    By the turn at half the picture's radius, and by the move.
+    """
     radius = 0.25 * float((posed.truth.box[1] - posed.truth.box[0]).max())
     return 2.0 * radius * float(np.sin(np.radians(turned) / 2.0)) + moved * posed.gamma.camera.f
 

@@ -1,4 +1,6 @@
-"""The types of ``plogic bench clutter``: random clouds on convex bodies, and clouds made of what was learned from meshes.
+"""The types of ``plogic bench clutter``.
+
+Random clouds on convex bodies, and clouds made of what was learned from meshes.
 
 * ``Detector``: how well features are seen, ``Detector("easy", hit=0.6, sigma=1.0, turn=0.087)``
 
@@ -16,8 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
-from kb.clouds.lobes import Lobe
-from kb.clouds.tree import Branch, build_tree, features_of
+from kb.clouds.lobes import Branch, Lobe, build_tree, features_of
 from kb.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -103,7 +104,9 @@ def knowledge_base(
 def learned_types(
     kb: KnowledgeBase, features: int, appearance_types: int, least: float = LEAST_HALF_ANGLE
 ) -> tuple[ObjectType, ...]:
-    """Of each learned type one like a type written by hand, of up to ``features`` of its keypoints: the surest, spread over the directions of view.
+    """Of each learned type one like a type written by hand, of up to ``features`` of its keypoints.
+
+    The surest, spread over the directions of view.
 
     A feature's z axis is the lobe's, its x axis the keypoint's direction; its appearance type is that of its visual
     word, modulo their number.

@@ -1,4 +1,6 @@
-"""``plogic bench look-again``: how many views until the true world is probable, for the next view by what it would tell, and for others.
+"""``plogic bench look-again``.
+
+How many views until the true world is probable, for the next view by what it would tell, and for others.
 
 Every policy goes to places of the same ring, sees the same there, and judges all views together. ``--quick``: few
 scenes, which promise means alone.

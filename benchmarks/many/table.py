@@ -1,4 +1,6 @@
-"""What ``plogic bench many`` prints: both sides over all scenes, ours by how much of an object shows and by how its type was made, the claims.
+"""What ``plogic bench many`` prints.
+
+Both sides over all scenes, ours by how much of an object shows and by how its type was made, the claims.
 
 * ``Answer``: what one side made of one scene
 """

@@ -87,7 +87,10 @@ def frequencies(kb: KnowledgeBase) -> Floats:
 
 
 def polyhedron(name: str, names: Sequence[str], rng: np.random.Generator) -> ObjectType:
-    """A random convex polyhedron: a feature at each corner, the others patches on its faces, more on the larger ones."""
+    """A random convex polyhedron.
+
+    A feature at each corner, the others patches on its faces, more on the larger ones.
+    """
     surface = random_polyhedron(rng)
     corners = surface.vertices
     at, normal = scattered(surface, FEATURES - len(corners), rng)

@@ -62,7 +62,10 @@ def arrangements(rng: np.random.Generator, count: int, side: int = 7) -> list[Ar
 
 
 def _framed(rng: np.random.Generator, count: int, side: int) -> NDArray[np.bool_]:
-    """(count, 3, side, side) a box of all squares, and two in it: what lies deep in another is rare among random ones."""
+    """(count, 3, side, side) a box of all squares, and two in it.
+
+    What lies deep in another is rare among random ones.
+    """
     squares = boxes(rng, 3 * count, side).reshape(count, 3, side, side)
     squares[:, 0] = True
     return squares
@@ -103,7 +106,10 @@ def triples(found: Iterable[Arrangement]) -> frozenset[Triple]:
 
 
 def checked(found: Iterable[Arrangement], some: Iterable[Triple], rng: np.random.Generator, count: int) -> list[bool]:
-    """For ``count`` of the triples, drawn at random: whether the bodies built for it are one piece each and stand in its relations."""
+    """For ``count`` of the triples, drawn at random.
+
+    Whether the bodies built for it are one piece each and stand in its relations.
+    """
     by_terms: dict[Terms, list[Arrangement]] = {}
     for one in found:
         by_terms.setdefault(one.terms, []).append(one)

@@ -1,4 +1,6 @@
-"""``plogic bench recognition``: ten types learned from their meshes, found in rendered table-top scenes, beside a SIFT and RANSAC peer.
+"""``plogic bench recognition``.
+
+Ten types learned from their meshes, found in rendered table-top scenes, beside a SIFT and RANSAC peer.
 
 Vocabulary: a ``Case`` is one picture with its truth; an ``Answer`` is what both sides made of it.
 """
@@ -54,7 +56,7 @@ def run(
     Raises:
         InputError: The meshes are not there, or cannot be learned.
     """
-    from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.body import read_mesh
 
     meshes = ycb_meshes()
     with tempfile.TemporaryDirectory(prefix="plogic-recognition-") as folder:

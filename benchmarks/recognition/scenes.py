@@ -1,4 +1,6 @@
-"""The pictures of ``plogic bench recognition``: rendered once to a folder, so that all sides read the same pixels, with their truth.
+"""The pictures of ``plogic bench recognition``.
+
+Rendered once to a folder, so that all sides read the same pixels, with their truth.
 
 * ``Case``: one picture, ``Case(seed=7, hard=0.3, empty=False, image=PosixPath(...), camera=Camera(...),
   truths=(Truth(...), ...))``

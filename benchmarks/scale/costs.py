@@ -53,5 +53,8 @@ def types_under_limit(entries: float, most: int = MOST) -> float:
 
 
 def looks_needed(types: int, looks: int, entries: float, most: int = MOST) -> int:
-    """Appearance types at which so many types ask for no more than ``most``: a pair of looks is as rare as the square of their number says."""
+    """Appearance types at which so many types ask for no more than ``most``.
+
+    A pair of looks is as rare as the square of their number says.
+    """
     return ceil(looks * sqrt(types * entries / most))

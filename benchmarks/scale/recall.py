@@ -1,4 +1,6 @@
-"""How many types an index can hold: where the right vote stands among those of other types, and where it would stand among more.
+"""How many types an index can hold.
+
+Where the right vote stands among those of other types, and where it would stand among more.
 
 * ``Standing``: in one trial, how much weight the box of the right vote has, and how much those of the others have
 

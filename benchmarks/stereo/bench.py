@@ -81,7 +81,7 @@ def off_of_pair(
     perceiver: Perceiver, both: Gamma, right: Gamma, pair: Pair, truth: tuple[ObjectType, Floats]
 ) -> tuple[float, float] | None:
     """As ``off``, of the best that is accepted of the pair's Γ, refined on both images."""
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from plogic.cycle.delta import Options
     from plogic.sequence.views.stereo import sharpened
 

@@ -126,7 +126,10 @@ def _paragraph(page: NDArray[np.float32], rng: np.random.Generator, at: tuple[in
 
 
 def label(rng: np.random.Generator, width: int, height: int) -> NDArray[np.uint8]:
-    """(height, width, 3) uint8, one face of a printed package: a name, fields of colour, discs, a picture, small print, a bar code."""
+    """(height, width, 3) uint8, one face of a printed package.
+
+    A name, fields of colour, discs, a picture, small print, a bar code.
+    """
     import cv2
 
     ground = _tint(rng, 50, 235)

@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.shared.claims import Claim, report
 from geometry.frames import pose_error
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -162,7 +162,7 @@ def _relation_right(
 ) -> bool:
     """Whether the most probable relation of the two reported towers is the one of the true poses, by outlines and depth."""
     from geometry.visibility.occlusion import PosedSurface, occlusion
-    from plogic.facts.pair_facts import pair_facts
+    from plogic.facts.situation import pair_facts
 
     posed = []
     for label, pose, _ in truth:

@@ -136,7 +136,7 @@ def _differences(case: Case, mine: OurRun, stock: tuple[StockRun, ...]) -> dict[
 
 
 def _by_hypothesis(case: Case, answers: dict[str, float]) -> dict[str, float]:
-    from plogic.facts.names import names_of
+    from plogic.facts.situation import names_of
 
     names = names_of(case.situation)
     return {h.id: answers[f"present({names.atom(h.id)})"] for h in case.situation.hypotheses}

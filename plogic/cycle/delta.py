@@ -14,8 +14,7 @@ from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, t
 from plogic.cycle.placing import space_of_view
 from plogic.cycle.relations import part_relations_of, relations_of
 from plogic.cycle.state import Cycle, Trace
-from plogic.facts.hypothesis import FeatureFact, Hypothesis
-from plogic.facts.part_facts import part_facts
+from plogic.facts.hypothesis import FeatureFact, Hypothesis, part_facts
 from plogic.facts.situation import AppearanceFact, Reading, Reconsider, Situation
 from plogic.facts.spatial import Space
 from plogic.match.judged.disjoint import reaches_into

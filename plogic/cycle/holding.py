@@ -17,7 +17,7 @@ from geometry.bodies.columns import STEEP
 from geometry.bodies.depth import parts_of
 from geometry.bodies.resting import Bodies, shape_of
 from geometry.frames import transform_points
-from geometry.poses.refine_sights import turned_step
+from geometry.poses.refine import turned_step
 from plogic.cycle.placing import CONTACT, MOST, ROUND
 from plogic.facts.gravity import GROUND, Foot, Gravity
 from plogic.match.judged.disjoint import pose_information

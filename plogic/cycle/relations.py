@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from geometry.visibility.occlusion import PosedSurface, drawn, occlusion
-from plogic.facts.pair_facts import pair_facts
+from plogic.facts.situation import pair_facts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

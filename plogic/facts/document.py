@@ -23,8 +23,7 @@ from plogic.facts.fact_rows import (
     Slightly,
     SpaceRow,
 )
-from plogic.facts.situation import Reading, Reconsider
-from plogic.facts.stopped import Stopped
+from plogic.facts.situation import Reading, Reconsider, Stopped
 
 Case = Literal["A", "B", "C", "D"]
 Status = Literal["accepted", "rival", "open"]

@@ -17,14 +17,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.inference.graph import Factor, FactorGraph
+from plogic.inference.graph import Beliefs, Factor, FactorGraph
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
-
-    from plogic.inference.graph import Beliefs
 
 
 @dataclass(frozen=True)

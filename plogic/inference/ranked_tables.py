@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from plogic.inference.merge import Stream
-from plogic.inference.messages import FEW_COLUMNS, RUN_CELLS, runs
+from plogic.inference.passes import FEW_COLUMNS, RUN_CELLS, runs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

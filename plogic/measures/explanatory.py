@@ -1,4 +1,4 @@
-"""Explanatory value ev, P(ev) and reconsideration (§5.4, §5.5).
+"""Explanatory value ev, P(ev) and reconsideration (§5.4, §5.5); Shanahan's, for comparison (§5.7).
 
 Vocabulary:
 
@@ -15,6 +15,7 @@ Vocabulary:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import exp, log
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -103,3 +104,22 @@ def reconsidered(
         gained = 0 if mode == "drop" else hidden
         result[name] = Cells(A=cells.A, C=cells.C - hidden, B=cells.B + gained + moved, D=cells.D - moved)
     return result
+
+
+def shanahan_values(rivals: Mapping[str, Sequence[float]]) -> dict[str, float]:
+    """P(Qk) / Σj P(Qj) of each rival explanation Δk of the same Γ, Qk = Δk and no other.
+
+    ``rivals`` gives each explanation the priors of its abducibles, all in (0, 1]; P(Qk) is their product. The values
+    sum to 1 over the
+    rivals (ev does not), adding a rival lowers the others, and listing every abducible k times multiplies log-odds by
+    k. No rivals, no
+    values. Products are taken in logarithms: thousands of abducibles do not underflow. Raises ValueError for a prior
+        outside (0, 1].
+    """
+    if any(not 0.0 < prior <= 1.0 for priors in rivals.values() for prior in priors):
+        raise ValueError("a prior lies outside (0, 1]")
+    logs = {name: sum(log(prior) for prior in priors) for name, priors in rivals.items()}
+    top = max(logs.values(), default=0.0)
+    weights = {name: exp(value - top) for name, value in logs.items()}
+    total = sum(weights.values())
+    return {name: weight / total for name, weight in weights.items()}

@@ -11,12 +11,11 @@ import warnings
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from kb.clouds.cloud import Counts
+from kb.clouds.cloud import Counts, Rates
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
 
-    from kb.clouds.cloud import Rates
     from plogic.rates.scene_records import Record, Slot
 
     Pairs = Mapping[str, tuple[float, float]]

@@ -18,7 +18,7 @@ from plogic.base.errors import InputError
 from plogic.match.gamma.data import Data, data_of
 from plogic.match.judged.alike import same_place
 from plogic.match.judged.expectation import hidden_by, matched, pose_of
-from plogic.measures.valuation import compatible
+from plogic.measures.distinctiveness import compatible
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

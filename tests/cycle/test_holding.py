@@ -1,4 +1,7 @@
-"""Who rests on whom, by contacts: against what boxes at known heights do by hand, from any direction, and what poses that may be wrong change."""
+"""Who rests on whom, by contacts.
+
+Against what boxes at known heights do by hand, from any direction, and what poses that may be wrong change.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""A learned type of random features made ready for search, and keypoints as a camera would see them of it: exact, without pixels."""
+"""A learned type of random features made ready for search, and keypoints as a camera would see them of it.
+
+Exact, without pixels.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +14,8 @@ from random_cloud import random_cloud, random_words, unit
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, inverse, transform_points
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
-from kb.files.learned_reading import learned_features, learned_lobes, with_compounds
-from kb.learning.sides import LOOKS, VARIED
+from kb.files.read import learned_features, learned_lobes, with_compounds
+from kb.learning.again import LOOKS, VARIED
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.screen_angles import screen_angle
 from plogic.match.learned.learned_models import learned_index

@@ -33,7 +33,10 @@ def write_box(path, sides=(1, 1, 1), triangles=None):
 
 
 def split_box():
-    """The cube with every face's corners its own, as texture seams split them: 24 vertices, 12 triangles, uv (24, 2)."""
+    """The cube with every face's corners its own, as texture seams split them.
+
+    24 vertices, 12 triangles, uv (24, 2).
+    """
     vertices = np.concatenate([CORNERS[list(quad)] for quad in QUADS])
     triangles = np.array([t for i in range(0, 24, 4) for t in ((i, i + 1, i + 2), (i, i + 2, i + 3))])
     return vertices, triangles, np.tile([[0.0, 0], [1, 0], [1, 1], [0, 1]], (6, 1))

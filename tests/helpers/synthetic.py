@@ -1,4 +1,6 @@
-"""Synthetic Γ of the shipped towers: what a camera would see of posed objects, with noise, misses, wrong arms and clutter.
+"""Synthetic Γ of the shipped towers.
+
+What a camera would see of posed objects, with noise, misses, wrong arms and clutter.
 
 ``scene(rng, {"t1": pose})`` gives a ``Shot``: the Γ and, for each appearance, what truly caused it.
 """

@@ -1,4 +1,7 @@
-"""Situations of up to 14 hypotheses, more than hypothesis draws cheaply: from a seed, with all that bears on a world's weight."""
+"""Situations of up to 14 hypotheses, more than hypothesis draws cheaply.
+
+From a seed, with all that bears on a world's weight.
+"""
 
 from __future__ import annotations
 

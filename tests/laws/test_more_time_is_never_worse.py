@@ -1,4 +1,7 @@
-"""Anytime (``plogic.cycle.stability``): wherever the cycle is stopped, it answers with a stable Δi, and more time never makes its weight less."""
+"""Anytime (``plogic.cycle.stability``).
+
+Wherever the cycle is stopped, it answers with a stable Δi, and more time never makes its weight less.
+"""
 
 from __future__ import annotations
 

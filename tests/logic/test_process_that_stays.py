@@ -8,8 +8,7 @@ import os
 import pytest
 
 from plogic.base.errors import LimitError
-from plogic.logic.served.engine import Limits, Text, request_of, through
-from plogic.logic.served.staying_process import Process
+from plogic.logic.served.engine import Limits, Process, Text, request_of, through
 from plogic.scene.asking.query import answers
 
 PROGRAM = Text(

@@ -11,7 +11,7 @@ from plogic.base.errors import (
     ProgramError,
     UnknownPredicateError,
 )
-from plogic.logic.served.serve import serve
+from plogic.logic.served.program_child import serve
 
 
 def asked(*texts, goals=()):

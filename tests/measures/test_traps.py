@@ -1,4 +1,7 @@
-"""The traps (a) to (g) of §8: an index of the tests that each has, and those that need a Γ, a cycle and a whole ``perceive``."""
+"""The traps (a) to (g) of §8.
+
+An index of the tests that each has, and those that need a Γ, a cycle and a whole ``perceive``.
+"""
 
 from __future__ import annotations
 

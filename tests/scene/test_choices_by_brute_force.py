@@ -70,7 +70,10 @@ def front_to_back(graph):
 
 
 def posterior_by_choices(subject):
-    """Sum over worlds, hits and causes: every appearance is explained by exactly one cause, every hit needs its appearance."""
+    """Sum over worlds, hits and causes.
+
+    Every appearance is explained by exactly one cause, every hit needs its appearance.
+    """
     groups = defaultdict(list)
     for h in subject.hypotheses:
         groups[h.group].append(h)

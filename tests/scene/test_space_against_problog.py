@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from situations import POSE, feature, hypothesis, random_situations, situation
 
 from plogic.base.errors import InconsistentError
-from plogic.facts.names import names_of
+from plogic.facts.situation import names_of
 from plogic.facts.spatial import BodyFact, Space
 from plogic.logic.served.engine import Text, through
-from plogic.logic.served.serve import serve
+from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene, scene_answers
 from plogic.scene.asking.query import answers
 from plogic.scene.asking.relevant import relevant

@@ -10,11 +10,10 @@ import numpy as np
 from geometry.cones import even_directions
 from kb.clouds.learned import LearnedCloud, cloud_bytes
 from kb.clouds.words import Words, worded, words_bytes
-from kb.files.yaml_text import load
-from kb.learning.observations import Observations, joined, observed
-from kb.learning.part_owners import with_parts
+from kb.files.folder import load
+from kb.learning.compounds import with_parts
+from kb.learning.observations import AWAY, MARGIN, PIXELS, Observations, joined, observed
 from kb.learning.symmetry_trials import DIRECTIONS, Trial, entries, judged, trials
-from kb.learning.views import AWAY, MARGIN, PIXELS
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn_look import learned_of
 from plogic.face.authoring.kb_types import check_own, type_folders, with_entry
@@ -23,9 +22,9 @@ from plogic.run.sources import kb_of
 from sensing.detectors.keypoint_detector import described
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_files
-from sensing.simulated.meshes import read_mesh
+from sensing.simulated.body import read_mesh
+from sensing.simulated.camera import turned
 from sensing.simulated.stage import MAX_TRIANGLES
-from sensing.simulated.turntable import turned
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

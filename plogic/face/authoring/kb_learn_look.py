@@ -17,10 +17,9 @@ from geometry.cones import even_directions
 from kb.clouds.learned import LearnedCloud, cloud_bytes, read_cloud
 from kb.errors import CloudError
 from kb.learning.features import cloud_of
-from kb.learning.observations import Observations, joined, observed
+from kb.learning.observations import AWAY, DIRECTIONS, MARGIN, PIXELS, Observations, joined, observed
 from kb.learning.photo import PaintedMesh, on_shown
-from kb.learning.views import AWAY, DIRECTIONS, MARGIN, PIXELS
-from kb.shown.learned_summary import compound_sizes, compounds_text
+from kb.shown.cautions import compound_sizes, compounds_text
 from plogic.base.errors import InputError
 from plogic.base.jobs import ChildDiedError, afresh
 from plogic.base.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
@@ -28,9 +27,9 @@ from sensing.detectors.edge_sides import edge_sides
 from sensing.detectors.keypoint_detector import described
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_whole
-from sensing.simulated.meshes import read_mesh
+from sensing.simulated.body import read_mesh
+from sensing.simulated.camera import extent, turned
 from sensing.simulated.physics import physics_version
-from sensing.simulated.turntable import extent, turned
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

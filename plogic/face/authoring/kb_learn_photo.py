@@ -13,13 +13,11 @@ import numpy as np
 from geometry.camera import camera_to_dict
 from geometry.files.camera_files import read_camera
 from kb.clouds.words import worded
-from kb.files.yaml_text import load
+from kb.files.folder import load
 from kb.intake.new_type import NewType, check_name, new_type
-from kb.intake.picture import png
-from kb.intake.source import read_source
-from kb.learning.part_owners import with_parts
-from kb.learning.photo import PaintedMesh, painted, registered
-from kb.learning.points import read_points
+from kb.intake.source import png, read_source
+from kb.learning.compounds import with_parts
+from kb.learning.photo import PaintedMesh, painted, read_points, registered
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn import BY_HAND, check_detector, files_of, row_of
 from plogic.face.authoring.kb_learn_look import learned_of
@@ -28,7 +26,7 @@ from plogic.face.shown.tables import plain_table
 from plogic.run.sources import kb_of
 from sensing.files.images import read_image
 from sensing.files.whole_files import write_files
-from sensing.simulated.meshes import read_mesh
+from sensing.simulated.body import read_mesh
 from sensing.simulated.stage import MAX_TRIANGLES
 
 if TYPE_CHECKING:

@@ -13,14 +13,12 @@ import numpy as np
 from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
+from kb.files.folder import MAX_BYTES, load
 from kb.files.write import obj_text, object_text
-from kb.files.yaml_text import MAX_BYTES, load
 from kb.intake.bop_models import bop_models, bop_symmetries
-from kb.intake.new_kb import new_kb_files, schema_files
-from kb.intake.new_type import EDITOR_LINE, NewType, check_name, new_type
-from kb.intake.robots import sdf_visuals, urdf_visuals
+from kb.intake.new_type import EDITOR_LINE, NewType, check_name, new_kb_files, new_type, schema_files
+from kb.intake.robots import merged, sdf_visuals, urdf_visuals
 from kb.intake.source import read_source
-from kb.intake.visuals import merged
 from kb.shown.cautions import FIXING_A_POSE
 from plogic.base.errors import InputError
 from plogic.run.sources import kb_of

@@ -15,7 +15,7 @@ from plogic.face.python.asking import EXPLANATIONS
 from plogic.face.python.interpretation import Interpretation, opened
 from plogic.face.session.minds import ranked
 from plogic.face.shown.figures import chance, interval
-from plogic.facts.exclusions import exclusion_lines, exclusions
+from plogic.facts.spatial import exclusion_lines, exclusions
 from plogic.logic.safety.atoms import quoted
 from plogic.logic.served.engine import TOO_DEEP
 from plogic.run.sources import is_program
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from plogic.face.shown.options import Asking
     from plogic.facts.document import WorldRow
     from plogic.facts.situation import Reading
-    from plogic.logic.served.program_worlds import ProgramRanking
+    from plogic.logic.served.engine import ProgramRanking
     from plogic.scene import document as rows
 
 LATE = 3

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.errors import PlogicError
 from geometry.files.pose_files import Placed, read_poses
+from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
-from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.face.shown.options import written
 from plogic.facts.interpretation import text_of
-from plogic.facts.stopped import stopped_in
+from plogic.facts.situation import stopped_in
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import detected, gamma_of, image_of, is_gamma, kb_of, sized
 from plogic.scene.readings.unfinished import REASONS

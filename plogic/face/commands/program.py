@@ -37,7 +37,7 @@ def report_command(interpretation: str, out: str, *, say: Callable[[str], None],
 def measures_command(source: str, *, as_json: bool) -> str:
     """The document ``measures/1``, or both tables. Raises InterpretationError, SituationError."""
     from plogic.face.python.measures import measures_of
-    from plogic.facts.stopped import stopped_in
+    from plogic.facts.situation import stopped_in
 
     document = read_interpretation(source)
     found, stopped = measures_of(document), stopped_in(document)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kb.shown.learned_summary import learned_summary
+from kb.shown.cautions import learned_summary
 from kb.shown.show import part_of_features, part_rows
 from plogic.face.pages.one_file import PageParts, one_file
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
@@ -107,7 +107,7 @@ def surface_document(kind: ObjectType) -> tuple[dict[str, Any] | None, list[str]
 
 def _painted(kind: ObjectType) -> tuple[TexturedMesh | None, list[str]]:
     """The textured mesh, None where there is none or it cannot be read."""
-    from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.body import read_mesh
 
     if kind.mesh_file is None:
         return None, []

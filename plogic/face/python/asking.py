@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from plogic.facts.stopped import Stopped
+    from plogic.facts.situation import Stopped
 
 EXPLANATIONS = 5
 """Explanations of each kind, where no number is asked for."""

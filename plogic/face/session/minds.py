@@ -14,11 +14,9 @@ from typing import TYPE_CHECKING, Any
 from plogic.base.errors import InputError, OutsideError
 from plogic.face.session.results import World, Worlds
 from plogic.facts.vocabulary import entries
-from plogic.logic.safety.atoms import quoted
-from plogic.logic.served.engine import Answer, Limits, Text, ask, through
+from plogic.logic.safety.atoms import SPELLINGS, quoted
+from plogic.logic.served.engine import Answer, Limits, Process, ProgramRanking, Text, ask, program_worlds, through
 from plogic.logic.served.outline import Outline, Predicate, outline_of, outline_request
-from plogic.logic.served.program_worlds import ProgramRanking, program_worlds
-from plogic.logic.served.staying_process import Process
 from plogic.scene.asking.explanations import Account, explain
 from plogic.scene.asking.live import LiveScene
 from plogic.scene.asking.query import Subject, answers, subject_text
@@ -175,7 +173,8 @@ class SceneMind(Asked):
         layers = self._layers()
         if name.isdecimal() and 0 < int(name) <= len(layers):
             return layers[int(name) - 1]
-        return self.clauses_of({"atom": "atom_node", "atom/1": "atom_node/1"}.get(name, name))
+        spelled = {f"{word}{end}": f"{own}{end}" for (word, n), own in SPELLINGS.items() for end in ("", f"/{n}")}
+        return self.clauses_of(spelled.get(name, name))
 
     def predicates(self) -> tuple[Predicate, ...]:
         """The vocabulary, and what the author's rules add."""

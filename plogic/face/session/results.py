@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING
 from plogic.face.session.account_text import account_text
 from plogic.face.session.blocks import Block, Column, Lines, Note, Result, Rows, Table
 from plogic.face.shown.figures import NONE, chance, interval
-from plogic.logic.safety.bindings import bindings
+from plogic.logic.safety.author import bindings
 from plogic.scene.readings.unfinished import notice, proved
 
 if TYPE_CHECKING:
-    from plogic.facts.stopped import Stopped
+    from plogic.facts.situation import Stopped
     from plogic.logic.served.engine import Answer
     from plogic.scene.asking.explanations import Account
 

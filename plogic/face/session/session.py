@@ -28,7 +28,7 @@ from plogic.scene.readings.unfinished import REASONS, opened, proved, stopped_of
 from sensing.files.whole_files import write_whole
 
 if TYPE_CHECKING:
-    from plogic.facts.stopped import Stopped
+    from plogic.facts.situation import Stopped
     from plogic.logic.served.outline import Predicate
     from plogic.scene.asking.query import Subject
 

@@ -15,13 +15,12 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plogic.logic.grounding.ground_program import TRUE
+from plogic.logic.grounding.ground_program import TRUE, Gate, Ground
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from plogic.logic.dnnf.nnf import Nnf
-    from plogic.logic.grounding.ground_program import Gate, Ground
 
 Clause = tuple[int, ...]
 """Literals of which at least one is true."""

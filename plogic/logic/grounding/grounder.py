@@ -16,14 +16,20 @@ from typing import TYPE_CHECKING, Any
 from problog.errors import ProbLogError
 from problog.logic import And, Constant, Not, Or, Term, Var
 
-from plogic.logic.grounding.ground_program import Choice, Gate
-from plogic.logic.grounding.indexed_clauses import Reader, UnsupportedError, Variables, is_ground
+from plogic.logic.grounding.ground_program import Choice, Gate, Literal, Node
+from plogic.logic.grounding.indexed_clauses import (
+    Goal,
+    Reader,
+    Rule,
+    Signature,
+    Small,
+    UnsupportedError,
+    Variables,
+    is_ground,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterator
-
-    from plogic.logic.grounding.ground_program import Literal, Node
-    from plogic.logic.grounding.indexed_clauses import Goal, Rule, Signature, Small
 
 
 @dataclass

@@ -15,12 +15,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from plogic.logic.grounding.ground_program import SLACK
+from plogic.logic.grounding.ground_program import SLACK, Gate, Ground, Literal
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from plogic.logic.grounding.ground_program import Gate, Ground, Literal
     from plogic.logic.proof.terms import Small
 
 NONE_TAKEN = -1

@@ -17,20 +17,27 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from plogic.logic.proof.cone import Allowed, Choice, Selection, Steps, StoppedError, contradicts, fixed, key_of, ordered
-from plogic.logic.proof.ground_proofs import Tree, choice_literal, plain
+from plogic.logic.proof.cone import (
+    Allowed,
+    Choice,
+    Cone,
+    Selection,
+    Steps,
+    StoppedError,
+    contradicts,
+    fixed,
+    key_of,
+    ordered,
+)
+from plogic.logic.proof.ground_proofs import Grounding, Key, Tree, choice_literal, plain
 from plogic.logic.proof.plain_trees import failure_data, miss_data, missed, tree_data
 from plogic.logic.proof.proof_trees import Trees, Truth
-from plogic.logic.proof.relevant_evidence import numbers_of, prior
-from plogic.logic.proof.terms import resolved, text
+from plogic.logic.proof.relevant_evidence import Numbers, numbers_of, prior
+from plogic.logic.proof.terms import Small, resolved, text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from plogic.logic.proof.cone import Cone
-    from plogic.logic.proof.ground_proofs import Grounding, Key
-    from plogic.logic.proof.relevant_evidence import Numbers
-    from plogic.logic.proof.terms import Small
     from plogic.logic.safety.atoms import Names
 
 Entry = tuple[float, int, tuple[tuple[tuple[int, str], int], ...], float, Selection]

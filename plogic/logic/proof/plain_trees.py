@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from math import prod
 from typing import TYPE_CHECKING, Any
 
-from plogic.logic.proof.ground_proofs import body_goal
+from plogic.logic.proof.ground_proofs import Grounding, Key, Tree, body_goal
 from plogic.logic.proof.relevant_evidence import numbers_of
 from plogic.logic.proof.terms import LETTERS, Bindings, Small, fresh, is_ground, refs, resolved, signature, text, unify
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from plogic.logic.proof.cone import Steps
-    from plogic.logic.proof.ground_proofs import Grounding, Key, Tree
     from plogic.logic.proof.rewrite import Literal, Rule
     from plogic.logic.safety.atoms import Names
 

@@ -11,15 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from plogic.logic.proof.cone import NONE_TAKEN, Choice
-from plogic.logic.proof.ground_proofs import Tree, bound_values, choice_literal, joined
+from plogic.logic.proof.cone import NONE_TAKEN, Choice, Selection
+from plogic.logic.proof.ground_proofs import Grounding, Key, Tree, bound_values, choice_literal, joined
 from plogic.logic.proof.terms import Bindings, Small, canonical, is_ground, resolved, unify
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plogic.logic.proof.cone import Selection
-    from plogic.logic.proof.ground_proofs import Grounding, Key
     from plogic.logic.proof.rewrite import Literal, Rule
 
 

@@ -12,17 +12,14 @@ from problog.formula import LogicDAG
 from problog.logic import Constant, Term
 
 from plogic.base.errors import InconsistentError, NegativeCycleError
-from plogic.logic.dnnf.compiled import IMPOSSIBLE, compiled
+from plogic.logic.dnnf.compiled import IMPOSSIBLE, Compiled, compiled
 from plogic.logic.grounding.ground_program import Choice as Share
-from plogic.logic.grounding.ground_program import gate_of, ground_from, share_of
-from plogic.logic.proof.cone import Cone, Steps
+from plogic.logic.grounding.ground_program import Gate, Ground, Literal, gate_of, ground_from, share_of
+from plogic.logic.proof.cone import Choice, Cone, Selection, Steps
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from plogic.logic.dnnf.compiled import Compiled
-    from plogic.logic.grounding.ground_program import Gate, Ground, Literal
-    from plogic.logic.proof.cone import Choice, Selection
     from plogic.logic.proof.ground_proofs import Grounding, Key
 
 COLUMNS = 256

@@ -6,14 +6,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from problog.logic import AggTerm, And, AnnotatedDisjunction, Clause, Constant, Not, Or, Term, Var
 
-from plogic.logic.safety.atoms import SPELLINGS, own_atom
-
-if TYPE_CHECKING:
-    from plogic.logic.safety.atoms import Names
+from plogic.logic.safety.atoms import SPELLINGS, Names, own_atom
 
 CASE_ATOMS = {"A": "a", "B": "b", "C": "c", "D": "d"}
 

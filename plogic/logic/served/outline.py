@@ -9,12 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from plogic.logic.safety.atoms import quoted
+from plogic.logic.safety.atoms import Names, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from plogic.logic.safety.atoms import Names
 
 
 @dataclass(frozen=True)

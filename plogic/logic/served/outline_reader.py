@@ -9,13 +9,11 @@ from problog.parser import PrologParser
 from problog.program import ExtendedPrologFactory
 
 from plogic.logic.safety.atoms import Names
-from plogic.logic.safety.check import check_source, heads, parse
+from plogic.logic.safety.check import Source, check_source, heads, parse
 from plogic.logic.safety.mapping import mapped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from plogic.logic.safety.check import Source
 
 
 def outline(request: dict[str, Any]) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from plogic.match.hand.generate import generate, settle
 from plogic.match.hand.triples import PlaneTriples, plane_triples
 from plogic.match.hand.view_cells import ViewCells, view_cells
 from plogic.match.judged.type_models import SURE, Ranks, Search, TypeModels
-from plogic.measures.valuation import compatible, rank
+from plogic.measures.distinctiveness import compatible, rank
 
 if TYPE_CHECKING:
     from collections import Counter

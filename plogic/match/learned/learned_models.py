@@ -23,7 +23,7 @@ from plogic.match.learned.held_lobes import Lobes, lobes_of
 from plogic.match.learned.learned_match import settle
 from plogic.match.learned.learned_poses import NOBODY, REFINED, generate, resting
 from plogic.match.learned.lexicon import Lexicon, lexicon_of
-from plogic.measures.valuation import kinds_of, rank_of_kinds
+from plogic.measures.distinctiveness import kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:
     from collections import Counter
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from kb.clouds.learned import LearnedCloud
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import Found, Given, Request, Setup
-    from plogic.measures.valuation import Kinds
+    from plogic.measures.distinctiveness import Kinds
 
     Floats = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from geometry.errors import PlogicError
+from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
-from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.run.batch.frame_lines import Lines
 from plogic.run.batch.frames import camera_of, checked, digest_of, scene_and_image, scene_at

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import OutsideError
 from plogic.facts.dependence import Scene, dependence
-from plogic.facts.names import names_of
+from plogic.facts.situation import names_of
 from plogic.inference.gates import And, Literal, Not, Or
 from plogic.logic.safety.atoms import own_atom, quoted
 from plogic.logic.safety.author import author_rules

@@ -22,7 +22,7 @@ import numpy as np
 
 from plogic.base.bounds import LEAST, alternative
 from plogic.facts.dependence import Scene, arranged, dependence, ordered
-from plogic.facts.expected import expected
+from plogic.facts.hypothesis import expected
 from plogic.inference.gates import And, Literal, Not, Or
 from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, log, logs_of
 from plogic.scene.readings.score_reading import acceptance, lifted_smoothing

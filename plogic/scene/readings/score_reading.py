@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.base.bounds import LEAST, alternative
-from plogic.facts import expected as d7
+from plogic.facts import hypothesis as d7
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from plogic.base.bounds import bounded
 from plogic.facts.gravity import GROUND
-from plogic.facts.pair_facts import both_ways
+from plogic.facts.situation import both_ways
 from plogic.facts.spatial import BodyFact, words_of_shared
 from plogic.scene.text.layout import coordinate, number, quoted
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 from plogic.base.bounds import alternative, bounded
 from plogic.facts.dependence import Scene, dependence
-from plogic.facts.names import names_of
 from plogic.facts.sanity import check
+from plogic.facts.situation import names_of
 from plogic.logic.safety.author import author_rules
 from plogic.scene.readings.posterior_reading import causes_of, group_shares, unmatched
 from plogic.scene.readings.score_reading import lifted_smoothing

@@ -13,7 +13,7 @@ import numpy as np
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import behind
 from kb.clouds.lobes import in_lobe
-from plogic.facts.expected import Seen, expected
+from plogic.facts.hypothesis import Seen, expected
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

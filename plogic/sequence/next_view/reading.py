@@ -18,7 +18,7 @@ from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
 from plogic.facts.document import Marks
 from plogic.facts.interpretation import interpretation_in, parsed
-from plogic.facts.stopped import stopped_in
+from plogic.facts.situation import stopped_in
 from plogic.scene.readings.unfinished import marks
 from plogic.sequence.document import Panorama
 from plogic.sequence.next_view.prospect import Body, Cloud, Prospect

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.judging import FEWEST
 from plogic.cycle.recall import Seed
 from plogic.match.gamma.data import data_of

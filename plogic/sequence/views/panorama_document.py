@@ -8,7 +8,7 @@ import numpy as np
 
 from geometry.frames import compose, inverse, transform_points
 from geometry.visibility.rays import behind
-from plogic.facts.stopped import SEARCH, stopped_in
+from plogic.facts.situation import SEARCH, stopped_in
 from plogic.scene.readings.unfinished import OPEN, marks
 from plogic.sequence.constancy.decide import unknown_objects
 from plogic.sequence.constancy.result import constancy_document

@@ -1,4 +1,7 @@
-"""The peers of ``plogic bench clutter``: each finds an easy object, and answers nothing where there is nothing to be found."""
+"""The peers of ``plogic bench clutter``.
+
+Each finds an easy object, and answers nothing where there is nothing to be found.
+"""
 
 from __future__ import annotations
 

@@ -109,7 +109,10 @@ def test_the_sizes_are_the_issues():
     ids=lambda case: case.family,
 )
 def test_all_sides_agree(case):
-    """Ours on the graph and from the text, both ways of stock ProbLog, and enumeration: marginals and the best worlds."""
+    """Ours on the graph and from the text, both ways of stock ProbLog, and enumeration.
+
+    Marginals and the best worlds.
+    """
     found = measure(case, LIMIT, set())
     assert set(found.differences) == {"ddnnf", "sdd", "text", "enumeration", "enumerated worlds"}
     assert max(found.differences.values()) <= 1e-9

@@ -1,4 +1,7 @@
-"""The page of an object type as text: bytes that repeat, a policy that names its own hashes, data that cannot escape and that stays small."""
+"""The page of an object type as text.
+
+Bytes that repeat, a policy that names its own hashes, data that cannot escape and that stays small.
+"""
 
 from __future__ import annotations
 

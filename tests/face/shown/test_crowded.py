@@ -1,4 +1,7 @@
-"""A photo's interpretation, thousands of keypoints and features that stand for a thousand others: dots instead of marks, nothing covered."""
+"""A photo's interpretation, thousands of keypoints and features that stand for a thousand others.
+
+Dots instead of marks, nothing covered.
+"""
 
 from __future__ import annotations
 

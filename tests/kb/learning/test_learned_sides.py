@@ -16,9 +16,9 @@ from random_cloud import random_cloud
 
 from geometry.cones import even_directions, spacing
 from kb.clouds.learned import LearnedCloud, cloud_bytes, read_cloud
+from kb.learning.again import LOOKS, STRETCH, VARIED, WIDE
 from kb.learning.features import BEYOND, LEAST_SEEN, MOST_SIDES, SIDES_SEEN, cloud_of
 from kb.learning.observations import joined
-from kb.learning.sides import LOOKS, STRETCH, VARIED, WIDE
 
 SEEDS = st.integers(0, 9999)
 REACH = 0.4 * STRETCH * DIAMETER

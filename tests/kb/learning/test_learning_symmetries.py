@@ -1,4 +1,7 @@
-"""Turns of a shape against a cloud: those that its texture keeps are found, others are not, and what nobody knows is not written."""
+"""Turns of a shape against a cloud.
+
+Those that its texture keeps are found, others are not, and what nobody knows is not written.
+"""
 
 from __future__ import annotations
 

@@ -95,7 +95,10 @@ def test_types_written_by_hand_are_as_before():
 
 
 def test_a_match_of_a_keypoint_counts_against_clutter_that_looks_as_right(thing, pose):
-    """No other keypoint looks right here: then against the share of usual clutter that has the angle, the size, and looks so right."""
+    """No other keypoint looks right here.
+
+    Then against the share of usual clutter that has the angle, the size, and looks so right.
+    """
     posed, of = settled(thing, pose, range(20))
     near, usual = match_density(posed, thing.kb), clutter_density(thing.kb, of)
     here = np.maximum(

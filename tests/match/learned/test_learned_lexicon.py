@@ -1,4 +1,7 @@
-"""Which appearances look like which keypoints: with one word as comparing all with all, with a vocabulary those of the nearest words."""
+"""Which appearances look like which keypoints.
+
+With one word as comparing all with all, with a vocabulary those of the nearest words.
+"""
 
 from __future__ import annotations
 

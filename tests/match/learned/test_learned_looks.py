@@ -136,7 +136,10 @@ def near(thing, posed):
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(st.integers(0, 9999))
 def test_likeness_is_what_a_loop_counts(seed):
-    """Keypoints that look right around a match, those aside that stand where the match stands: its own edge, seen again."""
+    """Keypoints that look right around a match, those aside that stand where the match stands.
+
+    Its own edge, seen again.
+    """
     thing, posed, data, rng = scene(seed)
     matches = np.where(rng.random(FEATURES) < 0.7, rng.permutation(18)[:FEATURES], -1)
     usual = clutter_density(thing.kb, data)

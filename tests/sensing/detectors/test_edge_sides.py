@@ -26,7 +26,7 @@ from sensing.detectors.edge_sides import (
     fairly,
     noise,
 )
-from sensing.detectors.keypoint_colours import DARK, ratios
+from sensing.detectors.keypoints import DARK, ratios
 
 SIZE = 64
 RIM = 13
