@@ -129,7 +129,7 @@ def test_probabilities_are_intervals_that_contain_those_of_what_was_found(readin
 
 
 def against(document, name, reading):
-    """(interval, probability told, probability when there is time enough) of each presence, world and relation, and of what is not listed."""
+    """(interval, told, exact probability) of each presence, world and relation, and of the unlisted rest."""
     final, ranking = finished(name, reading)
     kb, every = SCENES[name][0]().kb, {frozenset(w.present): w.probability for w in ranking.worlds}
     became = {h["id"]: counterpart(h, final, kb) for h in document["hypotheses"]}

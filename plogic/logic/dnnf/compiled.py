@@ -10,8 +10,8 @@ evidence, plain floats: below 1e-308 they are 0.
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,6 @@ from plogic.logic.dnnf.nnf import FALSE as NEVER
 from plogic.logic.dnnf.nnf import TRUE as ALWAYS
 from plogic.logic.dnnf.nnf import compiled as nnf_of
 from plogic.logic.grounding.ground_program import FALSE, TRUE, Ground, Literal
-
-if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Sequence
-
 
 BEST = 3
 """The kind of a gate that takes the greatest of its children."""

@@ -12,23 +12,21 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import reduce
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import problog
 
 from plogic.base.children import Child
 from plogic.base.errors import LimitError
+from plogic.base.walk import reached
 from plogic.inference.order import members
 from plogic.logic.dnnf.cnf import Clause, Residue, add_modules
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 LITERAL, AND, OR = 0, 1, 2
 TRUE, FALSE = 0, 1
@@ -81,9 +79,7 @@ class Nnf:
         return self._add(OR, smooth, all_mentioned)
 
     def _smoothed(self, child: int, missing: int) -> int:
-        if not missing:
-            return child
-        return self.conjunction((child, *self.frees(missing)))
+        return child if not missing else self.conjunction((child, *self.frees(missing)))
 
     def stand_for(self, literal: int, yes: int, no: int, *, whole: bool) -> None:
         """Let ``yes`` stand for a literal and ``no`` for its negation.
@@ -121,12 +117,7 @@ class Nnf:
 
 def nodes_under(nnf: Nnf, root: int) -> set[int]:
     """A node and all nodes below it."""
-    reached, stack = {root}, [root]
-    while stack:
-        new = {child for child in nnf.children[stack.pop()] if child not in reached}
-        reached |= new
-        stack.extend(new)
-    return reached
+    return set(reached([root], nnf.children.__getitem__))
 
 
 RUNS = 2

@@ -248,8 +248,7 @@ class Process:
         """The reply, which may hold an ``error``; raises LimitError where it takes too long or dies without a word."""
         running = self._alive()
         try:
-            line = self._talk(running, json.dumps(request).encode() + b"\n")
-            reply = read_reply(line)
+            reply = read_reply(self._talk(running, json.dumps(request).encode() + b"\n"))
         except BaseException as error:  # an interruption, too, must leave no process behind that is at work
             self.close()
             if isinstance(error, (BrokenPipeError, json.JSONDecodeError)):
