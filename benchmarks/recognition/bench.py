@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """One case, what ours found and in how many seconds, what the peer came to at every setting, and its seconds of one setting, by what it sees."""
+    """One case: our answer and its seconds, the peer's at every setting, and its seconds of one setting by input."""
 
     case: Case
     found: tuple[Found, ...]
@@ -56,7 +56,7 @@ def run(
     Raises:
         InputError: The meshes are not there, or cannot be learned.
     """
-    from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.body import read_mesh
 
     meshes = ycb_meshes()
     with tempfile.TemporaryDirectory(prefix="plogic-recognition-") as folder:

@@ -72,8 +72,6 @@ def resting_faces(points: Floats) -> RestingFaces:
 
     Points of a plane have none.
     """
-    from scipy.spatial import ConvexHull, QhullError
-
     none = RestingFaces(np.zeros((0, 3)), np.zeros(0))
     if not len(points):
         return none
@@ -121,8 +119,6 @@ def _support(vertices: Floats, normal: Floats, reach: float, middle: Floats, gra
 
     Of vertices (V, 3) about a face.
     """
-    from scipy.spatial import ConvexHull
-
     axes = _along(normal)
     held: Any = ConvexHull(vertices[vertices @ normal > reach - grain / 2.0] @ axes)
     return -float((held.equations[:, :2] @ (middle @ axes) + held.equations[:, 2]).max()), float(held.volume)

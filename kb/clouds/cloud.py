@@ -21,8 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kb.clouds.learned import LearnedCloud
-from kb.clouds.lobes import Feature, LobeTable, freeze, lobe_table
-from kb.clouds.tree import object_nodes
+from kb.clouds.lobes import Feature, LobeTable, freeze, lobe_table, object_nodes
 from kb.clouds.words import Words
 from kb.surfaces.surface import Surface
 

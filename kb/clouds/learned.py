@@ -52,7 +52,7 @@ class LearnedCloud:
         in space. size: (L,) the keypoint's diameter in space; 0 of the side of an edge
         (``sensing.detectors.edge_sides``), whose ``up`` is across the edge towards
             the side, and of whose descriptor bytes 128 to 132 are its looks, and 133 how much the last of them varied.
-        part: (F,) which object of its type's tree the feature belongs to (``kb.clouds.tree.object_nodes``); 0, the
+        part: (F,) which object of its type's tree the feature belongs to (``kb.clouds.lobes.object_nodes``); 0, the
         whole, where there are no parts. compound: (F,) which compound feature it is a part of (A1;
         ``kb.learning.compounds``), counted from 1; 0 of those that are in none.
     """

@@ -9,8 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kb.intake.picture import Picture, pixels, png
-from kb.intake.source import Piece, Source
+from kb.intake.source import Picture, Piece, Source, pixels, png
 
 Image = NDArray[np.uint8]
 Painted = tuple[Piece, NDArray[np.float64]]

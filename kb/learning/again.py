@@ -13,6 +13,7 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from geometry.arrays import Bytes, Floats
 from kb.clouds.words import COLOURS, POINT, SIDE
@@ -65,8 +66,6 @@ def keypoints_again(first: Seen, others: Sequence[Seen]) -> tuple[Floats, Floats
 
 def same(one: Seen, other: Seen) -> tuple[Indices, Indices]:
     """Indices of the keypoints of ``one`` that ``other`` has as well, and of which they are: the most alike of those that may be."""
-    from scipy.spatial import cKDTree
-
     nothing = np.zeros(0, np.intp)
     if not len(one.uv) or not len(other.uv):
         return nothing, nothing
@@ -145,8 +144,6 @@ def sides_again(first: SeenSides, others: Sequence[SeenSides], which: NDArray[np
 
 def _same(one: SeenSides, which: NDArray[np.intp], other: SeenSides) -> NDArray[np.intp]:
     """Those of the sides ``which`` of ``one`` that ``other`` has as well."""
-    from scipy.spatial import cKDTree
-
     if not len(which) or not len(other.uv):
         return np.zeros(0, np.intp)
     pairs = cKDTree(one.uv[which]).sparse_distance_matrix(

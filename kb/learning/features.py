@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from geometry.arrays import Floats
 from geometry.cones import even_directions, spacing
@@ -19,8 +20,7 @@ from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import COLOURS
 from kb.learning.again import LOOKS, STRETCH, VARIED, WIDE
 from kb.learning.compounds import OF_SIZE, Pictures, compounds_of
-from kb.learning.observations import Observations
-from kb.learning.views import PIXELS, distance
+from kb.learning.observations import PIXELS, Observations, distance
 
 SAME_PLACE = 1.6
 """Pixels (of the coarser of two pictures), or ``OF_SIZE`` of the size, within which observations are of one place: what
@@ -94,8 +94,6 @@ def _chosen(seen: Observations, groups: list[NDArray[np.intp]], most: int) -> li
 
 def _places(seen: Observations, which: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     """The observations ``which`` in groups, each about one place, size and direction; the surest first."""
-    from scipy.spatial import cKDTree
-
     if not len(which):
         return []
     tree, free = cKDTree(seen.at[which]), np.ones(len(seen), bool)
@@ -138,8 +136,6 @@ def _best(seen: Observations, groups: list[NDArray[np.intp]]) -> list[int]:
 
 def side_places(seen: Observations, which: NDArray[np.intp], diameter: float) -> list[NDArray[np.intp]]:
     """Those of the observations ``which`` are sides in groups, each of one stretch of an edge, as far as colours go any; the surest first."""
-    from scipy.spatial import cKDTree
-
     if not len(which):
         return []
     at, up, pixel = seen.at[which], seen.up[which], seen.pixel[which]

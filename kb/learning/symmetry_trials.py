@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from geometry.arrays import Bytes, Floats, Mask
 from geometry.frames import from_rotation_translation, quat_xyzw_from_rotation, rotation_angle, rotation_from_quat_xyzw
@@ -78,8 +79,6 @@ def _alike(some: Floats, others: Floats, least: float) -> Mask:
 
 def _near(cloud: LearnedCloud, moved: Floats, reach: float) -> Iterator[tuple[Indices, Indices]]:
     """Blocks of pairs of appearances, of features that are ``moved`` (F, 3) to within ``reach`` of others."""
-    from scipy.spatial import cKDTree
-
     i, j = flat(cKDTree(cloud.at).query_ball_point(moved, reach, return_sorted=True))
     counts = np.bincount(cloud.feature, minlength=len(cloud.at))
     start, pairs = np.cumsum(counts) - counts, counts[i] * counts[j]
@@ -126,8 +125,6 @@ def seen_again(cloud: LearnedCloud, motion: Floats, seen: Observations, directio
 
     By hit rates: what the detector would report of the object in this place, if it stood in that.
     """
-    from scipy.spatial import cKDTree
-
     R, t = motion[:3, :3], motion[:3, 3]
     at, axis, up = cloud.at @ R.T + t, cloud.axis @ R.T, cloud.up @ R.T
     due, got = 0.0, 0.0

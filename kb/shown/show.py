@@ -11,10 +11,8 @@ import numpy as np
 
 from geometry.frames import transform_points
 from kb.clouds.cloud import KnowledgeBase, ObjectType
-from kb.clouds.lobes import Feature, Lobe
-from kb.clouds.tree import object_nodes
-from kb.shown.cautions import MOST_NAMED, cautions
-from kb.shown.learned_summary import learned_summary
+from kb.clouds.lobes import Feature, Lobe, object_nodes
+from kb.shown.cautions import MOST_NAMED, cautions, learned_summary
 
 CLOSE = 0.01
 """A symmetry may move the surface's vertices by this share of its diameter."""

@@ -15,8 +15,7 @@ import shapely
 
 from geometry.bodies.columns import Body, Contact, above, body_of, stands, steady
 from geometry.bodies.depth import penetration
-from geometry.bodies.gap import distance, gap
-from geometry.bodies.overlap import solid_overlap
+from geometry.bodies.overlap import distance, gap, solid_overlap
 from geometry.visibility.occlusion import PosedSurface
 from geometry.visibility.outline import image_area, outline
 from plogic.cycle.support import support_of

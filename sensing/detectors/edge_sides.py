@@ -11,11 +11,12 @@ textured floor drowns a plain object.
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Bytes, Floats
-from sensing.detectors.keypoint_colours import DARK, between, ratios
+from sensing.detectors.keypoints import DARK, between, ratios
 
 
 def fairly(uv: Floats, cell: float) -> NDArray[np.intp]:
@@ -85,8 +86,6 @@ def edge_points(image: Bytes, cell: int, most: int, least: float = LEAST) -> Edg
 
 def _gradient(image: Bytes) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """(H, W) grey levels a pixel along x and y."""
-    import cv2
-
     smooth = np.asarray(cv2.GaussianBlur(image.astype(np.float32), (0, 0), SMOOTH), np.float32)
     gx, gy = (
         np.asarray(cv2.Sobel(smooth, cv2.CV_32F, *order, ksize=3) / 8.0, np.float32) for order in ((1, 0), (0, 1))
@@ -135,7 +134,7 @@ class EdgeSides:
         uv: (N, 2) pixels, on the edge. angle: (N,) radians in [0, 2π), clockwise on the screen from +x, across the edge
         towards this side. rise: (N,) grey levels a pixel by which the edge rises, in the channel in which it rises
         most. looks: (N, 5) how red and how blue the side is against green, near and farther in
-        (``sensing.detectors.keypoint_colours.ratios``), and how bright it is near
+        (``sensing.detectors.keypoints.ratios``), and how bright it is near
             the edge against what is beyond, 128 for no difference.
     """
 
@@ -153,8 +152,6 @@ def edge_sides(image: Bytes, cell: int, most: int = MOST) -> EdgeSides:
 
     ``most`` edges at most.
     """
-    import cv2
-
     points = edge_points(image, cell, image.size, max(LEAST, NOISY * noise(image)))
     chosen = fairly(points.uv, BLOCK)[:most]
     at, rise, across = points.uv[chosen], points.rise[chosen], points.angle[chosen]
@@ -174,8 +171,6 @@ def noise(image: Bytes) -> float:
 
     Immerkaer, Fast Noise Variance Estimation (1996), cell by cell.
     """
-    import cv2
-
     cell, share = _CALM
     if min(image.shape[:2]) < 2 * cell:
         return 0.0

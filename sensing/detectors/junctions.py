@@ -22,14 +22,14 @@ Where segments meet: pairs of lines intersected near their ends, gathered to pla
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Bytes, Floats, Mask
 from sensing.appearance import Appearance
-from sensing.detectors.edges import directions, meet, sample
+from sensing.detectors.edges import directions, find_segments, meet, sample
 from sensing.detectors.patches import areas, find_patches
-from sensing.detectors.segments import find_segments
 
 MIN_ANGLE = np.radians(12.0)
 """Two segments closer in direction than this do not fix a place."""
@@ -72,8 +72,6 @@ class JunctionDetector:
 
     def detect(self, image_bgr: Bytes) -> list[Appearance]:
         """Junctions of an (H, W, 3) uint8 image."""
-        import cv2
-
         grey = np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
         patches = find_patches(grey).corners
         bare = [without_patches(channel, patches) for channel in _channels(image_bgr, grey)]
@@ -167,8 +165,6 @@ def completed(step: Floats, least: Floats, arms: Floats, lengths: Floats) -> tup
 
 def without_patches(grey: NDArray[np.float32], corners: Floats) -> NDArray[np.float32]:
     """A copy of the (H, W) picture where each of the (N, 4, 2) patches has the median brightness found just around it."""
-    import cv2
-
     out = grey.copy()
     if not len(corners):
         return out

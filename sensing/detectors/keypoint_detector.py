@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from geometry.arrays import Bytes, Mask
 from sensing.appearance import Appearance
 from sensing.detectors.edge_sides import edge_points, edge_sides
-from sensing.detectors.keypoint_colours import colours, is_grey
-from sensing.detectors.keypoints import MOST, Keypoints, grey_of, keypoints, sift_at
+from sensing.detectors.keypoints import MOST, Keypoints, colours, grey_of, is_grey, keypoints, sift_at
 from sensing.detectors.regions import MOST as REGIONS
 from sensing.detectors.regions import regions
 
@@ -67,7 +66,7 @@ def described(
 
     At most ``most`` of each; of edges one in each cell of ``cell`` pixels, and at most ``EDGES``. Regions are looked
     for in ``calm``, as large, where it is given. Where the image has colours, they are part of the descriptors of
-    ``sift`` (``sensing.detectors.keypoint_colours``).
+    ``sift`` (``sensing.detectors.keypoints``).
 
     Raises:
         DetectorError: There is no such keypoint detector.

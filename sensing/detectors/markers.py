@@ -52,8 +52,6 @@ class MarkerDetector:
 
     def detect(self, image_bgr: Bytes) -> list[Appearance]:
         """Markers of an (H, W, 3) uint8 image, by id, each followed by its corners 0 to 3."""
-        import cv2
-
         if min(image_bgr.shape[:2]) < LEAST_SIDE:
             return []
         grey = np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
@@ -106,8 +104,6 @@ def fitted(grey: NDArray[np.float32], quads: Floats) -> Floats:
 
 
 def _finder(dictionary: str) -> cv2.aruco.ArucoDetector:
-    import cv2
-
     parameters = cv2.aruco.DetectorParameters()
     parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
     return cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary)), parameters)

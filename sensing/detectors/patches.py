@@ -10,6 +10,7 @@ Dark blobs: connected regions that stay the same over several brightness thresho
 from dataclasses import dataclass
 from functools import lru_cache
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -60,8 +61,6 @@ class PatchDetector:
 
     def detect(self, image_bgr: Bytes) -> list[Appearance]:
         """Patches of an (H, W, 3) uint8 image."""
-        import cv2
-
         found = find_patches(np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), np.uint8))
         sides = found.corners[:, 1] - found.corners[:, 0]
         angle = np.mod(np.arctan2(sides[:, 1], sides[:, 0]), np.pi / 2)
@@ -83,8 +82,6 @@ def find_patches(grey: Bytes) -> Patches:
 
 @lru_cache(maxsize=1)
 def _found(pixels: bytes, shape: tuple[int, int]) -> Patches:
-    import cv2
-
     grey = np.frombuffer(pixels, np.uint8).reshape(shape)
     if grey.size == 0 or int(grey.max()) - int(grey.min()) < MIN_CONTRAST:
         return _none()
@@ -117,8 +114,6 @@ def _none() -> Patches:
 
 def _quad(blob: "Blob") -> Floats:
     """(4, 2) first guess, clockwise: the outline's longest chord, and on either side of it the point that is farthest off."""
-    import cv2
-
     hull = cv2.convexHull(blob.outline).reshape(-1, 2).astype(np.float64)
     apart = ((hull[:, None] - hull[None]) ** 2).sum(axis=2)
     i, j = np.unravel_index(int(np.argmax(apart)), apart.shape)
@@ -209,8 +204,6 @@ def _centres(grey: NDArray[np.float32], quads: Floats, contrast: Floats, inside:
 def _darkness_centroid(
     grey: NDArray[np.float32], quad: Floats, dark: float, contrast: float, otherwise: Floats
 ) -> Floats:
-    import cv2
-
     middle = quad.mean(axis=0)
     wider = quad + 1.2 * (quad - middle) / np.maximum(np.linalg.norm(quad - middle, axis=1, keepdims=True), 1e-9) * 1.3
     low, high = np.maximum(np.floor(wider.min(axis=0)).astype(int), 0), np.ceil(wider.max(axis=0)).astype(int) + 1
@@ -257,8 +250,6 @@ def dark_blobs(grey: Bytes) -> list[Blob]:
 
 def _regions(grey: Bytes, level: int) -> Floats:
     """(N, 8) rows of regions darker than ``level``: centroid u, v, area, box left, top, width, height, level."""
-    import cv2
-
     mask = (grey < level).view(np.uint8)
     _, _, stats, centre = cv2.connectedComponentsWithStats(mask, connectivity=4, ltype=cv2.CV_32S)
     left, top, width, height, area = stats.T
@@ -295,8 +286,6 @@ def _same(row: Floats, u: float, v: float, area: float) -> bool:
 
 def _blob(grey: Bytes, rows: Floats) -> Blob | None:
     """The blob at the middle of its life, with the outline of its largest part in its box."""
-    import cv2
-
     _, _, area, left, top, width, height, level = rows[len(rows) // 2]
     x, y = int(left), int(top)
     box = np.ascontiguousarray(grey[y : y + int(height), x : x + int(width)] < level).view(np.uint8)

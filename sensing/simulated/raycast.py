@@ -9,6 +9,7 @@ flattered by it. A texture is looked up in a pyramid of halved copies, each samp
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,8 +27,6 @@ class TexturePyramid:
 
     def __init__(self, texture: NDArray[np.uint8]) -> None:
         """Halve until the shorter side would fall below ``SMALLEST``."""
-        import cv2
-
         self.levels = [np.ascontiguousarray(texture)]
         while min(self.levels[-1].shape[:2]) >= 2 * SMALLEST:
             height, width = self.levels[-1].shape[:2]
@@ -57,8 +56,6 @@ class TexturePyramid:
 
 
 def _bilinear(picture: NDArray[np.uint8], uv: NDArray[np.float64]) -> NDArray[np.float32]:
-    import cv2
-
     height, width = picture.shape[:2]
     at = np.stack([uv[:, 0] * width - 0.5, (1 - uv[:, 1]) * height - 0.5], axis=1).astype(np.float32)
     rows = -(-len(at) // _ROW)

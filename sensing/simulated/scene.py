@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -322,8 +323,6 @@ def json_bytes(document: object) -> bytes:
 
 def png(image: NDArray[np.uint8]) -> bytes:
     """The (H, W, 3) uint8 picture, blue first, as the bytes of a PNG file."""
-    import cv2
-
     done, data = cv2.imencode(".png", image)
     if not done:
         raise SceneError(f"image: shape {image.shape} cannot be written as PNG")

@@ -23,7 +23,7 @@ READ_LATE = frozenset({"XDG_CACHE_HOME", "XDG_STATE_HOME", "NO_COLOR", "PLOGIC_T
 """Variables that are read while a command runs, not while Python starts or packages are imported."""
 FEWER = """\
 import os
-import kb.learning.views as views
+import kb.learning.observations as views
 count = int(os.environ.get("TEST_DIRECTIONS", "26"))
 views.PIXELS, views.DIRECTIONS = (160.0, 115.0, 80.0), count
 """

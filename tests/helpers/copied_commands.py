@@ -24,6 +24,8 @@ from pathlib import Path
 PACKAGES = "geometry", "kb", "sensing", "plogic"
 OTHERS = "trimesh", "embreex.mesh_construction", "embreex.rtcore", "embreex.rtcore_scene", "manifold3d", "rich.console"
 """Imported by functions of ours, when they are called."""
+LEARNING = "kb.learning", "plogic.face.authoring", "cli"
+"""What a start of one's own may change, and who imports it."""
 ASIDE = "plogic.logic."
 """Imported and put aside: ProbLog, which they bring, sets the limit of recursion, and most commands do without."""
 
@@ -116,7 +118,7 @@ def become(request):
     sys.argv = request["command"]
     start = Path(request["environment"].get("PYTHONPATH", "")) / "sitecustomize.py"
     if start.is_file():  # which Python would have run as it started, before what it changes is imported
-        for name in [name for name in sys.modules if name.startswith("kb.learning")]:
+        for name in [name for name in sys.modules if name.startswith(LEARNING)]:
             del sys.modules[name]
         sys.path.insert(0, str(start.parent))
         runpy.run_path(str(start))
@@ -140,7 +142,7 @@ def run():
 
 
 def end(status):
-    """Do what Python does at the end, but for taking the imported modules apart, which takes longer than most commands."""
+    """End the process without taking the imported modules apart, which takes longer than most commands."""
     threading._shutdown()
     atexit._run_exitfuncs()
     with suppress(OSError, ValueError):  # a command may have closed them

@@ -12,8 +12,7 @@ import numpy as np
 
 from geometry.camera import Camera
 from geometry.frames import transform_points
-from geometry.poses.refine import refined_poses
-from geometry.poses.refine_sights import Sight, refine_sights
+from geometry.poses.refine import Sight, refine_sights, refined_poses
 from plogic.facts.hypothesis import Hypothesis
 
 if TYPE_CHECKING:

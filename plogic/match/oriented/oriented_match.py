@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.poses.refine_sights import Sight
+from geometry.poses.refine import Sight
 from plogic.base.clock import unhurried
 from plogic.match.gamma.screen_angles import screen_angle, wrapped
 from plogic.match.judged.alike import distinct

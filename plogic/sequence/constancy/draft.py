@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kb.clouds.cloud import ObjectType
-from kb.clouds.lobes import Lobe
-from kb.clouds.tree import Branch, build_tree, features_of
+from kb.clouds.lobes import Branch, Lobe, build_tree, features_of
 from kb.surfaces.surface import Surface
 
 if TYPE_CHECKING:

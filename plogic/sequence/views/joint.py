@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.poses.refine_sights import turned_step
+from geometry.poses.refine import turned_step
 from geometry.poses.reprojection import information
 from plogic.base.bounds import LEAST
 from plogic.cycle.delta import delta_of, instances
@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.delta import Options
-    from plogic.facts.gravity import Gravity
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.facts.situation import Situation
+    from plogic.facts.spatial import Gravity
     from plogic.match.gamma.data import Data
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking

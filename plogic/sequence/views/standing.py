@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.frames import inverse, transform_points
-from geometry.poses.refine_sights import Sight, refine_sights
+from geometry.poses.refine import Sight, refine_sights
 from plogic.match.judged.alike import same_place
 from plogic.match.judged.pose_information import sigmas
 from plogic.match.judged.rivals import claims, excludes, hidden_among

@@ -19,7 +19,7 @@ from geometry.frames import pose_error
 from kb.files.read import read_kb
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn import files_of
-from sensing.simulated.meshes import read_mesh
+from sensing.simulated.body import read_mesh
 from sensing.simulated.stage import MAX_TRIANGLES
 
 MINE = "object: mine\nfeatures:\n  - {feature: f, type: apex, at: [0, 0, 0], appearances: []}\n"

@@ -18,9 +18,8 @@ from twin_cubes import write_twins
 
 from geometry.frames import pose_error
 from kb.files.read import read_kb
-from sensing.simulated.body import Body
+from sensing.simulated.body import Body, read_mesh
 from sensing.simulated.camera import Sensor, render
-from sensing.simulated.meshes import read_mesh
 from sensing.simulated.surroundings import Light, Surroundings
 
 

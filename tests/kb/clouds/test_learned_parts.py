@@ -20,7 +20,7 @@ from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.clouds.words import worded, words_bytes
 from kb.errors import CloudError, KBErrors
 from kb.files.read import read_kb
-from kb.learning.part_owners import with_parts
+from kb.learning.compounds import with_parts
 from kb.shown.show import check_report, part_of_features, part_rows, tree_document, tree_text
 from plogic.facts.hypothesis import part_facts
 

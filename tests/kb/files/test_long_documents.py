@@ -7,10 +7,9 @@ import pytest
 from small_kb import KB, write_small
 
 from kb.errors import KBErrors
-from kb.files.branches import held, path_to
-from kb.files.mistakes import without
+from kb.files.branches import held, path_to, without
+from kb.files.folder import load
 from kb.files.read import read_kb
-from kb.files.yaml_text import load
 
 MANY = 30_000
 

@@ -12,9 +12,8 @@ from painted_cube import CORNER, COUNT, F_REF, PIXELS, SIDE, cloud, cube, facing
 from geometry.cones import even_directions, spacing
 from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of, reaches
-from kb.learning.observations import EDGE, OFTEN, joined
-from kb.learning.views import AWAY, MARGIN, distance, variants
-from sensing.simulated.turntable import turned
+from kb.learning.observations import AWAY, EDGE, MARGIN, OFTEN, distance, joined, variants
+from sensing.simulated.camera import turned
 
 FEW = facing(CORNER, 25.0)
 
@@ -93,7 +92,7 @@ def test_the_cloud_is_one_that_can_be_read():
 
 
 def test_a_hit_rate_is_what_was_found_of_the_pictures_that_could_have_shown_it():
-    """Also those of directions within the lobe that saw nothing, and of sizes between the largest and the smallest that did.
+    """Also those of directions within the lobe that saw nothing, and of sizes between the extremes that did.
 
     A lobe that holds fewer directions than a cone of its size holds on average counts as many as that.
     """

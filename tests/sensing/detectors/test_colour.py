@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sensing.detectors.keypoint_colours import CELLS, DARK, GAIN, REACH, WIDTH, colours, is_grey
 from sensing.detectors.keypoint_detector import described
+from sensing.detectors.keypoints import CELLS, DARK, GAIN, REACH, WIDTH, colours, is_grey
 from sensing.detectors.regions import regions
 
 RED, GREEN, BLUE, WHITE = (30, 30, 200), (40, 160, 30), (180, 60, 20), (220, 220, 220)
