@@ -101,12 +101,11 @@ def test_what_lies_beside_an_installed_plogic_is_not_followed(tmp_path):
 
 def test_all_that_renders_looks_and_learns_decides_and_what_only_shows_does_not():
     found = sources(ROOT, DECIDES)
-    learning = {f"kb/learning/{name}.py" for name in ("views", "observations", "features", "photo")}
+    learning = {f"kb/learning/{name}.py" for name in ("observations", "features", "photo")}
     seeing = {
         "sensing/detectors/keypoints.py",
-        "sensing/simulated/turntable.py",
         "sensing/simulated/stage.py",
-        "sensing/simulated/meshes.py",
+        "sensing/simulated/body.py",
     }
     assert learning | seeing | {"kb/clouds/learned.py", "geometry/cones.py", "geometry/camera.py", DECIDES} <= found
     assert not any(name.startswith(("plogic/face/pages", "plogic/match/gamma")) for name in found)
