@@ -156,7 +156,9 @@ def afresh(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -
     """
     with ExitStack() as stack:
         count = min(processes, len(jobs))
-        workers = [_Fresh(stack.enter_context(Child(python("plogic.base.jobs"), folder=".")), done) for _ in range(count)]
+        workers = [
+            _Fresh(stack.enter_context(Child(python("plogic.base.jobs"), folder=".")), done) for _ in range(count)
+        ]
         left, results = iter(enumerate(jobs)), dict[int, tuple[bool, Any]]()
         for worker in workers:
             worker.take(next(left, None))

@@ -27,14 +27,13 @@ from sensing.uncollected import uncollected
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import TypeModel
 
-    Rated = tuple[NDArray[np.float64], NDArray[np.float64]]
-    Fitted = Callable[[Hypothesis, Data, KnowledgeBase, NDArray[np.bool_] | None], Rated]
+    Rated = tuple[Floats, Floats]
+    Fitted = Callable[[Hypothesis, Data, KnowledgeBase, Mask | None], Rated]
 
 EVERY = 1000
 """Poses a type that ``unpruned`` refines and verifies: more than the search tells apart in one image."""
@@ -154,9 +153,9 @@ def instances(types: Mapping[str, str], exclusive: frozenset[tuple[str, str]]) -
 def _hidden(
     name: str,
     posed: Mapping[str, Hypothesis],
-    hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
+    hiding: Mapping[tuple[str, str], Mask],
     rivals: frozenset[tuple[str, str]],
-) -> NDArray[np.bool_]:
+) -> Mask:
     """(F,) the features that accepted opaque hypotheses hide: its rivals hide nothing of it (D7).
 
     This is who hides what beside Δi, for the program's rates and for the cases of the document.
@@ -173,8 +172,8 @@ def _hypothesis(
     name: str,
     posed: Hypothesis,
     group: str,
-    hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
-    rates: tuple[NDArray[np.float64], NDArray[np.float64]],
+    hiding: Mapping[tuple[str, str], Mask],
+    rates: tuple[Floats, Floats],
     data: Data,
     dv: Mapping[str, float],
 ) -> Hypothesis:
@@ -207,5 +206,5 @@ def _hypothesis(
     )
 
 
-def _triple(row: NDArray[np.float64]) -> tuple[float, float, float]:
+def _triple(row: Floats) -> tuple[float, float, float]:
     return float(row[0]), float(row[1]), float(row[2])

@@ -15,7 +15,7 @@ import numpy as np
 
 from geometry.bodies.columns import STEEP
 from geometry.bodies.depth import parts_of
-from geometry.bodies.resting import Bodies, shape_of
+from geometry.bodies.resting import Bodies, Shape, Touch, shape_of
 from geometry.frames import transform_points
 from geometry.poses.refine_sights import turned_step
 from plogic.cycle.placing import CONTACT, MOST, ROUND
@@ -27,15 +27,12 @@ from sensing.simulated.physics import NO_PHYSICS, client, has_physics
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from numpy.typing import NDArray
-
-    from geometry.bodies.resting import Shape, Touch
+    from geometry.arrays import Floats
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from kb.surfaces.surface import Surface
     from plogic.facts.hypothesis import Hypothesis
 
-    Floats = NDArray[np.float64]
     Pair = tuple[str, str]
 
 SURE = 3.0

@@ -14,9 +14,7 @@ from plogic.match.judged.rivals import SHARED_CLAIMS, apart_on_screen, hidden_am
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Mask
     from plogic.facts.hypothesis import Hypothesis
 
 FEWEST = 4
@@ -30,7 +28,7 @@ def judge(
     proposed: Hypothesis,
     rounds: int,
     *,
-    left: NDArray[np.bool_] | None = None,
+    left: Mask | None = None,
     anew: bool = True,
 ) -> Hypothesis:
     """A hypothesis beside these, matched on the data ``left`` (A,) that they do not claim, or refined by so many ``rounds``.
@@ -46,7 +44,7 @@ def judge(
     return believed(task, proposed, hidden_among(proposed, beside) if rounds else hidden)
 
 
-def believed(task: Task, matched: Hypothesis, hidden: NDArray[np.bool_]) -> Hypothesis:
+def believed(task: Task, matched: Hypothesis, hidden: Mask) -> Hypothesis:
     """The evidence and ev of a hypothesis of which the ``hidden`` features (F,) are not expected."""
     return judged_alone(matched, task.data, task.kb, task.dv, hidden)
 

@@ -16,18 +16,16 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from plogic.facts.hypothesis import FeatureFact, PartFact
+from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
 from plogic.facts.situation import OTHERS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Mask
     from kb.clouds.cloud import KnowledgeBase
     from kb.clouds.lobes import Feature
     from plogic.facts.document import Cells, LeftOut, LookedRow
-    from plogic.facts.hypothesis import Hypothesis
 
 Cell = Literal["expected_detected", "expected_missed", "hidden_missed", "hidden_detected"]
 CELLS: dict[str, Cell] = {
@@ -197,11 +195,11 @@ def _rest_looked(rest: FeatureFact) -> LookedRow:
     }
 
 
-def _notable(posed: Hypothesis) -> NDArray[np.bool_]:
+def _notable(posed: Hypothesis) -> Mask:
     return np.asarray(posed.candidate | (posed.matches >= 0))
 
 
-def _rest(posed: Hypothesis) -> NDArray[np.bool_]:
+def _rest(posed: Hypothesis) -> Mask:
     if told_in_full(posed):
         return np.zeros(len(posed.uv), dtype=bool)
     return np.asarray(posed.stands & ~_notable(posed) & posed.in_image)

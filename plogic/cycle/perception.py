@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from plogic.base.clock import OutOfTimeError
 from plogic.cycle.choosing import Choice, best_first, chosen
 from plogic.cycle.judging import judged, refusal
-from plogic.cycle.recall import more_to_see, recalled
+from plogic.cycle.recall import Seed, more_to_see, recalled
 from plogic.cycle.rivals import compared, left_over, making_way, set_aside
 from plogic.cycle.stability import concluded, glance, kept
 from plogic.cycle.state import Cycle, State, Step, Task, Trace, among, considered, free
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from plogic.cycle.attention import Attention
-    from plogic.cycle.recall import Seed
     from plogic.facts.hypothesis import Hypothesis
 
 POOL = 10

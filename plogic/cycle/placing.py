@@ -16,7 +16,7 @@ import shapely
 from geometry.bodies.columns import Body, Contact, above, body_of, stands, steady
 from geometry.bodies.depth import penetration
 from geometry.bodies.gap import distance, gap
-from geometry.bodies.overlap import solid_overlap
+from geometry.bodies.overlap import Solid, solid_overlap
 from geometry.visibility.occlusion import PosedSurface
 from geometry.visibility.outline import image_area, outline
 from plogic.cycle.support import support_of
@@ -26,15 +26,12 @@ from plogic.match.judged.rivals import solid_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from numpy.typing import NDArray
-
-    from geometry.bodies.overlap import Solid
+    from geometry.arrays import Floats
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.judged.type_models import TypeModel
 
-    Floats = NDArray[np.float64]
     Pair = tuple[str, str]
 
 CONTACT = 0.01

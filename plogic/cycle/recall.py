@@ -18,9 +18,7 @@ from plogic.cycle.state import State, Step, Task, free, step_of
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats
     from kb.clouds.cloud import KnowledgeBase
     from plogic.cycle.attention import Attention
     from plogic.facts.hypothesis import Hypothesis
@@ -35,7 +33,7 @@ class Seed(NamedTuple):
     """A type, by its index, and ``camera_from_object`` (4, 4), where it is expected."""
 
     of: TypeModel
-    camera_from_object: NDArray[np.float64]
+    camera_from_object: Floats
 
 
 def recalled(task: Task, state: State, seeds: Sequence[Seed]) -> tuple[State, list[Hypothesis]]:

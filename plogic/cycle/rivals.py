@@ -13,9 +13,7 @@ from plogic.match.judged.rivals import excludes, hidden_among
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats
     from plogic.facts.hypothesis import Hypothesis
 
 
@@ -95,9 +93,7 @@ def _makes_way(task: Task, state: State, rival: Hypothesis) -> Hypothesis | None
     return _beside(task, rival, poses[-1], others, rounds=0).told(status=rival.status, why=rival.why)
 
 
-def _beside(
-    task: Task, hypothesis: Hypothesis, pose: NDArray[np.float64], others: Sequence[Hypothesis], rounds: int
-) -> Hypothesis:
+def _beside(task: Task, hypothesis: Hypothesis, pose: Floats, others: Sequence[Hypothesis], rounds: int) -> Hypothesis:
     """The hypothesis near another pose (4, 4), beside these alone, and on the data that they leave."""
     hidden = hidden_among(hypothesis, others)
     posed = task.models[hypothesis.type].settle(

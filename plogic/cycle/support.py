@@ -19,14 +19,12 @@ from geometry.bodies.resting import Plane
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import Given, Request, TypeModel
     from plogic.match.kinds import Models
 
-    Floats = NDArray[np.float64]
 
 TILT, GAP = 0.087, 0.02
 """Two objects stand on one plane whose normals differ by less (radians, 5 degrees), and whose heights do by less than

@@ -18,7 +18,7 @@ import numpy as np
 
 from geometry.camera import Camera
 from kb.clouds.words import POINT, SIDE, WIDTHS
-from plogic.match.gamma.grid import grid_of
+from plogic.match.gamma.grid import Grid, grid_of
 from plogic.match.gamma.side_looks import contrasts_of
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.match.gamma.grid import Grid
+    from geometry.arrays import Floats, Indices, Mask
     from sensing.appearance import Appearance
 
 
@@ -56,19 +56,19 @@ class Data:
 
     ids: tuple[str, ...]
     types: tuple[str, ...]
-    uv: NDArray[np.float64]
-    ideal: NDArray[np.float64]
-    arms: NDArray[np.float64]
+    uv: Floats
+    ideal: Floats
+    arms: Floats
     camera: Camera
-    angle: NDArray[np.float64]
-    scale: NDArray[np.float64]
+    angle: Floats
+    scale: Floats
     descriptors: NDArray[np.uint8]
-    described: NDArray[np.bool_]
-    sided: NDArray[np.bool_]
+    described: Mask
+    sided: Mask
     looks: NDArray[np.uint8]
-    part_of: tuple[Data, NDArray[np.intp]] | None = None
-    depth: NDArray[np.float64] | None = None
-    depth_sigma: NDArray[np.float64] | None = None
+    part_of: tuple[Data, Indices] | None = None
+    depth: Floats | None = None
+    depth_sigma: Floats | None = None
 
     @property
     def whole(self) -> Data:
@@ -76,7 +76,7 @@ class Data:
         return self if self.part_of is None else self.part_of[0]
 
     @property
-    def rows(self) -> NDArray[np.intp]:
+    def rows(self) -> Indices:
         """(A,) where these are in ``whole``."""
         return np.arange(len(self.ids)) if self.part_of is None else self.part_of[1]
 
@@ -86,7 +86,7 @@ class Data:
         return self.descriptors.shape[1] > POINT
 
     @cached_property
-    def namesakes(self) -> NDArray[np.intp]:
+    def namesakes(self) -> Indices:
         """(A,) how many of all of Γ are of each one's type."""
         if self.part_of is not None:
             return self.whole.namesakes[self.rows]
@@ -94,13 +94,13 @@ class Data:
         return np.bincount(which)[which]
 
     @cached_property
-    def by_look(self) -> tuple[tuple[str, ...], NDArray[np.intp]]:
+    def by_look(self) -> tuple[tuple[str, ...], Indices]:
         """The names of the types that are there, and (A,) which of them each is of."""
         names, which = np.unique(np.array(self.types, str), return_inverse=True)
         return tuple(names.tolist()), np.asarray(which, np.intp)
 
     @cached_property
-    def sizes(self) -> NDArray[np.float64]:
+    def sizes(self) -> Floats:
         """(A,) the logarithm of ``scale``."""
         return np.log(self.scale)
 
@@ -117,11 +117,11 @@ class Data:
         return grid_of(which, self.uv[which], (self.camera.width, self.camera.height), self.angle[which])
 
     @cached_property
-    def contrasts(self) -> NDArray[np.float64]:
+    def contrasts(self) -> Floats:
         """(256,) density of each contrast among all of Γ's sides of edges."""
         return self.whole.contrasts if self.part_of is not None else contrasts_of(self.looks[self.sided])
 
-    def only(self, keep: NDArray[np.bool_]) -> Data:
+    def only(self, keep: Mask) -> Data:
         """The appearances where ``keep`` (A,) holds."""
         index = np.flatnonzero(keep)
         rows = index.tolist()
@@ -144,7 +144,7 @@ class Data:
         )
 
 
-def centre_of(camera: Camera) -> NDArray[np.float64]:
+def centre_of(camera: Camera) -> Floats:
     """Centre (2,) of the ideal image, pixels."""
     return np.array([(camera.width - 1) / 2.0, (camera.height - 1) / 2.0])
 
@@ -188,7 +188,7 @@ def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138)
     return Data(ids, types, uv, ideal, arms, camera, angle, scale, descriptors, described, sided, looks, None, *depth)
 
 
-def _depths_of(appearances: Sequence[Appearance]) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
+def _depths_of(appearances: Sequence[Appearance]) -> tuple[Floats | None, Floats | None]:
     """Depths and their standard deviations (A,), or None where there are none."""
     if all(a.depth is None for a in appearances):
         return None, None
@@ -202,7 +202,7 @@ FAR = np.float32(-1e6)
 """Where a point behind the camera is put: outside every image."""
 
 
-def project_ideal(poses: NDArray[np.float64], points: NDArray[np.float64], data: Data) -> NDArray[np.float32]:
+def project_ideal(poses: Floats, points: Floats, data: Data) -> NDArray[np.float32]:
     """(N, F, 2) ideal pixels of object points (F, 3) under poses (N, 4, 4), single precision.
 
     Far outside the image where behind the camera.
@@ -219,6 +219,6 @@ def project_ideal(poses: NDArray[np.float64], points: NDArray[np.float64], data:
     return places
 
 
-def viewpoints_of(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+def viewpoints_of(poses: Floats) -> Floats:
     """(N, 3) the camera's place in the object's frame under each pose."""
     return -np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3])

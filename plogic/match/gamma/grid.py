@@ -14,10 +14,7 @@ import numpy as np
 from plogic.match.gamma.screen_angles import part_of_circle
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Indices = NDArray[np.intp]
-    Floats = NDArray[np.float64]
+    from geometry.arrays import Floats, Indices
 
 
 def taken(low: Indices, high: Indices) -> tuple[Indices, Indices]:

@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from geometry.arrays import Floats, Indices
 
 
 def wrapped(angle: Floats) -> Floats:
@@ -24,6 +22,6 @@ def screen_angle(direction: Floats, at: Floats) -> Floats:
     return np.asarray(np.arctan2(dv, du))
 
 
-def part_of_circle(angle: Floats, parts: int) -> NDArray[np.intp]:
+def part_of_circle(angle: Floats, parts: int) -> Indices:
     """In which of so many equal parts of the circle, from 0, each angle lies."""
     return np.asarray(np.floor(np.mod(angle, 2.0 * np.pi) / (2.0 * np.pi) * parts).astype(np.intp) % parts)

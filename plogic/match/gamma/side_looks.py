@@ -16,7 +16,8 @@ from kb.clouds.words import COLOURS, SIDE
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from geometry.arrays import Floats
+
 
 OFF = 40.0
 """Bytes by which the four colours may be off, together."""

@@ -19,18 +19,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import blocks
+from plogic.match.gamma.data import Data, blocks
 from plogic.match.gamma.screen_angles import wrapped
-from plogic.match.hand.votes import distance_maps, votes
+from plogic.match.hand.votes import DistanceMaps, distance_maps, votes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from plogic.match.gamma.data import Data
+    from geometry.arrays import Floats, Indices, Mask
     from plogic.match.hand.view_cells import ViewCells
-    from plogic.match.hand.votes import DistanceMaps
 
 
 ARM_TOLERANCE = np.radians(16.0)
@@ -47,15 +46,15 @@ class Pairs:
     ``scale`` pixels per metre.
     """
 
-    cell: NDArray[np.intp]
-    feature: NDArray[np.intp]
-    datum: NDArray[np.intp]
-    other_feature: NDArray[np.intp]
-    other_datum: NDArray[np.intp]
-    roll: NDArray[np.float64]
-    scale: NDArray[np.float64]
+    cell: Indices
+    feature: Indices
+    datum: Indices
+    other_feature: Indices
+    other_datum: Indices
+    roll: Floats
+    scale: Floats
 
-    def take(self, index: NDArray[np.intp]) -> Pairs:
+    def take(self, index: Indices) -> Pairs:
         """The pairs at ``index``."""
         return Pairs(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
 
@@ -78,13 +77,13 @@ class DataLinks:
     ``length`` (N,) pixels.
     """
 
-    first: NDArray[np.intp]
-    second: NDArray[np.intp]
-    angle: NDArray[np.float64]
-    length: NDArray[np.float64]
+    first: Indices
+    second: Indices
+    angle: Floats
+    length: Floats
 
 
-def feature_links(points: NDArray[np.float64], arms: list[NDArray[np.float64]]) -> NDArray[np.intp]:
+def feature_links(points: Floats, arms: list[Floats]) -> Indices:
     """(N, 2) ordered pairs of features (F, 3) that an edge joins, both ways round.
 
     ``arms`` are each feature's edge directions.
@@ -116,7 +115,7 @@ def data_links(data: Data, check: Callable[[], None] = unhurried) -> DataLinks:
     )
 
 
-def _links_from(junctions: NDArray[np.intp], data: Data, check: Callable[[], None]) -> DataLinks:
+def _links_from(junctions: Indices, data: Data, check: Callable[[], None]) -> DataLinks:
     """The links of some junctions (J,), by the first, then by the second."""
     check()
     step = data.ideal[None] - data.ideal[junctions][:, None]
@@ -137,8 +136,8 @@ def _links_from(junctions: NDArray[np.intp], data: Data, check: Callable[[], Non
 
 def linked_pairs(
     cells: ViewCells,
-    links: NDArray[np.intp],
-    allowed: NDArray[np.bool_],
+    links: Indices,
+    allowed: Mask,
     data: Data,
     scales: tuple[float, float],
     check: Callable[[], None] = unhurried,
@@ -184,15 +183,15 @@ def linked_pairs(
     return Pairs(cell[row], f[row], found.first[column], g[row], found.second[column], roll, scale.astype(float))
 
 
-def _scales(image: NDArray[np.float64], cloud: NDArray[np.float64], *, each: bool = False) -> NDArray[np.float32]:
+def _scales(image: Floats, cloud: Floats, *, each: bool = False) -> NDArray[np.float32]:
     """Pixels a metre of lengths in the image (D,) by those of the cloud (M,): of all (M, D), or of ``each`` two (D,)."""
     cloud = np.maximum(cloud, 1e-9)
     return np.asarray((image / cloud if each else image[None] / cloud[:, None]).astype(np.float32))
 
 
 def _agreement(
-    masks: NDArray[np.uint64], bins: NDArray[np.int64], row: NDArray[np.intp], column: NDArray[np.intp]
-) -> tuple[NDArray[np.int8], NDArray[np.bool_]]:
+    masks: NDArray[np.uint64], bins: NDArray[np.int64], row: Indices, column: Indices
+) -> tuple[NDArray[np.int8], Mask]:
     """How many arms of datum ``column`` (N,) lie on edges of feature ``row`` (N,), (N,), and whether they are enough.
 
     All arms of an L must fit, all but one of three or four, three of five: detectors lose arms, and texture adds some.
@@ -208,13 +207,13 @@ def _agreement(
     return hits, hits >= needed[column]
 
 
-def _bins(angles: NDArray[np.float64]) -> NDArray[np.int64]:
+def _bins(angles: Floats) -> NDArray[np.int64]:
     """The bin of each angle, −1 for none."""
     index = np.floor(np.nan_to_num(angles, nan=0.0) / (2.0 * np.pi) * BINS + 0.5).astype(np.int64) % BINS
     return np.where(np.isnan(angles), -1, index)
 
 
-def _words(angles: NDArray[np.float64]) -> NDArray[np.uint64]:
+def _words(angles: Floats) -> NDArray[np.uint64]:
     """(M,) words with the bits set that lie within ``ARM_TOLERANCE`` of one of the angles (M, P)."""
     spread = int(ARM_TOLERANCE / (2.0 * np.pi) * BINS + 0.5)
     words = np.zeros(len(angles), dtype=np.uint64)
@@ -233,8 +232,8 @@ LARGEST_JOIN = 100_000
 
 def open_pairs(
     cells: ViewCells,
-    anchors: NDArray[np.intp],
-    allowed: NDArray[np.bool_],
+    anchors: Indices,
+    allowed: Mask,
     data: Data,
     scales: tuple[float, float],
     check: Callable[[], None] = unhurried,
@@ -255,9 +254,7 @@ def open_pairs(
     return every.take(np.sort(np.argsort(-worth, kind="stable")[:MOST_PAIRS]))
 
 
-def _votes(
-    pairs: Pairs, cells: ViewCells, anchors: NDArray[np.intp], maps: DistanceMaps, data: Data
-) -> NDArray[np.float64]:
+def _votes(pairs: Pairs, cells: ViewCells, anchors: Indices, maps: DistanceMaps, data: Data) -> Floats:
     """(N,) the share of the visible anchors that find a datum, each by how near it is."""
     return votes(pairs, cells, maps, np.ones(cells.visible.shape[1]), data, anchors)
 
@@ -265,8 +262,8 @@ def _votes(
 def _of_cell(
     cells: ViewCells,
     c: int,
-    anchors: NDArray[np.intp],
-    allowed: NDArray[np.bool_],
+    anchors: Indices,
+    allowed: Mask,
     data: Data,
     scales: tuple[float, float],
     check: Callable[[], None],
@@ -297,7 +294,7 @@ def _of_cell(
     )
 
 
-def _thinned(packed: list[tuple[int, int, NDArray[np.uint8]]]) -> NDArray[np.intp]:
+def _thinned(packed: list[tuple[int, int, NDArray[np.uint8]]]) -> Indices:
     """Where bits are set in blocks of them, one after the other: all, or ``MOST_OF_CELL`` evenly.
 
     A block: how many are set, and are there.

@@ -9,17 +9,16 @@ import numpy as np
 
 from geometry.poses.posit import posit
 from geometry.poses.refine import Steps, refined_poses
-from plogic.match.gamma.data import centre_of, project_ideal
+from plogic.match.gamma.data import Data, centre_of, project_ideal
 from plogic.match.hand.triples import turn_z_to
-from plogic.match.hand.votes import LOOSE, seen_cells, sizes
+from plogic.match.hand.votes import LOOSE, DistanceMaps, seen_cells, sizes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from plogic.match.gamma.data import Data
+    from geometry.arrays import Floats, Indices, Mask
     from plogic.match.hand.correspondences import Pairs
     from plogic.match.hand.view_cells import ViewCells
-    from plogic.match.hand.votes import DistanceMaps
 
 ROUNDS = ((0.06, 48), (0.035, 32), (0.02, 24), (0.0, 24))
 """Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of
@@ -47,11 +46,11 @@ class Candidates:
     ``fitted`` (N,) whether to at least ``FEWEST`` of them.
     """
 
-    camera_from_object: NDArray[np.float64]
-    matches: NDArray[np.intp]
-    fitted: NDArray[np.bool_]
+    camera_from_object: Floats
+    matches: Indices
+    fitted: Mask
 
-    def take(self, index: NDArray[np.intp]) -> Candidates:
+    def take(self, index: Indices) -> Candidates:
         """The poses at ``index``."""
         return Candidates(self.camera_from_object[index], self.matches[index], self.fitted[index])
 
@@ -60,14 +59,14 @@ class _Shown(NamedTuple):
     """Of N poses, ``places`` (N, F, 2) of the features, ideal pixels, and which are ``visible`` (N, F) from the nearest cell."""
 
     places: NDArray[np.float32]
-    visible: NDArray[np.bool_]
+    visible: Mask
 
-    def take(self, index: NDArray[np.intp]) -> _Shown:
+    def take(self, index: Indices) -> _Shown:
         """The poses at ``index``."""
         return _Shown(self.places[index], self.visible[index])
 
 
-def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> NDArray[np.float64]:
+def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> Floats:
     """(N, 4, 4) camera_from_object of coarse pairs: the cell's rotation and roll, about the ray through the object's centre."""
     local = -cells.xy[pairs.cell, pairs.feature]
     cos, sin = np.cos(pairs.roll), np.sin(pairs.roll)
@@ -77,13 +76,13 @@ def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> NDArray[np.float
 
 
 def poses_about(
-    centre: NDArray[np.float64],
-    roll: NDArray[np.float64],
-    scale: NDArray[np.float64],
-    cell_from_object: NDArray[np.float64],
-    middle: NDArray[np.float64],
+    centre: Floats,
+    roll: Floats,
+    scale: Floats,
+    cell_from_object: Floats,
+    middle: Floats,
     data: Data,
-) -> NDArray[np.float64]:
+) -> Floats:
     """(N, 4, 4) camera_from_object of cells (N, 3, 3) turned by ``roll`` (N,) rad about the rays through ``centre`` (N, 2) ideal pixels.
 
     There lies each object's ``middle``, (N, 3) or (3,) in its own frame, where a metre is ``scale`` (N,) pixels.
@@ -101,10 +100,10 @@ def poses_about(
 
 
 def extend(
-    poses: NDArray[np.float64],
+    poses: Floats,
     cells: ViewCells,
-    points: NDArray[np.float64],
-    weights: NDArray[np.float64],
+    points: Floats,
+    weights: Floats,
     maps: DistanceMaps,
     data: Data,
     tolerance: float,
@@ -130,11 +129,11 @@ def extend(
 
 
 def _narrowed(
-    poses: NDArray[np.float64],
+    poses: Floats,
     rounds: tuple[tuple[float, int], ...],
     cells: ViewCells,
-    points: NDArray[np.float64],
-    weights: NDArray[np.float64],
+    points: Floats,
+    weights: Floats,
     maps: DistanceMaps,
     data: Data,
     tolerance: float,
@@ -152,15 +151,15 @@ def _narrowed(
     return Candidates(rigid(poses), matches, _enough(matches))
 
 
-def _shown(poses: NDArray[np.float64], cells: ViewCells, points: NDArray[np.float64], data: Data) -> _Shown:
+def _shown(poses: Floats, cells: ViewCells, points: Floats, data: Data) -> _Shown:
     return _Shown(project_ideal(poses, points, data), cells.visible[seen_cells(poses, cells)])
 
 
-def _enough(matches: NDArray[np.intp]) -> NDArray[np.bool_]:
+def _enough(matches: Indices) -> Mask:
     return np.asarray((matches >= 0).sum(axis=1) >= FEWEST)
 
 
-def rigid(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+def rigid(poses: Floats) -> Floats:
     """The nearest rigid motions (N, 4, 4): rounding adds up over many small turns."""
     left, _, right = np.linalg.svd(poses[:, :3, :3])
     turned = poses.copy()
@@ -168,9 +167,7 @@ def rigid(poses: NDArray[np.float64]) -> NDArray[np.float64]:
     return turned
 
 
-def _worth(
-    shown: _Shown, matches: NDArray[np.intp], weights: NDArray[np.float64], maps: DistanceMaps
-) -> NDArray[np.float64]:
+def _worth(shown: _Shown, matches: Indices, weights: Floats, maps: DistanceMaps) -> Floats:
     """(N,) what was matched, less ``MISSED`` times what should be seen and was not; 0.2 + dv a feature."""
     value = shown.visible * ~maps.is_covered(shown.places) * (0.2 + weights)
     worth = np.where(matches >= 0, 0.2 + weights, -MISSED * value).sum(axis=1)
@@ -178,18 +175,18 @@ def _worth(
 
 
 def rematch(
-    poses: NDArray[np.float64],
+    poses: Floats,
     cells: ViewCells,
-    points: NDArray[np.float64],
+    points: Floats,
     maps: DistanceMaps,
     data: Data,
-    tolerance: NDArray[np.float64],
-) -> NDArray[np.intp]:
+    tolerance: Floats,
+) -> Indices:
     """(N, F) the datum of each feature that the nearest cell shows, within ``tolerance`` (N,) pixels, −1 for none."""
     return _nearest(_shown(poses, cells, points, data), maps, tolerance)
 
 
-def _nearest(shown: _Shown, maps: DistanceMaps, tolerance: NDArray[np.float64]) -> NDArray[np.intp]:
+def _nearest(shown: _Shown, maps: DistanceMaps, tolerance: Floats) -> Indices:
     """Nearest data within tolerance, each datum given to the nearest of the features that want it."""
     distance, datum = maps.look_up(shown.places)
     wanted = shown.visible & (distance <= tolerance[:, None])
@@ -201,7 +198,7 @@ def _nearest(shown: _Shown, maps: DistanceMaps, tolerance: NDArray[np.float64]) 
     return matches
 
 
-def _first_of_each(rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+def _first_of_each(rows: Indices) -> Mask:
     """(N, F) whether an entry is the first of its value in its row."""
     by_value = np.argsort(rows, axis=1, kind="stable")
     ordered = np.take_along_axis(rows, by_value, axis=1)
@@ -213,12 +210,12 @@ def _first_of_each(rows: NDArray[np.intp]) -> NDArray[np.bool_]:
 
 
 def _from_quadruples(
-    coarse: NDArray[np.float64],
-    points: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    matches: NDArray[np.intp],
+    coarse: Floats,
+    points: Floats,
+    weights: Floats,
+    matches: Indices,
     data: Data,
-) -> NDArray[np.float64]:
+) -> Floats:
     """POSIT on the four matched features of highest dv, spread apart.
 
     Where it refuses or reprojects worse, the coarse pose stays.
@@ -238,9 +235,7 @@ def _from_quadruples(
     return poses
 
 
-def _sets_of_four(
-    points: NDArray[np.float64], weights: NDArray[np.float64], matches: NDArray[np.intp]
-) -> NDArray[np.intp]:
+def _sets_of_four(points: Floats, weights: Floats, matches: Indices) -> Indices:
     """(N, 4) feature indices, highest dv first, each next one the farthest from those before among the most distinctive matched ones."""
     value = np.where(matches >= 0, weights[None], -1.0)
     rows = np.arange(len(matches))
@@ -256,17 +251,13 @@ def _sets_of_four(
     return four
 
 
-def _error(
-    poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data
-) -> NDArray[np.float64]:
+def _error(poses: Floats, points: Floats, matches: Indices, data: Data) -> Floats:
     """(N,) median distance in pixels between matched features and their data."""
     off = np.linalg.norm(project_ideal(poses, points, data) - data.ideal[matches], axis=2)
     return np.asarray(np.nanmedian(np.where(matches >= 0, off, np.nan), axis=1))
 
 
-def _refined(
-    poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data
-) -> NDArray[np.float64]:
+def _refined(poses: Floats, points: Floats, matches: Indices, data: Data) -> Floats:
     """Least squares on all inliers; poses with fewer than four stay as they are."""
     enough = np.flatnonzero(_enough(matches))
     if not len(enough):
@@ -281,6 +272,6 @@ def _refined(
     return poses
 
 
-def firsts(used: NDArray[np.bool_]) -> NDArray[np.intp]:
+def firsts(used: Mask) -> Indices:
     """(N, M) in each row of (N, F) the ``used`` columns, in order, and then others, as many as the fullest row has: what is missing costs time."""
     return np.argsort(~used, axis=1, kind="stable")[:, : int(used.sum(axis=1).max(initial=0))]

@@ -14,8 +14,7 @@ import numpy as np
 from kb.clouds.lobes import feature_in_lobe
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import ObjectType
 
 CELLS = 162
@@ -35,20 +34,20 @@ class ViewCells:
     F, K) screen angles of the visible edges at a feature, radians, NaN where there is none.
     """
 
-    directions: NDArray[np.float64]
-    cell_from_object: NDArray[np.float64]
-    xy: NDArray[np.float64]
-    visible: NDArray[np.bool_]
-    arms: NDArray[np.float64]
-    centre: NDArray[np.float64]
+    directions: Floats
+    cell_from_object: Floats
+    xy: Floats
+    visible: Mask
+    arms: Floats
+    centre: Floats
     diameter: float
 
-    def nearest(self, directions: NDArray[np.float64]) -> NDArray[np.intp]:
+    def nearest(self, directions: Floats) -> Indices:
         """Index of the nearest cell to each unit direction (N, 3) in the object's frame, shape (N,)."""
         return np.asarray(np.argmax(directions.astype(np.float32) @ self.directions.T.astype(np.float32), axis=1))
 
 
-def fibonacci_sphere(number: int) -> NDArray[np.float64]:
+def fibonacci_sphere(number: int) -> Floats:
     """``number`` near-uniform unit directions (number, 3), the same for the same number."""
     index = np.arange(number) + 0.5
     z = 1.0 - 2.0 * index / number
@@ -57,7 +56,7 @@ def fibonacci_sphere(number: int) -> NDArray[np.float64]:
     return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=1)
 
 
-def looking_back(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+def looking_back(directions: Floats) -> Floats:
     """Rotations (C, 3, 3) from the object's frame to cameras at ``directions`` that look at the centre, object's z up on the screen."""
     forward = -directions
     up = np.where(np.abs(directions[:, 2:3]) > 0.999, [[0.0, 1.0, 0.0]], [[0.0, 0.0, 1.0]])
@@ -85,9 +84,7 @@ def view_cells(object_type: ObjectType, number: int = CELLS) -> ViewCells:
     return ViewCells(directions, rotations, xy[:, :count] * (DISTANCE * diameter), visible, arms, centre, diameter)
 
 
-def _along_arms(
-    object_type: ObjectType, diameter: float
-) -> tuple[NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]:
+def _along_arms(object_type: ObjectType, diameter: float) -> tuple[Floats, Indices, Indices]:
     """A point (N, 3) a little way along each edge, its feature (N,) and the edge's number there (N,)."""
     rows = [
         (feature.at + 0.05 * diameter * arm, f, k)
@@ -98,15 +95,13 @@ def _along_arms(
     return points, np.array([row[1] for row in rows], dtype=np.intp), np.array([row[2] for row in rows], dtype=np.intp)
 
 
-def remade(
-    object_type: ObjectType, xy: NDArray[np.float64], visible: NDArray[np.bool_], arms: NDArray[np.float64]
-) -> ViewCells:
+def remade(object_type: ObjectType, xy: Floats, visible: Mask, arms: Floats) -> ViewCells:
     """The cells of a type of which what takes time is known."""
     directions = fibonacci_sphere(len(xy))
     return ViewCells(directions, looking_back(directions), xy, visible, arms, *_bounds(object_type))
 
 
-def _bounds(object_type: ObjectType) -> tuple[NDArray[np.float64], float]:
+def _bounds(object_type: ObjectType) -> tuple[Floats, float]:
     """Middle (3,) and diagonal of the box round a type's surface, or round its features where it has none."""
     surface = object_type.surface
     points = np.array([feature.at for feature in object_type.features]) if surface is None else surface.vertices
@@ -114,16 +109,12 @@ def _bounds(object_type: ObjectType) -> tuple[NDArray[np.float64], float]:
     return (low + high) / 2.0, float(np.linalg.norm(high - low)) or 1.0
 
 
-def _project(
-    rotations: NDArray[np.float64], viewpoints: NDArray[np.float64], points: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _project(rotations: Floats, viewpoints: Floats, points: Floats) -> Floats:
     local = np.einsum("cij,cnj->cni", rotations, points[None] - viewpoints[:, None])
     return np.asarray(local[..., :2] / local[..., 2:])
 
 
-def _behind_itself(
-    object_type: ObjectType, viewpoints: NDArray[np.float64], points: NDArray[np.float64], diameter: float
-) -> NDArray[np.bool_]:
+def _behind_itself(object_type: ObjectType, viewpoints: Floats, points: Floats, diameter: float) -> Mask:
     """(C, N) whether each point is Behind the type's own surface from each viewpoint (§3.4).
 
     Nothing is where there is no opaque surface.

@@ -16,14 +16,14 @@ import cv2
 import numpy as np
 
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import project_ideal, viewpoints_of
+from plogic.match.gamma.data import Data, project_ideal, viewpoints_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from plogic.match.gamma.data import Data
+    from geometry.arrays import Floats, Indices, Mask
     from plogic.match.hand.correspondences import Pairs
     from plogic.match.hand.view_cells import ViewCells
 
@@ -44,10 +44,10 @@ class DistanceMaps:
 
     distance: NDArray[np.float32]
     nearest: NDArray[np.int32]
-    of_feature: NDArray[np.intp]
-    covered: NDArray[np.bool_]
+    of_feature: Indices
+    covered: Mask
 
-    def look_up(self, places: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.intp]]:
+    def look_up(self, places: NDArray[Any]) -> tuple[NDArray[Any], Indices]:
         """Distance (..., F) and nearest datum (..., F) of ``places`` (..., F, 2) in ideal pixels.
 
         Outside the image, infinity and −1.
@@ -56,19 +56,17 @@ class DistanceMaps:
         index = pixel + self._starts()
         return np.where(inside, self.distance.ravel()[index], np.inf), np.where(inside, self.nearest.ravel()[index], -1)
 
-    def how_far(self, places: NDArray[Any], features: NDArray[np.intp] | slice = ALL) -> NDArray[Any]:
+    def how_far(self, places: NDArray[Any], features: Indices | slice = ALL) -> NDArray[Any]:
         """The distances alone, of some features."""
         return self.seen_at(places, features)[0]
 
-    def seen_at(
-        self, places: NDArray[Any], features: NDArray[np.intp] | slice = ALL
-    ) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    def seen_at(self, places: NDArray[Any], features: Indices | slice = ALL) -> tuple[NDArray[Any], Mask]:
         """The distances alone, of some features, and whether an accepted object stands at their places."""
         pixel, inside = _pixel(places, self.covered.shape)
         distance = np.where(inside, self.distance.ravel()[pixel + self._starts(features)], np.float32(np.inf))
         return distance, np.asarray(inside & self.covered.ravel()[pixel]) if self.anything else np.zeros_like(inside)
 
-    def is_covered(self, places: NDArray[Any]) -> NDArray[np.bool_]:
+    def is_covered(self, places: NDArray[Any]) -> Mask:
         """Whether an accepted object stands at each place (..., 2) of the image, so that a feature may not be seen there."""
         return covered_at(self.covered, places) if self.anything else np.zeros(places.shape[:-1], bool)
 
@@ -77,18 +75,18 @@ class DistanceMaps:
         """Whether any place is covered."""
         return bool(self.covered.any())
 
-    def _starts(self, features: NDArray[np.intp] | slice = ALL) -> NDArray[np.intp]:
+    def _starts(self, features: Indices | slice = ALL) -> Indices:
         """(F,) where the map of each of some features begins in all maps, flat."""
         return self.of_feature[features] * self.covered.size
 
 
-def covered_at(covered: NDArray[np.bool_], places: NDArray[Any]) -> NDArray[np.bool_]:
+def covered_at(covered: Mask, places: NDArray[Any]) -> Mask:
     """Whether a mask (H, W) of the ideal image holds at places (..., 2)."""
     index, inside = _pixel(places, covered.shape)
     return np.asarray(inside & covered.ravel()[index])
 
 
-def _pixel(places: NDArray[Any], shape: tuple[int, ...]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+def _pixel(places: NDArray[Any], shape: tuple[int, ...]) -> tuple[Indices, Mask]:
     """Flat index of the pixel of each place (0 outside), and whether it is inside an image of ``shape`` (H, W)."""
     height, width = shape
     column, row = np.rint(places[..., 0]), np.rint(places[..., 1])
@@ -97,9 +95,9 @@ def _pixel(places: NDArray[Any], shape: tuple[int, ...]) -> tuple[NDArray[np.int
 
 
 def distance_maps(
-    allowed: NDArray[np.bool_],
+    allowed: Mask,
     data: Data,
-    covered: NDArray[np.bool_] | None = None,
+    covered: Mask | None = None,
     check: Callable[[], None] = unhurried,
 ) -> DistanceMaps:
     """One map for each distinct row of ``allowed`` (F, A). A row without a datum gives a map of infinities.
@@ -116,9 +114,7 @@ def distance_maps(
     return DistanceMaps(np.stack([m[0] for m in made]), np.stack([m[1] for m in made]), of_feature.reshape(-1), nothing)
 
 
-def _one_map(
-    members: NDArray[np.intp], places: NDArray[np.float64], shape: tuple[int, int]
-) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+def _one_map(members: Indices, places: Floats, shape: tuple[int, int]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
     pixels = np.rint(places[members])
     inside = (
         (pixels >= 0).all(axis=1) & (pixels[:, 0] < shape[1]) & (pixels[:, 1] < shape[0])
@@ -134,9 +130,7 @@ def _one_map(
     return np.asarray(distance), owner[label]
 
 
-def places_of(
-    pairs: Pairs, cells: ViewCells, data: Data, features: NDArray[np.intp] | slice = ALL
-) -> NDArray[np.float32]:
+def places_of(pairs: Pairs, cells: ViewCells, data: Data, features: Indices | slice = ALL) -> NDArray[np.float32]:
     """(N, F, 2) ideal pixels where each coarse pose puts each of ``features``: the cell's picture, turned, scaled and laid on the first datum."""
     at = cells.xy[pairs.cell, pairs.feature].astype(np.float32)[:, None]
     model = cells.xy.astype(np.float32)[:, features][pairs.cell] - at
@@ -153,10 +147,10 @@ def votes(
     pairs: Pairs,
     cells: ViewCells,
     maps: DistanceMaps,
-    weights: NDArray[np.float64],
+    weights: Floats,
     data: Data,
-    features: NDArray[np.intp] | slice = ALL,
-) -> NDArray[np.float64]:
+    features: Indices | slice = ALL,
+) -> Floats:
     """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight."""
     value = (cells.visible * weights).astype(np.float32)[:, features]
     distance = maps.how_far(places_of(pairs, cells, data, features), features).astype(np.float32)
@@ -173,27 +167,27 @@ ALIKE = np.radians(12.0)
 """Two coarse poses are alike where they differ by less than this, by 8 % of the size in place, and by 15 % in size."""
 
 
-def seen_cells(poses: NDArray[np.float64], cells: ViewCells) -> NDArray[np.intp]:
+def seen_cells(poses: Floats, cells: ViewCells) -> Indices:
     """(N,) the cell nearest to the camera's direction under each pose (N, 4, 4)."""
     directions = viewpoints_of(poses) - cells.centre
     return cells.nearest(directions / np.maximum(np.linalg.norm(directions, axis=1, keepdims=True), 1e-9))
 
 
-def sizes(poses: NDArray[np.float64], cells: ViewCells, focal: float) -> NDArray[np.float64]:
+def sizes(poses: Floats, cells: ViewCells, focal: float) -> Floats:
     """(N,) projected diameter, pixels."""
     depth = poses[:, 2, :3] @ cells.centre + poses[:, 2, 3]
     return np.asarray(cells.diameter * focal / np.maximum(depth, 1e-6))
 
 
 def pose_votes(
-    poses: NDArray[np.float64],
+    poses: Floats,
     cells: ViewCells,
-    points: NDArray[np.float64],
-    weights: NDArray[np.float64],
+    points: Floats,
+    weights: Floats,
     maps: DistanceMaps,
     data: Data,
-    features: NDArray[np.intp] | slice = ALL,
-) -> NDArray[np.float64]:
+    features: Indices | slice = ALL,
+) -> Floats:
     """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is.
 
     In units of their whole weight, outside the image too.
@@ -212,9 +206,7 @@ def pose_votes(
     return np.asarray((value * near).sum(axis=1) / whole)
 
 
-def best_apart(
-    worth: NDArray[np.float64], poses: NDArray[np.float64], cells: ViewCells, data: Data, most: int
-) -> NDArray[np.intp]:
+def best_apart(worth: Floats, poses: Floats, cells: ViewCells, data: Data, most: int) -> Indices:
     """Indices of at most ``most`` poses, best first, no two alike."""
     order = np.argsort(-worth, kind="stable")[: 15 * most]
     some = poses[order]

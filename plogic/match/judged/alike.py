@@ -9,18 +9,16 @@ import numpy as np
 from geometry.frames import pose_error
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices
     from kb.clouds.cloud import ObjectType
     from plogic.facts.hypothesis import Hypothesis
 
-    Floats = NDArray[np.float64]
 
 SAME_ROTATION, SAME_PLACE = np.radians(6.0), 0.06
 """Two poses of a type nearer than this (radians; share of the distance) are one hypothesis (§8)."""
 
 
-def same_place(object_type: ObjectType, one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+def same_place(object_type: ObjectType, one: Floats, other: Floats) -> bool:
     """Whether two poses of a type are within tolerance of each other, up to its symmetries (§8, near-duplicates)."""
     distance = float(np.linalg.norm(one[:3, 3]))
     middle = np.append(object_type.surface.centre if object_type.surface is not None else np.zeros(3), 1.0)
@@ -45,7 +43,7 @@ def apart(
     worth: Floats,
     most: int,
     alike: tuple[float, float],
-    kinds: NDArray[np.intp] | None = None,
+    kinds: Indices | None = None,
 ) -> list[int]:
     """The best of coarse poses (N, 4, 4) by worth (N,), at most so many, no two alike.
 

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
-from geometry.bodies.overlap import reaches
+from geometry.bodies.overlap import Reach, reaches
 from geometry.poses.reprojection import information
 from plogic.match.judged.pose_information import LOOSE, sigmas
 from plogic.match.judged.rivals import solid_of
@@ -24,14 +24,11 @@ from plogic.match.judged.rivals import solid_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
-
-    from geometry.bodies.overlap import Reach
+    from geometry.arrays import Floats
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
 
-    Floats = NDArray[np.float64]
 
 DEEP = 0.001
 """Metres by which two accepted objects may reach into each other."""

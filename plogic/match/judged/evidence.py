@@ -22,29 +22,26 @@ from plogic.measures.explanatory import explanatory_value
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
 
-    Floats = NDArray[np.float64]
 
-
-def density(residual: NDArray[np.float64], sigma: NDArray[np.float64] | float) -> NDArray[np.float64]:
+def density(residual: Floats, sigma: Floats | float) -> Floats:
     """N(u; û, σ²I) per pixel² at distances ``residual`` in pixels; 0 where NaN."""
     value = np.exp(-0.5 * (residual / sigma) ** 2) / (2.0 * np.pi * sigma**2)
     return np.asarray(np.nan_to_num(value, nan=0.0))
 
 
-def clutter_density(kb: KnowledgeBase, data: Data, which: NDArray[np.intp] | None = None) -> NDArray[np.float64]:
+def clutter_density(kb: KnowledgeBase, data: Data, which: Indices | None = None) -> Floats:
     """F (N,) per pixel² of some data, or of all: the expected number of clutter appearances of its type over the image's area."""
     area = float(data.camera.width * data.camera.height)
     types = data.types if which is None else [data.types[i] for i in which]
     return np.array([kb.rates.clutter.get(name, 1.0) / area for name in types])
 
 
-def match_density(posed: Hypothesis, kb: KnowledgeBase) -> NDArray[np.float64]:
+def match_density(posed: Hypothesis, kb: KnowledgeBase) -> Floats:
     """N (F,) per pixel² of each feature's match, 0 where it has none.
 
     Of a learned type against clutter that looks as right, not any.
@@ -53,7 +50,7 @@ def match_density(posed: Hypothesis, kb: KnowledgeBase) -> NDArray[np.float64]:
     return near if posed.likeness is None else near * posed.likeness
 
 
-def hit_rates(posed: Hypothesis, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+def hit_rates(posed: Hypothesis, kb: KnowledgeBase, hidden: Mask | None = None) -> Floats:
     """h_F (F,) of each feature.
 
     Of a learned type the measured rates, times the share of them that holds in this image (``clarity``).
@@ -70,7 +67,7 @@ LEAST_CLEAR, LEAST_HIT, MOST_HIT = 0.04, 0.005, 0.98
 """Least share of the measured hit rates that an image can keep; bounds of what remains."""
 
 
-def clarity(posed: Hypothesis, hidden: NDArray[np.bool_] | None = None, of: NDArray[np.bool_] | None = None) -> float:
+def clarity(posed: Hypothesis, hidden: Mask | None = None, of: Mask | None = None) -> float:
     """Which share of the measured hit rates, of features ``of`` (F,) or of all, holds of this instance in this image.
 
     Light, focus, noise and a changed print cost detections.
@@ -83,20 +80,18 @@ def clarity(posed: Hypothesis, hidden: NDArray[np.bool_] | None = None, of: NDAr
     return float(np.clip(shares[expected & posed.detected].sum() / hoped, LEAST_CLEAR, 1.0)) if hoped > 0.0 else 1.0
 
 
-def kinds(posed: Hypothesis) -> list[NDArray[np.bool_]]:
+def kinds(posed: Hypothesis) -> list[Mask]:
     """Features (F,) that are seen clearly or not apart from the others: what is printed, and the sides of edges, which blur hurts less."""
     sided = np.zeros(len(posed.uv), bool) if posed.sided is None else posed.sided
     return [~sided, sided]
 
 
-def clarities(posed: Hypothesis, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+def clarities(posed: Hypothesis, hidden: Mask | None = None) -> Floats:
     """(F,) the clarity of each feature's kind."""
     return np.asarray(np.sum([kind * clarity(posed, hidden, kind) for kind in kinds(posed)], axis=0))
 
 
-def as_counted(
-    posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def as_counted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> tuple[Floats, Floats]:
     """Hit rates (F,) and densities (F,) of features that each say as much as they are ``counted``: what the program is told.
 
     With a share w of an observation, 1 − h becomes (1 − h)^w, and what a match says, (h·N + f − h·f) / f, that to the
@@ -131,7 +126,7 @@ class Evidence:
     surplus: float
 
 
-def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> Evidence:
+def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> Evidence:
     """Σ over E∧D of ln((h·N + f − h·f) / f), in densities, plus Σ over E∧¬D of ln(1 − h) (§8), each as much as it is ``counted``.
 
     ``hidden`` (F,) are the features that accepted opaque objects hide: not expected.
@@ -152,9 +147,7 @@ def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[n
     return Evidence(ratio, ratio + log_share(at, precision, middle, data.camera, across))
 
 
-def as_fitted(
-    posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
-) -> tuple[Floats, Floats]:
+def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> tuple[Floats, Floats]:
     """Hit rates (F,) and densities (F,) per pixel²: of expected matches such that Π (h·N + f − h·f) / f is that at the best pose times the share.
 
     Each match gives up in proportion to how much better it is than a miss, ln(1 + h·N / (f − h·f)); where that is less
@@ -173,14 +166,14 @@ def as_fitted(
     return hit, near
 
 
-def _owed(posed: Hypothesis, found: NDArray[np.bool_], data: Data, kb: KnowledgeBase) -> float:
+def _owed(posed: Hypothesis, found: Mask, data: Data, kb: KnowledgeBase) -> float:
     """The logarithm of the share of all poses that fit the matches as well as this one."""
     at, precision, middle, across = known(posed, found, data, kb)
     return log_share(at, precision, middle, data.camera, across)
 
 
 def judged(
-    posed: Hypothesis, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], hidden: NDArray[np.bool_] | None = None
+    posed: Hypothesis, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], hidden: Mask | None = None
 ) -> Hypothesis:
     """The hypothesis with its evidence, and its ev alone and beside the accepted opaque objects that hide the features ``hidden`` (F,)."""
     found = evidence(posed, data, kb, hidden)

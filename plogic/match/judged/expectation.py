@@ -10,20 +10,16 @@ from scipy.optimize import linear_sum_assignment
 
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import behind
-from kb.clouds.lobes import in_lobe
+from kb.clouds.lobes import LobeTable, in_lobe
 from plogic.facts.hypothesis import Hypothesis
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.lobes import LobeTable
     from plogic.match.gamma.data import Data
 
 
-def pose_of(
-    object_type: ObjectType, camera_from_object: NDArray[np.float64], data: Data, kb: KnowledgeBase
-) -> Hypothesis:
+def pose_of(object_type: ObjectType, camera_from_object: Floats, data: Data, kb: KnowledgeBase) -> Hypothesis:
     """What geometry says of a type at a pose: nothing is matched yet. Rays are cast for Behind its own host (§6.4)."""
     camera = data.camera
     positions = np.array([feature.at for feature in object_type.seen_features]).reshape(-1, 3)
@@ -56,7 +52,7 @@ def pose_of(
     )
 
 
-def _right_types(table: LobeTable, held: NDArray[np.bool_], data: Data) -> NDArray[np.bool_]:
+def _right_types(table: LobeTable, held: Mask, data: Data) -> Mask:
     """(F, A) the data whose type some lobe of the feature reports from here.
 
     ``held`` (L,) are the lobes that hold the viewpoint.
@@ -76,10 +72,10 @@ def _right_types(table: LobeTable, held: NDArray[np.bool_], data: Data) -> NDArr
 def matched(
     posed: Hypothesis,
     data: Data,
-    allowed: NDArray[np.bool_],
+    allowed: Mask,
     tolerance: float,
-    free: NDArray[np.bool_] | None = None,
-    hidden: NDArray[np.bool_] | None = None,
+    free: Mask | None = None,
+    hidden: Mask | None = None,
 ) -> Hypothesis:
     """The hypothesis' one assignment (D8): expected features first, with the types whose lobe holds v.
 
@@ -107,10 +103,10 @@ def matched(
 
 
 def assigned(
-    matches: NDArray[np.intp],
-    feature: NDArray[np.intp],
-    datum: NDArray[np.intp],
-    off: NDArray[np.float64],
+    matches: Indices,
+    feature: Indices,
+    datum: Indices,
+    off: Floats,
     tolerance: float,
 ) -> None:
     """The same assignment for few pairs (feature, datum), ``off`` pixels apart: fill ``matches`` (F,)."""
@@ -125,7 +121,7 @@ def assigned(
     matches[rows[found >= 0]] = columns[found[found >= 0]]
 
 
-def _assign(matches: NDArray[np.intp], off: NDArray[np.float64], possible: NDArray[np.bool_], tolerance: float) -> None:
+def _assign(matches: Indices, off: Floats, possible: Mask, tolerance: float) -> None:
     """Fill ``matches`` with the assignment of greatest Σ (1 − d²/2·tolerance²): as many as can be, the nearer the better."""
     rows, columns = np.flatnonzero(possible.any(axis=1)), np.flatnonzero(possible.any(axis=0))
     if not len(rows):
@@ -137,7 +133,7 @@ def _assign(matches: NDArray[np.intp], off: NDArray[np.float64], possible: NDArr
             matches[rows[r]] = columns[c]
 
 
-def hidden_by(posed: Hypothesis, other: Hypothesis) -> NDArray[np.bool_]:
+def hidden_by(posed: Hypothesis, other: Hypothesis) -> Mask:
     """(F,) Behind(f, other, v): the line of sight to each feature of ``posed`` meets the other's surface first (§3.4).
 
     Of a learned type's thousands of features it is asked of those alone that are expected or detected: of others

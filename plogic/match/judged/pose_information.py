@@ -19,14 +19,12 @@ import numpy as np
 from geometry.poses.reprojection import WEIGHT, across, ends, information, reach
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
 
-    Floats = NDArray[np.float64]
 
 DEPTHS = 4.2
 """Logarithm of the ratio of the farthest to the nearest distance that is believed."""
@@ -72,7 +70,7 @@ class Known(NamedTuple):
     across: Floats | None
 
 
-def known(posed: Hypothesis, which: NDArray[np.bool_], data: Data, kb: KnowledgeBase) -> Known:
+def known(posed: Hypothesis, which: Mask, data: Data, kb: KnowledgeBase) -> Known:
     """Of features ``which`` (F,), all matched: their places, as much as they are counted.
 
     And their angles, where these count.

@@ -18,8 +18,7 @@ from plogic.match.judged.expectation import hidden_by
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from kb.surfaces.surface import Surface
     from plogic.facts.hypothesis import Hypothesis
 
@@ -62,7 +61,7 @@ def _shared(first: Surface, pose: bytes, second: Surface, other: bytes) -> float
     return solid_overlap(solid_of(first), next(poses), solid_of(second), next(poses))
 
 
-def hidden_among(posed: Hypothesis, others: Sequence[Hypothesis]) -> NDArray[np.bool_]:
+def hidden_among(posed: Hypothesis, others: Sequence[Hypothesis]) -> Mask:
     """(F,) what opaque others hide of a hypothesis; those that A4 excludes beside it hide nothing (D7)."""
     hidden = np.zeros(len(posed.uv), bool)
     for other in others:
@@ -91,7 +90,7 @@ def apart_on_screen(one: Hypothesis, other: Hypothesis, f: float, margin: float)
     return bool(np.linalg.norm(first - second) > a + b + margin)
 
 
-def _middle(posed: Hypothesis, surface: Surface) -> NDArray[np.float64]:
+def _middle(posed: Hypothesis, surface: Surface) -> Floats:
     """The middle (3,) of the posed bounding box, camera frame."""
     return np.asarray(posed.camera_from_object[:3, :3] @ surface.centre + posed.camera_from_object[:3, 3])
 

@@ -19,11 +19,9 @@ from plogic.facts.hypothesis import Hypothesis
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from plogic.match.gamma.data import Data
 
-    Floats = NDArray[np.float64]
 
 DEVIATIONS, SHARE = 4.0, 0.05
 """A depth counts that is off a pose's by so many standard deviations at most, or by this share of it."""
@@ -32,7 +30,7 @@ BASELINE = 1000.0
 
 
 def with_depths(
-    pose: Floats, seen: Sight, points: Floats, datum: NDArray[np.intp], data: Data, *, sigma: float, huber: float
+    pose: Floats, seen: Sight, points: Floats, datum: Indices, data: Data, *, sigma: float, huber: float
 ) -> Floats:
     """The pose (4, 4), camera_from_object, that fits what is ``seen`` of it and the depths of ``datum`` (N,), matched with ``points`` (N, 3) m.
 
@@ -46,7 +44,7 @@ def with_depths(
     return refine_sights(pose, [seen, told._replace(weights=unit * told.weights)], huber=huber)
 
 
-def side_sight(pose: Floats, points: Floats, datum: NDArray[np.intp], data: Data, sigma: float) -> Sight | None:
+def side_sight(pose: Floats, points: Floats, datum: Indices, data: Data, sigma: float) -> Sight | None:
     """The depths of ``datum`` (N,) as what a camera far to the side sees of ``points`` (N, 3), with noise of about ``sigma`` pixels.
 
     Weights are 1/variance. None where no depth is told that could be right at this ``pose`` (4, 4).
@@ -110,7 +108,7 @@ def polished(
     points: Floats,
     precision: Floats,
     data: Data,
-    hidden: NDArray[np.bool_] | None,
+    hidden: Mask | None,
     robust: float,
     sigma: float = 1.0,
 ) -> Floats | None:

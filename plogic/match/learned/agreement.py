@@ -11,17 +11,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.gamma.data import centre_of
+from plogic.match.gamma.data import Data, centre_of
 from plogic.match.gamma.screen_angles import screen_angle, wrapped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from plogic.match.gamma.data import Data
+    from geometry.arrays import Floats, Indices, Mask
     from plogic.match.learned.keypoints import Pairs
     from plogic.match.learned.learned_models import LearnedIndex
 
-    Floats = NDArray[np.float64]
 
 ASIDE = 0.35
 """Radians that a viewpoint may lie outside the lobe in the vote, whose axes are coarse."""
@@ -37,8 +36,8 @@ _BLOCK = 64
 class Agreement:
     """``pose``, ``pair`` (N,) those that agree, by pose; ``off`` (N,) pixels; ``tolerance`` (H,) pixels."""
 
-    pose: NDArray[np.intp]
-    pair: NDArray[np.intp]
+    pose: Indices
+    pair: Indices
     off: Floats
     tolerance: Floats
 
@@ -80,7 +79,7 @@ def agreement(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data, shar
     return Agreement(h, p, np.sqrt(square) / (tolerance[h] * depth + slack[p]) * tolerance[h], tolerance)
 
 
-def _near(*factors: NDArray[np.float32]) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
+def _near(*factors: NDArray[np.float32]) -> tuple[Indices, Indices, Floats]:
     """Poses and pairs that are near, and the square of how far off.
 
     ``factors``: across, down and reach, of poses (H, K), then of pairs (P, K).
@@ -102,8 +101,8 @@ def _near(*factors: NDArray[np.float32]) -> tuple[NDArray[np.intp], NDArray[np.i
 
 
 def _right(
-    index: LearnedIndex, R: Floats, t: Floats, at: Floats, of_pair: tuple[NDArray[np.intp], Floats, Floats], f: float
-) -> NDArray[np.bool_]:
+    index: LearnedIndex, R: Floats, t: Floats, at: Floats, of_pair: tuple[Indices, Floats, Floats], f: float
+) -> Mask:
     """(N,) whether pairs (lobe, scale, angle) whose places agree agree in all else: N rotations, translations and places, camera's frame."""
     lobe, scale, angle = of_pair
     cloud = index.cloud
@@ -122,7 +121,7 @@ def votes(found: Agreement, pairs: Pairs) -> Floats:
     return np.asarray(np.bincount(found.pose[best], worth[best], minlength=len(found.tolerance)), float)
 
 
-def greatest(owner: NDArray[np.intp], worth: Floats) -> NDArray[np.intp]:
+def greatest(owner: Indices, worth: Floats) -> Indices:
     """Indices, increasing, of the one of greatest worth (N,) of each owner (N,), of equals the first."""
     order = np.lexsort((-worth, owner))
     first = np.append(True, owner[order[1:]] != owner[order[:-1]])[: len(order)]
@@ -136,8 +135,8 @@ class Held:
     ``weight`` (N,) more than 0.
     """
 
-    pose: NDArray[np.intp]
-    pair: NDArray[np.intp]
+    pose: Indices
+    pair: Indices
     weight: Floats
 
     def sums(self, count: int, of_pairs: Floats | None = None) -> Floats:

@@ -16,12 +16,11 @@ from plogic.match.learned.agreement import ASIDE, GRAZING
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.learned import LearnedCloud
     from plogic.match.learned.learned_models import LearnedIndex
 
-    Floats = NDArray[np.float64]
     Singles = NDArray[np.float32]
-    Indices = NDArray[np.intp]
 
 _BLOCK = 1024
 """Lobes at a time, where few are wanted."""
@@ -71,7 +70,7 @@ def lobes_of(cloud: LearnedCloud, which: Indices, centre: Floats) -> Lobes:
     return Lobes(which, centre, *(np.ascontiguousarray(column, np.float32) for column in columns))
 
 
-def held_from(lobes: Lobes, viewpoints: Floats, granularity: float) -> NDArray[np.bool_]:
+def held_from(lobes: Lobes, viewpoints: Floats, granularity: float) -> Mask:
     """(H, M) whether each lobe holds each viewpoint (H, 3), object frame.
 
     ``granularity``: f over that at which ranges are told.

@@ -13,17 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.gamma.data import centre_of
+from plogic.match.gamma.data import Data, centre_of
 from plogic.match.learned.lexicon import NTH
 from sensing.detectors.edge_sides import fairly
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from plogic.match.gamma.data import Data
+    from geometry.arrays import Floats, Indices, Mask
     from plogic.match.learned.learned_models import LearnedIndex
 
-    Floats = NDArray[np.float64]
 
 EACH = 3
 """Features that a keypoint is paired with, the most alike."""
@@ -46,9 +43,9 @@ class Pairs:
     of a letter is anywhere in print.
     """
 
-    datum: NDArray[np.intp]
-    lobe: NDArray[np.intp]
-    weight: NDArray[np.float64]
+    datum: Indices
+    lobe: Indices
+    weight: Floats
 
     def __len__(self) -> int:
         return len(self.datum)
@@ -73,7 +70,7 @@ def pairs_of(index: LearnedIndex, data: Data) -> Pairs:
     return Pairs(datum[best], lobe[best], weight[best])
 
 
-def _leading(order: NDArray[np.intp], owner: NDArray[np.intp], most: int) -> NDArray[np.intp]:
+def _leading(order: Indices, owner: Indices, most: int) -> Indices:
     """Of pairs in some order the first few of each owner, in that order."""
     owners = owner[order]
     by_owner = np.argsort(owners, kind="stable")
@@ -119,7 +116,7 @@ def turns(index: LearnedIndex, pairs: Pairs, data: Data) -> Floats:
     return np.asarray(camera @ np.swapaxes(own, 1, 2))
 
 
-def plausible(index: LearnedIndex, poses: Floats) -> NDArray[np.bool_]:
+def plausible(index: LearnedIndex, poses: Floats) -> Mask:
     """(N,) finite, and the middle neither behind the camera, nor too near, nor absurdly far."""
     depth = poses[:, 2, :3] @ index.centre + poses[:, 2, 3]
     return np.asarray(

@@ -21,13 +21,11 @@ from plogic.match.learned.looks import likeness, right_pairs
 from plogic.match.learned.sides import side_likeness, side_matches
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
 
-    Floats = NDArray[np.float64]
 
 ROBUST = 1.5
 MEDIAN, MEDIAN_ACROSS = 1.177, 0.6745
@@ -49,8 +47,8 @@ def settle(
     pose: Floats | Hypothesis,
     data: Data,
     kb: KnowledgeBase,
-    free: NDArray[np.bool_] | None = None,
-    hidden: NDArray[np.bool_] | None = None,
+    free: Mask | None = None,
+    hidden: Mask | None = None,
     rounds: int = 2,
 ) -> Hypothesis:
     """The type at a pose, or one that is matched there already: matched (D7, D8), refined, and matched again."""
@@ -105,8 +103,8 @@ def matched(
     posed: Hypothesis,
     data: Data,
     kb: KnowledgeBase,
-    free: NDArray[np.bool_] | None = None,
-    hidden: NDArray[np.bool_] | None = None,
+    free: Mask | None = None,
+    hidden: Mask | None = None,
 ) -> Hypothesis:
     """The hypothesis' one assignment (D8): expected features first, then unexpected ones.
 
@@ -159,8 +157,8 @@ def _with_sides(
     posed: Hypothesis,
     data: Data,
     kb: KnowledgeBase,
-    lobes: NDArray[np.intp],
-    free: NDArray[np.bool_],
+    lobes: Indices,
+    free: Mask,
 ) -> Hypothesis:
     """What is matched so far, and the sides of edges that are those of ``lobes``, which are expected.
 

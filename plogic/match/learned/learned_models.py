@@ -10,36 +10,31 @@ from __future__ import annotations
 from contextlib import closing
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
-from geometry.bodies.resting import resting_faces
+from geometry.bodies.resting import Plane, RestingFaces, resting_faces
 from kb.clouds.words import POINT, SIDE
 from plogic.base.jobs import each
 from plogic.facts.hypothesis import Hypothesis
-from plogic.match.judged.type_models import SURE, Ranks, Search, TypeModels
+from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
 from plogic.match.learned.held_lobes import Lobes, lobes_of
 from plogic.match.learned.learned_match import settle
 from plogic.match.learned.learned_poses import NOBODY, REFINED, generate, resting
 from plogic.match.learned.lexicon import Lexicon, lexicon_of
-from plogic.measures.valuation import kinds_of, rank_of_kinds
+from plogic.measures.valuation import Kinds, kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:
     from collections import Counter
     from collections.abc import Callable, Generator, Mapping, Sequence
-    from typing import Self
 
     from numpy.typing import NDArray
 
-    from geometry.bodies.resting import Plane, RestingFaces
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from kb.clouds.learned import LearnedCloud
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.type_models import Found, Given, Request, Setup
-    from plogic.measures.valuation import Kinds
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +73,7 @@ class LearnedIndex:
         return lobes_of(self.cloud, sides[np.argsort(-self.cloud.hit[sides], kind="stable")], self.centre)
 
     @cached_property
-    def anchors(self) -> NDArray[np.intp]:
+    def anchors(self) -> Indices:
         """All features: each is as good as any to start from."""
         return np.arange(len(self.points))
 
@@ -93,7 +88,7 @@ class LearnedIndex:
         return self.cloud.at[self.cloud.feature]
 
     @cached_property
-    def sided(self) -> NDArray[np.bool_]:
+    def sided(self) -> Mask:
         """(F,) which features are sides of edges: so are all of their appearances."""
         result = np.zeros(len(self.points), bool)
         result[self.cloud.feature[self.cloud.sided]] = True
@@ -153,8 +148,8 @@ class LearnedIndex:
         pose: Floats | Hypothesis,
         data: Data,
         kb: KnowledgeBase,
-        free: NDArray[np.bool_] | None = None,
-        hidden: NDArray[np.bool_] | None = None,
+        free: Mask | None = None,
+        hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
         """The type at a pose, matched and refined (``plogic.match.learned.learned_match``)."""
@@ -277,7 +272,7 @@ class LearnedSearch(Search):
                 self._searched[name] = given.count(name)
 
 
-def bodies(models: Mapping[str, LearnedIndex], accepted: Sequence[Hypothesis]) -> NDArray[np.float64]:
+def bodies(models: Mapping[str, LearnedIndex], accepted: Sequence[Hypothesis]) -> Floats:
     """(N, 4) middles, camera frame, and inner radii of accepted objects of these types, m: what reaches nearer than that is in them (A4)."""
     rows = []
     for posed in accepted:

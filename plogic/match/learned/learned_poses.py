@@ -17,21 +17,18 @@ from plogic.match.judged.alike import apart, distinct, same_place
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.settling import FEWEST
 from plogic.match.learned.agreement import agreement, votes
-from plogic.match.learned.keypoints import SEEDS, depths, pairs_of, plausible, sights, single_poses, turns
+from plogic.match.learned.keypoints import SEEDS, Pairs, depths, pairs_of, plausible, sights, single_poses, turns
 from plogic.match.learned.learned_match import settle
 from plogic.match.learned.learned_refinement import ROUNDS, Round, held_at, refined
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from geometry.bodies.resting import Plane
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.learned.keypoints import Pairs
     from plogic.match.learned.learned_models import LearnedIndex
 
-    Floats = NDArray[np.float64]
 
 VOTE = (0.12, 3.0)
 """Share of the diameter, and pixels, within which places agree in the vote: a single pair's pose is coarse."""
@@ -73,7 +70,7 @@ def generate(
     return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, verified)
 
 
-def clear_of(taken: Floats, index: LearnedIndex, poses: Floats) -> NDArray[np.bool_]:
+def clear_of(taken: Floats, index: LearnedIndex, poses: Floats) -> Mask:
     """(H,) which poses (H, 4, 4) may keep out of bodies that are there already (N, 4), as far as their inner radii tell (A4)."""
     middles = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
     apart = np.linalg.norm(middles[:, None] - taken[:, :3], axis=2)

@@ -16,24 +16,18 @@ from plogic.match.gamma.screen_angles import screen_angle
 from plogic.match.gamma.side_looks import looks_fit
 from plogic.match.judged.evidence import MOST_HIT
 from plogic.match.judged.settling import FEWEST
-from plogic.match.learned.agreement import agreement, held_by
+from plogic.match.learned.agreement import Held, agreement, held_by
 from plogic.match.learned.held_lobes import first_held
-from plogic.match.learned.keypoints import plausible
-from plogic.match.learned.sides import ALONG, side_pairs
+from plogic.match.learned.keypoints import Pairs, plausible
+from plogic.match.learned.sides import ALONG, SidePairs, side_pairs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices
     from plogic.match.gamma.data import Data
-    from plogic.match.learned.agreement import Held
-    from plogic.match.learned.keypoints import Pairs
     from plogic.match.learned.learned_models import LearnedIndex
-    from plogic.match.learned.sides import SidePairs
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 LOOSE = 0.25
 """Standard deviation, radians, by which a side faces another way where the pose is coarse."""

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from geometry.arrays import Floats, Indices
     from kb.clouds.learned import LearnedCloud
     from plogic.match.gamma.data import Data
 
-    Indices = NDArray[np.intp]
 
 FARTHEST, FARTHEST_BITS = 270.0, 7.65
 """Farthest descriptors that look alike: of SIFT, with or without colours, and of ORB's bits (58 of them)."""
@@ -37,7 +37,7 @@ class Alike(NamedTuple):
 
     datum: Indices
     lobe: Indices
-    apart: NDArray[np.float64]
+    apart: Floats
 
 
 def spread(descriptors: NDArray[np.uint8]) -> NDArray[np.float32]:
@@ -90,9 +90,7 @@ class Lexicon:
         here = place[found.datum] >= 0
         return Alike(place[found.datum[here]], found.lobe[here], found.apart[here])
 
-    def as_right(
-        self, name: str, data: Data, lobe: Indices, datum: Indices, apart: NDArray[np.float64], aside: float
-    ) -> NDArray[np.float64]:
+    def as_right(self, name: str, data: Data, lobe: Indices, datum: Indices, apart: Floats, aside: float) -> Floats:
         """(N,) of appearances of a type, how many other keypoints of all of Γ look as right, as a share of ``NTH``, the most that are known.
 
         ``datum`` (N,) are those that are theirs; others are ``aside`` pixels away from them at least. ``apart`` (N,) is
@@ -129,7 +127,7 @@ class Lexicon:
             for name, a, b in zip(self.names, ends[:-1], ends[1:], strict=True)
         }
 
-    def _within(self, vectors: NDArray[np.float32]) -> tuple[Indices, Indices, NDArray[np.float64]]:
+    def _within(self, vectors: NDArray[np.float32]) -> tuple[Indices, Indices, Floats]:
         """Rows of ``vectors`` (N, D), places in the lexicon, and distances, of all pairs that look alike and share a word."""
         word, row = self._sorted_by_word(vectors)
         ends = np.searchsorted(word, np.arange(len(self.words) + 1))

@@ -25,13 +25,12 @@ from plogic.match.judged.evidence import clutter_density, density
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 AROUND = 32.0
 """Pixels around a place within which what looks as right is counted."""
@@ -56,7 +55,7 @@ class SidePairs:
     along: Floats
     colours: NDArray[np.float32]
 
-    def only(self, which: NDArray[np.bool_]) -> SidePairs:
+    def only(self, which: Mask) -> SidePairs:
         """Those of a mask (N,)."""
         return SidePairs(*(getattr(self, name.name)[which] for name in fields(self)))
 
@@ -170,7 +169,7 @@ class SideMatches:
 
 
 def side_matches(
-    index: LearnedIndex, posed: Hypothesis, data: Data, lobes: Indices, free: NDArray[np.bool_], reach: Floats
+    index: LearnedIndex, posed: Hypothesis, data: Data, lobes: Indices, free: Mask, reach: Floats
 ) -> SideMatches:
     """Of the appearances ``lobes``, which hold the viewpoint, those of sides in the image.
 

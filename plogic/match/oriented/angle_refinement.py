@@ -10,11 +10,8 @@ from geometry.poses.refine import Steps, refined_poses
 from geometry.poses.reprojection import WEIGHT, across, ends, reach
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats
     from geometry.camera import Camera
-
-    Floats = NDArray[np.float64]
 
 
 class Noise(NamedTuple):

@@ -19,21 +19,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import centre_of, ideal_camera
+from plogic.match.gamma.data import Data, centre_of, ideal_camera
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
+    from geometry.arrays import Floats, Indices, Mask
     from geometry.camera import Camera
     from kb.clouds.cloud import Rates
-    from plogic.match.gamma.data import Data
     from plogic.match.oriented.angle_refinement import Noise
     from plogic.match.oriented.pair_index import PairIndex
-
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +70,7 @@ NOWHERE = 1e-6
 direction."""
 
 
-def turn_of(data: Data, which: NDArray[np.bool_]) -> float:
+def turn_of(data: Data, which: Mask) -> float:
     """Radians, clockwise on the screen from +x, to the mean of the data ``which`` (A,), from the image's centre.
 
     0 where they have none.
@@ -155,7 +152,7 @@ class Asked:
         turn = turn_of(self.data, (self.typed.looks >= 0) & np.isfinite(self.data.angle))
         return replace(self, data=turned(self.data, -turn), turn=self.turn - turn)
 
-    def inside(self, uv: Floats) -> NDArray[np.bool_]:
+    def inside(self, uv: Floats) -> Mask:
         """(N,) whether ideal pixels (N, 2), turned as the data are, are in the image."""
         back = places_turned(uv, centre_of(self.camera), -self.turn) if self.turn else uv
         return np.asarray(((back >= 0.0) & (back < [self.camera.width, self.camera.height])).all(axis=1))

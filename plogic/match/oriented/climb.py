@@ -19,12 +19,9 @@ from plogic.match.oriented.angle_refinement import Held, refined
 from plogic.match.oriented.drawn import drawn
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices
     from plogic.match.oriented.asked import Asked
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 BLOCK, PAIRS, LEAST = 2000, 4_000_000, 16
 """Poses at a time, and sights and data that are compared, about; a sight is as much as so many data at least."""

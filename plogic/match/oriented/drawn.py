@@ -24,13 +24,10 @@ from plogic.match.oriented.angle_refinement import Held, Noise, met
 from plogic.match.oriented.pair_votes import BENT
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices
     from plogic.match.oriented.asked import Asked
     from plogic.match.oriented.pair_index import PairIndex
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 NEAR = 3
 """Cells about a viewpoint: what any of them shows is shown, if its lobe holds the viewpoint; what a cell shows, a lobe

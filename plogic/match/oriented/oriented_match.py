@@ -20,15 +20,12 @@ from plogic.match.oriented.climb import AS_GOOD
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.hand.hand_models import TypeIndex
 
-    Floats = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
 
 DEVIATIONS = 3.0
 """Standard deviations within which an angle is right."""
@@ -43,8 +40,8 @@ def settle(
     pose: Floats | Hypothesis,
     data: Data,
     kb: KnowledgeBase,
-    free: Flags | None = None,
-    hidden: Flags | None = None,
+    free: Mask | None = None,
+    hidden: Mask | None = None,
     rounds: int = 2,
 ) -> Hypothesis:
     """The type at a pose, or one that is matched there already: matched, refined on places and angles, and matched again."""
@@ -67,9 +64,9 @@ def matched_at(
     pose: Floats,
     data: Data,
     kb: KnowledgeBase,
-    allowed: Flags,
-    free: Flags | None = None,
-    hidden: Flags | None = None,
+    allowed: Mask,
+    free: Mask | None = None,
+    hidden: Mask | None = None,
 ) -> Hypothesis:
     """Matched with what is near, of a right type and at a right angle; a datum without an angle is right at any.
 
@@ -97,7 +94,7 @@ def matched_at(
     return replace(posed, likeness=np.where(posed.detected & np.isfinite(own), bell, 1.0), axes=axes if count else None)
 
 
-def polished(index: TypeIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Flags | None) -> Floats | None:
+def polished(index: TypeIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None) -> Floats | None:
     """Least squares (4, 4) on places and angles of the expected features that were detected, or None where they are fewer than ``FEWEST``."""
     used = posed.candidate & posed.detected
     used = used if hidden is None else used & ~hidden
@@ -123,7 +120,7 @@ def verified(
     poses: Sequence[Floats],
     data: Data,
     kb: KnowledgeBase,
-    hidden_of: Callable[[Hypothesis], Flags] | None = None,
+    hidden_of: Callable[[Hypothesis], Mask] | None = None,
     check: Callable[[], None] = unhurried,
 ) -> list[tuple[float, Hypothesis]]:
     """Rays cast, matched and settled: the distinct ones as (log-likelihood ratio against clutter, hypothesis), best first.

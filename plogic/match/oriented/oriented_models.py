@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
 from plogic.base.clock import unhurried
-from plogic.match.hand.hand_models import HandModels
-from plogic.match.judged.type_models import Search
+from plogic.match.hand.hand_models import HandModels, TypeIndex
+from plogic.match.judged.type_models import Found, Given, Request, Search, Setup
 from plogic.match.oriented.angle_refinement import Noise
 from plogic.match.oriented.asked import Asked, chances_of
 from plogic.match.oriented.oriented_match import verified
@@ -18,15 +18,11 @@ from plogic.match.oriented.ready import ready
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Mapping, Sequence
-    from typing import Self
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.hand.hand_models import TypeIndex
-    from plogic.match.judged.type_models import Found, Given, Request, Setup
     from plogic.match.oriented.pair_index import PairIndex
 
 FEW_LEFT = 100
@@ -90,7 +86,7 @@ class OrientedSearch(Search):
                 return False
         return True
 
-    def tilted(self, posed: Hypothesis, left: Data) -> list[NDArray[np.float64]]:
+    def tilted(self, posed: Hypothesis, left: Data) -> list[Floats]:
         """The best poses at other tilts: in one place a hypothesis may fit in several ways."""
         return self.together.tilted(posed.object_type.name, posed.camera_from_object, left)
 
@@ -113,7 +109,7 @@ def generate_together(
     search: TogetherSearch,
     data: Data,
     kb: KnowledgeBase,
-    hidden_of: Callable[[Hypothesis], NDArray[np.bool_]] | None = None,
+    hidden_of: Callable[[Hypothesis], Mask] | None = None,
     seen: Callable[[Found], None] | None = None,
 ) -> dict[str, Found]:
     """The hypotheses of all types, by type, that some data of Γ suggest, with their log-likelihood ratios, best first.
@@ -122,7 +118,7 @@ def generate_together(
     as they are there, that of the best proposal first.
     """
     indices = search.index.indices
-    poses: dict[int, list[NDArray[np.float64]]] = {}
+    poses: dict[int, list[Floats]] = {}
     for proposal in search.proposals(data):
         poses.setdefault(proposal.kind, []).append(proposal.pose)
     result: dict[str, Found] = {index.object_type.name: [] for index in indices}

@@ -12,21 +12,16 @@ import numpy as np
 
 from plogic.match.hand.extend import poses_about
 from plogic.match.judged.alike import apart
-from plogic.match.oriented.asked import poses_turned
+from plogic.match.oriented.asked import Asked, poses_turned
 from plogic.match.oriented.climb import by_fours, climbed
-from plogic.match.oriented.pair_votes import counted, raw_votes
+from plogic.match.oriented.pair_votes import Raw, Votes, counted, raw_votes
 from plogic.match.oriented.single_votes import FEWEST, single_votes
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices
     from plogic.match.gamma.data import Data
-    from plogic.match.oriented.asked import Asked
     from plogic.match.oriented.pair_index import PairIndex
-    from plogic.match.oriented.pair_votes import Raw, Votes
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 ALIKE = float(np.radians(15.0)), 0.08
 """Two poses of a type are alike that differ by less, radians, and share of the distance."""

@@ -20,19 +20,17 @@ from kb.clouds.lobes import in_lobe
 from plogic.base.errors import InputError
 from plogic.match.gamma.grid import taken
 from plogic.match.gamma.screen_angles import part_of_circle, screen_angle
-from plogic.match.hand.view_cells import DISTANCE
+from plogic.match.hand.view_cells import DISTANCE, ViewCells
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import ObjectType
     from plogic.match.hand.hand_models import TypeIndex
-    from plogic.match.hand.view_cells import ViewCells
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 NOTHING = -1
 
@@ -61,7 +59,7 @@ def sights_of(indices: Sequence[TypeIndex], number_of: Mapping[str, int]) -> Sig
     rows = [_of_type(index, number_of) for index in indices]
     most = max((row[0].shape[1] for row in rows), default=0)
 
-    def stacked(column: int, empty: float) -> NDArray[np.float64]:
+    def stacked(column: int, empty: float) -> Floats:
         arrays = [row[column] for row in rows]
         return np.stack(
             [
@@ -76,7 +74,7 @@ def sights_of(indices: Sequence[TypeIndex], number_of: Mapping[str, int]) -> Sig
     )  # fmt: skip
 
 
-def _of_type(index: TypeIndex, number_of: Mapping[str, int]) -> tuple[NDArray[np.float64], ...]:
+def _of_type(index: TypeIndex, number_of: Mapping[str, int]) -> tuple[Floats, ...]:
     """Features, looks, places and angles (C, V, ...) of one type's cells, padded on the right."""
     cells, table = index.cells, index.object_type.lobes
     viewpoints = cells.centre + DISTANCE * cells.diameter * cells.directions
@@ -330,7 +328,7 @@ def _pairs(sights: Sights, kind: int, count: int) -> tuple[NDArray[np.int64], ND
     return key, entry, np.column_stack([part_of_circle(turn, FINE) for turn in turned]).astype(np.uint8)
 
 
-def _near(xy: Floats, looks: NDArray[np.int32]) -> NDArray[np.bool_]:
+def _near(xy: Floats, looks: NDArray[np.int32]) -> Mask:
     """(C, V, V) the neighbours in each cell, the one of lower looks first; of equal looks both ways round."""
     apart = ((xy[:, :, None] - xy[:, None]) ** 2).sum(axis=3)
     nobody = looks < 0

@@ -11,20 +11,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.gamma.data import centre_of
+from plogic.match.gamma.data import Data, centre_of
 from plogic.match.gamma.screen_angles import wrapped
 from plogic.match.hand.view_cells import CELLS
 from plogic.match.learned.agreement import SIZES
-from plogic.match.oriented.pair_index import FINE, said
+from plogic.match.oriented.pair_index import FINE, PairIndex, said
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from plogic.match.gamma.data import Data
-    from plogic.match.oriented.pair_index import PairIndex
+    from geometry.arrays import Floats, Indices, Mask
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 REACH = 45.0
 """Pixels between neighbours in the image."""
@@ -86,7 +83,7 @@ class Raw:
     pair: Indices
     boxes: NDArray[np.uint64]
 
-    def without(self, taken: NDArray[np.bool_]) -> Raw:
+    def without(self, taken: Mask) -> Raw:
         """Those of pairs neither datum of which is ``taken`` (A,)."""
         some = np.flatnonzero(~taken[self.pair].any(axis=1))
         return Raw(self.votes.take(some), self.query[some], self.pair[some], self.boxes[:, some])
@@ -132,7 +129,7 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
     return Raw(votes, query, np.column_stack([one[query], other[query]]), boxes)
 
 
-def _as_wide(sizes: NDArray[np.float32], scale: Floats, per_metre: Floats) -> NDArray[np.bool_]:
+def _as_wide(sizes: NDArray[np.float32], scale: Floats, per_metre: Floats) -> Mask:
     """(N,) whether data of ``scale`` px, NaN where unknown, are as wide as ``sizes`` (2, N), m, the least and the most, at so many pixels a metre."""
     least, most = sizes
     return np.asarray(
@@ -165,7 +162,7 @@ def _fit(off: NDArray[np.uint8], sigma: float) -> Indices:
     return np.asarray(np.maximum(1, np.rint(WHOLE * bell[off[:, 0]] * bell[off[:, 1]])).astype(np.intp))
 
 
-def _changes(values: Indices | NDArray[np.uint64]) -> NDArray[np.bool_]:
+def _changes(values: Indices | NDArray[np.uint64]) -> Mask:
     """(N,) whether each is another than the one before it."""
     return np.concatenate([np.ones(min(1, len(values)), bool), values[1:] != values[:-1]])
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from plogic.base.remembered import ROOT, arrays_of, source_digest, sources_in
 from plogic.match.hand.hand_models import TypeIndex, type_index
-from plogic.match.hand.view_cells import remade
+from plogic.match.hand.view_cells import ViewCells, remade
 from plogic.match.oriented.oriented_match import settle
 from plogic.match.oriented.pair_index import PairIndex, Sights, looks_of, pair_index
 
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from geometry.arrays import Floats, Mask
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.hand.view_cells import ViewCells
 
     Arrays = Mapping[str, NDArray[Any]]
 
@@ -42,11 +42,11 @@ class OrientedIndex(TypeIndex):
 
     def settle(
         self,
-        pose: NDArray[np.float64] | Hypothesis,
+        pose: Floats | Hypothesis,
         data: Data,
         kb: KnowledgeBase,
-        free: NDArray[np.bool_] | None = None,
-        hidden: NDArray[np.bool_] | None = None,
+        free: Mask | None = None,
+        hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
         """The type at a pose, matched and refined on places and angles (``plogic.match.oriented.oriented_match``)."""

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from plogic.match.gamma.data import centre_of
-from plogic.match.oriented.asked import typed_data
+from plogic.match.gamma.data import Data, centre_of
+from plogic.match.oriented.asked import TypedData, typed_data
 from plogic.match.oriented.pair_votes import BENT, LARGEST, Votes
 
 if TYPE_CHECKING:
@@ -22,14 +22,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.match.gamma.data import Data
+    from geometry.arrays import Floats, Indices
     from plogic.match.oriented.angle_refinement import Noise
-    from plogic.match.oriented.asked import TypedData
     from plogic.match.oriented.pair_index import PairIndex
 
-    Floats = NDArray[np.float64]
     Singles = NDArray[np.float32]
-    Indices = NDArray[np.intp]
     Keys = NDArray[np.uint32]
 
 CELL, SCALE, TURNS = 0.15, 0.35, 14

@@ -16,15 +16,12 @@ from plogic.match.judged.alike import apart
 from plogic.match.judged.evidence import clutter_density, density
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from plogic.match.gamma.data import Data
     from plogic.match.hand.hand_models import TypeIndex
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 FEWEST = 4
 """Matches of different features with different data that a pose needs: any three have one."""
@@ -46,7 +43,7 @@ class Typed(NamedTuple):
         """(F,) how many data look like each feature."""
         return np.bincount(self.feature, minlength=len(self.points))
 
-    def mask(self, data: int) -> NDArray[np.bool_]:
+    def mask(self, data: int) -> Mask:
         """(F, A) which of so many data looks like which feature."""
         mask = np.zeros((len(self.points), data), bool)
         mask[self.feature, self.datum] = True
@@ -110,14 +107,14 @@ def worth(scene: Scene, poses: Floats, wider: float) -> Floats:
     return np.asarray(np.where(_shown(scene, poses), total, 0.0).sum(axis=1))
 
 
-def _shown(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
+def _shown(scene: Scene, poses: Floats) -> Mask:
     """(N, F) what the nearest view cell of each pose shows."""
     cells = scene.of.cells
     viewpoints = np.array([inverse(pose)[:3, 3] for pose in poses]).reshape(-1, 3) - cells.centre
     return np.asarray(cells.visible[cells.nearest(viewpoints / np.linalg.norm(viewpoints, axis=1, keepdims=True))])
 
 
-def best(scene: Scene, poses: Floats, values: Floats, most: int) -> NDArray[np.intp]:
+def best(scene: Scene, poses: Floats, values: Floats, most: int) -> Indices:
     """The best of poses (N, 4, 4) by their ``values`` (N,), no two alike."""
     middles = poses[:, :3, :3] @ scene.of.cells.centre + poses[:, :3, 3]
     return np.array(apart(poses, middles, values, most, ALIKE), np.intp)

@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from plogic.base.clock import unhurried
-from plogic.match.hand.hand_models import HandModels, type_index
+from plogic.match.hand.hand_models import HandModels, TypeIndex, type_index
 from plogic.match.judged.alike import distinct
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.settling import FEWEST
-from plogic.match.judged.type_models import Search
+from plogic.match.judged.type_models import Found, Given, Request, Search, Setup
 from plogic.match.oriented.ready import oriented_index
 from plogic.match.plain import quadruples
 from plogic.match.plain import softposit_poses as softposit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Mapping, Sequence
-    from typing import Self
 
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.hand.hand_models import TypeIndex
-    from plogic.match.judged.type_models import Found, Given, Request, Setup
 
 PLAIN = {"quadruples": quadruples.proposals, "softposit": softposit.proposals}
 """The plain generators of poses of one type, by name."""
@@ -83,7 +78,7 @@ def generate_plainly(
     index: TypeIndex,
     data: Data,
     kb: KnowledgeBase,
-    hidden_of: Callable[[Hypothesis], NDArray[np.bool_]],
+    hidden_of: Callable[[Hypothesis], Mask],
     check: Callable[[], None] = unhurried,
 ) -> Found:
     """The poses that a plain ``generator`` (a key of ``PLAIN``) proposes of a type, verified by matching, best first.

@@ -15,22 +15,17 @@ import numpy as np
 
 from geometry.poses.posit import posit
 from plogic.base.clock import unhurried
-from plogic.match.plain.extended import FEWEST, WIDENED, best, extended, scene_of, worth
+from plogic.match.plain.extended import FEWEST, WIDENED, Scene, Typed, best, extended, scene_of, worth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
     from plogic.match.hand.hand_models import TypeIndex
-    from plogic.match.plain.extended import Scene, Typed
 
-    Floats = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
-    Sets = tuple[NDArray[np.intp], NDArray[np.intp]]
-    Indices = NDArray[np.intp]
+    Sets = tuple[Indices, Indices]
 
 BLOCK = 2000
 """Sets that are handed on at a time."""
@@ -46,7 +41,7 @@ def how_many(pairs: Typed) -> int:
     return sums[4]
 
 
-def every(pairs: Typed, seen: Flags, dv: Floats) -> Iterator[Sets]:
+def every(pairs: Typed, seen: Mask, dv: Floats) -> Iterator[Sets]:
     """All sets, as features (N, 4) and different data (N, 4), by their sum of ``dv`` (F,), the greatest first.
 
     ``seen`` (V, F): what each viewpoint sees.
@@ -66,7 +61,7 @@ def every(pairs: Typed, seen: Flags, dv: Floats) -> Iterator[Sets]:
         yield np.array([four for four, _ in block], np.intp), np.array([data for _, data in block], np.intp)
 
 
-def _converging(chosen: NDArray[np.intp], seen: Flags) -> Flags:
+def _converging(chosen: Indices, seen: Mask) -> Mask:
     """(N,) which of the sets some viewpoint sees whole (*convergence*)."""
     result = np.zeros(len(chosen), bool)
     for view in np.unique(seen, axis=0):
@@ -74,7 +69,7 @@ def _converging(chosen: NDArray[np.intp], seen: Flags) -> Flags:
     return result
 
 
-def drawn(pairs: Typed, seen: Flags, dv: Floats, rng: np.random.Generator) -> Sets:
+def drawn(pairs: Typed, seen: Mask, dv: Floats, rng: np.random.Generator) -> Sets:
     """``POSED`` sets of ``DRAWN`` random ones, or fewer: features (N, 4) and different data (N, 4), highest dv first.
 
     ``seen`` (V, F): what each viewpoint sees; each is drawn as often.

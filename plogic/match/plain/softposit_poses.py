@@ -6,22 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.poses.softposit import Annealing, random_starts, softposit
+from geometry.poses.softposit import Annealing, SoftPositResult, random_starts, softposit
 from plogic.base.clock import unhurried
-from plogic.match.plain.extended import FEWEST, extended, scene_of
+from plogic.match.plain.extended import FEWEST, Typed, extended, scene_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
-    from geometry.poses.softposit import SoftPositResult
+    from geometry.arrays import Floats
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
     from plogic.match.hand.hand_models import TypeIndex
-    from plogic.match.plain.extended import Typed
 
-    Floats = NDArray[np.float64]
 
 MOST = 128
 """Random starts of a type."""

@@ -16,12 +16,10 @@ from typing import TYPE_CHECKING, Any
 from plogic.base.errors import LimitError
 from plogic.facts.situation import Situation
 from plogic.logic.served.engine import Limits, ask, request_of
-from plogic.scene.asking.query import subject_text
+from plogic.scene.asking.query import Subject, subject_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from plogic.scene.asking.query import Subject
 
 
 @dataclass(frozen=True)

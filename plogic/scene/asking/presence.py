@@ -17,18 +17,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.facts.dependence import Scene
-from plogic.facts.situation import OTHERS
+from plogic.facts.situation import OTHERS, Situation
 from plogic.facts.spatial import words_of_shared
 from plogic.measures.explanatory import case_of
 from plogic.scene.readings.posterior_reading import appearance_weight, group_shares, miss_weight, unmatched
-from plogic.scene.readings.score_reading import cells, p_ev
+from plogic.scene.readings.score_reading import Present, cells, p_ev
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from geometry.arrays import Floats, Mask
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.facts.situation import Situation
-    from plogic.scene.readings.score_reading import Present
 
 
 @dataclass(frozen=True)
@@ -62,9 +61,7 @@ def contributions(situation: Situation, hypothesis: str, world: Iterable[str]) -
     return sorted(told, key=lambda c: (-abs(c.llr), c.datum))
 
 
-def _weights(
-    scene: Scene, present: dict[str, np.ndarray[tuple[int], np.dtype[np.bool_]]]
-) -> Iterator[tuple[str, np.ndarray[tuple[int], np.dtype[np.float64]]]]:
+def _weights(scene: Scene, present: dict[str, Mask]) -> Iterator[tuple[str, Floats]]:
     for appearance in scene.claimants:
         yield appearance, appearance_weight(scene, appearance, present)
     for h in scene.situation.hypotheses:

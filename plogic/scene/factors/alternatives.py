@@ -10,7 +10,7 @@ Vocabulary, each with an example value:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.facts.situation import Situation
 
-    Literal = tuple[int, tuple[int, ...]]
+
+Literal: TypeAlias = tuple[int, tuple[int, ...]]
+"""A variable, and the states of which it is in one."""
 
 
 @dataclass(frozen=True)

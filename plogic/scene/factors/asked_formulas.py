@@ -13,8 +13,8 @@ import time
 from typing import TYPE_CHECKING
 
 from plogic.base.errors import InconsistentError
-from plogic.inference.gates import And, Literal, Not, Or, observed, probability, with_formulas
-from plogic.inference.graph import Factor, FactorGraph, connected
+from plogic.inference.gates import And, Formula, Literal, Not, Or, observed, probability, with_formulas
+from plogic.inference.graph import Beliefs, Factor, FactorGraph, connected
 from plogic.inference.marginals import beliefs
 from plogic.scene.factors.scene_graph import scene_graph
 
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from plogic.facts.situation import Situation
-    from plogic.inference.gates import Formula
-    from plogic.inference.graph import Beliefs
 
     Interval = tuple[float, float]
     States = dict[int, frozenset[int]]

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 from plogic.base.errors import OutsideError
 from plogic.facts.dependence import Scene, dependence
 from plogic.facts.names import names_of
-from plogic.inference.gates import And, Literal, Not, Or
+from plogic.inference.gates import And, Formula, Literal, Not, Or
 from plogic.logic.safety.atoms import own_atom, quoted
 from plogic.logic.safety.author import author_rules
 from plogic.logic.served.engine import Limits, Text, ask, request_of
@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from plogic.facts.situation import Situation
-    from plogic.inference.gates import Formula
     from plogic.scene.factors.scene_graph import SceneGraph
 
     Key = int | None

@@ -16,16 +16,14 @@ import numpy as np
 
 from plogic.base.bounds import LEAST, alternative, bounded
 from plogic.facts.expected import expected
-from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, log, logs_of, too_wide
+from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, Table, Tables, log, logs_of, too_wide
 from plogic.scene.readings.posterior_reading import DEFAULT_PRIOR
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Mask
     from plogic.scene.factors.alternatives import Cast, Literal
-    from plogic.scene.factors.weight_tables import Table, Tables
 
     Pair = tuple[float, float]
     Scope = tuple[int, ...]
@@ -273,7 +271,7 @@ def _hiders(tables: Tables, cast: Cast, mine: int, names: list[str]) -> tuple[Li
     return tuple(literals)
 
 
-def _live(tables: Tables, scope: tuple[int, ...], claim: Claim) -> NDArray[np.bool_]:
+def _live(tables: Tables, scope: tuple[int, ...], claim: Claim) -> Mask:
     """Where the claim's hypothesis is present and its feature expected, over the scope (its other axes have length 1)."""
     hiders = dict(claim.hiders)
     live = np.ones((1,) * len(scope), dtype=bool)

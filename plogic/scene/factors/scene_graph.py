@@ -13,20 +13,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plogic.base.bounds import bounded
-from plogic.facts.gravity import GROUND
-from plogic.scene.factors.alternatives import Alternative, Cast, cast_of
-from plogic.scene.factors.posterior_factors import add_posterior
+from plogic.facts.gravity import GROUND, Foot, Gravity
+from plogic.scene.factors.alternatives import Alternative, Cast, Literal, cast_of
+from plogic.scene.factors.posterior_factors import Cause, add_posterior
 from plogic.scene.factors.score_factors import add_score
 from plogic.scene.factors.weight_tables import Tables
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from plogic.facts.gravity import Foot, Gravity
     from plogic.facts.situation import Situation
     from plogic.inference.graph import FactorGraph
-    from plogic.scene.factors.alternatives import Literal
-    from plogic.scene.factors.posterior_factors import Cause
 
 MOST_HOLDERS = 6
 """Variables of holders that one factor looks at; of more, one auxiliary variable says whether any holds."""

@@ -21,10 +21,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.base.bounds import LEAST, alternative
-from plogic.facts.dependence import Scene, arranged, dependence, ordered
+from plogic.facts.dependence import Dependence, Scene, arranged, dependence, ordered
 from plogic.facts.expected import expected
-from plogic.inference.gates import And, Literal, Not, Or
-from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, log, logs_of
+from plogic.inference.gates import And, Formula, Literal, Not, Or
+from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, Tables, log, logs_of
 from plogic.scene.readings.score_reading import acceptance, lifted_smoothing
 
 if TYPE_CHECKING:
@@ -32,11 +32,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.facts.dependence import Dependence
+    from geometry.arrays import Floats
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.inference.gates import Formula
     from plogic.scene.factors.alternatives import Cast
-    from plogic.scene.factors.weight_tables import Tables
 
     Cell = tuple[int, float, bool]
     Chances = NDArray[np.float64]
@@ -52,7 +50,7 @@ class Linear(NamedTuple):
     fixed: float | None
     cells: list[Cell]
 
-    def chances(self, epsilon: float) -> list[float] | NDArray[np.float64]:
+    def chances(self, epsilon: float) -> list[float] | Floats:
         """P(present(h) | which of ``names`` are present), a bit table (2^n,); of length 1 where it is impossible."""
         if self.fixed is None:
             return [0.0]
@@ -102,7 +100,7 @@ def _snapped(total: float) -> float:
     return 1.0 if total > 1.0 - 1e-12 else 0.0 if total < 1e-12 else total
 
 
-def _array(size: int, fixed: float, cells: Sequence[Cell], epsilon: float) -> NDArray[np.float64]:
+def _array(size: int, fixed: float, cells: Sequence[Cell], epsilon: float) -> Floats:
     rows, changing = np.arange(size), np.zeros(size)
     for mask, share, found in cells:
         changing += share * (((rows & mask) > 0) != found)

@@ -8,22 +8,22 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from plogic.inference.gates import observed, with_formulas
+from plogic.inference.gates import Formula, observed, with_formulas
 from plogic.inference.graph import Factor, FactorGraph
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from numpy.typing import NDArray
-
-    from plogic.inference.gates import Formula
+    from geometry.arrays import Floats
     from plogic.scene.factors.alternatives import Literal
 
-    Table = NDArray[np.float64]
+
+Table: TypeAlias = "Floats"
+"""One axis a variable."""
 
 WIDEST = 16
 """Bits of one factor: what spans more joint states is written with auxiliary variables."""

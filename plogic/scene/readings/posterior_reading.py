@@ -7,16 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.base.bounds import alternative, bounded
-from plogic.scene.readings.score_reading import expected
+from plogic.scene.readings.score_reading import Present, expected
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from plogic.facts.dependence import Scene
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.scene.readings.score_reading import Flags, Present
 
 DEFAULT_PRIOR = 0.5
 """Prior of a type for which the knowledge base states none."""
@@ -57,7 +55,7 @@ def causes_of(scene: Scene, appearance: str) -> Causes:
     return Causes(claimants, shares[:-1], shares[-1], sum(densities) + clutter)
 
 
-def appearance_weight(scene: Scene, appearance: str, present: Present) -> NDArray[np.float64]:
+def appearance_weight(scene: Scene, appearance: str, present: Present) -> Floats:
     """Σ_i N_i h_i Π_{j≠i}(1−h_j) + f Π_j(1−h_j) over the present, expected claimants, in every world, (M,)."""
     causes = causes_of(scene, appearance)
     hits = [_hit(scene, h, f, present) for h, f in causes.claimants]
@@ -68,7 +66,7 @@ def appearance_weight(scene: Scene, appearance: str, present: Present) -> NDArra
     return weight * causes.scale
 
 
-def miss_weight(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> NDArray[np.float64]:
+def miss_weight(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Floats:
     """1 − h_F where the feature is expected, (M,); it has no appearance."""
     return 1.0 - _hit(scene, h, f, present)
 
@@ -78,12 +76,12 @@ def unmatched(h: Hypothesis) -> Iterable[FeatureFact]:
     return (f for f in h.features if f.match is None and h.expects(f))
 
 
-def _hit(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> NDArray[np.float64]:
-    live: Flags = present[h.id] & expected(scene, h, f, present)
+def _hit(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Floats:
+    live: Mask = present[h.id] & expected(scene, h, f, present)
     return bounded(f.hit_rate) * live.astype(np.float64)
 
 
-def _product(factors: list[NDArray[np.float64]], present: Present) -> NDArray[np.float64]:
+def _product(factors: list[Floats], present: Present) -> Floats:
     result = np.ones(len(next(iter(present.values()))))
     for factor in factors:
         result = result * factor

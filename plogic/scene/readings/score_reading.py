@@ -7,7 +7,7 @@ Worlds are columns: ``present["h2"]`` is a boolean array (M,) that says in which
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -17,23 +17,23 @@ from plogic.facts import expected as d7
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from plogic.facts.dependence import Scene
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
 
-    Flags = NDArray[np.bool_]
-    Present = Mapping[str, Flags]
+
+Present: TypeAlias = "Mapping[str, Mask]"
+"""In which of M worlds each hypothesis is present, (M,) each."""
 
 
 class Cells(NamedTuple):
     """One feature's Expected and Detected, (M,) each."""
 
-    expected: Flags
-    detected: Flags
+    expected: Mask
+    detected: Mask
 
 
-def hidden(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Flags:
+def hidden(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Mask:
     """Where some present opaque hypothesis, no rival, lies before the feature (D4)."""
     result = np.zeros_like(next(iter(present.values())))
     for g in scene.hiders(h, f):
@@ -41,7 +41,7 @@ def hidden(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Fla
     return result
 
 
-def expected(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Flags:
+def expected(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Mask:
     """D7 in every world, given that ``h`` is in it."""
     return d7.expected(f, h.opaque, hidden(scene, h, f, present))
 
@@ -59,7 +59,7 @@ def cells(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Cell
     return Cells(awaited, found)
 
 
-def supported(scene: Scene, h: Hypothesis, present: Present) -> Flags:
+def supported(scene: Scene, h: Hypothesis, present: Present) -> Mask:
     """Where at least one feature of ``h`` is detected (trap b: a fully hidden phantom would have ev = +1)."""
     result = np.zeros_like(next(iter(present.values())))
     for f in h.features:
@@ -67,7 +67,7 @@ def supported(scene: Scene, h: Hypothesis, present: Present) -> Flags:
     return result
 
 
-def p_ev(scene: Scene, h: Hypothesis, present: Present) -> NDArray[np.float64]:
+def p_ev(scene: Scene, h: Hypothesis, present: Present) -> Floats:
     """P(ev) of ``h`` after reconsideration in every world, (M,); NaN where it is 0/0."""
     if scene.situation.reconsider == "drop":
         return _dropped(scene, h, present)
@@ -80,12 +80,12 @@ def p_ev(scene: Scene, h: Hypothesis, present: Present) -> NDArray[np.float64]:
     return _snapped(total) if shares else np.full_like(total, np.nan)
 
 
-def _snapped(total: NDArray[np.float64]) -> NDArray[np.float64]:
+def _snapped(total: Floats) -> Floats:
     """A sum of shares that is 0 or 1 but for rounding is 0 or 1: the certain stays certain."""
     return np.where(total > 1.0 - 1e-12, 1.0, np.where(total < 1e-12, 0.0, total))
 
 
-def _dropped(scene: Scene, h: Hypothesis, present: Present) -> NDArray[np.float64]:
+def _dropped(scene: Scene, h: Hypothesis, present: Present) -> Floats:
     """The cells of the hypothesis alone, without the C cells that a present occluder explains."""
     good = np.zeros(len(next(iter(present.values()))))
     bad = np.zeros_like(good)
@@ -101,7 +101,7 @@ def _dropped(scene: Scene, h: Hypothesis, present: Present) -> NDArray[np.float6
     return np.divide(good, total, out=np.full_like(good, np.nan), where=total > 0)
 
 
-def acceptance(scene: Scene, h: Hypothesis, present: Present, influences: tuple[str, ...]) -> NDArray[np.float64]:
+def acceptance(scene: Scene, h: Hypothesis, present: Present, influences: tuple[str, ...]) -> Floats:
     """P(present(h) | the others) in every world, (M,): P(ev), smoothed; 0 where ev is undefined or nothing is detected.
 
     Only the presence of ``influences`` is looked at; ``h`` itself is taken as present.

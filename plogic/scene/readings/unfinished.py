@@ -13,13 +13,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 from plogic.facts.situation import Situation
-from plogic.facts.stopped import SEARCH, WORLDS
+from plogic.facts.stopped import SEARCH, WORLDS, Stopped
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from plogic.facts.document import HypothesisRow, Interpretation, Listed, Marks, RejectedRow
-    from plogic.facts.stopped import Stopped
     from plogic.logic.served.engine import Answer
     from plogic.scene.asking.query import Subject
     from plogic.scene.worlds.ranked_worlds import Ranking

@@ -8,13 +8,13 @@ import numpy as np
 
 from plogic.facts.dependence import MOST_OCCLUDERS
 from plogic.scene.readings.score_reading import acceptance, p_ev
-from plogic.scene.text.layout import number
+from plogic.scene.text.layout import Writer, number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from geometry.arrays import Mask
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.scene.text.layout import Writer
 
 
 def contexts(names: tuple[str, ...]) -> list[tuple[str, ...]]:
@@ -47,7 +47,7 @@ def accepted_given(w: Writer, h: Hypothesis, context: tuple[str, ...]) -> float:
     return float(acceptance(w.scene, h, _columns(w, context), w.graph.of[h.id])[0])
 
 
-def _columns(w: Writer, present: tuple[str, ...]) -> dict[str, np.ndarray[tuple[int], np.dtype[np.bool_]]]:
+def _columns(w: Writer, present: tuple[str, ...]) -> dict[str, Mask]:
     return {h.id: np.array([h.id in present]) for h in w.scene.situation.hypotheses}
 
 

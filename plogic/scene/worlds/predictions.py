@@ -29,6 +29,7 @@ from plogic.scene.readings.score_reading import cells, p_ev
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from geometry.arrays import Mask
     from plogic.facts.document import DoubtRow
     from plogic.facts.situation import PairFact, Situation
 
@@ -132,7 +133,7 @@ def _ev(scene: Scene, name: str, *others: str) -> float:
     return 2.0 * float(p_ev(scene, scene.by_id[name], _present(scene, name, *others))[0]) - 1.0
 
 
-def _present(scene: Scene, *names: str) -> dict[str, np.ndarray[tuple[int], np.dtype[np.bool_]]]:
+def _present(scene: Scene, *names: str) -> dict[str, Mask]:
     return {h: np.array([h in names]) for h in scene.by_id}
 
 

@@ -28,19 +28,17 @@ from plogic.base.clock import Clock, OutOfTimeError
 from plogic.base.errors import InconsistentError, LimitError, WidthError
 from plogic.facts.sanity import check
 from plogic.inference.gates import Literal, observed
-from plogic.inference.graph import FactorGraph, connected
+from plogic.inference.graph import Beliefs, FactorGraph, connected
 from plogic.inference.marginals import beliefs, summed_out
 from plogic.inference.ranked import Ranked
 from plogic.scene.factors.alternatives import cast_of
-from plogic.scene.factors.scene_graph import scene_graph
+from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
 from plogic.scene.worlds.causes import CauseTable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from plogic.facts.situation import Situation
-    from plogic.inference.graph import Beliefs
-    from plogic.scene.factors.scene_graph import SceneGraph
 
     Weighed = tuple[float, tuple[int, ...]]
     Interval = tuple[float, float]

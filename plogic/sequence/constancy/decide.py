@@ -8,31 +8,24 @@ import numpy as np
 
 from plogic.sequence.constancy.packing import packing, probabilities
 from plogic.sequence.constancy.result import Constancy, PhysicalFeature, UnknownObject
-from plogic.sequence.constancy.sight_lines import sights_of
+from plogic.sequence.constancy.sight_lines import Sights, sights_of
 from plogic.sequence.constancy.tracks import DEPTHS, MIN_PARALLAX, Tracks, tracks_of
-from plogic.sequence.constancy.weights import company_of, log_weights, spacing
+from plogic.sequence.constancy.weights import Hidden, company_of, log_weights, spacing
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import Rates
-    from plogic.sequence.constancy.sight_lines import Sights
-    from plogic.sequence.constancy.weights import Hidden
     from plogic.sequence.views.view import View
 
-    Floats = NDArray[np.float64]
-    Ints = NDArray[np.intp]
-
-    Flags = NDArray[np.bool_]
 
 REACH = 2.0
 """Two features are of one object where they are nearer than so many spacings (the median distance to a third
 neighbour), or linked by others."""
 
 
-def clusters(at: Floats) -> list[Ints]:
+def clusters(at: Floats) -> list[Indices]:
     """Indices of places (N, 3) m, an array a cluster: the largest first, of equally large ones that with the first place."""
     from scipy.cluster.hierarchy import fcluster, linkage
 
@@ -121,7 +114,7 @@ SHARE = 0.25
 on; this leaves a margin."""
 
 
-def tellable(sights: Sights, v: int, hidden: Hidden | None) -> Flags:
+def tellable(sights: Sights, v: int, hidden: Hidden | None) -> Mask:
     """(N,) of the data of view ``v``: whether another view could have told.
 
     At a quarter of the depths or more where its place may be, some other view has it in its image, hidden by nothing

@@ -20,11 +20,9 @@ from kb.surfaces.surface import Surface
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats
     from plogic.sequence.constancy.result import SeenFeature, Sighting
 
-    Floats = NDArray[np.float64]
 
 MARGIN = math.radians(30.0)
 """By which a lobe is wider than the viewpoints that were there."""

@@ -10,13 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-    Ints = NDArray[np.intp]
+    from geometry.arrays import Floats, Indices
 
 
-def packing(data: Ints, weight: Floats) -> Ints:
+def packing(data: Indices, weight: Floats) -> Indices:
     """Indices, ascending, of tracks ``data`` (T, V) that share no datum, of great total ``weight`` (T,).
 
     Greedy, the heaviest first; then one is put in wherever it weighs more than all that it displaces, the most gainful
@@ -38,7 +35,7 @@ def packing(data: Ints, weight: Floats) -> Ints:
     return np.unique(owner[owner >= 0])
 
 
-def probabilities(data: Ints, weight: Floats, chosen: Ints) -> Floats:
+def probabilities(data: Indices, weight: Floats, chosen: Indices) -> Floats:
     """(C,) that each chosen track is a physical feature, with all others as they are.
 
     Of the worlds that differ from the packing in what takes this track's data: itself, nothing, or a rival that
@@ -60,28 +57,28 @@ def probabilities(data: Ints, weight: Floats, chosen: Ints) -> Floats:
     return np.array(answers)
 
 
-def displaced(data: Ints, owner: Ints) -> tuple[Ints, Ints]:
+def displaced(data: Indices, owner: Indices) -> tuple[Indices, Indices]:
     """Of tracks (T, V): (T, V) whether a datum is taken; and all those that took one."""
     own = _owned(data, owner)
     return np.asarray(own >= 0), np.unique(own[own >= 0])
 
 
-def _owners(data: Ints) -> Ints:
+def _owners(data: Indices) -> Indices:
     """(V, N) the chosen track of each datum: -1, nobody yet."""
     return np.full((data.shape[1], int(data.max(initial=0)) + 1), -1, np.intp)
 
 
-def _put(owner: Ints, row: Ints, track: int) -> None:
+def _put(owner: Indices, row: Indices, track: int) -> None:
     views = np.flatnonzero(row >= 0)
     owner[views, row[views]] = track
 
 
-def _owned(data: Ints, owner: Ints) -> Ints:
+def _owned(data: Indices, owner: Indices) -> Indices:
     """(T, V) the chosen track that has each datum of each track, -1 where nobody has."""
     return np.where(data >= 0, owner[np.arange(data.shape[1]), data], -1)
 
 
-def _cost(data: Ints, owner: Ints, weight: Floats) -> Floats:
+def _cost(data: Indices, owner: Indices, weight: Floats) -> Floats:
     """(T,) the weight of all the chosen tracks that each would displace, each counted once."""
     own = np.sort(_owned(data, owner), axis=1)
     first = own >= 0

@@ -11,12 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from plogic.sequence.constancy.sight_lines import Sights
 
-    Floats = NDArray[np.float64]
-    Ints = NDArray[np.intp]
 
 STEPS = 3
 """Steps of Gauss-Newton from the linear solution."""
@@ -41,9 +38,9 @@ class Places(NamedTuple):
     chi2: Floats
     depth: Floats
     parallax: Floats
-    good: NDArray[np.bool_]
+    good: Mask
 
-    def some(self, which: NDArray[np.bool_] | Ints) -> Places:
+    def some(self, which: Mask | Indices) -> Places:
         """Those of an index or a mask."""
         parts = (self.at[which], self.covariance[which], self.chi2[which], self.depth[which], self.parallax[which])
         return Places(*parts, self.good[which])
@@ -55,9 +52,9 @@ class _Observed(NamedTuple):
     ``weight`` (O,) one over the noise.
     """
 
-    track: Ints
-    view: Ints
-    first: Ints
+    track: Indices
+    view: Indices
+    first: Indices
     seen: Floats
     weight: Floats
     R: Floats
@@ -68,7 +65,7 @@ class _Observed(NamedTuple):
         return np.add.reduceat(values, self.first, axis=0)
 
 
-def places_of(sights: Sights, tracks: Ints, kind: Ints) -> Places:
+def places_of(sights: Sights, tracks: Indices, kind: Indices) -> Places:
     """The places of ``tracks`` (T, V) of appearance types ``kind`` (T,), two data each at least, by least squares on the images."""
     if not len(tracks):
         none = np.zeros(0)
@@ -93,7 +90,7 @@ def places_of(sights: Sights, tracks: Ints, kind: Ints) -> Places:
     )
 
 
-def _observed(sights: Sights, tracks: Ints, kind: Ints) -> _Observed:
+def _observed(sights: Sights, tracks: Indices, kind: Indices) -> _Observed:
     track, view = np.nonzero(tracks >= 0)
     first = np.searchsorted(track, np.arange(len(tracks)))
     frames = sights.camera_from_world[view]
@@ -134,7 +131,7 @@ def _residuals(observed: _Observed, at: Floats) -> tuple[Floats, Floats, Floats]
     return (ideal - observed.seen) * observed.weight[:, None], jacobian, z
 
 
-def _parallax(sights: Sights, at: Floats, mask: NDArray[np.bool_]) -> Floats:
+def _parallax(sights: Sights, at: Floats, mask: Mask) -> Floats:
     sight = at[:, None] - sights.eye
     sight /= np.maximum(np.linalg.norm(sight, axis=-1, keepdims=True), 1e-12)
     cosine = sight @ np.swapaxes(sight, 1, 2)

@@ -12,18 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from geometry.arrays import frozen
+from geometry.arrays import Floats, frozen
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from plogic.sequence.document import ConstancyRow, PhysicalFeatureRow
     from plogic.sequence.views.view import View
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +30,7 @@ class PhysicalFeature:
 
     id: str
     type: str
-    at: NDArray[np.float64]
+    at: Floats
     sigma: float
     probability: float
     data: Mapping[str, str]

@@ -16,14 +16,11 @@ from geometry.frames import inverse
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import Rates
     from plogic.sequence.views.view import View
     from sensing.appearance import Appearance
 
-    Floats = NDArray[np.float64]
-    Ints = NDArray[np.intp]
 
 HIT = 0.8
 """Chance that a feature is detected, where the KB states none (as ``kb.yaml`` has it)."""
@@ -46,7 +43,7 @@ class Sights:
     ids: tuple[tuple[str, ...], ...]
     types: tuple[str, ...]
     xy: Floats
-    kind: Ints
+    kind: Indices
     camera_from_world: Floats
     eye: Floats
     sigma: Floats
@@ -56,12 +53,12 @@ class Sights:
     angle: Floats
     sigma_angle: float | None
 
-    def seen(self, tracks: Ints) -> Floats:
+    def seen(self, tracks: Indices) -> Floats:
         """(T, V, 2) ideal places of the tracks' data, NaN where a view has none."""
         places = self.xy[np.arange(len(self.views)), tracks]
         return np.where(tracks[..., None] >= 0, places, np.nan)
 
-    def in_image(self, world: Floats) -> NDArray[np.bool_]:
+    def in_image(self, world: Floats) -> Mask:
         """(T, V) whether the places (T, 3) m lie in each view's image."""
         masks = []
         for view, frame in zip(self.views, self.camera_from_world, strict=True):

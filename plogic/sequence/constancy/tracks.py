@@ -13,13 +13,9 @@ import numpy as np
 from plogic.sequence.constancy.places import Places, places_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from plogic.sequence.constancy.sight_lines import Sights
 
-    Floats = NDArray[np.float64]
-    Ints = NDArray[np.intp]
-    Flags = NDArray[np.bool_]
 
 MIN_PARALLAX = float(np.radians(2.0))
 """Between two lines of sight to a place: with less, views cannot tell how far away it is, and so not that it is one
@@ -40,11 +36,11 @@ class Tracks(NamedTuple):
     Where they lie.
     """
 
-    data: Ints
-    kind: Ints
+    data: Indices
+    kind: Indices
     places: Places
 
-    def some(self, which: Flags | Ints) -> Tracks:
+    def some(self, which: Mask | Indices) -> Tracks:
         """Those of an index or a mask."""
         return Tracks(self.data[which], self.kind[which], self.places.some(which))
 
@@ -63,7 +59,7 @@ def tracks_of(sights: Sights) -> Tracks:
     return _plausible(sights, _once(np.concatenate([first, later])))
 
 
-def _grown(sights: Sights, pairs: Ints) -> Ints:
+def _grown(sights: Sights, pairs: Indices) -> Indices:
     """(T, V) pairs that are plausible, threes on the way, and what each came to in the end."""
     current = _plausible(sights, pairs)
     found = [current.data]
@@ -82,14 +78,14 @@ def _joined(one: Tracks, other: Tracks) -> Tracks:
     return Tracks(np.concatenate([one.data, other.data]), np.concatenate([one.kind, other.kind]), places)
 
 
-def _once(data: Ints) -> Ints:
+def _once(data: Indices) -> Indices:
     """Each of some tracks (T, V) once, in a fixed order."""
     short = np.ascontiguousarray(data, np.int32)
     rows = short.view(np.dtype((np.void, short.dtype.itemsize * short.shape[1]))).ravel()
     return np.asarray(data[np.sort(np.unique(rows, return_index=True)[1])])
 
 
-def _within(tracks: Ints, pairs: Ints) -> Flags:
+def _within(tracks: Indices, pairs: Indices) -> Mask:
     """(T,) which pairs have both data in one of the tracks."""
     views, size = pairs.shape[1], int(max(tracks.max(initial=0), pairs.max(initial=0))) + 1
     codes = [
@@ -103,7 +99,7 @@ def _within(tracks: Ints, pairs: Ints) -> Flags:
     return np.isin(own, np.concatenate([np.zeros(0, np.intp), *codes]))
 
 
-def _plausible(sights: Sights, data: Ints) -> Tracks:
+def _plausible(sights: Sights, data: Indices) -> Tracks:
     """Those in front of their cameras, at a depth that is sought, with parallax enough, whose residuals are no larger than noise makes them."""
     from scipy.special import chdtri
 
@@ -117,13 +113,13 @@ def _plausible(sights: Sights, data: Ints) -> Tracks:
     return Tracks(data, kind, places).some(places.good & near & fits & (places.parallax >= MIN_PARALLAX))
 
 
-def _kinds(sights: Sights, data: Ints) -> Ints:
+def _kinds(sights: Sights, data: Indices) -> Indices:
     """(T,) the appearance type of each track's data."""
     first = (data >= 0).argmax(axis=1)
     return np.asarray(sights.kind[first, data[np.arange(len(data)), first]]) if len(data) else np.zeros(0, np.intp)
 
 
-def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Ints:
+def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Indices:
     """(T, V) the tracks with the datum of view ``v`` that is nearest to where they lead.
 
     As they were where there is none, or one already.
@@ -164,14 +160,14 @@ LEAST_BASELINE = 1e-4
 """m between two cameras, below which nothing can be triangulated."""
 
 
-def pairs_of(sights: Sights) -> Ints:
+def pairs_of(sights: Sights) -> Indices:
     """(T, V) tracks of two data each, of one type, whose lines of sight meet within the noise."""
     count = len(sights.views)
     found = [_between(sights, i, j) for i, j in combinations(range(count), 2)]
     return np.concatenate([np.zeros((0, count), np.intp), *found])
 
 
-def _between(sights: Sights, i: int, j: int) -> Ints:
+def _between(sights: Sights, i: int, j: int) -> Indices:
     """(T, V) those of two views."""
     if np.linalg.norm(sights.eye[i] - sights.eye[j]) < LEAST_BASELINE:
         return np.zeros((0, len(sights.views)), np.intp)
@@ -183,7 +179,7 @@ def _between(sights: Sights, i: int, j: int) -> Ints:
     return tracks
 
 
-def sampson(sights: Sights, i: int, j: int, a: Ints, b: Ints) -> Floats:
+def sampson(sights: Sights, i: int, j: int, a: Indices, b: Indices) -> Floats:
     """(T,) squared distance from the epipolar lines, in variances, of the data ``a`` (T,) of view i and ``b`` (T,) of view j."""
     relative = sights.camera_from_world[j] @ np.linalg.inv(sights.camera_from_world[i])
     essential = _crossing(relative[:3, 3]) @ relative[:3, :3]

@@ -13,26 +13,22 @@ covariance.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from plogic.match.gamma.screen_angles import screen_angle, wrapped
-from plogic.sequence.constancy.tracks import DEPTHS
+from plogic.sequence.constancy.tracks import DEPTHS, Tracks
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from plogic.sequence.constancy.sight_lines import Sights
-    from plogic.sequence.constancy.tracks import Tracks
 
-    Floats = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
-    Hidden = Callable[[str, Floats], Flags]
-    """Which places (N, 3) m, world, the bodies that are known hide from a view, by its id: a mask (N,)."""
-    Ints = NDArray[np.intp]
+
+Hidden: TypeAlias = "Callable[[str, Floats], Mask]"
+"""Which places (N, 3) m, world, the bodies that are known hide from a view, by its id: a mask (N,)."""
 
 NEIGHBOURS = 3
 """The spacing of some places is the median distance to the neighbour of this number."""
@@ -56,7 +52,7 @@ def spacing(at: Floats) -> float:
 class Company:
     """Certain tracks: their data (G, V), places (G, 3) m, and the spacing of these."""
 
-    data: Ints
+    data: Indices
     at: Floats
     reach: float
 
@@ -74,7 +70,7 @@ class Company:
         return np.asarray(np.log((1.0 - SHARE) * np.exp(elsewhere) + SHARE * density))
 
 
-def company_of(data: Ints, at: Floats) -> Company | None:
+def company_of(data: Indices, at: Floats) -> Company | None:
     """Of certain tracks (G, V) at places (G, 3); None of too few."""
     reach = spacing(at)
     return Company(data, at, reach) if len(at) >= LEAST_CERTAIN and reach > 0.0 else None
@@ -138,7 +134,7 @@ TRACKS = 1000
 """Tracks at a time: memory stays small."""
 
 
-def log_pattern(towards: Floats, in_view: Flags, detected: Flags, hit: Floats) -> Floats:
+def log_pattern(towards: Floats, in_view: Mask, detected: Mask, hit: Floats) -> Floats:
     """(T,) ln of P(detected so, in the views where the place is in view) / P(detected in a given one).
 
     ``towards`` (T, V, 3): unit directions from the place to the cameras; ``in_view`` (T, V): in the image and hidden by
@@ -150,7 +146,7 @@ def log_pattern(towards: Floats, in_view: Flags, detected: Flags, hit: Floats) -
     return np.concatenate([np.zeros(0), *(_pattern(towards[p], in_view[p], detected[p], hit[p]) for p in parts)])
 
 
-def _pattern(towards: Floats, in_view: Flags, detected: Flags, hit: Floats) -> Floats:
+def _pattern(towards: Floats, in_view: Mask, detected: Mask, hit: Floats) -> Floats:
     cosine = (towards @ _directions().T).astype(np.float32)  # (T, V, A)
     h = hit[:, None, None].astype(np.float32)
     total = np.zeros(len(towards))

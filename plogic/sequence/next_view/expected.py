@@ -16,14 +16,9 @@ from kb.clouds.lobes import in_lobe
 from plogic.facts.expected import Seen, expected
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from geometry.camera import Camera
     from plogic.sequence.next_view.prospect import Body, Cloud, Prospect
-
-    Floats = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
-    Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,12 +34,12 @@ class Sightings:
     body: Indices
     feature: Indices
     uv: Floats
-    looks: Flags
+    looks: Mask
     hit: Floats
-    hidden: Flags
+    hidden: Mask
     names: tuple[str, ...]
 
-    def expected(self, present: Flags) -> Flags:
+    def expected(self, present: Mask) -> Mask:
         """(W, N) Expected in each world (D7), where all are Expected alone: ``present`` (W, B)."""
         veiled = present.astype(np.float64) @ self.hidden.T.astype(np.float64) > 0.0
         everywhere = np.ones(len(self.body), bool)
@@ -57,7 +52,7 @@ class _Alone(NamedTuple):
 
     feature: Indices
     at: Floats
-    looks: Flags
+    looks: Mask
     hit: Floats
 
 
@@ -102,7 +97,7 @@ def _alone(body: Body, pose: Floats, camera: Camera, granularity: float, names: 
     return _Alone(feature[shown], at[shown], looks[feature[shown]], hit[feature[shown]])
 
 
-def _hidden(which: int, at: Floats, poses: list[Floats], prospect: Prospect) -> Flags:
+def _hidden(which: int, at: Floats, poses: list[Floats], prospect: Prospect) -> Mask:
     """(M, B) which other opaque bodies the features (M, 3) of one lie Behind.
 
     Rivals hide nothing of each other (§4.1).
@@ -139,8 +134,8 @@ class Sites(NamedTuple):
     ``report`` (W, S) P(a datum there | w).
     """
 
-    of: NDArray[np.intp]
-    expected: NDArray[np.bool_]
+    of: Indices
+    expected: Mask
     report: Floats
 
 
@@ -158,7 +153,7 @@ def sites(seen: Sightings, prospect: Prospect, camera: Camera) -> Sites:
     return Sites(of, expected, -np.expm1(miss - _clutter(seen, of, count, prospect, camera)))
 
 
-def _merged(seen: Sightings, tolerance: float) -> tuple[NDArray[np.intp], int]:
+def _merged(seen: Sightings, tolerance: float) -> tuple[Indices, int]:
     """The site (N,) of each sighting, and their number: whatever lies near and shares a type, and what lies near that, in no order."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -176,7 +171,7 @@ def _merged(seen: Sightings, tolerance: float) -> tuple[NDArray[np.intp], int]:
     return np.asarray(of, np.intp), int(count)
 
 
-def _clutter(seen: Sightings, of: NDArray[np.intp], count: int, prospect: Prospect, camera: Camera) -> Floats:
+def _clutter(seen: Sightings, of: Indices, count: int, prospect: Prospect, camera: Camera) -> Floats:
     """(S,) the expected number of data of clutter within the tolerance of a site, of the types that it may be reported as."""
     looks = np.zeros((count, len(seen.names)), bool)
     np.logical_or.at(looks, of, seen.looks)

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from geometry.arrays import Floats, Indices
 
-    Floats = NDArray[np.float64]
 
 OUTCOMES = 200_000
 """Joint outcomes times worlds that are enumerated."""
@@ -39,7 +38,7 @@ class _Told(NamedTuple):
 
     mass: Floats
     answers: Floats
-    sites: NDArray[np.intp]
+    sites: Indices
     report: Floats
 
 

@@ -14,8 +14,7 @@ from plogic.scene.asking.query import answers
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats
     from plogic.facts.situation import Situation
     from plogic.logic.served.engine import Answer
 
@@ -23,7 +22,7 @@ DIGITS = 9
 """To which two worlds give a goal the same probability."""
 
 
-def answers_in(situation: Situation, worlds: Sequence[Sequence[str]], goal: str) -> NDArray[np.float64]:
+def answers_in(situation: Situation, worlds: Sequence[Sequence[str]], goal: str) -> Floats:
     """(W, A) P(answer | w), each row summing to 1, of worlds that are told by who is present.
 
     Of a ground goal the answers are true and false. Of one with variables, which substitutions hold: worlds of which

@@ -13,20 +13,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from plogic.sequence.next_view.expected import sightings, sites
+from plogic.sequence.next_view.expected import Sightings, Sites, sightings, sites
 from plogic.sequence.next_view.gain import Gain, each_site, gain
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from geometry.camera import Camera
-    from plogic.sequence.next_view.expected import Sightings, Sites
     from plogic.sequence.next_view.moves import Candidate
     from plogic.sequence.next_view.prospect import Prospect
 
-    Floats = NDArray[np.float64]
 
 LISTED = 3
 """Reasons of a candidate, those that tell most first."""
@@ -86,7 +83,7 @@ def _what(some: list[int], prospect: Prospect, seen: Sightings, found: Sites) ->
     return f"{len(some)} features ({' or '.join(kinds)}; {first.features[feature]}, ...) of {whose}"
 
 
-def _rest(members: list[int], rest: NDArray[np.bool_], prospect: Prospect, seen: Sightings) -> str:
+def _rest(members: list[int], rest: Mask, prospect: Prospect, seen: Sightings) -> str:
     """Why none of the features is expected in the worlds ``rest`` (W,): hidden by whom, or not there."""
     rest = rest & (prospect.probability > 0.0)
     said: dict[str, None] = {}
@@ -118,7 +115,7 @@ def looked_ahead(
     prospect: Prospect,
     camera: Camera,
     candidates: Sequence[Candidate],
-    answers: NDArray[np.float64] | None = None,
+    answers: Floats | None = None,
     seed: int = 0,
 ) -> list[Outlook]:
     """All candidates, that of the greatest gain first.
@@ -130,7 +127,7 @@ def looked_ahead(
 
 
 def outlook(
-    prospect: Prospect, camera: Camera, candidate: Candidate, answers: NDArray[np.float64] | None = None, seed: int = 0
+    prospect: Prospect, camera: Camera, candidate: Candidate, answers: Floats | None = None, seed: int = 0
 ) -> Outlook:
     """One candidate; every one has the same random numbers."""
     seen = sightings(prospect, camera, candidate.reference_from_camera)

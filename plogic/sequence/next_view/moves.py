@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from geometry.arrays import Floats
     from plogic.sequence.next_view.prospect import Body, Prospect
 
-    Floats = NDArray[np.float64]
 
 RING = 12
 """Places of a ring, the present one among them."""

@@ -22,12 +22,9 @@ from geometry.frames import transform_points
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from geometry.visibility.rays import RayMesh
     from kb.clouds.lobes import LobeTable
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +73,7 @@ class Prospect:
     """
 
     bodies: tuple[Body, ...]
-    present: NDArray[np.bool_]
+    present: Mask
     probability: Floats
     rivals: frozenset[frozenset[str]]
     clutter: Mapping[str, float]

@@ -16,7 +16,7 @@ from geometry.visibility.rays import RayMesh
 from kb.clouds.lobes import LobeTable
 from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
-from plogic.facts.document import Marks
+from plogic.facts.document import AssetsRow, CameraRow, Interpretation, Marks, SensingRow, TypeRow, WorldRow
 from plogic.facts.interpretation import interpretation_in, parsed
 from plogic.facts.stopped import stopped_in
 from plogic.scene.readings.unfinished import marks
@@ -27,9 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
-    from plogic.facts.document import AssetsRow, CameraRow, Interpretation, SensingRow, TypeRow, WorldRow
+    from geometry.arrays import Floats
     from plogic.facts.fact_rows import Interval, PairRow, Pose
     from plogic.facts.situation import Reading
 
@@ -96,7 +94,7 @@ def _cloud(name: str, document: Interpretation | LastView) -> Cloud:
     return Cloud(name, names, kinds, lobes, hit, rays, middle, radius, slack, bool(table["measured"]))
 
 
-def _lobes(table: TypeRow, at: NDArray[np.float64]) -> tuple[LobeTable, NDArray[np.float64]]:
+def _lobes(table: TypeRow, at: Floats) -> tuple[LobeTable, Floats]:
     rows = np.array(table["lobes"], dtype=float).reshape(-1, 9)
     feature, look = rows[:, 0].astype(np.intp), rows[:, 1].astype(np.intp)
     axis = rows[:, 2:5] / np.linalg.norm(rows[:, 2:5], axis=1, keepdims=True)
@@ -204,7 +202,7 @@ def _complete(views: list[Interpretation], panorama: Panorama) -> None:
         raise ValueError(f"{', '.join(lacking[:5])}: is missing{OLDER}")
 
 
-def _pose(rows: object, where: str) -> NDArray[np.float64]:
+def _pose(rows: object, where: str) -> Floats:
     pose = np.array(rows, dtype=float)
     if pose.shape != (4, 4) or not is_rigid(pose):
         raise ValueError(f"{where}: should be a rigid 4 x 4 transform")

@@ -19,31 +19,27 @@ import numpy as np
 from geometry.poses.refine_sights import turned_step
 from geometry.poses.reprojection import information
 from plogic.base.bounds import LEAST
-from plogic.cycle.delta import delta_of, instances
+from plogic.cycle.delta import Options, delta_of, instances
 from plogic.cycle.holding import gravity_of_view
 from plogic.cycle.state import Cycle, Trace
 from plogic.match.judged.disjoint import moved_apart, pose_information
 from plogic.match.judged.evidence import as_counted, evidence, judged
 from plogic.match.judged.pose_information import known, share_of
 from plogic.match.judged.rivals import excludes
-from plogic.scene.worlds.ranked_worlds import ranked_worlds
+from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
 from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, seen_beside
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.delta import Options
     from plogic.facts.gravity import Gravity
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.facts.situation import Situation
     from plogic.match.gamma.data import Data
     from plogic.run.perceive import Perceiver
-    from plogic.scene.worlds.ranked_worlds import Ranking
 
-    Floats = NDArray[np.float64]
 
 ROUNDS = 2
 """Times that poses are refined in all views together, and matched again."""
@@ -189,9 +185,7 @@ class _Told(NamedTuple):
 def _told(posed: Sequence[Hypothesis], first: int, seen: Seen, perceiver: Perceiver, options: Options) -> _Told:
     kb, known = perceiver.kb, list[_Known | None]()
 
-    def counted(
-        one: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None
-    ) -> tuple[Floats, Floats]:
+    def counted(one: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None) -> tuple[Floats, Floats]:
         known.append(_known(one, hidden, seen, kb))
         return as_counted(one, data, kb, hidden)
 
@@ -212,7 +206,7 @@ def _belief(posed: Hypothesis, status: str, seen: Seen, perceiver: Perceiver) ->
     return judged(posed, seen.data, perceiver.kb, perceiver.dv).told(status=status)
 
 
-def _known(posed: Hypothesis, hidden: NDArray[np.bool_] | None, seen: Seen, kb: KnowledgeBase) -> _Known | None:
+def _known(posed: Hypothesis, hidden: Mask | None, seen: Seen, kb: KnowledgeBase) -> _Known | None:
     """What a view's matches tell of a pose; None where there are none."""
     found = posed.candidate & posed.detected
     found = found if hidden is None else found & ~hidden

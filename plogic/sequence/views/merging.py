@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from plogic.match.judged.evidence import evidence
-from plogic.sequence.views.standing import Standing, refined, seen_alone, standing_of
+from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, standing_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.judged.type_models import TypeModel
-    from plogic.sequence.views.standing import Seen
 
 
 class Found(NamedTuple):

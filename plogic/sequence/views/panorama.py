@@ -23,7 +23,7 @@ from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import evidence, hit_rates
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import claims, hidden_among
-from plogic.sequence.views.joint import joint
+from plogic.sequence.views.joint import Joint, joint
 from plogic.sequence.views.standing import Seen, Standing, seen_alone, standing_of
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from geometry.arrays import Mask
     from plogic.cycle.delta import Options
     from plogic.cycle.state import Cycle
     from plogic.facts.document import Interpretation
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
     from plogic.sequence.document import ExpectedRow
-    from plogic.sequence.views.joint import Joint
     from plogic.sequence.views.view import View
 
 WINDOW = 6
@@ -216,7 +216,7 @@ def _left(cycle: Cycle, seen: Seen) -> tuple[str, ...]:
     return tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
 
 
-def _awaited(posed: Hypothesis, others: Sequence[tuple[Known, Hypothesis]]) -> NDArray[np.bool_]:
+def _awaited(posed: Hypothesis, others: Sequence[tuple[Known, Hypothesis]]) -> Mask:
     """(F,) the features that are expected where all of Δp stands as it is remembered."""
     hidden = np.zeros(len(posed.uv), bool)
     for _, other in others:

@@ -7,27 +7,22 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from geometry.frames import compose, inverse, transform_points
-from geometry.visibility.rays import behind
+from geometry.visibility.rays import RayMesh, behind
 from plogic.facts.stopped import SEARCH, stopped_in
 from plogic.scene.readings.unfinished import OPEN, marks
 from plogic.sequence.constancy.decide import unknown_objects
-from plogic.sequence.constancy.result import constancy_document
+from plogic.sequence.constancy.result import Constancy, constancy_document
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
-    from geometry.visibility.rays import RayMesh
+    from geometry.arrays import Floats, Mask
     from plogic.facts.document import WorldRow
     from plogic.sequence import document
-    from plogic.sequence.constancy.result import Constancy
     from plogic.sequence.constancy.weights import Hidden
     from plogic.sequence.document import AheadRow, Joined, ObjectRow, StandingRow, ViewRow
     from plogic.sequence.views.panorama import Known, Look, Panorama
     from plogic.sequence.views.view import View
-
-    Floats = NDArray[np.float64]
 
 
 class Body(NamedTuple):
@@ -44,7 +39,7 @@ def hiding(views: Sequence[View], bodies: Mapping[str, Sequence[Body]]) -> Hidde
     """
     camera_from_world = {view.id: inverse(view.world_from_camera) for view in views}
 
-    def hidden(view: str, world: Floats) -> NDArray[np.bool_]:
+    def hidden(view: str, world: Floats) -> Mask:
         frame = camera_from_world[view]
         points = transform_points(frame, world)
         masks = [behind(points, body.rays, compose(frame, body.world_from_object)) for body in bodies.get(view, ())]

@@ -20,15 +20,13 @@ from plogic.match.judged.rivals import claims, excludes, hidden_among
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import TypeModel
     from plogic.sequence.views.view import View
 
-    Floats = NDArray[np.float64]
 
 LEAST_MATCHES = 4
 """Matches, in all views together, that a pose is refined on."""
@@ -46,7 +44,7 @@ class Standing:
     """One hypothesis of Δh: a type, by its index, at a place in the world."""
 
     index: TypeModel
-    world_from_object: NDArray[np.float64]
+    world_from_object: Floats
 
     @property
     def object_type(self) -> ObjectType:
@@ -92,9 +90,7 @@ def seen_beside(
     return posed
 
 
-def _settled(
-    standing: Standing, seen: Seen, kb: KnowledgeBase, free: NDArray[np.bool_], hidden: NDArray[np.bool_]
-) -> Hypothesis:
+def _settled(standing: Standing, seen: Seen, kb: KnowledgeBase, free: Mask, hidden: Mask) -> Hypothesis:
     return standing.index.settle(standing.before(seen.view), seen.data, kb, free=free, hidden=hidden, rounds=0)
 
 

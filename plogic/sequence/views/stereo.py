@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.frames import inverse
-from plogic.match.gamma.data import data_of
+from plogic.match.gamma.data import Data, data_of
 from plogic.match.judged.evidence import judged
 from plogic.match.judged.rivals import hidden_among
 from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, seen_beside
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from plogic.cycle.state import Cycle
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
     from plogic.run.perceive import Perceiver
     from sensing.appearance import Gamma
     from sensing.files.stereo import Pair

@@ -8,14 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from geometry.arrays import frozen
+from geometry.arrays import Floats, frozen
 from geometry.errors import GeometryError
 from geometry.frames import inverse, is_rigid
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from sensing.appearance import Gamma
 
 
@@ -25,7 +22,7 @@ class View:
 
     id: str
     gamma: Gamma
-    world_from_camera: NDArray[np.float64]
+    world_from_camera: Floats
 
     def __post_init__(self) -> None:
         """Keep a read-only pose, and Γ in its order. Raises GeometryError where the pose is not rigid."""
@@ -35,6 +32,6 @@ class View:
         object.__setattr__(self, "gamma", self.gamma.in_order())
 
     @property
-    def camera_from_world(self) -> NDArray[np.float64]:
+    def camera_from_world(self) -> Floats:
         """The inverse (4, 4)."""
         return inverse(self.world_from_camera)
