@@ -18,7 +18,7 @@ from benchmarks.recognition.score import HALF
 from geometry.frames import pose_error, transform_points
 from kb.clouds.words import SIDE
 from plogic.match.gamma import side_looks
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.evidence import LEAST_HIT, MOST_HIT, clutter_density, hit_rates, kinds, match_density
 from plogic.match.learned import agreement, looks, sides
 from plogic.match.learned import learned_poses as generate

@@ -16,7 +16,7 @@ from benchmarks.clutter.scenes import CAMERA, random_pose, visible
 from benchmarks.clutter.types import Detector, random_types
 from benchmarks.shared.claims import Claim, report
 from geometry.frames import pose_error
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from sensing.appearance import Appearance, Gamma
 
 if TYPE_CHECKING:

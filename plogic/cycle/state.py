@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.base.clock import Deadline
-from plogic.match.judged.alike import same_place
-from plogic.match.judged.rivals import claims
+from plogic.match.judged.rivals import claims, same_place
 from plogic.match.judged.type_models import Request, Search
 
 if TYPE_CHECKING:
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
 
     from geometry.arrays import Mask
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.attention import Attention
+    from plogic.cycle.perception import Attention
     from plogic.facts.document import StepRow
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data

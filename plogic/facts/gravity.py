@@ -5,7 +5,7 @@ The facts that say who may hold whom.
 * ``Foot``: how high a body begins, as far as its pose tells, ``Foot("h2", 0.11, 0.13)``
 * ``Gravity``: all of it, ``Gravity(0.1, feet=(Foot(...), ...), rests=(("h2", "h1"),))``
 
-Everything here is plain data; ``plogic.cycle.holding`` makes it by geometry, and it comes back from
+Everything here is plain data; ``plogic.cycle.placing`` makes it by geometry, and it comes back from
 ``interpretation.json``. ``Situation.gravity`` is None where nobody said that gravity holds.
 """
 

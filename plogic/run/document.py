@@ -20,7 +20,7 @@ from plogic.facts.gravity import gravity_document
 from plogic.facts.interpretation import FORMAT, facts_of, hypothesis_document
 from plogic.facts.situation import OTHERS
 from plogic.facts.spatial import space_document
-from plogic.match.judged.outline_rings import outline_rings
+from plogic.match.judged.evidence import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.run.carried import image_asset, mesh_assets, sensing_document, types_document

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 from plogic.base.errors import InconsistentError, InputError
 from plogic.base.stopwatch import Stopwatch
-from plogic.cycle.attention import attend
 from plogic.cycle.delta import Delta, Options, delta_of
-from plogic.cycle.perception import perceive
+from plogic.cycle.perception import attend, perceive
 from plogic.cycle.state import Task
 from plogic.facts.stopped import SEARCH, WORLDS
 from plogic.match.gamma.data import data_of
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.recall import Seed
+    from plogic.cycle.perception import Seed
     from plogic.cycle.state import Cycle
     from plogic.facts.document import Interpretation, StepRow
     from plogic.facts.hypothesis import Hypothesis

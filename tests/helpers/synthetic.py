@@ -16,8 +16,7 @@ from geometry.visibility.rays import behind
 from kb.clouds.lobes import in_lobe
 from kb.files.folder import shipped
 from kb.files.read import read_kb
-from plogic.cycle.attention import attend
-from plogic.cycle.perception import perceive
+from plogic.cycle.perception import attend, perceive
 from plogic.cycle.state import Task
 from plogic.match.gamma.data import data_of
 from plogic.match.hand.generate import settle

@@ -11,7 +11,7 @@ from many_objects import camera, touching, twins
 
 from benchmarks.many.score import depth
 from plogic.cycle.delta import Options
-from plogic.match.judged.disjoint import DEEP
+from plogic.match.judged.rivals import DEEP
 from plogic.run.perceive import Perceiver
 from plogic.sequence.views.panorama import Panorama
 from plogic.sequence.views.panorama_document import panorama_document

@@ -20,7 +20,7 @@ import numpy as np
 
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Data, blocks
-from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.gamma.grid import wrapped
 from plogic.match.hand.votes import DistanceMaps, distance_maps, votes
 
 if TYPE_CHECKING:

@@ -1,31 +1,119 @@
 """The evidence for one hypothesis against clutter (§8, posterior, one claimant): the logarithm of a likelihood ratio.
 
+Of all poses a few fit any matches, so that a fit to them is no evidence by itself. The evidence of presence is that of
+all poses, not of the best (the marginal likelihood, by Laplace's method): the likelihood at the best pose, times the
+share of all poses that fit about as well.
+
 ``as_fitted`` is what the program is told of a pose that was fitted to its matches: they say less than of a pose that
 was known before. The posterior of an object's presence sums over all poses that it may have; a hypothesis stands for
-those about its own. So its prior is the type's times the share of all poses that fit about as well
-(``plogic.match.judged.pose_information``), often below what ProbLog can read as a label. It is told with the matches
-instead, of which each gives up in proportion. The log odds of a lone hypothesis are then its type's prior, plus its
-evidence, plus the share.
+those about its own. So its prior is the type's times that share, often below what ProbLog can read as a label. It is
+told with the matches instead, of which each gives up in proportion. The log odds of a lone hypothesis are then its
+type's prior, plus its evidence, plus the share.
+
+* ``known(posed, which, data, kb)``: the places that matches fix, how sharply, and the lines that their angles lead
+  along
+* ``log_share(at, precision, centre, camera, across)``: the logarithm of the share, at most 0; ``share_of(information,
+  ...)``, of what is known
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from geometry.poses.reprojection import WEIGHT, across, ends, information, reach
+from geometry.visibility.outline import outline
 from plogic.base.bounds import LEAST
-from plogic.match.judged.pose_information import known, log_share, sigmas
 from plogic.measures.explanatory import explanatory_value
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from geometry.arrays import Floats, Indices, Mask
+    from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
+
+
+DEPTHS = 4.2
+"""Logarithm of the ratio of the farthest to the nearest distance that is believed."""
+LOOSE = (0.3, 0.35)
+"""Even one appearance fixes the distance (its size) and the rotation (its angle and its lobe) so well: logarithm,
+radians."""
+
+
+def log_share(at: Floats, precision: Floats, centre: Floats, camera: Camera, across: Floats | None = None) -> float:
+    """The share of all poses, even in the image, in the logarithm of depth and in rotation, that fit matched places as well as theirs.
+
+    ``at`` (N, 3) metres, camera frame; ``precision`` (N,) 1/pixel²; ``centre`` (3,) of the object, before the camera;
+    ``across`` (N, 2) unit vectors across the edges that sides lie anywhere along, NaN of others.
+    """
+    return float(share_of(information(at, centre, precision, camera, across), centre[2], camera))
+
+
+def share_of(information: Floats, depth: Floats | float, camera: Camera) -> Floats:
+    """The logarithm of that share, (...,): of what is known (..., 6, 6) of a step (w rad, v m) in the camera's axes.
+
+    The step is about a middle at ``depth`` (...,) metres.
+    """
+    far = np.asarray(depth, float)[..., None]
+    scale = np.concatenate(
+        [np.ones((*far.shape[:-1], 3)), np.repeat(far, 3, axis=-1)], axis=-1
+    )  # moves are counted in depths
+    loose = np.array([*[LOOSE[1]] * 3, camera.width / camera.f, camera.height / camera.f, LOOSE[0]])
+    sharp = information * scale[..., :, None] * scale[..., None, :] + np.diag(loose**-2.0)
+    volume = 3.0 * np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(sharp)[1]
+    return np.asarray(volume - np.log(camera.width * camera.height / camera.f**2 * DEPTHS * 8.0 * np.pi**2))
+
+
+class Known(NamedTuple):
+    """``at`` (N, 3) m, camera frame; ``precision`` (N,) 1/pixel²; ``middle`` (3,) m of the object, camera frame.
+
+    ``across`` (N, 2) unit vectors across the lines that a place may lie anywhere along, NaN of others; None where there
+    are no lines.
+    """
+
+    at: Floats
+    precision: Floats
+    middle: Floats
+    across: Floats | None
+
+
+def known(posed: Hypothesis, which: Mask, data: Data, kb: KnowledgeBase) -> Known:
+    """Of features ``which`` (F,), all matched: their places, as much as they are counted.
+
+    And their angles, where these count.
+    """
+    at, sigma = posed.at[which], sigmas(posed, kb)[which]
+    precision, lines = posed.counted[which] / sigma**2, None if posed.across is None else posed.across[which]
+    if posed.axes is not None and kb.rates.sigma_angle is not None:
+        angle = data.angle[posed.matches[which]]
+        told = np.isfinite(angle)
+        beyond = ends(at, posed.axes[which], at[:, 2], reach(sigma, kb.rates.sigma_angle) / data.camera.f)[told]
+        lines = np.concatenate([np.full((len(at), 2), np.nan), across(angle[told])])
+        at, precision = np.concatenate([at, beyond]), np.concatenate([precision, precision[told] * WEIGHT])
+    return Known(at, precision, posed.middle, lines)
+
+
+def sigmas(posed: Hypothesis, kb: KnowledgeBase) -> Floats:
+    """Location noise (F,) of each feature, pixels."""
+    if posed.sigma is not None:
+        return posed.sigma
+    return np.array([kb.rates.sigma_of(feature.type) for feature in posed.object_type.features])
+
+
+def pose_information(posed: Hypothesis, camera: Camera, kb: KnowledgeBase) -> Floats:
+    """(6, 6) of turning about the middle, rad, and moving, m: of the matches, and of what is known of any pose (``known``)."""
+    used = np.flatnonzero(posed.candidate & posed.detected)
+    precision = posed.counted[used] / sigmas(posed, kb)[used] ** 2
+    across = None if posed.across is None else posed.across[used]
+    depth = max(float(posed.middle[2]), 1e-6)
+    wide, high = camera.width / camera.f * depth, camera.height / camera.f * depth
+    loose = np.array([*[LOOSE[1]] * 3, wide, high, LOOSE[0] * depth])
+    return information(posed.at[used], posed.middle, precision, camera, across) + np.diag(loose**-2.0)
 
 
 def density(residual: Floats, sigma: Floats | float) -> Floats:
@@ -180,3 +268,13 @@ def judged(
     ev = explanatory_value(posed.support(), dv)
     again = ev if hidden is None else explanatory_value(posed.support(hidden), dv)
     return posed.told(worth=found.ratio, surplus=found.surplus, ev=ev, ev_reconsidered=again, hidden=hidden)
+
+
+def outline_rings(posed: Hypothesis, camera: Camera) -> list[list[list[float]]]:
+    """Exterior rings of the projected outline, pixels to two decimals; empty for a type without a surface."""
+    surface = posed.object_type.surface
+    if surface is None:
+        return []
+    shape = outline(surface.vertices, surface.triangles, posed.camera_from_object, camera)
+    polygons = getattr(shape, "geoms", [shape])
+    return [np.round(np.array(p.exterior.coords), 2).tolist() for p in polygons if not p.is_empty]

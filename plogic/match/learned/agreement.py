@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.match.gamma.data import Data, centre_of
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.gamma.grid import screen_angle, wrapped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

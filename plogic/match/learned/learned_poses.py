@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.judged.alike import apart, distinct, same_place
 from plogic.match.judged.evidence import evidence
-from plogic.match.judged.settling import FEWEST
+from plogic.match.judged.expectation import FEWEST
+from plogic.match.judged.rivals import apart, distinct, same_place
 from plogic.match.learned.agreement import agreement, votes
 from plogic.match.learned.keypoints import SEEDS, Pairs, depths, pairs_of, plausible, sights, single_poses, turns
 from plogic.match.learned.learned_match import settle

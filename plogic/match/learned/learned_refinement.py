@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.poses.refine import Steps, refined_poses
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from plogic.match.gamma.side_looks import looks_fit
 from plogic.match.judged.evidence import MOST_HIT
-from plogic.match.judged.settling import FEWEST
+from plogic.match.judged.expectation import FEWEST
 from plogic.match.learned.agreement import Held, agreement, held_by
 from plogic.match.learned.held_lobes import first_held
 from plogic.match.learned.keypoints import Pairs, plausible

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.evidence import clutter_density
 from plogic.match.learned.agreement import ANGLES, SIZES
 from plogic.match.learned.lexicon import farthest, spread

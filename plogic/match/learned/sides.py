@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.gamma.side_looks import colours_off, looks_fit
 from plogic.match.judged.evidence import clutter_density, density
 

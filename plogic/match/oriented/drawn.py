@@ -1,7 +1,7 @@
 """What Γ says of poses, softly: each sight is drawn to every datum that looks like it, as much as that is likely to be its own.
 
 The evidence of a pose is what ``plogic.match.judged.evidence`` says of it, but summed over what a datum may be of, at
-all poses about it together (``plogic.match.judged.pose_information``), and, to begin with, with a noise as wide as the
+all poses about it together (``plogic.match.judged.evidence``), and, to begin with, with a noise as wide as the
 pose may be off: then it is smooth, and a pose can be moved towards it.
 
 * ``drawn(asked, kind, poses, share)``: of any number of poses at once
@@ -18,8 +18,8 @@ import numpy as np
 from geometry.poses.reprojection import information
 from kb.clouds.lobes import GRAIN
 from plogic.match.gamma.data import centre_of, viewpoints_of
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
-from plogic.match.judged.pose_information import share_of
+from plogic.match.gamma.grid import screen_angle, wrapped
+from plogic.match.judged.evidence import share_of
 from plogic.match.oriented.angle_refinement import Held, Noise, met
 from plogic.match.oriented.pair_votes import BENT
 

@@ -9,11 +9,10 @@ import numpy as np
 
 from geometry.poses.refine_sights import Sight
 from plogic.base.clock import unhurried
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
-from plogic.match.judged.alike import distinct
+from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.evidence import evidence
-from plogic.match.judged.expectation import matched, pose_of
-from plogic.match.judged.settling import FEWEST, settled, with_depths
+from plogic.match.judged.expectation import FEWEST, matched, pose_of, settled, with_depths
+from plogic.match.judged.rivals import distinct
 from plogic.match.oriented.angle_refinement import Held, Noise, met, refined
 from plogic.match.oriented.climb import AS_GOOD
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.match.hand.extend import poses_about
-from plogic.match.judged.alike import apart
+from plogic.match.judged.rivals import apart
 from plogic.match.oriented.asked import Asked, poses_turned
 from plogic.match.oriented.climb import by_fours, climbed
 from plogic.match.oriented.pair_votes import Raw, Votes, counted, raw_votes

@@ -18,8 +18,7 @@ import numpy as np
 
 from kb.clouds.lobes import in_lobe
 from plogic.base.errors import InputError
-from plogic.match.gamma.grid import taken
-from plogic.match.gamma.screen_angles import part_of_circle, screen_angle
+from plogic.match.gamma.grid import part_of_circle, screen_angle, taken
 from plogic.match.hand.view_cells import DISTANCE, ViewCells
 
 if TYPE_CHECKING:

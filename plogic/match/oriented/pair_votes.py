@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.match.gamma.data import Data, centre_of
-from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.gamma.grid import wrapped
 from plogic.match.hand.view_cells import CELLS
 from plogic.match.learned.agreement import SIZES
 from plogic.match.oriented.pair_index import FINE, PairIndex, said

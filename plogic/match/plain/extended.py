@@ -12,8 +12,8 @@ import numpy as np
 
 from geometry.frames import inverse
 from geometry.poses.refine import refined_poses
-from plogic.match.judged.alike import apart
 from plogic.match.judged.evidence import clutter_density, density
+from plogic.match.judged.rivals import apart
 
 if TYPE_CHECKING:
     from geometry.arrays import Floats, Indices, Mask

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 from plogic.base.clock import unhurried
 from plogic.match.hand.hand_models import HandModels, TypeIndex, type_index
-from plogic.match.judged.alike import distinct
 from plogic.match.judged.evidence import evidence
-from plogic.match.judged.settling import FEWEST
+from plogic.match.judged.expectation import FEWEST
+from plogic.match.judged.rivals import distinct
 from plogic.match.judged.type_models import Found, Given, Request, Search, Setup
 from plogic.match.oriented.ready import oriented_index
 from plogic.match.plain import quadruples

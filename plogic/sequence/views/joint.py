@@ -2,7 +2,7 @@
 
 The hypotheses stand in the world, the same in every view. A view adds the features that it expects of them and the data
 that it has; given the world, views are independent. Priors count once, and so does what a pose owes to its freedom
-(``plogic.match.judged.pose_information``), of all views' matches together.
+(``plogic.match.judged.evidence``), of all views' matches together.
 
 * ``Joint``: what comes of it
 """
@@ -20,12 +20,10 @@ from geometry.poses.refine_sights import turned_step
 from geometry.poses.reprojection import information
 from plogic.base.bounds import LEAST
 from plogic.cycle.delta import Options, delta_of, instances
-from plogic.cycle.holding import gravity_of_view
+from plogic.cycle.placing import gravity_of_view
 from plogic.cycle.state import Cycle, Trace
-from plogic.match.judged.disjoint import moved_apart, pose_information
-from plogic.match.judged.evidence import as_counted, evidence, judged
-from plogic.match.judged.pose_information import known, share_of
-from plogic.match.judged.rivals import excludes
+from plogic.match.judged.evidence import as_counted, evidence, judged, known, pose_information, share_of
+from plogic.match.judged.rivals import excludes, moved_apart
 from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
 from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, seen_beside
 

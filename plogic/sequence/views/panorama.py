@@ -18,7 +18,7 @@ import numpy as np
 
 from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.judging import FEWEST
-from plogic.cycle.recall import Seed
+from plogic.cycle.perception import Seed
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import evidence, hit_rates
 from plogic.match.judged.expectation import hidden_by

@@ -13,9 +13,8 @@ import numpy as np
 
 from geometry.frames import inverse, transform_points
 from geometry.poses.refine_sights import Sight, refine_sights
-from plogic.match.judged.alike import same_place
-from plogic.match.judged.pose_information import sigmas
-from plogic.match.judged.rivals import claims, excludes, hidden_among
+from plogic.match.judged.evidence import sigmas
+from plogic.match.judged.rivals import claims, excludes, hidden_among, same_place
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -10,8 +10,8 @@ from geometry.frames import pose_error
 from plogic.match.gamma.data import data_of
 from plogic.match.hand.generate import generate, settle
 from plogic.match.hand.hand_models import type_index
-from plogic.match.judged.alike import same_place
 from plogic.match.judged.evidence import evidence
+from plogic.match.judged.rivals import same_place
 from sensing.appearance import Gamma
 
 SEEDS = range(5000, 5012)

@@ -9,7 +9,7 @@ from geometry.frames import from_rotation_translation, pose_error, rotation_from
 from geometry.poses.refine import refine_poses
 from geometry.poses.refine_sights import Sight
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.settling import side_sight, with_depths
+from plogic.match.judged.expectation import side_sight, with_depths
 from sensing.appearance import Appearance
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]))

@@ -10,7 +10,7 @@ from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
 from kb.clouds.lobes import in_lobe
 from plogic.match.gamma.data import data_of
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from plogic.match.judged.evidence import evidence
 from plogic.match.oriented.asked import chances_of
 from plogic.match.oriented.climb import AS_GOOD, by_fours, climbed
