@@ -22,7 +22,7 @@ from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.evidence import LEAST_HIT, MOST_HIT, clutter_density, hit_rates, kinds, match_density
 from plogic.match.learned import agreement, looks, sides
 from plogic.match.learned import learned_poses as generate
-from plogic.match.learned.held_lobes import lobes_about, lobes_held
+from plogic.match.learned.agreement import lobes_about, lobes_held
 from plogic.match.learned.learned_match import matched, pose_of
 from plogic.measures import crowding
 

@@ -27,7 +27,7 @@ from geometry.frames import (
     transform_points,
 )
 from plogic.match.gamma.grid import screen_angle
-from plogic.sequence.views.view import View
+from plogic.sequence.views.standing import View
 from sensing.appearance import Appearance, Gamma
 
 if TYPE_CHECKING:

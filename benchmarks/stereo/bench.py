@@ -83,7 +83,7 @@ def off_of_pair(
     """As ``off``, of the best that is accepted of the pair's Γ, refined on both images."""
     from plogic.base.stopwatch import Stopwatch
     from plogic.cycle.delta import Options
-    from plogic.sequence.views.stereo import sharpened
+    from plogic.sequence.views.standing import sharpened
 
     data, cycle = perceiver.cycle(both, Options(reading="posterior"), Stopwatch())
     kind, pose = truth

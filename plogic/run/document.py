@@ -25,7 +25,7 @@ from plogic.measures.distinctiveness import distinctiveness, instance_counts, pr
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.run.carried import image_asset, mesh_assets, sensing_document, types_document
 from plogic.scene.factors.asked_formulas import together
-from plogic.scene.readings.score_reading import p_ev
+from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.predictions import doubts
 from sensing.files.gamma_files import appearance_to_dict
 from sensing.uncollected import uncollected

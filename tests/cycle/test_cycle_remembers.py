@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from synthetic import cycle_of, one_before_the_other, scene, side_by_side
 
-from plogic.cycle import judging
+from plogic.cycle import choosing, judging
 
 
 def told(cycle):

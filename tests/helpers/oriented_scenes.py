@@ -16,8 +16,8 @@ from kb.clouds.lobes import Feature, FeatureAppearance, Lobe
 from plogic.match.gamma.data import data_of
 from plogic.match.hand.view_cells import DISTANCE
 from plogic.match.kinds import models_of
-from plogic.match.oriented.angle_refinement import Noise
 from plogic.match.oriented.asked import Asked, chances_of
+from plogic.match.oriented.oriented_match import Noise
 from plogic.match.oriented.oriented_models import generate_together, search_of
 from plogic.match.oriented.oriented_search import Search
 from plogic.match.oriented.pair_index import pair_index

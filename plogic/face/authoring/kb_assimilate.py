@@ -60,7 +60,7 @@ def draft_files(name: str, features: Sequence[SeenFeature], kb: KnowledgeBase, o
     """The draft's files, and what is told of it."""
     from kb.files.write import obj_text, object_text
     from kb.intake.new_type import EDITOR_LINE, NewType
-    from plogic.sequence.constancy.draft import draft_type
+    from plogic.sequence.constancy.result import draft_type
 
     kind = draft_type(name, features, kb.f_ref)
     comment = "".join(sign if " " <= sign <= "~" else "?" for sign in origin)

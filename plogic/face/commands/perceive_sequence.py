@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from geometry.files.pose_files import Placed
     from plogic.sequence.views.panorama import Look, Panorama
-    from plogic.sequence.views.view import View
+    from plogic.sequence.views.standing import View
 
 ONE_ONLY = ("report", "picture")
 """What is made of one frame."""
@@ -46,8 +46,7 @@ def sequence_command(
     from plogic.cycle.delta import Options
     from plogic.facts.interpretation import text_of
     from plogic.run.perceive import Perceiver
-    from plogic.sequence.views.panorama import Panorama
-    from plogic.sequence.views.panorama_document import ahead, panorama_document
+    from plogic.sequence.views.panorama import Panorama, ahead, panorama_document
     from sensing.files.whole_files import check_places, write_files
 
     _check(options)
@@ -136,7 +135,7 @@ def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
 
 def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, options: Mapping[str, Any]) -> Look:
     from plogic.base.stopwatch import Stopwatch
-    from plogic.sequence.views.view import View
+    from plogic.sequence.views.standing import View
 
     picture: NDArray[Any] | None = None if is_gamma(frame) else image_of(frame, options.get("camera"))
     gamma, image = gamma_of(frame, picture, options.get("camera"), panorama.perceiver.kb, Stopwatch())
@@ -151,7 +150,7 @@ def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, 
 
 def _moved(view: View, placed: Placed) -> View:
     """The last view's camera elsewhere."""
-    from plogic.sequence.views.view import View
+    from plogic.sequence.views.standing import View
 
     return View("ahead", view.gamma, placed.world_from_camera)
 

@@ -36,7 +36,7 @@ def stereo_command(
     from plogic.cycle.delta import Options
     from plogic.facts.interpretation import text_of
     from plogic.run.perceive import Perceiver
-    from plogic.sequence.views.stereo import sharpened
+    from plogic.sequence.views.standing import sharpened
     from sensing.files.stereo import fused, read_stereo
     from sensing.files.whole_files import check_places
 

@@ -21,7 +21,7 @@ import numpy as np
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Data, blocks
 from plogic.match.gamma.grid import wrapped
-from plogic.match.hand.votes import DistanceMaps, distance_maps, votes
+from plogic.match.hand.view_cells import DistanceMaps, ViewCells, distance_maps, votes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.arrays import Floats, Indices, Mask
-    from plogic.match.hand.view_cells import ViewCells
 
 
 ARM_TOLERANCE = np.radians(16.0)

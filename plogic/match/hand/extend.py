@@ -11,14 +11,14 @@ from geometry.poses.posit import posit
 from geometry.poses.refine import Steps, refined_poses
 from plogic.match.gamma.data import Data, centre_of, project_ideal
 from plogic.match.hand.triples import turn_z_to
-from plogic.match.hand.votes import LOOSE, DistanceMaps, seen_cells, sizes
+from plogic.match.hand.view_cells import LOOSE, DistanceMaps, ViewCells, seen_cells, sizes
+from plogic.match.judged.expectation import FEWEST
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.arrays import Floats, Indices, Mask
     from plogic.match.hand.correspondences import Pairs
-    from plogic.match.hand.view_cells import ViewCells
 
 ROUNDS = ((0.06, 48), (0.035, 32), (0.02, 24), (0.0, 24))
 """Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of
@@ -33,8 +33,6 @@ ROBUST = 1.0
 """Pixels beyond which a match weighs less: among near ones a wrong match must not pull the pose."""
 STEPS = Steps(5)
 """Of least squares in a round."""
-FEWEST = 4
-"""Matches that a pose needs: with three there is always one."""
 MISSED = 0.4
 """Weight of a missed feature against a matched one where candidates are thinned."""
 

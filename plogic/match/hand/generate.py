@@ -13,7 +13,7 @@ from plogic.match.gamma.data import Data, project_ideal
 from plogic.match.hand.correspondences import Pairs, linked_pairs, open_pairs
 from plogic.match.hand.extend import Candidates, coarse_poses, extend, firsts
 from plogic.match.hand.triples import image_triples, triple_poses
-from plogic.match.hand.votes import DistanceMaps, best_apart, distance_maps, pose_votes, votes
+from plogic.match.hand.view_cells import DistanceMaps, best_apart, distance_maps, pose_votes, votes
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import matched, polished, pose_of, settled
 from plogic.match.judged.rivals import distinct, same_place

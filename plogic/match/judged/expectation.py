@@ -202,7 +202,12 @@ def side_sight(pose: Floats, points: Floats, datum: Indices, data: Data, sigma: 
 
 
 FEWEST = 4
-"""Matches that a pose is refined on."""
+"""Matches of different features with different data that a pose needs: any three appearances have one."""
+AS_GOOD = 3.0
+"""Evidence, logarithms, that is less by so little is as good: of these the last, where the climb ends, whatever way it came.
+
+A sight that is expected and missed costs up to so much, and at the edge of its lobe a pose that is moved by next to
+nothing expects it or does not."""
 
 
 def settled(

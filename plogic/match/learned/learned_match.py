@@ -15,7 +15,7 @@ from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.grid import screen_angle
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST, assigned, polished, settled
-from plogic.match.learned.held_lobes import lobes_about, lobes_held
+from plogic.match.learned.agreement import lobes_about, lobes_held
 from plogic.match.learned.looks import likeness, right_pairs
 from plogic.match.learned.sides import side_likeness, side_matches
 

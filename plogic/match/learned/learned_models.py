@@ -19,10 +19,10 @@ from kb.clouds.words import POINT, SIDE
 from plogic.base.jobs import each
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
-from plogic.match.learned.held_lobes import Lobes, lobes_of
+from plogic.match.learned.agreement import Lobes, lobes_of
+from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import settle
 from plogic.match.learned.learned_poses import NOBODY, REFINED, generate, resting
-from plogic.match.learned.lexicon import Lexicon, lexicon_of
 from plogic.measures.valuation import Kinds, kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:

@@ -16,8 +16,7 @@ from plogic.match.gamma.grid import screen_angle
 from plogic.match.gamma.side_looks import looks_fit
 from plogic.match.judged.evidence import MOST_HIT
 from plogic.match.judged.expectation import FEWEST
-from plogic.match.learned.agreement import Held, agreement, held_by
-from plogic.match.learned.held_lobes import first_held
+from plogic.match.learned.agreement import Held, agreement, first_held, held_by
 from plogic.match.learned.keypoints import Pairs, plausible
 from plogic.match.learned.sides import ALONG, SidePairs, side_pairs
 

@@ -16,7 +16,7 @@ import numpy as np
 from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.evidence import clutter_density
 from plogic.match.learned.agreement import ANGLES, SIZES
-from plogic.match.learned.lexicon import farthest, spread
+from plogic.match.learned.keypoints import farthest, spread
 
 if TYPE_CHECKING:
     from geometry.arrays import Floats, Indices, Mask

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from geometry.arrays import Floats, Indices, Mask
     from geometry.camera import Camera
     from kb.clouds.cloud import Rates
-    from plogic.match.oriented.angle_refinement import Noise
+    from plogic.match.oriented.oriented_match import Noise
     from plogic.match.oriented.pair_index import PairIndex
 
 

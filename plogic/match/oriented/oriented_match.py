@@ -1,29 +1,98 @@
-"""Expected and Detected of a type by hand at a pose (D7, D8), where a detector's angles count: what lies at another angle is not right."""
+"""Expected and Detected of a type by hand at a pose (D7, D8), where a detector's angles count: what lies at another angle is not right.
+
+Least squares are on places and angles: an angle tells how a feature is turned in space, most where its x axis leads out
+of the image plane.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from geometry.poses.refine import Steps, refined_poses
 from geometry.poses.refine_sights import Sight
+from geometry.poses.reprojection import WEIGHT, across, ends, reach
 from plogic.base.clock import unhurried
 from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.evidence import evidence
-from plogic.match.judged.expectation import FEWEST, matched, pose_of, settled, with_depths
+from plogic.match.judged.expectation import AS_GOOD, FEWEST, matched, pose_of, settled, with_depths
 from plogic.match.judged.rivals import distinct
-from plogic.match.oriented.angle_refinement import Held, Noise, met, refined
-from plogic.match.oriented.climb import AS_GOOD
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from geometry.arrays import Floats, Mask
+    from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.hand.hand_models import TypeIndex
+
+
+class Noise(NamedTuple):
+    """Standard deviations: ``pixels`` of a datum's place along one axis, ``angle`` of its angle, radians."""
+
+    pixels: float
+    angle: float
+
+
+class Held(NamedTuple):
+    """V matches that hold each of N poses.
+
+    ``points``, ``turns`` (N, V, 3) places and x axes of the features, object frame; ``uv`` (N, V, 2) pixels, ``angle``
+    (N, V) rad, NaN where a datum has none; ``weight`` (N, V), 0 where there is no match, else 1, or more where a place
+    is more exact.
+    """
+
+    points: Floats
+    turns: Floats
+    uv: Floats
+    angle: Floats
+    weight: Floats
+
+
+def refined(
+    poses: Floats,
+    held: Held,
+    noise: Noise,
+    camera: Camera,
+    *,
+    steps: int,
+    robust: float | None = None,
+    sigma: Floats | None = None,
+) -> Floats:
+    """(N, 4, 4) from poses (N, 4, 4); a residual beyond ``robust`` times the noise of places weighs less.
+
+    ``sigma`` (N,): the noise of places of each pose, pixels, in place of that of all.
+    """
+    points, uv, weight, lines = met(poses, held, noise, camera, sigma)
+    huber = None if robust is None else robust * noise.pixels
+    return refined_poses(poses, points, uv, weight, camera, Steps(steps), huber=huber, across=lines)
+
+
+def met(
+    poses: Floats, held: Held, noise: Noise, camera: Camera, sigma: Floats | None = None
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """What poses (N, 4, 4) are to meet, of places and then of angles, as ``refined_poses`` takes it.
+
+    ``sigma`` as in ``refined``.
+
+    Points (N, 2 V, 3) m, pixels (N, 2 V, 2), weights (N, 2 V) 1/pixel², and unit vectors across lines (N, 2 V, 2).
+    """
+    pixels = np.full((len(poses), 1), noise.pixels) if sigma is None else sigma[:, None]
+    sided = np.isfinite(held.angle) & (held.weight > 0.0)
+    lines = across(np.where(sided, held.angle, 0.0))
+    depth = np.einsum("nj,nvj->nv", poses[:, 2, :3], held.points) + poses[:, None, 2, 3]
+    return (
+        np.concatenate(
+            [held.points, ends(held.points, held.turns, depth, reach(pixels, noise.angle) / camera.f)], axis=1
+        ),
+        np.concatenate([held.uv, held.uv], axis=1),
+        np.concatenate([held.weight, held.weight * sided * WEIGHT], axis=1) / pixels**2,
+        np.concatenate([np.full(lines.shape, np.nan), lines], axis=1),
+    )
 
 
 DEVIATIONS = 3.0

@@ -13,7 +13,7 @@ import numpy as np
 from plogic.match.hand.extend import poses_about
 from plogic.match.judged.rivals import apart
 from plogic.match.oriented.asked import Asked, poses_turned
-from plogic.match.oriented.climb import by_fours, climbed
+from plogic.match.oriented.drawn import by_fours, climbed
 from plogic.match.oriented.pair_votes import Raw, Votes, counted, raw_votes
 from plogic.match.oriented.single_votes import FEWEST, single_votes
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.arrays import Floats, Indices
-    from plogic.match.oriented.angle_refinement import Noise
+    from plogic.match.oriented.oriented_match import Noise
     from plogic.match.oriented.pair_index import PairIndex
 
     Singles = NDArray[np.float32]

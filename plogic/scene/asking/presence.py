@@ -20,8 +20,15 @@ from plogic.facts.dependence import Scene
 from plogic.facts.situation import OTHERS, Situation
 from plogic.facts.spatial import words_of_shared
 from plogic.measures.explanatory import case_of
-from plogic.scene.readings.posterior_reading import appearance_weight, group_shares, miss_weight, unmatched
-from plogic.scene.readings.score_reading import Present, cells, p_ev
+from plogic.scene.readings.world_weights import (
+    Present,
+    appearance_weight,
+    cells,
+    group_shares,
+    miss_weight,
+    p_ev,
+    unmatched,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -82,7 +89,7 @@ SAID = {
 
 
 class View(NamedTuple):
-    """A hypothesis in a world: ``present`` as ``plogic.scene.readings.score_reading`` wants it."""
+    """A hypothesis in a world: ``present`` as ``plogic.scene.readings.world_weights`` wants it."""
 
     scene: Scene
     h: Hypothesis

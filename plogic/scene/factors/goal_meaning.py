@@ -25,10 +25,9 @@ from plogic.inference.gates import And, Formula, Literal, Not, Or
 from plogic.logic.safety.atoms import own_atom, quoted
 from plogic.logic.safety.author import author_rules
 from plogic.logic.served.engine import Limits, Text, ask, request_of
-from plogic.scene.readings.posterior_reading import causes_of
+from plogic.scene.readings.world_weights import causes_of
 from plogic.scene.text import fact_layers as facts
-from plogic.scene.text.contexts import context_clauses, contexts, ev_facts
-from plogic.scene.text.layout import Writer
+from plogic.scene.text.layout import Writer, context_clauses, contexts, ev_facts
 from plogic.scene.text.rules import (
     COMMON,
     CONCORDANT,

@@ -16,14 +16,23 @@ import numpy as np
 
 from plogic.base.bounds import LEAST, alternative, bounded
 from plogic.facts.expected import expected
-from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, Table, Tables, log, logs_of, too_wide
-from plogic.scene.readings.posterior_reading import DEFAULT_PRIOR
+from plogic.scene.factors.weight_tables import (
+    IMPOSSIBLE,
+    LONGEST_LIST,
+    Cast,
+    Literal,
+    Table,
+    Tables,
+    log,
+    logs_of,
+    too_wide,
+)
+from plogic.scene.readings.world_weights import DEFAULT_PRIOR
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from geometry.arrays import Mask
-    from plogic.scene.factors.alternatives import Cast, Literal
 
     Pair = tuple[float, float]
     Scope = tuple[int, ...]

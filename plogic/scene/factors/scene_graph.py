@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING
 
 from plogic.base.bounds import bounded
 from plogic.facts.gravity import GROUND, Foot, Gravity
-from plogic.scene.factors.alternatives import Alternative, Cast, Literal, cast_of
 from plogic.scene.factors.posterior_factors import Cause, add_posterior
 from plogic.scene.factors.score_factors import add_score
-from plogic.scene.factors.weight_tables import Tables
+from plogic.scene.factors.weight_tables import Alternative, Cast, Literal, Tables, cast_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection

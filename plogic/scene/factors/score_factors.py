@@ -3,7 +3,7 @@
 Cyclic blocks jointly (§8).
 
 In mode `to_B` P(ev) is linear in the features: one look at each, then a sum for every set of others that are present.
-This is the second form of ``plogic.scene.readings.score_reading.acceptance`` in this mode, tested equal to it.
+This is the second form of ``plogic.scene.readings.world_weights.acceptance`` in this mode, tested equal to it.
 
 * ``Linear(["h2", "h5"], 0.7, [(1, 0.1, True), (3, 0.2, False)])``: of the shares of dv, 0.7 is concordant whoever is
   present; 0.1 where h2 (bit 0 of 1) is absent, since an appearance was found for it; and 0.2 where h2 or h5 is present,
@@ -24,8 +24,8 @@ from plogic.base.bounds import LEAST, alternative
 from plogic.facts.dependence import Dependence, Scene, arranged, dependence, ordered
 from plogic.facts.expected import expected
 from plogic.inference.gates import And, Formula, Literal, Not, Or
-from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, Tables, log, logs_of
-from plogic.scene.readings.score_reading import acceptance, lifted_smoothing
+from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, Cast, Tables, log, logs_of
+from plogic.scene.readings.world_weights import acceptance, lifted_smoothing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 
     from geometry.arrays import Floats
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.scene.factors.alternatives import Cast
 
     Cell = tuple[int, float, bool]
     Chances = NDArray[np.float64]

@@ -16,12 +16,20 @@ from plogic.facts.dependence import Scene, dependence
 from plogic.facts.names import names_of
 from plogic.facts.sanity import check
 from plogic.logic.safety.author import author_rules
-from plogic.scene.readings.posterior_reading import causes_of, group_shares, unmatched
-from plogic.scene.readings.score_reading import lifted_smoothing
 from plogic.scene.readings.unfinished import notice
+from plogic.scene.readings.world_weights import causes_of, group_shares, lifted_smoothing, unmatched
 from plogic.scene.text import fact_layers as facts
-from plogic.scene.text.contexts import accepted_given, context_clauses, contexts, ev_facts, listed
-from plogic.scene.text.layout import Writer, disjunction, number, title
+from plogic.scene.text.layout import (
+    Writer,
+    accepted_given,
+    context_clauses,
+    contexts,
+    disjunction,
+    ev_facts,
+    listed,
+    number,
+    title,
+)
 from plogic.scene.text.rules import defined, fallbacks, rules, vocabulary_rules
 
 if TYPE_CHECKING:

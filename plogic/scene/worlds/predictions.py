@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.facts.dependence import Scene
-from plogic.scene.readings.score_reading import cells, p_ev
+from plogic.scene.readings.world_weights import cells, p_ev
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

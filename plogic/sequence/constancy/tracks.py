@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from plogic.sequence.constancy.places import Places, places_of
+from plogic.sequence.constancy.sight_lines import Places, Sights, places_of
 
 if TYPE_CHECKING:
     from geometry.arrays import Floats, Indices, Mask
-    from plogic.sequence.constancy.sight_lines import Sights
 
 
 MIN_PARALLAX = float(np.radians(2.0))

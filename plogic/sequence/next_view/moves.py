@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.arrays import Floats
-    from plogic.sequence.next_view.prospect import Body, Prospect
+    from plogic.sequence.next_view.expected import Body, Prospect
 
 
 RING = 12

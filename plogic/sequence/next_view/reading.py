@@ -21,7 +21,7 @@ from plogic.facts.interpretation import interpretation_in, parsed
 from plogic.facts.stopped import stopped_in
 from plogic.scene.readings.unfinished import marks
 from plogic.sequence.document import Panorama
-from plogic.sequence.next_view.prospect import Body, Cloud, Prospect
+from plogic.sequence.next_view.expected import Body, Cloud, Prospect
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -4,6 +4,11 @@ The hypotheses stand in the world, the same in every view. A view adds the featu
 that it has; given the world, views are independent. Priors count once, and so does what a pose owes to its freedom
 (``plogic.match.judged.evidence``), of all views' matches together.
 
+Hypotheses of several views that are one stand at the pose at which all views are explained best (§8, near-duplicates).
+One view leaves the distance open by more than another view's tolerance. So what each view matched by itself is laid
+together before anything is matched anew: a pose through all of these matches is tried beside each view's own.
+
+* ``merged``: the distinct hypotheses of all views
 * ``Joint``: what comes of it
 """
 
@@ -25,7 +30,7 @@ from plogic.cycle.state import Cycle, Trace
 from plogic.match.judged.evidence import as_counted, evidence, judged, known, pose_information, share_of
 from plogic.match.judged.rivals import excludes, moved_apart
 from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
-from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, seen_beside
+from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, seen_beside, standing_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -36,7 +41,63 @@ if TYPE_CHECKING:
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.facts.situation import Situation
     from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import TypeModel
     from plogic.run.perceive import Perceiver
+
+
+class Found(NamedTuple):
+    """A view, and the hypotheses that it led to by itself."""
+
+    seen: Seen
+    beliefs: Sequence[Hypothesis]
+
+
+class _Member(NamedTuple):
+    standing: Standing
+    view: int
+    posed: Hypothesis
+
+
+def merged(found: Sequence[Found], models: Mapping[str, TypeModel], kb: KnowledgeBase) -> list[Standing]:
+    """The distinct hypotheses of all views, each where it explains all views' data best, of the places at which any view has something like it.
+
+    Tried are the poses of its own views, one through all their matches, and those of what else may stand there: what
+    looks alike fits alike.
+    """
+    heaps = _heaps(found, models)
+    everybody = [member for heap in heaps for member in heap]
+    return [_best(heap, everybody, [one.seen for one in found], kb) for heap in heaps]
+
+
+def _heaps(found: Sequence[Found], models: Mapping[str, TypeModel]) -> list[list[_Member]]:
+    """Near-duplicates together, told from where the first view stands."""
+    heaps: list[list[_Member]] = []
+    for v, (seen, beliefs) in enumerate(found):
+        for belief in beliefs:
+            member = _Member(standing_of(belief, seen.view, models), v, belief)
+            heap = next((some for some in heaps if some[0].standing.same(member.standing, found[0].seen.view)), None)
+            if heap is None:
+                heaps.append([member])
+            else:
+                heap.append(member)
+    return heaps
+
+
+def _best(heap: Sequence[_Member], everybody: Sequence[_Member], seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:
+    """The pose of greatest evidence over all views; of equals the first."""
+    first = heap[0].standing
+    if len(seen) == 1:
+        return first
+    there = [Standing(first.index, m.standing.world_from_object) for m in everybody]
+    starts = [m.standing for m in heap] + [some for some in there if some.same(first, seen[0].view)]
+    starts += [_through(heap, start, seen, kb) for start in (first, heap[-1].standing)]
+    return max(starts, key=lambda some: sum(evidence(seen_alone(some, one, kb), one.data, kb).ratio for one in seen))
+
+
+def _through(heap: Sequence[_Member], start: Standing, seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:
+    """The pose through what each view matched by itself."""
+    own = {member.view: member.posed for member in reversed(heap)}
+    return refined(start, list(own.values()), [seen[v] for v in own], kb)
 
 
 ROUNDS = 2

@@ -1,34 +1,59 @@
-"""A hypothesis where it stands in the world, and as one view of a sequence shows it.
+"""A hypothesis where it stands in the world, and as one image of a sequence, or both of a stereo pair, show it.
 
+* ``View``: one image of a sequence, ``View("v1", Gamma(...), world_from_camera)``
 * ``Standing``: ``Standing(index, world_from_object)``
 * ``Seen``: a view with its Γ as arrays
+
+Of a stereo pair (§3.3) the left image, with its depths, decides what is there, both together how it stands.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.frames import inverse, transform_points
+from geometry.arrays import Floats, Mask, frozen
+from geometry.errors import GeometryError
+from geometry.frames import inverse, is_rigid, transform_points
 from geometry.poses.refine_sights import Sight, refine_sights
-from plogic.match.judged.evidence import sigmas
+from plogic.match.gamma.data import Data, data_of
+from plogic.match.judged.evidence import judged, sigmas
+from plogic.match.judged.expectation import FEWEST
 from plogic.match.judged.rivals import claims, excludes, hidden_among, same_place
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from geometry.arrays import Floats, Mask
     from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from plogic.cycle.state import Cycle
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import TypeModel
-    from plogic.sequence.views.view import View
+    from plogic.run.perceive import Perceiver
+    from sensing.appearance import Gamma
+    from sensing.files.stereo import Pair
 
 
-LEAST_MATCHES = 4
-"""Matches, in all views together, that a pose is refined on."""
+@dataclass(frozen=True, eq=False)
+class View:
+    """One image of a sequence: ``id`` ('v1'), its Γ, and where its camera stood: ``world_from_camera`` (4, 4), metres, world z up."""
+
+    id: str
+    gamma: Gamma
+    world_from_camera: Floats
+
+    def __post_init__(self) -> None:
+        """Keep a read-only pose, and Γ in its order. Raises GeometryError where the pose is not rigid."""
+        if not is_rigid(self.world_from_camera):
+            raise GeometryError(f"{self.id}: T_world_camera must be a rotation and a translation")
+        object.__setattr__(self, "world_from_camera", frozen(self.world_from_camera))
+        object.__setattr__(self, "gamma", self.gamma.in_order())
+
+    @property
+    def camera_from_world(self) -> Floats:
+        """The inverse (4, 4)."""
+        return inverse(self.world_from_camera)
 
 
 class Seen(NamedTuple):
@@ -99,7 +124,7 @@ def refined(standing: Standing, posed: Sequence[Hypothesis], seen: Sequence[Seen
     As it was where they are too few.
     """
     sights = [_sight(one, some, kb) for one, some in zip(posed, seen, strict=True)]
-    if sum(len(sight.uv) for sight in sights) < LEAST_MATCHES:
+    if sum(len(sight.uv) for sight in sights) < FEWEST:
         return standing
     pose = refine_sights(standing.world_from_object, [s for s in sights if len(s.uv)], huber=2.0 * kb.rates.sigma)
     return Standing(standing.index, pose)
@@ -113,3 +138,44 @@ def _sight(posed: Hypothesis, seen: Seen, kb: KnowledgeBase) -> Sight:
     return Sight(
         seen.data.camera, seen.view.camera_from_world, points, seen.data.uv[posed.matches[used]], weights, across
     )
+
+
+ROUNDS = 2
+"""Times that each pose is refined on what both show, and matched again."""
+
+
+def sharpened(cycle: Cycle, left: Gamma, data: Data, right: Gamma, pair: Pair, perceiver: Perceiver) -> Cycle:
+    """The outcome of a cycle over the left image, what it accepted refined on both: features are matched in the right one where they project.
+
+    ``data``: the left Γ as arrays. What is present, and its rivals, stay.
+    """
+    kb = perceiver.kb
+    near = Seen(View("left", left, np.eye(4)), data)
+    aside = Seen(
+        View("right", right, inverse(pair.right_from_left)), data_of(right.appearances, right.camera, perceiver.width)
+    )
+    standing = [Standing(perceiver.models[b.type], b.camera_from_object) for b in cycle.accepted]
+    for _ in range(ROUNDS):
+        posed = [_posed(standing, seen, perceiver) for seen in (near, aside)]
+        standing = [
+            refined(some, mine, (near, aside), kb)
+            for some, mine in zip(standing, zip(*posed, strict=True), strict=True)
+        ]
+    final = _posed(standing, near, perceiver)
+    return replace(
+        cycle,
+        accepted=tuple(_judged(b, one, final, data, perceiver) for b, one in zip(cycle.accepted, final, strict=True)),
+    )
+
+
+def _posed(standing: Sequence[Standing], seen: Seen, perceiver: Perceiver) -> list[Hypothesis]:
+    """All of them in one image, beside each other."""
+    alone = [seen_alone(some, seen, perceiver.kb) for some in standing]
+    return seen_beside(standing, alone, len(standing), seen, perceiver.kb)
+
+
+def _judged(
+    belief: Hypothesis, posed: Hypothesis, others: Sequence[Hypothesis], data: Data, perceiver: Perceiver
+) -> Hypothesis:
+    again = judged(posed, data, perceiver.kb, perceiver.dv, hidden_among(posed, others))
+    return again.told(status=belief.status, why=belief.why)

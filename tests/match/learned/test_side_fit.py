@@ -16,7 +16,7 @@ from kb.clouds.words import COLOURS, SIDE
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.grid import screen_angle
 from plogic.match.gamma.side_looks import OFF
-from plogic.match.learned.held_lobes import lobes_held
+from plogic.match.learned.agreement import lobes_held
 from plogic.match.learned.learned_refinement import side_fit
 from plogic.match.learned.sides import ALONG, TURNED
 from sensing.appearance import Appearance

@@ -12,8 +12,16 @@ from geometry.frames import from_rotation_translation, is_rigid, pose_error, rot
 from geometry.poses.refine import refine_poses
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.expectation import pose_of
-from plogic.match.oriented.angle_refinement import Held, Noise, refined
-from plogic.match.oriented.oriented_match import DEVIATIONS, matched_at, polished, settle, verified
+from plogic.match.oriented.oriented_match import (
+    DEVIATIONS,
+    Held,
+    Noise,
+    matched_at,
+    polished,
+    refined,
+    settle,
+    verified,
+)
 from plogic.run.perceive import Perceiver
 
 SIGMA, NOISE = EASY.turn, 2.0
