@@ -16,7 +16,7 @@ from plogic.match.hand.triples import image_triples, triple_poses
 from plogic.match.hand.view_cells import DistanceMaps, best_apart, distance_maps, pose_votes, votes
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import matched, polished, pose_of, settled
-from plogic.match.judged.rivals import distinct, same_place
+from plogic.match.judged.rivals import distinct, distinct_poses
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -126,21 +126,18 @@ def _verified(
     check: Callable[[], None],
 ) -> list[tuple[float, Hypothesis]]:
     """Cast rays for the best refined poses, match, polish once, and keep one of each heap of near-duplicates."""
-    poses: list[Floats] = []
-    for pose in found.camera_from_object[found.fitted]:  # they come best first
-        if len(poses) >= most:
-            break
-        if _plausible(pose, index) and not any(same_place(index.object_type, pose, old) for old in poses):
-            poses.append(pose)
+    fitted = (
+        pose for pose in found.camera_from_object[found.fitted] if _plausible(pose, index)
+    )  # they come best first
     first = []
-    for pose in poses:
+    for pose in distinct_poses(index.object_type, fitted, most):
         check()
         first.append(_matched_at(index, pose, allowed, maps, data, kb))
     scored = []
     for posed, hidden in _polished(index, first, allowed, maps, data, kb, check):
         check()
         scored.append((evidence(posed, data, kb, hidden).ratio, posed))
-    return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
+    return distinct(scored, index.object_type)
 
 
 def _matched_at(
@@ -167,13 +164,13 @@ def _polished(
     check: Callable[[], None],
 ) -> list[tuple[Hypothesis, Mask]]:
     """All refined in one batch and matched again; those with fewer than four expected features detected are dropped."""
-    used = np.array([p.candidate & p.detected & ~hidden for p, hidden in found]).reshape(len(found), len(index.points))
+    used = np.array([p.expected(hidden) & p.detected for p, hidden in found]).reshape(len(found), len(index.points))
     some = np.flatnonzero(used.sum(axis=1) >= 4)
     if not len(some):
         return []
     poses = np.array([found[i][0].camera_from_object for i in some])
     first, matches = firsts(used[some]), np.array([np.maximum(found[i][0].matches, 0) for i in some])
-    weights = np.take_along_axis(used[some] * _precision(index, kb), first, axis=1)
+    weights = np.take_along_axis(used[some] * index.precision(kb.rates), first, axis=1)
     uv = data.uv[np.take_along_axis(matches, first, axis=1)]
     better = refined_poses(poses, index.points[first], uv, weights, data.camera, huber=ROBUST)
     again = []
@@ -199,20 +196,12 @@ def settle(
     rounds: int = 2,
 ) -> Hypothesis:
     """The type at a pose, or one that is matched there already: matched exactly (D7, D8), refined, and matched again."""
-    allowed = index.allowed(data)
-
-    def match(pose: Floats) -> Hypothesis:
-        return matched(
-            pose_of(index.object_type, pose, data, kb), data, allowed, kb.rates.match_tolerance, free, hidden
-        )
-
-    def better(posed: Hypothesis) -> Floats | None:
-        return polished(posed, index.points, _precision(index, kb), data, hidden, ROBUST, kb.rates.sigma)
-
-    return settled(pose, match, better, rounds)
-
-
-def _precision(index: TypeIndex, kb: KnowledgeBase) -> Floats:
-    """(F,) weights of the features in least squares: 1/σ², the KB's own σ being 1."""
-    noise = np.array([kb.rates.sigma_of(feature.type) for feature in index.object_type.features])
-    return np.asarray((kb.rates.sigma / noise) ** 2)
+    allowed, rates = index.allowed(data), kb.rates
+    return settled(
+        pose,
+        lambda pose: matched(
+            pose_of(index.object_type, pose, data, kb), data, allowed, rates.match_tolerance, free, hidden
+        ),
+        lambda posed: polished(posed, index.points, index.precision(rates), data, hidden, ROBUST, rates.sigma),
+        rounds,
+    )

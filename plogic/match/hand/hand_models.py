@@ -21,6 +21,7 @@ from plogic.match.hand.correspondences import MOST_PAIRS, feature_links
 from plogic.match.hand.generate import generate, settle
 from plogic.match.hand.triples import PlaneTriples, plane_triples
 from plogic.match.hand.view_cells import ViewCells, view_cells
+from plogic.match.judged.evidence import sigmas_of
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
 from plogic.measures.valuation import compatible, rank
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 
     from geometry.arrays import Floats, Indices, Mask
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
     from plogic.facts.hypothesis import Hypothesis
 
 
@@ -170,19 +171,15 @@ class TypeIndex:
         """
         return SURE if posed.axes is not None else log(MOST_PAIRS)
 
+    def precision(self, rates: Rates) -> Floats:
+        """(F,) weights of the features in least squares: 1/σ², the KB's own σ being 1."""
+        return np.asarray((rates.sigma / sigmas_of(self.object_type, rates)) ** 2)
+
     def allowed(self, data: Data) -> Mask:
         """(F, A) the data of a type that the feature has in any of its lobes."""
-        names, which = data.by_look
-        return self._looking(names)[:, which]
-
-    def _looking(self, names: tuple[str, ...]) -> Mask:
-        """(F, N) which features look like what is so named."""
-        nobody = np.zeros(len(self.points), bool)
-        return (
-            np.array([self._features_by_look.get(name, nobody) for name in names], bool)
-            .reshape(len(names), len(nobody))
-            .T
-        )
+        (names, which), nobody = data.by_look, np.zeros(len(self.points), bool)
+        looking = [self._features_by_look.get(name, nobody) for name in names]
+        return np.array(looking, bool).reshape(len(names), len(nobody)).T[:, which]
 
     @cached_property
     def _features_by_look(self) -> dict[str, Mask]:

@@ -26,16 +26,20 @@ import numpy as np
 from geometry.poses.reprojection import WEIGHT, across, ends, information, reach
 from geometry.visibility.outline import outline
 from plogic.base.bounds import LEAST
+from plogic.base.clock import unhurried
+from plogic.match.judged.expectation import FEWEST
+from plogic.match.judged.rivals import distinct
 from plogic.measures.explanatory import explanatory_value
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from geometry.arrays import Floats, Indices, Mask
     from geometry.camera import Camera
-    from kb.clouds.cloud import KnowledgeBase
+    from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import Found, TypeModel
 
 
 DEPTHS = 4.2
@@ -100,9 +104,12 @@ def known(posed: Hypothesis, which: Mask, data: Data, kb: KnowledgeBase) -> Know
 
 def sigmas(posed: Hypothesis, kb: KnowledgeBase) -> Floats:
     """Location noise (F,) of each feature, pixels."""
-    if posed.sigma is not None:
-        return posed.sigma
-    return np.array([kb.rates.sigma_of(feature.type) for feature in posed.object_type.features])
+    return sigmas_of(posed.object_type, kb.rates) if posed.sigma is None else posed.sigma
+
+
+def sigmas_of(kind: ObjectType, rates: Rates) -> Floats:
+    """Location noise (F,) of the features of a type by hand, pixels, as the KB states it."""
+    return np.array([rates.sigma_of(feature.type) for feature in kind.features])
 
 
 def pose_information(posed: Hypothesis, camera: Camera, kb: KnowledgeBase) -> Floats:
@@ -118,8 +125,7 @@ def pose_information(posed: Hypothesis, camera: Camera, kb: KnowledgeBase) -> Fl
 
 def density(residual: Floats, sigma: Floats | float) -> Floats:
     """N(u; û, σ²I) per pixel² at distances ``residual`` in pixels; 0 where NaN."""
-    value = np.exp(-0.5 * (residual / sigma) ** 2) / (2.0 * np.pi * sigma**2)
-    return np.asarray(np.nan_to_num(value, nan=0.0))
+    return np.nan_to_num(np.exp(-0.5 * (residual / sigma) ** 2) / (2.0 * np.pi * sigma**2), nan=0.0)
 
 
 def clutter_density(kb: KnowledgeBase, data: Data, which: Indices | None = None) -> Floats:
@@ -144,7 +150,7 @@ def hit_rates(posed: Hypothesis, kb: KnowledgeBase, hidden: Mask | None = None) 
     Of a learned type the measured rates, times the share of them that holds in this image (``clarity``).
     """
     if posed.hit is not None:
-        return np.asarray(np.clip(posed.hit * clarities(posed, hidden), LEAST_HIT, MOST_HIT))
+        return np.clip(posed.hit * clarities(posed, hidden), LEAST_HIT, MOST_HIT)
     return np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.features])
 
 
@@ -231,8 +237,7 @@ def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | No
         return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))
     if posed.hit is not None:
         ratio += CLEAR * float(np.sum([np.log(clarity(posed, hidden, kind)) for kind in kinds(posed)]))
-    at, precision, middle, across = known(posed, found, data, kb)
-    return Evidence(ratio, ratio + log_share(at, precision, middle, data.camera, across))
+    return Evidence(ratio, ratio + _owed(posed, found, data, kb))
 
 
 def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> tuple[Floats, Floats]:
@@ -243,8 +248,7 @@ def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | N
     objects hide: not expected.
     """
     hit, near = as_counted(posed, data, kb, hidden)
-    found = posed.candidate & posed.detected
-    found = found if hidden is None else found & ~hidden
+    found = posed.expected(hidden) & posed.detected
     if found.any():
         h = np.clip(hit[found], LEAST, 1.0 - LEAST)
         missed = (1.0 - h) * clutter_density(kb, data, posed.matches[found])
@@ -258,6 +262,36 @@ def _owed(posed: Hypothesis, found: Mask, data: Data, kb: KnowledgeBase) -> floa
     """The logarithm of the share of all poses that fit the matches as well as this one."""
     at, precision, middle, across = known(posed, found, data, kb)
     return log_share(at, precision, middle, data.camera, across)
+
+
+def nothing_hidden(posed: Hypothesis) -> Mask:
+    """(F,) none of the features: nothing is accepted that may hide any."""
+    return np.zeros(len(posed.uv), bool)
+
+
+def verified(
+    model: TypeModel,
+    poses: Iterable[Floats],
+    data: Data,
+    kb: KnowledgeBase,
+    hidden_of: Callable[[Hypothesis], Mask] = nothing_hidden,
+    check: Callable[[], None] = unhurried,
+    rounds: int = 1,
+) -> Found:
+    """Poses (4, 4) matched and settled: the distinct ones with their log-likelihood ratios against clutter, best first.
+
+    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``check`` is called before each pose,
+    and may raise to end it.
+    """
+    found = []
+    for pose in poses:
+        check()
+        posed = model.settle(pose, data, kb, rounds=0)
+        hidden = hidden_of(posed)
+        posed = model.settle(pose if hidden.any() else posed, data, kb, hidden=hidden, rounds=rounds)
+        if (posed.expected(hidden) & posed.detected).sum() >= FEWEST:
+            found.append((evidence(posed, data, kb, hidden).ratio, posed))
+    return distinct(found, model.object_type)
 
 
 def judged(
@@ -276,5 +310,6 @@ def outline_rings(posed: Hypothesis, camera: Camera) -> list[list[list[float]]]:
     if surface is None:
         return []
     shape = outline(surface.vertices, surface.triangles, posed.camera_from_object, camera)
-    polygons = getattr(shape, "geoms", [shape])
-    return [np.round(np.array(p.exterior.coords), 2).tolist() for p in polygons if not p.is_empty]
+    return [
+        np.round(np.array(p.exterior.coords), 2).tolist() for p in getattr(shape, "geoms", [shape]) if not p.is_empty
+    ]

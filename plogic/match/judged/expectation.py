@@ -25,26 +25,18 @@ if TYPE_CHECKING:
 
     from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from kb.surfaces.surface import Surface
     from plogic.match.gamma.data import Data
 
 
 def pose_of(object_type: ObjectType, camera_from_object: Floats, data: Data, kb: KnowledgeBase) -> Hypothesis:
     """What geometry says of a type at a pose: nothing is matched yet. Rays are cast for Behind its own host (§6.4)."""
-    camera = data.camera
-    positions = np.array([feature.at for feature in object_type.seen_features]).reshape(-1, 3)
-    at = transform_points(camera_from_object, positions)
+    camera, table, surface = data.camera, object_type.lobes, object_type.surface
+    at = transform_points(
+        camera_from_object, np.array([feature.at for feature in object_type.seen_features]).reshape(-1, 3)
+    )
     uv = camera.project(at)
-    inside = camera.contains(uv)
-    viewpoint = inverse(camera_from_object)[:3, 3][None]
-    granularity = camera.f / kb.f_ref
-    table = object_type.lobes
-    held = in_lobe(table, viewpoint, granularity)[0]
-    surface = object_type.surface
-    hidden = np.zeros(len(at), dtype=bool)
-    if surface is not None:
-        hidden = behind(at, surface.rays, camera_from_object, 0.004 * surface.diameter)
-    right = _right_types(table, held, data)
-    seen = np.bincount(table.feature[held], minlength=len(at)) > 0
+    held = in_lobe(table, inverse(camera_from_object)[:3, 3][None], camera.f / kb.f_ref)[0]
     return Hypothesis(
         type=object_type.name,
         camera_from_object=camera_from_object,
@@ -52,13 +44,18 @@ def pose_of(object_type: ObjectType, camera_from_object: Floats, data: Data, kb:
         known_type=object_type,
         at=at,
         uv=uv,
-        in_image=inside,
-        in_lobe=seen,
-        self_hidden=hidden,
-        right=right,
+        in_image=camera.contains(uv),
+        in_lobe=np.bincount(table.feature[held], minlength=len(at)) > 0,
+        self_hidden=np.zeros(len(at), bool) if surface is None else _behind(at, surface, camera_from_object),
+        right=_right_types(table, held, data),
         matches=np.full(len(at), -1, dtype=np.intp),
         residual=np.full(len(at), np.nan),
     )
+
+
+def _behind(at: Floats, surface: Surface, camera_from_object: Floats) -> Mask:
+    """(N,) whether a posed surface is met before places (N, 3) m, camera frame, as far as its own features need (§3.4)."""
+    return behind(at, surface.rays, camera_from_object, 0.004 * surface.diameter)
 
 
 def _right_types(table: LobeTable, held: Mask, data: Data) -> Mask:
@@ -66,16 +63,11 @@ def _right_types(table: LobeTable, held: Mask, data: Data) -> Mask:
 
     ``held`` (L,) are the lobes that hold the viewpoint.
     """
-    names = sorted(set(table.types))
-    column = {name: i for i, name in enumerate(names)}
-    reports = np.zeros((table.features, len(names)), dtype=bool)
+    column = {name: i for i, name in enumerate(sorted(set(table.types)))}
+    reports = np.zeros((table.features, len(column) + 1), bool)  # the last column is for types that no lobe reports
     lobes = np.flatnonzero(held)
     reports[table.feature[lobes], [column[table.types[lobe]] for lobe in lobes]] = True
-    of_datum = np.array([column.get(name, -1) for name in data.types], dtype=np.intp)
-    reports = np.hstack(
-        [reports, np.zeros((table.features, 1), dtype=bool)]
-    )  # the last column is for types that no lobe reports
-    return np.asarray(reports[:, of_datum])
+    return np.asarray(reports[:, np.array([column.get(name, -1) for name in data.types], np.intp)])
 
 
 def matched(
@@ -103,12 +95,14 @@ def matched(
     left = free.copy()
     left[matches[matches >= 0]] = False
     _assign(matches, off, near & left & allowed & (posed.in_image & ~expected)[:, None], tolerance)
-    residual = (
-        np.where(matches >= 0, np.take_along_axis(off, np.maximum(matches, 0)[:, None], axis=1)[:, 0], np.nan)
-        if off.size
-        else np.full(len(matches), np.nan)
-    )
-    return replace(posed, matches=matches, residual=residual)
+    return replace(posed, matches=matches, residual=of_matches(off, matches))
+
+
+def of_matches(table: Floats, matches: Indices) -> Floats:
+    """(F,) what a table (F, A) says of each feature and its datum ``matches`` (F,), NaN where that is −1."""
+    if not table.size:
+        return np.full(len(matches), np.nan)
+    return np.where(matches >= 0, np.take_along_axis(table, np.maximum(matches, 0)[:, None], axis=1)[:, 0], np.nan)
 
 
 def assigned(
@@ -152,7 +146,7 @@ def hidden_by(posed: Hypothesis, other: Hypothesis) -> Mask:
     if surface is None:
         return mask
     asked = np.flatnonzero(posed.candidate | posed.detected) if posed.hit is not None else np.arange(len(posed.at))
-    mask[asked] = behind(posed.at[asked], surface.rays, other.camera_from_object, 0.004 * surface.diameter)
+    mask[asked] = _behind(posed.at[asked], surface, other.camera_from_object)
     return mask
 
 
@@ -162,15 +156,13 @@ BASELINE = 1000.0
 """Depths between the camera and one far to the side, whose pixels then tell the depth and nothing else."""
 
 
-def with_depths(
-    pose: Floats, seen: Sight, points: Floats, datum: Indices, data: Data, *, sigma: float, huber: float
-) -> Floats:
-    """The pose (4, 4), camera_from_object, that fits what is ``seen`` of it and the depths of ``datum`` (N,), matched with ``points`` (N, 3) m.
+def with_depths(pose: Floats, seen: Sight, datum: Indices, data: Data, *, sigma: float, huber: float) -> Floats:
+    """The pose (4, 4), camera_from_object, that fits what is ``seen`` of it and the depths of ``datum`` (N,), matched with its first N points.
 
     As it was where none has a depth. ``sigma``: the noise of places, pixels, for which the weights of what is seen
     stand, in whatever unit. ``huber``: pixels beyond which a residual counts linearly.
     """
-    told = side_sight(pose, points, datum, data, sigma)
+    told = side_sight(pose, seen.points[: len(datum)], datum, data, sigma)
     if told is None:
         return pose
     unit = float(np.median(seen.weights)) * sigma**2
@@ -191,13 +183,12 @@ def side_sight(pose: Floats, points: Floats, datum: Indices, data: Data, sigma: 
     depth, spread = data.depth[datum][known], data.depth_sigma[datum][known]
     aside = BASELINE * float(np.median(depth))
     focal = float(np.median(depth**2 / spread)) / aside * sigma
-    camera = Camera(2, 2, np.array([[focal, 0.0, 0.0], [0.0, focal, 0.0], [0.0, 0.0, 1.0]]))
     moved = np.eye(4)
     moved[0, 3] = -aside
     ray = data.camera.normalised(data.uv[datum][known])
     uv = focal * np.stack([ray[:, 0] - aside / depth, ray[:, 1]], axis=1)
     noise = focal * aside * spread / depth**2
-    across = np.broadcast_to([1.0, 0.0], uv.shape)
+    camera, across = Camera(2, 2, np.diag([focal, focal, 1.0])), np.broadcast_to([1.0, 0.0], uv.shape)
     return Sight(camera, moved, points[known], uv, 1.0 / noise**2, across)
 
 
@@ -255,14 +246,20 @@ def polished(
     ``points`` (F, 3) m, object frame; ``precision`` (F,) 1/pixel², or in any unit, that of ``sigma`` pixels; a residual
     beyond ``robust`` pixels weighs less. Depths count where data have them.
     """
-    used = posed.candidate & posed.detected
-    used = used if hidden is None else used & ~hidden
+    used = posed.expected(hidden) & posed.detected
     if used.sum() < FEWEST:
         return None
-    uv, across = data.uv[posed.matches[used]][None], None if posed.across is None else posed.across[used][None]
-    pose, its = posed.camera_from_object[None], points[used][None]
-    found = np.asarray(refined_poses(pose, its, uv, precision[used][None], data.camera, huber=robust, across=across)[0])
+    across = None if posed.across is None else posed.across[used]
+    seen = Sight(data.camera, np.eye(4), points[used], data.uv[posed.matches[used]], precision[used], across)
+    found = refined_poses(
+        posed.camera_from_object[None],
+        seen.points[None],
+        seen.uv[None],
+        seen.weights[None],
+        data.camera,
+        huber=robust,
+        across=None if across is None else across[None],
+    )[0]
     if data.depth is None:
-        return found
-    seen = Sight(data.camera, np.eye(4), points[used], uv[0], precision[used], None if across is None else across[0])
-    return with_depths(found, seen, points[used], posed.matches[used], data, sigma=sigma, huber=robust)
+        return np.asarray(found)
+    return with_depths(found, seen, posed.matches[used], data, sigma=sigma, huber=robust)

@@ -28,7 +28,7 @@ from geometry.frames import pose_error
 from plogic.match.judged.expectation import hidden_by
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import ObjectType
@@ -50,12 +50,23 @@ def same_place(object_type: ObjectType, one: Floats, other: Floats) -> bool:
     return bool(rotation < SAME_ROTATION and translation < SAME_PLACE * distance)
 
 
-def distinct(scored: list[tuple[float, Hypothesis]], object_type: ObjectType) -> list[tuple[float, Hypothesis]]:
-    """The first of each heap of near-duplicates (§8)."""
+def distinct(scored: Iterable[tuple[float, Hypothesis]], object_type: ObjectType) -> list[tuple[float, Hypothesis]]:
+    """The best of each heap of near-duplicates (§8), best first."""
     kept: list[tuple[float, Hypothesis]] = []
-    for worth, posed in scored:
+    for worth, posed in sorted(scored, key=lambda pair: -pair[0]):
         if not any(same_place(object_type, posed.camera_from_object, old.camera_from_object) for _, old in kept):
             kept.append((worth, posed))
+    return kept
+
+
+def distinct_poses(object_type: ObjectType, poses: Iterable[Floats], most: int) -> list[Floats]:
+    """The first ``most`` of poses (4, 4) that are not at one place, up to symmetry."""
+    kept: list[Floats] = []
+    for pose in poses:
+        if len(kept) == most:
+            break
+        if not any(same_place(object_type, pose, old) for old in kept):
+            kept.append(pose)
     return kept
 
 
@@ -110,23 +121,19 @@ def overlap(one: Hypothesis, other: Hypothesis) -> bool:
     Of one that is no solid nobody knows.
     """
     a, b = one.object_type.surface, other.object_type.surface
-    if a is None or b is None:
+    if a is None or b is None or np.linalg.norm(_middle(one, a) - _middle(other, b)) >= 0.5 * (a.diameter + b.diameter):
         return False
-    apart = np.linalg.norm(_middle(one, a) - _middle(other, b))
-    if apart >= 0.5 * (a.diameter + b.diameter):
+    if a.solid is None or b.solid is None:  # refused (kb.surfaces.surface)
         return False
-    first, second = a.solid, b.solid
-    if first is None or second is None:  # refused (kb.surfaces.surface)
-        return False
-    volume = _shared(first, one.camera_from_object.tobytes(), second, other.camera_from_object.tobytes())
-    return bool(volume > SHARED_VOLUME * min(first.volume, second.volume))
+    volume = _shared(a.solid, one.camera_from_object.tobytes(), b.solid, other.camera_from_object.tobytes())
+    return bool(volume > SHARED_VOLUME * min(a.solid.volume, b.solid.volume))
 
 
 @lru_cache(maxsize=4096)
 def _shared(first: Surface, pose: bytes, second: Surface, other: bytes) -> float:
     """The volume that two posed bodies share, m³; the cycle asks it of the same pair again and again."""
-    poses = (np.frombuffer(some).reshape(4, 4) for some in (pose, other))
-    return solid_overlap(solid_of(first), next(poses), solid_of(second), next(poses))
+    one, two = (np.frombuffer(some).reshape(4, 4) for some in (pose, other))
+    return solid_overlap(solid_of(first), one, solid_of(second), two)
 
 
 def hidden_among(posed: Hypothesis, others: Sequence[Hypothesis]) -> Mask:
@@ -174,7 +181,7 @@ def claims(posed: Hypothesis, beside: Hypothesis | None = None) -> dict[int, flo
 def shared_claims(one: Hypothesis, other: Hypothesis) -> tuple[set[int], float]:
     """The data that both claim in their common world, and their share of the smaller claim."""
     mine, theirs = claims(one, other), claims(other, one)
-    both = set(mine) & set(theirs)
+    both = mine.keys() & theirs.keys()
     return both, len(both) / max(1, min(len(mine), len(theirs)))
 
 
@@ -214,10 +221,10 @@ def moved_apart(
     number (``pose_information``): what a move costs.
     """
     poses = [some.camera_from_object for some in posed]
-    first = _deep(posed, poses, still)
+    first = deep = _deep(posed, poses, still)
     if not first:
         return poses, []
-    costs, deep = [information(k) for k in range(len(posed))], first
+    costs = [information(k) for k in range(len(posed))]
     yields = [(k >= still) * np.asarray(np.linalg.inv(cost)) for k, cost in enumerate(costs)]
     for _ in range(ROUNDS):
         poses = _eased(posed, poses, yields, deep)
@@ -235,8 +242,7 @@ def _deep(posed: Sequence[Hypothesis], poses: Sequence[Floats], still: int) -> l
 
 def reaches_into(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether two reach more than ``DEEP`` into each other."""
-    poses = [some.camera_from_object for some in (one, other)]
-    return any(contact.reach.depth > DEEP for contact in contacts((one, other), poses))
+    return bool(_deep((one, other), [one.camera_from_object, other.camera_from_object], 0))
 
 
 def contacts(posed: Sequence[Hypothesis], poses: Sequence[Floats], still: int = 0) -> list[Contact]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST
-from plogic.match.judged.rivals import apart, distinct, same_place
+from plogic.match.judged.rivals import apart, distinct, distinct_poses
 from plogic.match.learned.agreement import agreement, votes
 from plogic.match.learned.keypoints import SEEDS, Pairs, depths, pairs_of, plausible, sights, single_poses, turns
 from plogic.match.learned.learned_match import settle
@@ -81,11 +81,11 @@ def settled_best(
     index: LearnedIndex, best: Floats, data: Data, kb: KnowledgeBase, verified: int
 ) -> list[tuple[float, Hypothesis]]:
     """Of refined poses (N, 4, 4), best first, the first ``verified`` that are apart, settled, with their log-likelihood ratios, best first."""
-    seen = [settle(index, pose, data, kb, rounds=0) for pose in distinct_poses(index, best, verified)]
+    seen = [settle(index, pose, data, kb, rounds=0) for pose in distinct_poses(index.object_type, best, verified)]
     hopeful = [posed for posed in seen if _enough(posed) and evidence(posed, data, kb).surplus > HOPELESS]
     settled = [settle(index, posed, data, kb, rounds=2) for posed in hopeful]
     scored = [(evidence(posed, data, kb).ratio, posed) for posed in settled if _enough(posed)]
-    return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
+    return distinct(scored, index.object_type)
 
 
 def proposed(
@@ -155,17 +155,6 @@ def tilted(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data) -> Floa
     )
     other[:, :3, 3] = middle - np.einsum("hij,hj->hi", other[:, :3, :3], own)
     return other
-
-
-def distinct_poses(index: LearnedIndex, poses: Floats, most: int) -> list[Floats]:
-    """The first ``most`` of poses (N, 4, 4) that are not at one place, up to symmetry."""
-    kept: list[Floats] = []
-    for pose in poses:
-        if not any(same_place(index.object_type, pose, old) for old in kept):
-            kept.append(pose)
-            if len(kept) == most:
-                break
-    return kept
 
 
 TIPPED, FARTHER = 0.7, 0.5

@@ -14,15 +14,11 @@ import numpy as np
 from geometry.poses.refine import Steps, refined_poses
 from geometry.poses.refine_sights import Sight
 from geometry.poses.reprojection import WEIGHT, across, ends, reach
-from plogic.base.clock import unhurried
 from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.evidence import evidence
-from plogic.match.judged.expectation import AS_GOOD, FEWEST, matched, pose_of, settled, with_depths
-from plogic.match.judged.rivals import distinct
+from plogic.match.judged.expectation import AS_GOOD, FEWEST, matched, of_matches, pose_of, settled, with_depths
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from geometry.arrays import Floats, Mask
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
@@ -114,17 +110,14 @@ def settle(
 ) -> Hypothesis:
     """The type at a pose, or one that is matched there already: matched, refined on places and angles, and matched again."""
     allowed = index.allowed(data)
-
-    def match(pose: Floats) -> Hypothesis:
-        return matched_at(index, pose, data, kb, allowed, free, hidden)
-
-    def better(posed: Hypothesis) -> Floats | None:
-        return polished(index, posed, data, kb, hidden)
-
-    def worth(posed: Hypothesis) -> float:
-        return evidence(posed, data, kb, hidden).surplus
-
-    return settled(pose, match, better, rounds, worth, AS_GOOD)
+    return settled(
+        pose,
+        lambda pose: matched_at(index, pose, data, kb, allowed, free, hidden),
+        lambda posed: polished(index, posed, data, kb, hidden),
+        rounds,
+        lambda posed: evidence(posed, data, kb, hidden).surplus,
+        AS_GOOD,
+    )
 
 
 def matched_at(
@@ -144,33 +137,23 @@ def matched_at(
     sigma = kb.rates.sigma_angle
     posed = pose_of(index.object_type, pose, data, kb)
     axes = index.turns @ pose[:3, :3].T
-    turn = screen_angle(axes, posed.at)
-    off = wrapped(data.angle[None] - turn[:, None])
+    off = wrapped(data.angle[None] - screen_angle(axes, posed.at)[:, None])
     right = ~(np.abs(off) > DEVIATIONS * sigma)
-    posed = matched(
-        replace(posed, right=posed.right & right), data, allowed & right, kb.rates.match_tolerance, free, hidden
-    )
-    own = (
-        np.take_along_axis(off, np.maximum(posed.matches, 0)[:, None], axis=1)[:, 0]
-        if len(data.ids)
-        else np.full(len(turn), np.nan)
-    )
+    posed = replace(posed, right=posed.right & right)
+    posed = matched(posed, data, allowed & right, kb.rates.match_tolerance, free, hidden)
+    own = of_matches(off, posed.matches)
     bell = np.exp(-0.5 * (own / sigma) ** 2) * np.sqrt(2.0 * np.pi) / sigma
-    count = np.isfinite(
-        data.whole.angle
-    ).any()  # else nothing is searched for by angles either, and is to be as sure as without
-    return replace(posed, likeness=np.where(posed.detected & np.isfinite(own), bell, 1.0), axes=axes if count else None)
+    # Where no datum has an angle nothing is searched for by angles either, and is to be as sure as without.
+    count = np.isfinite(data.whole.angle).any()
+    return replace(posed, likeness=np.where(np.isfinite(own), bell, 1.0), axes=axes if count else None)
 
 
 def polished(index: TypeIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None) -> Floats | None:
     """Least squares (4, 4) on places and angles of the expected features that were detected, or None where they are fewer than ``FEWEST``."""
-    used = posed.candidate & posed.detected
-    used = used if hidden is None else used & ~hidden
+    used = posed.expected(hidden) & posed.detected
     if used.sum() < FEWEST or kb.rates.sigma_angle is None:
         return None
-    names = [feature.type for feature in index.object_type.features]
-    weight = np.array([(kb.rates.sigma / kb.rates.sigma_of(name)) ** 2 for name in names])[used]
-    datum = posed.matches[used]
+    datum, weight = posed.matches[used], index.precision(kb.rates)[used]
     held = Held(
         *(rows[None] for rows in (index.points[used], index.turns[used], data.uv[datum], data.angle[datum], weight))
     )
@@ -178,30 +161,5 @@ def polished(index: TypeIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase,
     new = refined(posed.camera_from_object[None], held, noise, data.camera, steps=STEPS, robust=ROBUST)
     if data.depth is None:
         return np.asarray(new[0])
-    points, uv, weights, across = (rows[0] for rows in met(new, held, noise, data.camera))
-    seen = Sight(data.camera, np.eye(4), points, uv, weights, across)
-    return with_depths(new[0], seen, index.points[used], datum, data, sigma=noise.pixels, huber=ROBUST * noise.pixels)
-
-
-def verified(
-    index: TypeIndex,
-    poses: Sequence[Floats],
-    data: Data,
-    kb: KnowledgeBase,
-    hidden_of: Callable[[Hypothesis], Mask] | None = None,
-    check: Callable[[], None] = unhurried,
-) -> list[tuple[float, Hypothesis]]:
-    """Rays cast, matched and settled: the distinct ones as (log-likelihood ratio against clutter, hypothesis), best first.
-
-    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``check`` is called before each, and
-    may raise to end it.
-    """
-    found = []
-    for pose in poses:
-        check()
-        posed = settle(index, pose, data, kb, rounds=0)
-        hidden = np.zeros(len(index.points), bool) if hidden_of is None else hidden_of(posed)
-        posed = settle(index, pose if hidden.any() else posed, data, kb, None, hidden, rounds=1)
-        if (posed.candidate & posed.detected & ~hidden).sum() >= FEWEST:
-            found.append((evidence(posed, data, kb, hidden).ratio, posed))
-    return distinct(sorted(found, key=lambda pair: -pair[0]), index.object_type)
+    seen = Sight(data.camera, np.eye(4), *(rows[0] for rows in met(new, held, noise, data.camera)))
+    return with_depths(new[0], seen, datum, data, sigma=noise.pixels, huber=ROBUST * noise.pixels)

@@ -15,6 +15,7 @@ import hashlib
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
@@ -23,9 +24,10 @@ from plogic.base.clock import unhurried
 from plogic.base.remembered import ROOT, arrays_of, source_digest, sources_in
 from plogic.match.hand.hand_models import HandModels, TypeIndex, type_index
 from plogic.match.hand.view_cells import ViewCells, remade
+from plogic.match.judged.evidence import nothing_hidden, verified
 from plogic.match.judged.type_models import Found, Given, Request, Search, Setup
 from plogic.match.oriented.asked import Asked, chances_of
-from plogic.match.oriented.oriented_match import Noise, settle, verified
+from plogic.match.oriented.oriented_match import Noise, settle
 from plogic.match.oriented.oriented_search import Search as TogetherSearch
 from plogic.match.oriented.pair_index import PairIndex, Sights, looks_of, pair_index
 
@@ -201,12 +203,8 @@ class OrientedSearch(Search):
 
     def _little(self, left: Data) -> bool:
         """Whether all types together have at most ``FEW_LEFT`` matches of a feature and a free datum that looks like it."""
-        matches = 0
-        for index in self.models.values():
-            matches += int(index.allowed(left).sum())
-            if matches > FEW_LEFT:
-                return False
-        return True
+        counts = accumulate(int(index.allowed(left).sum()) for index in self.models.values())
+        return all(count <= FEW_LEFT for count in counts)
 
     def tilted(self, posed: Hypothesis, left: Data) -> list[Floats]:
         """The best poses at other tilts: in one place a hypothesis may fit in several ways."""
@@ -231,22 +229,20 @@ def generate_together(
     search: TogetherSearch,
     data: Data,
     kb: KnowledgeBase,
-    hidden_of: Callable[[Hypothesis], Mask] | None = None,
-    seen: Callable[[Found], None] | None = None,
+    hidden_of: Callable[[Hypothesis], Mask] = nothing_hidden,
+    seen: Callable[[Found], None] = lambda _: None,
 ) -> dict[str, Found]:
     """The hypotheses of all types, by type, that some data of Γ suggest, with their log-likelihood ratios, best first.
 
     ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``seen`` is told each type's as soon
     as they are there, that of the best proposal first.
     """
-    indices = search.index.indices
     poses: dict[int, list[Floats]] = {}
     for proposal in search.proposals(data):
         poses.setdefault(proposal.kind, []).append(proposal.pose)
-    result: dict[str, Found] = {index.object_type.name: [] for index in indices}
+    result: dict[str, Found] = {index.object_type.name: [] for index in search.index.indices}
     for kind, some in poses.items():
-        found = verified(indices[kind], some, data, kb, hidden_of, search.asked.check)
-        result[indices[kind].object_type.name] = found
-        if seen is not None:
-            seen(found)
+        index = search.index.indices[kind]
+        result[index.object_type.name] = verified(index, some, data, kb, hidden_of, search.asked.check)
+        seen(result[index.object_type.name])
     return result

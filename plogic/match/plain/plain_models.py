@@ -14,9 +14,8 @@ import numpy as np
 from geometry.poses.softposit import Annealing, SoftPositResult, random_starts, softposit
 from plogic.base.clock import unhurried
 from plogic.match.hand.hand_models import HandModels, TypeIndex, type_index
-from plogic.match.judged.evidence import evidence
+from plogic.match.judged.evidence import verified
 from plogic.match.judged.expectation import FEWEST
-from plogic.match.judged.rivals import distinct
 from plogic.match.judged.type_models import Found, Given, Request, Search, Setup
 from plogic.match.oriented.oriented_models import oriented_index
 from plogic.match.plain import quadruples
@@ -139,12 +138,4 @@ def generate_plainly(
     ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide. ``check`` is called between sets or
     starts, and before each pose is verified, and may raise to end the search.
     """
-    found = []
-    for pose in PLAIN[generator](index, data, kb, check):
-        check()
-        posed = index.settle(pose, data, kb, rounds=0)
-        hidden = hidden_of(posed)
-        posed = index.settle(pose if hidden.any() else posed, data, kb, hidden=hidden)
-        if (posed.candidate & posed.detected & ~hidden).sum() >= FEWEST:
-            found.append((evidence(posed, data, kb, hidden).ratio, posed))
-    return distinct(sorted(found, key=lambda pair: -pair[0]), index.object_type)
+    return verified(index, PLAIN[generator](index, data, kb, check), data, kb, hidden_of, check, rounds=2)

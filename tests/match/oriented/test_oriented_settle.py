@@ -11,6 +11,7 @@ from oriented_scenes import EASY, STRAIGHT, clouds, datum, flat_cap, picture_of,
 from geometry.frames import from_rotation_translation, is_rigid, pose_error, rotation_angle, rotation_from_quat_xyzw
 from geometry.poses.refine import refine_poses
 from plogic.match.gamma.data import data_of
+from plogic.match.judged.evidence import verified
 from plogic.match.judged.expectation import pose_of
 from plogic.match.oriented.oriented_match import (
     DEVIATIONS,
@@ -20,7 +21,6 @@ from plogic.match.oriented.oriented_match import (
     polished,
     refined,
     settle,
-    verified,
 )
 from plogic.run.perceive import Perceiver
 
