@@ -19,7 +19,6 @@ from kb.files.read import read_kb
 from plogic.cycle.perception import attend, perceive
 from plogic.cycle.state import Task
 from plogic.match.gamma.data import data_of
-from plogic.match.hand.generate import settle
 from plogic.match.judged.evidence import judged
 from plogic.run.perceive import Perceiver
 from sensing.appearance import Appearance, Gamma
@@ -178,7 +177,7 @@ def cycle_of(gamma, end=None):
 def posed_at(name, pose, of):
     """The hypothesis that a type stands at a pose, with its own matching, no polish."""
     index = perceiver().models[name]
-    return settle(index, pose, of, towers(), rounds=0)
+    return index.settle(pose, of, towers(), rounds=0)
 
 
 def belief_at(name, pose, of, status="accepted"):

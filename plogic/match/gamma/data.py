@@ -10,9 +10,9 @@ image's centre.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from plogic.match.gamma.grid import Grid, grid_of
 from plogic.match.gamma.side_looks import contrasts_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -39,6 +39,25 @@ def blocks(rows: int, columns: int) -> Iterator[slice]:
     """The rows of a table, as many at a time as have ``ENTRIES`` entries; none of an empty table."""
     some = max(1, ENTRIES // max(1, columns))
     return (slice(start, min(start + some, rows)) for start in range(0, rows, some))
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """A table of N rows: its fields are arrays whose first axis is N, or such tables."""
+
+    def columns(self) -> list[Any]:
+        """The fields, in their order."""
+        return [getattr(self, field.name) for field in fields(self)]
+
+    def take(self, which: Indices | Mask | list[int] | slice) -> Self:
+        """The rows at an index, or where a mask (N,) holds."""
+        return type(self)(*(c.take(which) if isinstance(c, Columns) else c[which] for c in self.columns()))
+
+    @classmethod
+    def joined(cls, tables: Iterable[Self]) -> Self:
+        """The rows of at least one table, one table after the other."""
+        columns = zip(*(table.columns() for table in tables), strict=True)
+        return cls(*(type(c[0]).joined(c) if isinstance(c[0], Columns) else np.concatenate(c) for c in columns))
 
 
 @dataclass(frozen=True)
@@ -125,9 +144,9 @@ class Data:
         """The appearances where ``keep`` (A,) holds."""
         index = np.flatnonzero(keep)
         rows = index.tolist()
-        names = tuple(map(self.ids.__getitem__, rows)), tuple(map(self.types.__getitem__, rows))
         return Data(
-            *names,
+            tuple(map(self.ids.__getitem__, rows)),
+            tuple(map(self.types.__getitem__, rows)),
             self.uv[index],
             self.ideal[index],
             self.arms[index],
@@ -165,27 +184,36 @@ def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138)
     arms = np.full((len(appearances), most), np.nan)
     for row, appearance in zip(arms, appearances, strict=True):
         row[: len(appearance.arms)] = appearance.arms
-    ideal = camera.normalised(uv) * camera.f + centre_of(camera)
-    ids = tuple(a.id for a in appearances)
     angle = np.array([np.nan if a.angle is None else a.angle for a in appearances], dtype=float)
     scale = np.array([np.nan if a.scale is None else a.scale for a in appearances], dtype=float)
     sizes = np.array([len(a.descriptor or b"") for a in appearances], dtype=int)
     described = (
         np.isin(sizes, [size for size in WIDTHS if WIDTHS[size] == WIDTHS[width]]) & np.isfinite(angle) & (scale > 0.0)
     )
-    width = min([width, *sizes[described].tolist()])
-    whole = b"".join(
-        (a.descriptor or b"")[:width] if has else bytes(width) for a, has in zip(appearances, described, strict=True)
-    )
-    descriptors = np.frombuffer(whole, np.uint8).reshape(len(appearances), width)
     sided = (sizes == SIDE) & np.isfinite(angle) & np.isnan(scale)
-    looks = np.zeros((len(appearances), SIDE), np.uint8)
-    looks[sided] = np.frombuffer(
-        b"".join(a.descriptor or b"" for a, has in zip(appearances, sided, strict=True) if has), np.uint8
-    ).reshape(-1, SIDE)
-    types = tuple(a.type for a in appearances)
-    depth = _depths_of(appearances)
-    return Data(ids, types, uv, ideal, arms, camera, angle, scale, descriptors, described, sided, looks, None, *depth)
+    return Data(
+        tuple(a.id for a in appearances),
+        tuple(a.type for a in appearances),
+        uv,
+        camera.normalised(uv) * camera.f + centre_of(camera),
+        arms,
+        camera,
+        angle,
+        scale,
+        _bytes_of(appearances, described, min([width, *sizes[described].tolist()])),
+        described,
+        sided,
+        _bytes_of(appearances, sided, SIDE),
+        None,
+        *_depths_of(appearances),
+    )
+
+
+def _bytes_of(appearances: Sequence[Appearance], which: Mask, width: int) -> NDArray[np.uint8]:
+    """(A, width) the first bytes of the descriptors ``which`` (A,), zeros for the others."""
+    rows = zip(appearances, which, strict=True)
+    whole = b"".join((a.descriptor or b"")[:width] if has else bytes(width) for a, has in rows)
+    return np.frombuffer(whole, np.uint8).reshape(len(appearances), width)
 
 
 def _depths_of(appearances: Sequence[Appearance]) -> tuple[Floats | None, Floats | None]:
@@ -195,7 +223,8 @@ def _depths_of(appearances: Sequence[Appearance]) -> tuple[Floats | None, Floats
     rows = [
         (np.nan, np.nan) if a.depth is None or a.depth_sigma is None else (a.depth, a.depth_sigma) for a in appearances
     ]
-    return np.array([d for d, _ in rows]), np.array([s for _, s in rows])
+    depth, sigma = np.array(rows).T
+    return depth, sigma
 
 
 FAR = np.float32(-1e6)

@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import Data, blocks
+from plogic.match.gamma.data import Columns, Data, blocks
 from plogic.match.gamma.grid import wrapped
-from plogic.match.hand.view_cells import DistanceMaps, ViewCells, distance_maps, votes
+from plogic.match.hand.view_cells import ViewCells, distance_maps, votes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,7 +39,7 @@ MOST_PAIRS = 60_000
 
 
 @dataclass(frozen=True)
-class Pairs:
+class Pairs(Columns):
     """N coarse poses: cell, first and second feature and appearance, (N,) each; ``roll`` radians.
 
     ``scale`` pixels per metre.
@@ -52,10 +52,6 @@ class Pairs:
     other_datum: Indices
     roll: Floats
     scale: Floats
-
-    def take(self, index: Indices) -> Pairs:
-        """The pairs at ``index``."""
-        return Pairs(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
 
 
 BINS = 64
@@ -70,7 +66,7 @@ STRAIGHT = np.cos(np.radians(1.0))
 
 
 @dataclass(frozen=True)
-class DataLinks:
+class DataLinks(Columns):
     """N links of Γ: ``first``, ``second`` (N,) data; ``angle`` (N,) of the line from first to second.
 
     ``length`` (N,) pixels.
@@ -93,10 +89,9 @@ def feature_links(points: Floats, arms: list[Floats]) -> Indices:
             step = points - points[f]
             along, length = step @ direction, np.linalg.norm(step, axis=1)
             on = np.flatnonzero((length > 0) & (along >= STRAIGHT * length))
-            ends = [g for g in on if len(arms[g])]
-            if ends:
-                g = min(ends, key=lambda g: length[g])
-                found |= {(f, int(g)), (int(g), f)}
+            end = min((int(g) for g in on if len(arms[g])), key=lambda g: length[g], default=None)
+            if end is not None:
+                found |= {(f, end), (end, f)}
     return np.array(sorted(found), dtype=np.intp).reshape(-1, 2)
 
 
@@ -107,11 +102,7 @@ def data_links(data: Data, check: Callable[[], None] = unhurried) -> DataLinks:
     """
     armed = np.flatnonzero(np.isfinite(data.arms).any(axis=1))
     found = [_links_from(armed[some], data, check) for some in blocks(len(armed), len(data.ids))]
-    if not found:
-        found = [_links_from(armed, data, check)]
-    return DataLinks(
-        *(np.concatenate([getattr(links, name) for links in found]) for name in DataLinks.__dataclass_fields__)
-    )
+    return DataLinks.joined(found or [_links_from(armed, data, check)])
 
 
 def _links_from(junctions: Indices, data: Data, check: Callable[[], None]) -> DataLinks:
@@ -246,16 +237,9 @@ def open_pairs(
         return Pairs(none, none, none, none, none, np.zeros(0), np.zeros(0))
     maps = distance_maps(allowed, data)
     found = [_of_cell(cells, c, anchors, allowed, data, scales, check) for c in range(len(cells.directions))]
-    worth = np.concatenate([_votes(pairs, cells, anchors, maps, data) for pairs in found])
-    every = Pairs(*(np.concatenate([getattr(pairs, name) for pairs in found]) for name in Pairs.__dataclass_fields__))
-    if len(worth) <= MOST_PAIRS:
-        return every
-    return every.take(np.sort(np.argsort(-worth, kind="stable")[:MOST_PAIRS]))
-
-
-def _votes(pairs: Pairs, cells: ViewCells, anchors: Indices, maps: DistanceMaps, data: Data) -> Floats:
-    """(N,) the share of the visible anchors that find a datum, each by how near it is."""
-    return votes(pairs, cells, maps, np.ones(cells.visible.shape[1]), data, anchors)
+    alike = np.ones(cells.visible.shape[1])
+    worth = np.concatenate([votes(pairs, cells, maps, alike, data, anchors) for pairs in found])
+    return Pairs.joined(found).take(np.sort(np.argsort(-worth, kind="stable")[:MOST_PAIRS]))
 
 
 def _of_cell(

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.poses.posit import posit
 from geometry.poses.refine import Steps, refined_poses
-from plogic.match.gamma.data import Data, centre_of, project_ideal
+from plogic.match.gamma.data import Columns, Data, centre_of, project_ideal
 from plogic.match.hand.triples import turn_z_to
 from plogic.match.hand.view_cells import LOOSE, DistanceMaps, ViewCells, seen_cells, sizes
 from plogic.match.judged.expectation import FEWEST
@@ -38,7 +38,7 @@ MISSED = 0.4
 
 
 @dataclass(frozen=True)
-class Candidates:
+class Candidates(Columns):
     """N candidate poses (N, 4, 4); ``matches`` (N, F) datum indices, −1 for none.
 
     ``fitted`` (N,) whether to at least ``FEWEST`` of them.
@@ -48,20 +48,13 @@ class Candidates:
     matches: Indices
     fitted: Mask
 
-    def take(self, index: Indices) -> Candidates:
-        """The poses at ``index``."""
-        return Candidates(self.camera_from_object[index], self.matches[index], self.fitted[index])
 
-
-class _Shown(NamedTuple):
+@dataclass(frozen=True)
+class _Shown(Columns):
     """Of N poses, ``places`` (N, F, 2) of the features, ideal pixels, and which are ``visible`` (N, F) from the nearest cell."""
 
     places: NDArray[np.float32]
     visible: Mask
-
-    def take(self, index: Indices) -> _Shown:
-        """The poses at ``index``."""
-        return _Shown(self.places[index], self.visible[index])
 
 
 def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> Floats:
@@ -112,15 +105,10 @@ def extend(
     detector's ``tolerance`` (pixels); and as it is, trusted to be close, for wide tolerances make wrong matches where
     features lie dense.
     """
-    size = sizes(poses, cells, data.camera.f)
-    matches = rematch(poses, cells, points, maps, data, LOOSE * size)
-    solved = _from_quadruples(poses, points, weights, matches, data)
-    one = _narrowed(solved, ROUNDS, cells, points, weights, maps, data, tolerance)
-    other = _narrowed(poses[:TRUSTED], CLOSE, cells, points, weights, maps, data, tolerance)
-    both = Candidates(
-        np.concatenate([one.camera_from_object, other.camera_from_object]),
-        np.concatenate([one.matches, other.matches]),
-        np.concatenate([one.fitted, other.fitted]),
+    matches = rematch(poses, cells, points, maps, data, LOOSE * sizes(poses, cells, data.camera.f))
+    starts = (_from_quadruples(poses, points, weights, matches, data), ROUNDS), (poses[:TRUSTED], CLOSE)
+    both = Candidates.joined(
+        [_narrowed(some, rounds, cells, points, weights, maps, data, tolerance) for some, rounds in starts]
     )
     worth = _worth(_shown(both.camera_from_object, cells, points, data), both.matches, weights, maps)
     return both.take(np.argsort(-worth, kind="stable"))
@@ -223,11 +211,9 @@ def _from_quadruples(
     complete = np.flatnonzero((chosen >= 0).all(axis=1))
     if not len(complete):
         return coarse
-    xy = (data.ideal[chosen[complete]] - centre_of(data.camera)) / data.camera.f
-    solved = posit(points[four[complete]], xy)
-    good = solved.ok & (solved.camera_from_object[:, 2, 3] > 0)
-    old, new = coarse[complete], solved.camera_from_object
-    better = good & (_error(new, points, matches[complete], data) < _error(old, points, matches[complete], data))
+    solved = posit(points[four[complete]], (data.ideal[chosen[complete]] - centre_of(data.camera)) / data.camera.f)
+    old, new, its = coarse[complete], solved.camera_from_object, matches[complete]
+    better = solved.ok & (new[:, 2, 3] > 0) & (_error(new, points, its, data) < _error(old, points, its, data))
     poses = coarse.copy()
     poses[complete[better]] = new[better]
     return poses
@@ -236,16 +222,15 @@ def _from_quadruples(
 def _sets_of_four(points: Floats, weights: Floats, matches: Indices) -> Indices:
     """(N, 4) feature indices, highest dv first, each next one the farthest from those before among the most distinctive matched ones."""
     value = np.where(matches >= 0, weights[None], -1.0)
-    rows = np.arange(len(matches))
     four = np.empty((len(matches), 4), dtype=np.intp)
     four[:, 0] = value.argmax(axis=1)
     gap = np.full(matches.shape, np.inf)
     for k in range(1, 4):
-        step = np.linalg.norm(points[None] - points[four[:, k - 1]][:, None], axis=2)
-        gap = np.minimum(gap, step)
+        gap = np.minimum(gap, np.linalg.norm(points[None] - points[four[:, k - 1]][:, None], axis=2))
         four[:, k] = np.where(value >= 0.0, gap * value, -1.0).argmax(axis=1)
-    same = (np.sort(four, axis=1)[:, 1:] == np.sort(four, axis=1)[:, :-1]).any(axis=1)
-    four[same] = matches[rows[same]].argmin(axis=1)[:, None]
+    ordered = np.sort(four, axis=1)
+    same = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
+    four[same] = matches[same].argmin(axis=1)[:, None]
     return four
 
 
@@ -262,12 +247,11 @@ def _refined(poses: Floats, points: Floats, matches: Indices, data: Data) -> Flo
         return poses
     first = firsts(matches[enough] >= 0)
     its = np.take_along_axis(matches[enough], first, axis=1)
-    better = refined_poses(
+    better = poses.copy()
+    better[enough] = refined_poses(
         poses[enough], points[first], data.uv[its], (its >= 0).astype(float), data.camera, STEPS, huber=ROBUST
     )
-    poses = poses.copy()
-    poses[enough] = better
-    return poses
+    return better
 
 
 def firsts(used: Mask) -> Indices:

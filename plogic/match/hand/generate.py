@@ -15,7 +15,7 @@ from plogic.match.hand.extend import Candidates, coarse_poses, extend, firsts
 from plogic.match.hand.triples import image_triples, triple_poses
 from plogic.match.hand.view_cells import DistanceMaps, best_apart, distance_maps, pose_votes, votes
 from plogic.match.judged.evidence import evidence
-from plogic.match.judged.expectation import matched, polished, pose_of, settled
+from plogic.match.judged.expectation import matched, pose_of
 from plogic.match.judged.rivals import distinct, distinct_poses
 
 if TYPE_CHECKING:
@@ -99,14 +99,11 @@ def _from_triples(index: TypeIndex, allowed: Mask, maps: DistanceMaps, data: Dat
 
 def _pairs(index: TypeIndex, allowed: Mask, data: Data, check: Callable[[], None]) -> Pairs:
     """Pairs by the junctions' arms where the detector gave arms, by places alone where it gave none."""
-    scales = _scales(index, data)
     anchored = np.asarray(allowed[index.anchors].any(axis=0))
     some, columns = data.only(anchored), np.flatnonzero(anchored)
-    edged = index.cells.arms.shape[2] > 0 and bool(np.isfinite(some.arms).any())
-    if edged and len(index.links):
-        found = linked_pairs(index.cells, index.links, allowed[:, columns], some, scales, check)
-    else:
-        found = open_pairs(index.cells, index.anchors, allowed[:, columns], some, scales, check)
+    edged = index.cells.arms.shape[2] > 0 and bool(np.isfinite(some.arms).any()) and len(index.links) > 0
+    made, ends = (linked_pairs, index.links) if edged else (open_pairs, index.anchors)
+    found = made(index.cells, ends, allowed[:, columns], some, _scales(index, data), check)
     return replace(found, datum=columns[found.datum], other_datum=columns[found.other_datum])
 
 
@@ -184,24 +181,3 @@ def _plausible(pose: Floats, index: TypeIndex) -> bool:
     """Finite and wholly in front of the camera."""
     centre = pose[:3, :3] @ index.cells.centre + pose[:3, 3]
     return bool(np.isfinite(pose).all() and centre[2] > 0.5 * index.cells.diameter)
-
-
-def settle(
-    index: TypeIndex,
-    pose: Floats | Hypothesis,
-    data: Data,
-    kb: KnowledgeBase,
-    free: Mask | None = None,
-    hidden: Mask | None = None,
-    rounds: int = 2,
-) -> Hypothesis:
-    """The type at a pose, or one that is matched there already: matched exactly (D7, D8), refined, and matched again."""
-    allowed, rates = index.allowed(data), kb.rates
-    return settled(
-        pose,
-        lambda pose: matched(
-            pose_of(index.object_type, pose, data, kb), data, allowed, rates.match_tolerance, free, hidden
-        ),
-        lambda posed: polished(posed, index.points, index.precision(rates), data, hidden, ROBUST, rates.sigma),
-        rounds,
-    )

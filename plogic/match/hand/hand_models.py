@@ -18,10 +18,11 @@ import numpy as np
 from geometry.bodies.resting import RestingFaces, resting_faces
 from plogic.match.gamma.data import Data, project_ideal
 from plogic.match.hand.correspondences import MOST_PAIRS, feature_links
-from plogic.match.hand.generate import generate, settle
+from plogic.match.hand.generate import ROBUST, generate
 from plogic.match.hand.triples import PlaneTriples, plane_triples
 from plogic.match.hand.view_cells import ViewCells, view_cells
 from plogic.match.judged.evidence import sigmas_of
+from plogic.match.judged.expectation import matched, polished, pose_of, settled
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
 from plogic.measures.valuation import compatible, rank
 
@@ -161,8 +162,16 @@ class TypeIndex:
         hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
-        """The type at a pose, matched and refined on places (``plogic.match.hand.generate``)."""
-        return settle(self, pose, data, kb, free, hidden, rounds)
+        """The type at a pose, or one that is matched there already: matched (D7, D8), refined on places, and matched again."""
+        allowed, rates = self.allowed(data), kb.rates
+        return settled(
+            pose,
+            lambda pose: matched(
+                pose_of(self.object_type, pose, data, kb), data, allowed, rates.match_tolerance, free, hidden
+            ),
+            lambda posed: polished(posed, self.points, self.precision(rates), data, hidden, ROBUST, rates.sigma),
+            rounds,
+        )
 
     def significance(self, posed: Hypothesis) -> float:
         """By places alone the best of so many tries is good by luck: as many as there are pairs of data.
@@ -203,19 +212,11 @@ def type_index(
     """
     features = object_type.features
     weights = np.array([dv[feature.type] for feature in features])
-    if not weights.any():
-        weights = np.ones(len(features))
+    weights = weights if weights.any() else np.ones(len(features))
     points = np.array([feature.at for feature in features]).reshape(-1, 3)
     links = feature_links(points, [feature.arms for feature in features])
-    moves = permutations(points, object_type.symmetries)
-    return made(
-        object_type,
-        cells or view_cells(object_type),
-        points,
-        weights,
-        _anchors(weights),
-        links[unique_sets(links, moves)],
-    )
+    links = links[unique_sets(links, permutations(points, object_type.symmetries))]
+    return made(object_type, cells or view_cells(object_type), points, weights, _anchors(weights), links)
 
 
 def _anchors(weights: Floats) -> Indices:

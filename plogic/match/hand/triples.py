@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import Data, blocks, centre_of
+from plogic.match.gamma.data import Columns, Data, blocks, centre_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from geometry.arrays import Floats, Indices, Mask
+    from geometry.arrays import Floats, Indices
     from kb.clouds.lobes import Feature
 
 NEIGHBOURS = 8
@@ -37,7 +37,7 @@ compact."""
 
 
 @dataclass(frozen=True)
-class PlaneTriples:
+class PlaneTriples(Columns):
     """M triples of features, counter-clockwise seen from outside: ``features`` (M, 3).
 
     ``axes`` (M, 3, 3) rows x, y, outward normal of the
@@ -48,10 +48,6 @@ class PlaneTriples:
     features: Indices
     axes: Floats
     sides: Floats
-
-    def take(self, keep: Mask) -> PlaneTriples:
-        """Those for which ``keep`` (M,) holds."""
-        return PlaneTriples(self.features[keep], self.axes[keep], self.sides[keep])
 
 
 def plane_triples(features: Sequence[Feature]) -> PlaneTriples:
@@ -91,8 +87,7 @@ def _right_angled(
         g, h, u, v = h, g, v, u
     x = u / np.linalg.norm(u)
     axes = np.stack([x, np.cross(normal, x), normal])
-    sides = np.stack([axes[:2] @ u, axes[:2] @ v], axis=1)
-    return [((f, g, h), axes, sides)]
+    return [((f, g, h), axes, np.stack([axes[:2] @ u, axes[:2] @ v], axis=1))]
 
 
 @dataclass(frozen=True)

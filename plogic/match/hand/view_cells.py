@@ -89,10 +89,10 @@ def view_cells(object_type: ObjectType, number: int = CELLS) -> ViewCells:
     rotations = looking_back(directions)
     viewpoints = centre + DISTANCE * diameter * directions
     along, owner, slot = _along_arms(object_type, diameter)
-    points = np.concatenate([positions, along])
-    xy = _project(rotations, viewpoints, points)
+    points, count = np.concatenate([positions, along]), len(positions)
+    local = np.einsum("cij,cnj->cni", rotations, points[None] - viewpoints[:, None])
+    xy = local[..., :2] / local[..., 2:]
     hidden = _behind_itself(object_type, viewpoints, points, diameter)
-    count = len(positions)
     step = xy[:, count:] - xy[:, owner]
     arms = np.full((number, count, int(slot.max(initial=-1)) + 1), np.nan)
     arms[:, owner, slot] = np.where(hidden[:, count:], np.nan, np.arctan2(step[..., 1], step[..., 0]))
@@ -107,8 +107,8 @@ def _along_arms(object_type: ObjectType, diameter: float) -> tuple[Floats, Indic
         for f, feature in enumerate(object_type.features)
         for k, arm in enumerate(feature.arms)
     ]
-    points = np.array([row[0] for row in rows]).reshape(-1, 3)
-    return points, np.array([row[1] for row in rows], dtype=np.intp), np.array([row[2] for row in rows], dtype=np.intp)
+    owner, slot = (np.array([row[i] for row in rows], np.intp) for i in (1, 2))
+    return np.array([row[0] for row in rows]).reshape(-1, 3), owner, slot
 
 
 def remade(object_type: ObjectType, xy: Floats, visible: Mask, arms: Floats) -> ViewCells:
@@ -123,11 +123,6 @@ def _bounds(object_type: ObjectType) -> tuple[Floats, float]:
     points = np.array([feature.at for feature in object_type.features]) if surface is None else surface.vertices
     low, high = points.min(axis=0), points.max(axis=0)
     return (low + high) / 2.0, float(np.linalg.norm(high - low)) or 1.0
-
-
-def _project(rotations: Floats, viewpoints: Floats, points: Floats) -> Floats:
-    local = np.einsum("cij,cnj->cni", rotations, points[None] - viewpoints[:, None])
-    return np.asarray(local[..., :2] / local[..., 2:])
 
 
 def _behind_itself(object_type: ObjectType, viewpoints: Floats, points: Floats, diameter: float) -> Mask:
@@ -166,17 +161,14 @@ class DistanceMaps:
         Outside the image, infinity and −1.
         """
         pixel, inside = _pixel(places, self.covered.shape)
-        index = pixel + self._starts()
+        index = pixel + self.of_feature * self.covered.size  # all maps are one after the other
         return np.where(inside, self.distance.ravel()[index], np.inf), np.where(inside, self.nearest.ravel()[index], -1)
-
-    def how_far(self, places: NDArray[Any], features: Indices | slice = ALL) -> NDArray[Any]:
-        """The distances alone, of some features."""
-        return self.seen_at(places, features)[0]
 
     def seen_at(self, places: NDArray[Any], features: Indices | slice = ALL) -> tuple[NDArray[Any], Mask]:
         """The distances alone, of some features, and whether an accepted object stands at their places."""
         pixel, inside = _pixel(places, self.covered.shape)
-        distance = np.where(inside, self.distance.ravel()[pixel + self._starts(features)], np.float32(np.inf))
+        index = pixel + self.of_feature[features] * self.covered.size
+        distance = np.where(inside, self.distance.ravel()[index], np.float32(np.inf))
         return distance, np.asarray(inside & self.covered.ravel()[pixel]) if self.anything else np.zeros_like(inside)
 
     def is_covered(self, places: NDArray[Any]) -> Mask:
@@ -187,10 +179,6 @@ class DistanceMaps:
     def anything(self) -> bool:
         """Whether any place is covered."""
         return bool(self.covered.any())
-
-    def _starts(self, features: Indices | slice = ALL) -> Indices:
-        """(F,) where the map of each of some features begins in all maps, flat."""
-        return self.of_feature[features] * self.covered.size
 
 
 def covered_at(covered: Mask, places: NDArray[Any]) -> Mask:
@@ -266,7 +254,7 @@ def votes(
 ) -> Floats:
     """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight."""
     value = (cells.visible * weights).astype(np.float32)[:, features]
-    distance = maps.how_far(places_of(pairs, cells, data, features), features).astype(np.float32)
+    distance = maps.seen_at(places_of(pairs, cells, data, features), features)[0].astype(np.float32)
     tolerance = (LOOSE * cells.diameter * pairs.scale).astype(np.float32)[:, None]
     near = np.maximum(0.0, 1.0 - distance / tolerance)
     whole = np.maximum(value.sum(axis=1), 1e-12)

@@ -58,7 +58,7 @@ def test_outside_the_image_nothing_is_near(place):
     distance, datum = maps.look_up(np.array([[place]]))
     assert np.isinf(distance).all()
     assert (datum == -1).all()
-    assert np.isinf(maps.how_far(np.array([[place]]))).all()
+    assert np.isinf(maps.seen_at(np.array([[place]]))[0]).all()
 
 
 def test_covered_places_are_told():
