@@ -10,12 +10,12 @@ The lobe of a pair gives the direction of view, the angle the roll, the size the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from plogic.match.gamma.data import Data, centre_of
+from plogic.match.gamma.data import Columns, Data, centre_of
 from sensing.detectors.edge_sides import fairly
 
 if TYPE_CHECKING:
@@ -84,8 +84,7 @@ class Lexicon:
     owner: NDArray[np.uint16]
     lobe: Indices
 
-    def __post_init__(self) -> None:
-        self._last: tuple[Data, dict[str, Alike]] | None = None
+    _last: tuple[Data, dict[str, Alike]] | None = field(default=None, init=False)
 
     def alike(self, name: str, data: Data) -> Alike:
         """The pairs of one type that look alike.
@@ -208,7 +207,7 @@ object."""
 
 
 @dataclass(frozen=True)
-class Pairs:
+class Pairs(Columns):
     """P keypoints and appearances that look alike: half of them the weightiest, half of them the weightiest of each part of the image.
 
     ``weight`` (P,) in (0, 1], about as the odds that a pair is right: 1 for the keypoint of the image that looks most
@@ -222,10 +221,6 @@ class Pairs:
 
     def __len__(self) -> int:
         return len(self.datum)
-
-    def first(self, count: int) -> Pairs:
-        """The first of them, again half and half."""
-        return Pairs(self.datum[:count], self.lobe[:count], self.weight[:count])
 
 
 def pairs_of(index: LearnedIndex, data: Data) -> Pairs:
@@ -258,17 +253,15 @@ NEAREST_MIDDLE, FARTHEST_MIDDLE = 0.6, 40.0
 def single_poses(index: LearnedIndex, pairs: Pairs, data: Data) -> Floats:
     """(N, 4, 4) camera_from_object of those of the P pairs that place the object before the camera, N ≤ P."""
     at = sights(pairs, data) * depths(index, pairs, data)[:, None]
-    poses = np.zeros((len(at), 4, 4))
+    poses = np.tile(np.eye(4), (len(at), 1, 1))
     poses[:, :3, :3] = turns(index, pairs, data)
     poses[:, :3, 3] = at - np.einsum("nij,nj->ni", poses[:, :3, :3], index.places[pairs.lobe])
-    poses[:, 3, 3] = 1.0
     return poses[plausible(index, poses)]
 
 
 def sights(pairs: Pairs, data: Data) -> Floats:
     """(P, 3) the lines of sight to the pairs' keypoints, camera frame, of depth 1."""
-    ideal = data.ideal[pairs.datum]
-    return np.column_stack([(ideal - centre_of(data.camera)) / data.camera.f, np.ones(len(ideal))])
+    return np.column_stack([(data.ideal[pairs.datum] - centre_of(data.camera)) / data.camera.f, np.ones(len(pairs))])
 
 
 def depths(index: LearnedIndex, pairs: Pairs, data: Data) -> Floats:

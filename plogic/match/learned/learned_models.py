@@ -18,10 +18,12 @@ from geometry.bodies.resting import Plane, RestingFaces, resting_faces
 from kb.clouds.words import POINT, SIDE
 from plogic.base.jobs import each
 from plogic.facts.hypothesis import Hypothesis
+from plogic.match.judged.evidence import evidence
+from plogic.match.judged.expectation import polished, settled
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
 from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
-from plogic.match.learned.learned_match import settle
+from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
 from plogic.match.learned.learned_poses import NOBODY, REFINED, generate, resting
 from plogic.measures.valuation import Kinds, kinds_of, rank_of_kinds
 
@@ -106,9 +108,8 @@ class LearnedIndex:
     @cached_property
     def centre(self) -> Floats:
         """(3,) middle of the features, object frame."""
-        surface = self.object_type.surface
-        middle = surface.centre if surface is not None else (self.points.min(axis=0) + self.points.max(axis=0)) / 2.0
-        return np.asarray(middle, float)
+        surface, points = self.object_type.surface, self.points
+        return np.asarray((points.min(axis=0) + points.max(axis=0)) / 2.0 if surface is None else surface.centre, float)
 
     @cached_property
     def resting(self) -> RestingFaces:
@@ -152,8 +153,14 @@ class LearnedIndex:
         hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
-        """The type at a pose, matched and refined (``plogic.match.learned.learned_match``)."""
-        return settle(self, pose, data, kb, free, hidden, rounds)
+        """The type at a pose, or one that is matched there already: matched (D7, D8), refined, and matched again."""
+        return settled(
+            pose,
+            lambda pose: matched(self, pose_of(self, pose, data, kb), data, kb, free, hidden),
+            lambda posed: polished(posed, self.points, precision(posed), data, hidden, ROBUST),
+            rounds,
+            lambda posed: evidence(posed, data, kb, hidden).ratio,
+        )
 
     def significance(self, posed: Hypothesis) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
         """All poses of a learned type are counted in its evidence."""
@@ -274,9 +281,6 @@ class LearnedSearch(Search):
 
 def bodies(models: Mapping[str, LearnedIndex], accepted: Sequence[Hypothesis]) -> Floats:
     """(N, 4) middles, camera frame, and inner radii of accepted objects of these types, m: what reaches nearer than that is in them (A4)."""
-    rows = []
-    for posed in accepted:
-        index, pose = models.get(posed.object_type.name), posed.camera_from_object
-        if index is not None:
-            rows.append((*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius))
+    held = [(models[some.type], some.camera_from_object) for some in accepted if some.type in models]
+    rows = [(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in held]
     return np.array(rows).reshape(-1, 4)

@@ -186,11 +186,9 @@ def _held(sights: _Sights, pairs: _Pairs, part: Floats, weight: Floats, poses: i
     """
     count = len(weight)
     some = np.flatnonzero(weight > LEAST)
-    shares = 1.0 / weight[some]
-    away = np.column_stack(
-        [np.bincount(pairs.sight, part * pairs.away[:, axis], count)[some] * shares for axis in (0, 1)]
+    right, down, bent = (
+        np.bincount(pairs.sight, part * off, count)[some] * (1.0 / weight[some]) for off in (*pairs.away.T, pairs.bent)
     )
-    angle = sights.angle[some] + np.bincount(pairs.sight, part * pairs.bent, count)[some] * shares
     row = sights.pose[some]
     each = np.bincount(row, minlength=poses)
     column = np.arange(len(some)) - np.repeat(np.cumsum(each) - each, each)
@@ -200,12 +198,8 @@ def _held(sights: _Sights, pairs: _Pairs, part: Floats, weight: Floats, poses: i
         table[row, column] = values
         return table
 
-    return Held(
-        *(
-            padded(values)
-            for values in (sights.points[some], sights.turns[some], sights.uv[some] + away, angle, weight[some])
-        )
-    )
+    uv, angle = sights.uv[some] + np.column_stack([right, down]), sights.angle[some] + bent
+    return Held(*map(padded, (sights.points[some], sights.turns[some], uv, angle, weight[some])))
 
 
 def _freedom(asked: Asked, kind: Indices, poses: Floats, held: Held, noise: Noise, sigma: Floats) -> Floats:
@@ -236,12 +230,10 @@ def climbed(
     """
     each = asked.index.sights.looks.shape[2] * max(LEAST_DATA, int(asked.typed.count.max(initial=0)))
     wide = max(1, min(BLOCK, PAIRS // max(1, each)))
-    blocks = []
+    blocks = [(poses[:0], np.zeros(0), np.zeros(0))]
     for start in range(0, len(kind), wide):
         asked.check()
         blocks.append(_block(asked, kind[start : start + wide], poses[start : start + wide], share, steps, squares))
-    if not blocks:
-        return poses, np.zeros(0), np.zeros(0)
     moved, worth, likely = (np.concatenate(rows) for rows in zip(*blocks, strict=True))
     return moved, worth, likely
 
@@ -284,19 +276,15 @@ def by_fours(asked: Asked, kind: Indices, poses: Floats, share: float) -> tuple[
         _block_of_fours(asked, kind[start : start + FOURS_BLOCK], poses[start : start + FOURS_BLOCK], share)
         for start in range(0, len(kind), FOURS_BLOCK)
     ]
-    if not blocks:
-        return kind, poses
-    return np.concatenate([kind for kind, _ in blocks]), np.concatenate([poses for _, poses in blocks])
+    return np.concatenate([kind[:0], *(own for own, _ in blocks)]), np.concatenate([poses[:0], *(p for _, p in blocks)])
 
 
 def _block_of_fours(asked: Asked, kind: Indices, poses: Floats, share: float) -> tuple[Indices, Floats]:
     asked.check()
     held = drawn(asked, kind, poses, share).held
-    lacking = max(0, OF - held.weight.shape[1])
-    weight = np.pad(held.weight, ((0, 0), (0, lacking)))
+    weight = np.pad(held.weight, ((0, 0), (0, max(0, OF - held.weight.shape[1]))))
     column = np.argsort(-weight, axis=1, kind="stable")[:, _FOURS]  # (N, 35, 4)
-    row = np.arange(len(kind))[:, None, None]
-    some = (weight[row, column] > LIKELY).all(axis=2)
+    some = (weight[np.arange(len(kind))[:, None, None], column] > LIKELY).all(axis=2)
     of, four = np.nonzero(some)[0], column[some]
     if not len(of):
         return kind[:0], poses[:0]

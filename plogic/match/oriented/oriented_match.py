@@ -15,8 +15,7 @@ from geometry.poses.refine import Steps, refined_poses
 from geometry.poses.refine_sights import Sight
 from geometry.poses.reprojection import WEIGHT, across, ends, reach
 from plogic.match.gamma.grid import screen_angle, wrapped
-from plogic.match.judged.evidence import evidence
-from plogic.match.judged.expectation import AS_GOOD, FEWEST, matched, of_matches, pose_of, settled, with_depths
+from plogic.match.judged.expectation import FEWEST, matched, of_matches, pose_of, with_depths
 
 if TYPE_CHECKING:
     from geometry.arrays import Floats, Mask
@@ -97,27 +96,6 @@ STEPS = 8
 """Steps of a refinement."""
 ROBUST = 3.0
 """Standard deviations of a place beyond which a match weighs less."""
-
-
-def settle(
-    index: TypeIndex,
-    pose: Floats | Hypothesis,
-    data: Data,
-    kb: KnowledgeBase,
-    free: Mask | None = None,
-    hidden: Mask | None = None,
-    rounds: int = 2,
-) -> Hypothesis:
-    """The type at a pose, or one that is matched there already: matched, refined on places and angles, and matched again."""
-    allowed = index.allowed(data)
-    return settled(
-        pose,
-        lambda pose: matched_at(index, pose, data, kb, allowed, free, hidden),
-        lambda posed: polished(index, posed, data, kb, hidden),
-        rounds,
-        lambda posed: evidence(posed, data, kb, hidden).surplus,
-        AS_GOOD,
-    )
 
 
 def matched_at(

@@ -24,10 +24,11 @@ from plogic.base.clock import unhurried
 from plogic.base.remembered import ROOT, arrays_of, source_digest, sources_in
 from plogic.match.hand.hand_models import HandModels, TypeIndex, type_index
 from plogic.match.hand.view_cells import ViewCells, remade
-from plogic.match.judged.evidence import nothing_hidden, verified
+from plogic.match.judged.evidence import evidence, nothing_hidden, verified
+from plogic.match.judged.expectation import AS_GOOD, settled
 from plogic.match.judged.type_models import Found, Given, Request, Search, Setup
 from plogic.match.oriented.asked import Asked, chances_of
-from plogic.match.oriented.oriented_match import Noise, settle
+from plogic.match.oriented.oriented_match import Noise, matched_at, polished
 from plogic.match.oriented.oriented_search import Search as TogetherSearch
 from plogic.match.oriented.pair_index import PairIndex, Sights, looks_of, pair_index
 
@@ -57,8 +58,16 @@ class OrientedIndex(TypeIndex):
         hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
-        """The type at a pose, matched and refined on places and angles (``plogic.match.oriented.oriented_match``)."""
-        return settle(self, pose, data, kb, free, hidden, rounds)
+        """The type at a pose, or one that is matched there already: matched, refined on places and angles, and matched again."""
+        allowed = self.allowed(data)
+        return settled(
+            pose,
+            lambda pose: matched_at(self, pose, data, kb, allowed, free, hidden),
+            lambda posed: polished(self, posed, data, kb, hidden),
+            rounds,
+            lambda posed: evidence(posed, data, kb, hidden).surplus,
+            AS_GOOD,
+        )
 
 
 def oriented_index(object_type: ObjectType, dv: Mapping[str, float], cells: ViewCells | None = None) -> OrientedIndex:
@@ -120,7 +129,7 @@ def ready(types: Sequence[ObjectType], dv: Mapping[str, float], folder: Path | N
     )
     ends = np.cumsum([0, *(len(kind.features) for kind in types)])
     indices = [
-        oriented_index(kind, dv, remade(kind, *_of_type(arrays, low, high)))
+        oriented_index(kind, dv, remade(kind, *(arrays[f"cells_{name}"][:, low:high] for name in _CELLS)))
         for kind, low, high in zip(types, ends[:-1], ends[1:], strict=True)
     ]
     sights = Sights(*(arrays[f"sights_{name}"] for name in _SIGHTS))
@@ -143,10 +152,6 @@ def _arrays(index: PairIndex) -> Arrays:
         | {f"sights_{name}": getattr(index.sights, name) for name in _SIGHTS}
         | {name: getattr(index, name) for name in _PAIRS}
     )
-
-
-def _of_type(arrays: Arrays, low: int, high: int) -> list[NDArray[Any]]:
-    return [arrays[f"cells_{name}"][:, low:high] for name in _CELLS]
 
 
 FEW_LEFT = 100

@@ -18,6 +18,7 @@ import numpy as np
 
 from kb.clouds.lobes import in_lobe
 from plogic.base.errors import InputError
+from plogic.match.gamma.data import Columns
 from plogic.match.gamma.grid import part_of_circle, screen_angle, taken
 from plogic.match.hand.view_cells import DISTANCE, ViewCells
 
@@ -247,7 +248,8 @@ class PairIndex:
         return query[near], np.asarray(self.entry)[at[near]], off[near]
 
 
-class Said(NamedTuple):
+@dataclass(frozen=True)
+class Said(Columns):
     """What entries (N,) say: ``kind`` type, ``cell``, ``line`` rad of the way from the first to the second on the cell's screen, its ``length``.
 
     ``place`` (N, 2): where the first is there, from the object's middle. Lengths and places in diameters.
@@ -258,10 +260,6 @@ class Said(NamedTuple):
     line: Floats
     length: Floats
     place: Floats
-
-    def take(self, index: Indices) -> Said:
-        """What those at ``index`` say."""
-        return Said(self.kind[index], self.cell[index], self.line[index], self.length[index], self.place[index])
 
 
 def said(entry: NDArray[np.uint64]) -> Said:

@@ -6,12 +6,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.gamma.data import Data, centre_of
+from plogic.match.gamma.data import Columns, Data, centre_of
 from plogic.match.gamma.grid import wrapped
 from plogic.match.hand.view_cells import CELLS
 from plogic.match.learned.agreement import SIZES
@@ -52,7 +52,7 @@ CELL, ROLL, SCALE = 0.3, np.pi / 6, 0.35
 
 
 @dataclass(frozen=True)
-class Votes:
+class Votes(Columns):
     """``kind``, ``cell`` (N,); ``centre`` (N, 2) ideal pixels; ``roll`` (N,) rad; ``scale`` (N,) pixels a metre.
 
     ``weight`` (N,): that of the vote, ``WHOLE`` at most; once they are counted, that of all votes of its box, of each
@@ -65,10 +65,6 @@ class Votes:
     roll: Floats
     scale: Floats
     weight: Indices
-
-    def take(self, index: Indices) -> Votes:
-        """Those at ``index``."""
-        return Votes(*(getattr(self, field.name)[index] for field in fields(self)))
 
 
 @dataclass(frozen=True)
@@ -151,8 +147,7 @@ def counted(raw: Raw) -> Votes:
         firsts = np.sort((cells << _ROW) | row)
         first = (firsts[_changes(firsts >> _ROW)] & ((np.uint64(1) << _ROW) - np.uint64(1))).astype(np.intp)
         weight[order[first]] = np.maximum(weight[order[first]], whole[of_box[first]])
-    some = np.flatnonzero(weight)
-    return replace(raw.votes, weight=weight).take(some)
+    return replace(raw.votes, weight=weight).take(np.flatnonzero(weight))
 
 
 def _fit(off: NDArray[np.uint8], sigma: float) -> Indices:

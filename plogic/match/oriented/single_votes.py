@@ -80,7 +80,7 @@ def single_votes(
     best: list[tuple[Floats, ...]] = []
     asked = matched = 0
     for kind in kinds:
-        count = _counts(index, int(kind), typed)
+        count = typed.count[index.sights.looks[kind]]  # of padding, −1, there is the last, of which there are none
         if matched + int(count.sum()) > MOST:
             continue
         asked, matched = asked + 1, matched + int(count.sum())
@@ -92,13 +92,6 @@ def single_votes(
     kind, cell, x, y, roll, scale, score = _best(best, most)
     weight = np.rint(score).astype(np.intp)
     return Votes(kind.astype(np.intp), cell.astype(np.intp), np.column_stack([x, y]), roll, scale, weight), asked
-
-
-def _counts(index: PairIndex, kind: int, typed: TypedData) -> Indices:
-    """(C, V) how many data look like each sight of a type."""
-    return np.asarray(
-        typed.count[index.sights.looks[kind]]
-    )  # of padding, −1, there is the last, of which there are none
 
 
 def _blocks(count: Indices) -> Iterator[slice]:
@@ -121,21 +114,17 @@ def _of_cells(
     matches = _matches(index, kind, cells, typed, centre)
     if not len(matches.cell):
         return found
-    sizes = np.exp(
-        np.arange(np.log(SMALLEST) + SCALE / 2.0, np.log(LARGEST * min(data.camera.width, data.camera.height)), SCALE)
-    )
-    area = float(data.camera.width * data.camera.height)
+    wide, high = data.camera.width, data.camera.height
+    sizes = np.exp(np.arange(np.log(SMALLEST) + SCALE / 2.0, np.log(LARGEST * min(wide, high)), SCALE))
     for offset in (0.0, 0.5):
         for size in sizes:
             rows, first = _boxed(matches, float(size), offset)
             if not len(rows):
                 continue
-            x, y, roll, score = _scored(matches, rows, first, float(size), area, noise)
-            where, scale = (
-                matches.cell[rows[first]].astype(float),
-                np.full(len(first), size / index.sights.diameter[kind]),
-            )
-            found.append((np.full(len(first), float(kind)), where, x + centre[0], y + centre[1], roll, scale, score))
+            x, y, roll, score = _scored(matches, rows, first, float(size), float(wide * high), noise)
+            where, scale = matches.cell[rows[first]].astype(float), size / index.sights.diameter[kind]
+            same = np.full(len(first), float(kind)), np.full(len(first), scale)
+            found.append((same[0], where, x + centre[0], y + centre[1], roll, same[1], score))
     return found
 
 

@@ -20,7 +20,6 @@ from plogic.match.oriented.oriented_match import (
     matched_at,
     polished,
     refined,
-    settle,
 )
 from plogic.run.perceive import Perceiver
 
@@ -141,12 +140,12 @@ def test_polishing_brings_a_pose_home():
     beside = pose.copy()
     beside[:3, :3] = pose[:3, :3] @ rotation_from_quat_xyzw([0.006, -0.008, 0.004, 1.0])
     beside[:3, 3] += [0.001, -0.0005, 0.01]
-    posed = settle(index, beside, data, clouds().kb, rounds=4)
+    posed = index.settle(beside, data, clouds().kb, rounds=4)
     assert np.allclose(posed.camera_from_object, pose, atol=1e-4)
     assert posed.detected.sum() == len(appearances)
-    again = settle(index, posed, data, clouds().kb, rounds=2)
+    again = index.settle(posed, data, clouds().kb, rounds=2)
     assert np.array_equal(again.matches, posed.matches), "what is settled stays"
-    assert np.array_equal(settle(index, beside, data, clouds().kb, rounds=0).camera_from_object, beside)
+    assert np.array_equal(index.settle(beside, data, clouds().kb, rounds=0).camera_from_object, beside)
 
 
 def test_the_cycle_settles_this_way_where_angles_count_and_the_old_way_where_not():
