@@ -90,8 +90,7 @@ def separated(task: Task, start: Stable) -> Stable:
             hidden, left = hidden_among(hypothesis, others), free(task, others)
             moved = task.models[hypothesis.type].settle(pose, task.data, task.kb, free=left, hidden=hidden, rounds=0)
             some[k] = moved.told(**hypothesis.verdict())
-            why = "a little, so that it does not reach into what it touches (A4)"
-            steps.append(Step("move", why, hypothesis.type))
+            steps.append(Step("move", "a little, so that it does not reach into what it touches (A4)", hypothesis.type))
     return Stable(start.of, tuple(some), tuple(rejected), tuple(steps))
 
 
@@ -105,8 +104,10 @@ def reconsidered(task: Task, start: Stable) -> Stable:
         again = []
         for k, hypothesis in enumerate(some):
             beside = [*some[:k], *some[k + 1 :]]
-            again.append(_again(task, hypothesis, beside))
-            steps.append(_reconsideration(again[-1]))
+            new = _again(task, hypothesis, beside)
+            again.append(new)
+            why = f"ev {rounded(new.ev)} alone, {rounded(new.ev_reconsidered)} beside the others"
+            steps.append(step_of("reconsider", why, new))
         some = again
         bad = [h for h in some if h.ev_reconsidered is None or h.ev_reconsidered <= 0.0 or h.worth <= 0.0]
         if not bad:
@@ -127,11 +128,6 @@ def _again(task: Task, hypothesis: Hypothesis, others: Sequence[Hypothesis]) -> 
         new = judge(task, others, hypothesis, 0).told(status="accepted", why=hypothesis.why)
         task.remembered[key] = (hypothesis, *near), new
     return task.remembered[key][1]
-
-
-def _reconsideration(new: Hypothesis) -> Step:
-    why = f"ev {rounded(new.ev)} alone, {rounded(new.ev_reconsidered)} beside the others"
-    return step_of("reconsider", why, new)
 
 
 def concluded(task: Task, state: State) -> State:

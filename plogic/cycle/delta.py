@@ -162,6 +162,7 @@ def delta_of(
     posed = {name: some.told(hidden=_hidden(name, posed, hiding, rivals)) for name, some in posed.items()}
     group = instances({name: some.type for name, some in posed.items()}, exclusive)
     rates = {name: fitted(some, data, kb, some.hidden) for name, some in posed.items()}
+    rows = zip(data.ids, data.types, data.uv.tolist(), clutter_density(kb, data).tolist(), strict=True)
     hypotheses = tuple(
         _hypothesis(name, some, group[name], hiding, rates[name], data, dv) for name, some in posed.items()
     )
@@ -171,7 +172,7 @@ def delta_of(
             reconsider=options.reconsider,
             smoothing=options.smoothing,
             hypotheses=hypotheses,
-            appearances=_appearances(data, kb),
+            appearances=tuple(AppearanceFact(name, kind, (u, v), f) for name, kind, (u, v), f in rows),
             overlaps=overlaps,
             rivals=rivals,
             exclusive=exclusive,
@@ -201,13 +202,8 @@ def unpruned(
 ) -> Delta:
     """Δh before anything is accepted or rejected: every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth."""
     found = [judged(posed, data, kb, dv) for model in models for _, posed in model.proposals(data, kb, EVERY)]
-    best = sorted(found, key=lambda b: -b.worth)[:most]
-    return delta_of(Cycle((), tuple(best), (), (), Trace()), data, kb, dv, options)
-
-
-def _appearances(data: Data, kb: KnowledgeBase) -> tuple[AppearanceFact, ...]:
-    rows = zip(data.ids, data.types, data.uv.tolist(), clutter_density(kb, data).tolist(), strict=True)
-    return tuple(AppearanceFact(name, kind, (uv[0], uv[1]), f) for name, kind, uv, f in rows)
+    best = tuple(sorted(found, key=lambda b: -b.worth)[:most])
+    return delta_of(Cycle((), best, (), (), Trace()), data, kb, dv, options)
 
 
 def instances(types: Mapping[str, str], exclusive: frozenset[tuple[str, str]]) -> dict[str, str]:
@@ -231,8 +227,8 @@ def _hidden(
     """
     mask = np.zeros(len(posed[name].uv), dtype=bool)
     for other, some in posed.items():
-        rival = (name, other) in rivals or (other, name) in rivals
-        if other != name and not rival and some.status == "accepted" and some.opaque:
+        rival = other == name or (name, other) in rivals or (other, name) in rivals
+        if not rival and some.status == "accepted" and some.opaque:
             mask |= hiding[name, other]
     return mask
 

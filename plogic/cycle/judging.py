@@ -53,12 +53,7 @@ def judge(
         left = free(task, beside) if left is None else left
         start = proposed if rounds else proposed.camera_from_object
         proposed = task.models[proposed.type].settle(start, task.data, task.kb, free=left, hidden=hidden, rounds=rounds)
-    return believed(task, proposed, hidden_among(proposed, beside) if rounds else hidden)
-
-
-def believed(task: Task, matched: Hypothesis, hidden: Mask) -> Hypothesis:
-    """The evidence and ev of a hypothesis of which the ``hidden`` features (F,) are not expected."""
-    return judged_alone(matched, task.data, task.kb, task.dv, hidden)
+    return judged_alone(proposed, task.data, task.kb, task.dv, hidden_among(proposed, beside) if rounds else hidden)
 
 
 def judged(task: Task, state: State) -> State:
@@ -69,12 +64,10 @@ def judged(task: Task, state: State) -> State:
         near = beside is None or any(
             not apart_on_screen(proposed, other, *task.reach) for other in state.accepted[beside:]
         )
-        if near:
-            anew = bool(state.accepted) or not task.models[proposed.type].settled_when_found
-            proposals.append(judge(task, state.accepted, proposed, 0, left=left, anew=anew))
-        else:
-            proposals.append(proposed)
-    return replace(state, proposals=tuple(Proposal(one, len(state.accepted)) for one in proposals))
+        anew = bool(state.accepted) or not task.models[proposed.type].settled_when_found
+        again = judge(task, state.accepted, proposed, 0, left=left, anew=anew) if near else proposed
+        proposals.append(Proposal(again, len(state.accepted)))
+    return replace(state, proposals=tuple(proposals))
 
 
 def refusal(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
@@ -85,8 +78,8 @@ def refusal(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
 def _unsupported(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
     """Why its own evidence, beside Δi, does not carry it: what is hidden there is not expected."""
     found, model = hypothesis.expected(hypothesis.hidden) & hypothesis.detected, task.models[hypothesis.type]
-    if found.sum() < FEWEST:
-        number = int(found.sum())
+    number = int(found.sum())
+    if number < FEWEST:
         return f"{f'only {number}' if number else 'none'} of its expected features detected; {FEWEST} are demanded"
     if hypothesis.axes is None and not found[model.anchors].any():  # where angles count, any features start it
         return "none of its most distinctive features was detected"
@@ -113,16 +106,13 @@ def _excluded(state: State, hypothesis: Hypothesis) -> str | None:
 
 def _harm(task: Task, accepted: Sequence[Hypothesis], hypothesis: Hypothesis) -> float:
     """What the accepted ones would lose if this stood before them: at most 0, for to hide a detected feature is counter-evidence."""
-    if not hypothesis.opaque:
-        return 0.0
     change = 0.0
-    for other in accepted:
+    for other in accepted if hypothesis.opaque else ():
         before = hidden_among(other, accepted)
         after = before | hidden_by(other, hypothesis)
         if (after != before).any() and not overlap(hypothesis, other):
-            change += (
-                evidence(other, task.data, task.kb, after).ratio - evidence(other, task.data, task.kb, before).ratio
-            )
+            with_it, without = (evidence(other, task.data, task.kb, mask).ratio for mask in (after, before))
+            change += with_it - without
     return min(0.0, change)
 
 
@@ -190,7 +180,7 @@ def _alone(task: Task, state: State, hypothesis: Hypothesis) -> Hypothesis | Non
     found = _beside(task, hypothesis, hypothesis.camera_from_object, others, rounds=1)
     if among(found, state.accepted):
         return None
-    enough = int((found.expected(found.hidden) & found.detected).sum()) >= FEWEST
+    enough = (found.expected(found.hidden) & found.detected).sum() >= FEWEST
     near = found.worth > sum(h.worth for h in replaced) - task.models[hypothesis.type].significance(hypothesis)
     return found if enough and found.ev_reconsidered is not None and near else None
 
@@ -213,4 +203,4 @@ def _beside(task: Task, hypothesis: Hypothesis, pose: Floats, others: Sequence[H
     posed = task.models[hypothesis.type].settle(
         pose, task.data, task.kb, free=free(task, others), hidden=hidden, rounds=rounds
     )
-    return believed(task, posed, hidden_among(posed, others))
+    return judged_alone(posed, task.data, task.kb, task.dv, hidden_among(posed, others))

@@ -65,11 +65,9 @@ def counts(posed: Hypothesis, f: int) -> int:
 def compound_parts(posed: Hypothesis) -> tuple[PartFact, ...]:
     """The learned compounds of which something is told, as nodes of the part-whole tree (A1)."""
     kind = posed.object_type
-    whole = (
-        [kind.features[w] for w in np.unique(kind.whole[told(posed)])]
-        if len(kind.features) < len(kind.seen_features)
-        else []
-    )
+    if len(kind.features) == len(kind.seen_features):
+        return ()
+    whole = [kind.features[w] for w in np.unique(kind.whole[told(posed)])]
     return tuple(PartFact(f.name, f.name.rpartition("/")[0], "feature", f.type) for f in whole if f.parts)
 
 
@@ -113,8 +111,7 @@ def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[
     """The table of dv without the visual words that no told feature has."""
     if kb.words is None:
         return dict(dv)
-    used = {f.type for h in hypotheses for f in h.features}
-    silent = set(kb.words.names) - used
+    silent = set(kb.words.names) - {f.type for h in hypotheses for f in h.features}
     return {name: value for name, value in dv.items() if name not in silent}
 
 
@@ -136,7 +133,6 @@ def support_document(posed: Hypothesis, dv: Mapping[str, float]) -> dict[str, Ce
             }
             for name, count in rows.items()
         }
-    some = rows.items()
     return {
         "visual words": {
             "expected_detected": sum(c.A for c in rows.values()),
@@ -144,7 +140,8 @@ def support_document(posed: Hypothesis, dv: Mapping[str, float]) -> dict[str, Ce
             "hidden_missed": sum(c.B for c in rows.values()),
             "hidden_detected": sum(c.D for c in rows.values()),
             "weights": {
-                cell: float(sum(getattr(c, letter) * dv[name] for name, c in some)) for letter, cell in CELLS.items()
+                cell: float(sum(getattr(c, letter) * dv[name] for name, c in rows.items()))
+                for letter, cell in CELLS.items()
             },
         }
     }

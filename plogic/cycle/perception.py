@@ -46,7 +46,8 @@ class Attention:
 def attend(models: Iterable[TypeModel], types: Sequence[str], kb: KnowledgeBase) -> list[Attention]:
     """All types, the most promising first: by rank, then excess, then rank within one neighbourhood, then name."""
     here, by_chance = Counter(types), Counter(chance_types(kb, len(types)))
-    rows = [_attention(model, here, by_chance) for model in models]
+    ranks = {model.object_type.name: model.ranks(here, by_chance) for model in models}
+    rows = [Attention(name, row.rank, row.rank - row.by_chance, row.within_cell) for name, row in ranks.items()]
     return sorted(
         rows, key=lambda row: (-round(row.rank, 9), -round(row.excess, 9), -round(row.within_cell, 9), row.type)
     )
@@ -57,11 +58,6 @@ def chance_types(kb: KnowledgeBase, number: int) -> list[str]:
     rates = {name: kb.rates.clutter.get(name, 1.0) for name in kb.appearance_types}
     total = sum(rates.values()) or 1.0
     return [name for name, rate in rates.items() for _ in range(int(number * rate / total))]
-
-
-def _attention(model: TypeModel, here: Counter[str], by_chance: Counter[str]) -> Attention:
-    ranks = model.ranks(here, by_chance)
-    return Attention(model.object_type.name, ranks.rank, ranks.rank - ranks.by_chance, ranks.within_cell)
 
 
 RARE = 0.001
@@ -84,11 +80,12 @@ def recalled(task: Task, state: State, seeds: Sequence[Seed]) -> tuple[State, li
         proposed = seed.of.settle(seed.camera_from_object, task.data, task.kb, free=left, rounds=0)
         hypothesis = judge(task, state.accepted, proposed, 2)
         why = refusal(task, state, hypothesis)
-        if why is not None:
+        if why is None:
+            stands = step_of("recall", "stands where it is remembered", hypothesis)
+            state = replace(state, accepted=(*state.accepted, accepted(hypothesis)))
+            state = state.tells(stands, acceptance(hypothesis))
+        else:
             unheld.append(hypothesis.told(why=why))
-            continue
-        state = replace(state, accepted=(*state.accepted, accepted(hypothesis)))
-        state = state.tells(step_of("recall", "stands where it is remembered", hypothesis), acceptance(hypothesis))
     return state, unheld
 
 
@@ -147,7 +144,8 @@ def perceive(
     """
     state, unheld = recalled(task, State(), seeds)
     state, attended = more_to_see(task, state, attention, usual or {})
-    state = last = replace(state, attention=attended).tells(*map(_ranked, attended))
+    ranked = [Step("rank", f"rank {r.rank:.2f}, {r.excess:+.2f} against chance", r.type) for r in attended]
+    state = last = replace(state, attention=attended).tells(*ranked)
     with suppress(OutOfTimeError):
         for after in rounds(task, state, choose):
             last = after
@@ -174,7 +172,8 @@ def rounds(task: Task, state: State, choose: Choice = best_first) -> Iterator[St
 def choose_of_before(task: Task, state: State, choose: Choice) -> Iterator[State]:
     """Accept what was proposed before and can be accepted, of types whose search would rather keep it than search again."""
     yield (state := judged(task, state))
-    ready = [h for h in _under_consideration(state) if _keeps(task, h) and refusal(task, state, h) is None]
+    proposed = [proposal.hypothesis for proposal in state.proposals]
+    ready = [h for h in proposed if _keeps(task, h) and refusal(task, state, h) is None]
     yield chosen(task, state, ready, choose)
 
 
@@ -251,8 +250,8 @@ def _outcome(task: Task, state: State, unheld: Sequence[Hypothesis], attention: 
     late = task.deadline.passed
     if late:
         state = state.tells(Step("deadline", "the deadline was reached: the search is unfinished"))
-    trace = Trace(list(state.steps))
-    return Cycle(state.accepted, (*rivals, *more), state.rejected, tuple(attention), trace, unfinished=late)
+    rest, trace = (*rivals, *more), Trace(list(state.steps))
+    return Cycle(state.accepted, rest, state.rejected, tuple(attention), trace, unfinished=late)
 
 
 def _given(task: Task, state: State, said: list[str]) -> Given:
@@ -269,11 +268,3 @@ def _keeps(task: Task, hypothesis: Hypothesis) -> bool:
     """Whether it is accepted, if it can be, before more is searched for."""
     search = task.search_for(hypothesis)
     return search is not None and search.keeps
-
-
-def _under_consideration(state: State) -> list[Hypothesis]:
-    return [proposal.hypothesis for proposal in state.proposals]
-
-
-def _ranked(row: Attention) -> Step:
-    return Step("rank", f"rank {row.rank:.2f}, {row.excess:+.2f} against chance", row.type)

@@ -112,13 +112,8 @@ def _placed(name: str, posed: Hypothesis) -> _Placed:
     if surface is None:
         return _Placed(name, posed, None, None, reach)
     solid = None if surface.solid is None else solid_of(surface.solid)
-    return _Placed(
-        name,
-        posed,
-        PosedSurface(surface.vertices, surface.triangles, surface.rays, posed.camera_from_object),
-        solid,
-        reach,
-    )
+    placed = PosedSurface(surface.vertices, surface.triangles, surface.rays, posed.camera_from_object)
+    return _Placed(name, posed, placed, solid, reach)
 
 
 def _body(one: _Placed, camera: Camera) -> BodyFact:
@@ -134,13 +129,11 @@ def _view(one: _Placed, camera: Camera) -> View:
     """
     if one.surface is None:
         return "inside" if bool(camera.contains(camera.project(one.posed.middle))) else "outside"
-    shown, image = (
-        outline(one.surface.vertices, one.surface.triangles, one.posed.camera_from_object, camera),
-        image_area(camera),
-    )
+    pose, image = one.posed.camera_from_object, image_area(camera)
+    shown = outline(one.surface.vertices, one.surface.triangles, pose, camera)
     if shown.is_empty or not shapely.intersects(image, shown):
         return "outside"
-    ahead = one.surface.vertices @ one.posed.camera_from_object[2, :3] + one.posed.camera_from_object[2, 3] > 0.0
+    ahead = one.surface.vertices @ pose[2, :3] + pose[2, 3] > 0.0
     return "inside" if bool(ahead.all()) and bool(image.covers(shown)) else "cut"
 
 
@@ -288,14 +281,12 @@ def _laid(name: str, posed: Hypothesis, world_from_camera: Floats, information: 
     surface, turn = posed.object_type.surface, turned_step(world_from_camera[:3, :3])
     if surface is None:
         return None
-    middle = transform_points(world_from_camera, posed.middle[None])[0]
-    allowed = 0.5 * CONTACT * float(np.linalg.norm(posed.middle))
     return Laid(
         name,
         surface,
         world_from_camera @ posed.camera_from_object,
-        middle,
-        allowed,
+        transform_points(world_from_camera, posed.middle[None])[0],
+        0.5 * CONTACT * float(np.linalg.norm(posed.middle)),
         turn @ np.linalg.inv(information) @ turn.T,
     )
 

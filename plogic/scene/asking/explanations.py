@@ -131,7 +131,10 @@ def _explained(subject: Subject, goal: str, given: Sequence[str], most: int, lim
         tuple(_explanation(e) for e in reply["for"]),
         tuple(_explanation(e) for e in reply["against"]),
         None if reply["failure"] is None else _reason(reply["failure"]),
-        tuple(_miss(m) for m in reply["misses"]),
+        tuple(
+            Miss(m["goal"], m["rule"], m["failed"], m["probability"], tuple(map(_reason, m["conditions"])))
+            for m in reply["misses"]
+        ),
         _covered(reply["covered_for"]),
         _covered(reply["covered_against"]),
         reply["answers"],
@@ -158,11 +161,11 @@ def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Accoun
     for observed in given:
         scene.observe(observed)
     low, high = scene.marginals()[name]
-    lines: tuple[str, ...] = ()
-    if high > 0:
-        scene.observe(goal)
-        lines = presence(subject, name, scene.worlds(1).worlds[0].present)
-    return Account(goal, (low + high) / 2, (), (), None, summary=lines)
+    account = Account(goal, (low + high) / 2, (), (), None)
+    if high == 0:
+        return account
+    scene.observe(goal)
+    return replace(account, summary=presence(subject, name, scene.worlds(1).worlds[0].present))
 
 
 def _about(subject: Subject, goals: Sequence[str]) -> Subject:
@@ -181,16 +184,6 @@ def _about(subject: Subject, goals: Sequence[str]) -> Subject:
 def _explanation(entry: dict[str, Any]) -> Explanation:
     return Explanation(
         entry["goal"], entry["probability"], entry["given_evidence"], tuple(entry["choices"]), _reason(entry["tree"])
-    )
-
-
-def _miss(entry: dict[str, Any]) -> Miss:
-    return Miss(
-        entry["goal"],
-        entry["rule"],
-        entry["failed"],
-        entry["probability"],
-        tuple(_reason(c) for c in entry["conditions"]),
     )
 
 

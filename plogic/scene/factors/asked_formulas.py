@@ -136,13 +136,10 @@ def literals(formula: Formula) -> list[Literal]:
     stack, seen = [formula], set[int]()
     while stack:
         top = stack.pop()
-        if id(top) in seen:
-            continue
-        seen.add(id(top))
-        if isinstance(top, Literal):
-            found.append(top)
-        else:
-            stack += [top.part] if isinstance(top, Not) else top.parts
+        if id(top) not in seen:
+            seen.add(id(top))
+            found += [top] if isinstance(top, Literal) else []
+            stack += _parts(top)
     return found
 
 
@@ -153,11 +150,9 @@ def renumbered(formula: Formula, number: dict[int, int]) -> Formula:
     while stack:
         top = stack[-1]
         wanted = [part for part in _parts(top) if id(part) not in made]
-        if wanted:
-            stack += wanted
-            continue
-        stack.pop()
-        made[id(top)] = _rebuilt(top, made, number)
+        stack += wanted
+        if not wanted:
+            made[id(top)] = _rebuilt(stack.pop(), made, number)
     return made[id(formula)]
 
 

@@ -25,14 +25,14 @@ from plogic.facts.dependence import Dependence, Scene, arranged, dependence, ord
 from plogic.facts.expected import expected
 from plogic.inference.gates import And, Formula, Literal, Not, Or
 from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, Cast, Tables, log, logs_of
-from plogic.scene.readings.world_weights import acceptance, lifted_smoothing
+from plogic.scene.readings.world_weights import acceptance, lifted_smoothing, snapped
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from geometry.arrays import Floats
+    from geometry.arrays import Floats, Mask
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
 
     Cell = tuple[int, float, bool]
@@ -74,9 +74,8 @@ def linear(cast: Cast, h: Hypothesis) -> Linear:
     for f in h.features:
         if not f.in_image:
             continue
-        found = f.match is not None
+        found, awaited = f.match is not None, expected(f, solid)
         detected = detected or found
-        awaited = expected(f, solid)
         hiders = {g for g in f.hidden_by if g in opaque and g not in unhiding} if awaited and f.hidden_by else None
         if hiders:
             for g in hiders:
@@ -103,9 +102,7 @@ def _array(size: int, fixed: float, cells: Sequence[Cell], epsilon: float) -> Fl
     rows, changing = np.arange(size), np.zeros(size)
     for mask, share, found in cells:
         changing += share * (((rows & mask) > 0) != found)
-    total = changing + fixed
-    total = np.where(total > 1.0 - 1e-12, 1.0, np.where(total < 1e-12, 0.0, total))
-    return epsilon + (1.0 - 2.0 * epsilon) * total
+    return epsilon + (1.0 - 2.0 * epsilon) * snapped(changing + fixed)
 
 
 def add_pick(tables: Tables, cast: Cast, scene: Scene, h: Hypothesis, epsilon: float) -> None:
@@ -136,13 +133,12 @@ def _is_present(cast: Cast, name: str) -> Formula:
     return Literal(variable, frozenset({state}))
 
 
-def _any_of(cast: Cast, names: Iterable[str]) -> Formula:
-    return Or(tuple(Literal(v, frozenset(states)) for v, states in cast.literals(names)))
-
-
 def _in_view(cast: Cast, h: Hypothesis, f: FeatureFact) -> Formula:
     """D7, given that ``h`` is in the world."""
-    return Not(_any_of(cast, cast.hiders(h, f))) if h.expects(f) else Or(())
+    if not h.expects(f):
+        return Or(())
+    hiders = cast.literals(cast.hiders(h, f))
+    return Not(Or(tuple(Literal(v, frozenset(states)) for v, states in hiders)))
 
 
 def _robbed(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:
@@ -208,8 +204,7 @@ def _logs(p: Sequence[float] | Chances) -> list[float] | Chances:
     if not isinstance(p, np.ndarray):
         return logs_of([q for x in p for q in (1.0 - x, x)])
     with np.errstate(divide="ignore"):
-        logs: Chances = np.log(np.stack([1.0 - p, p], axis=1)).ravel()
-    return logs
+        return np.asarray(np.log(np.stack([1.0 - p, p], axis=1)).ravel())
 
 
 def _literals(cast: Cast, names: tuple[str, ...]) -> list[tuple[int, tuple[int, ...]]]:
@@ -219,29 +214,27 @@ def _literals(cast: Cast, names: tuple[str, ...]) -> list[tuple[int, tuple[int, 
 
 def chances(seen: Seen, h: Hypothesis, names: tuple[str, ...]) -> Chances:
     """P(present(h) | which of ``names`` are present), a bit table (2^n,)."""
+    return acceptance(seen.scene, h, _columns(seen, names), names)
+
+
+def _columns(seen: Seen, names: tuple[str, ...]) -> dict[str, Mask]:
+    """Who is present in all 2^n worlds of ``names``, row by row of a bit table; nobody else is."""
     rows = np.arange(2 ** len(names))
-    nobody = np.zeros(len(rows), np.bool_)
-    present = dict.fromkeys(seen.scene.by_id, nobody) | {
-        name: (rows >> i & 1).astype(np.bool_) for i, name in enumerate(names)
-    }
-    return acceptance(seen.scene, h, present, names)
+    present = {name: (rows >> i & 1).astype(np.bool_) for i, name in enumerate(names)}
+    return dict.fromkeys(seen.scene.by_id, np.zeros(len(rows), np.bool_)) | present
 
 
 def _add_block(tables: Tables, cast: Cast, seen: Seen, block: tuple[str, ...]) -> None:
     """One alternative over the joint states S: Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)), normalised for each context of outside occluders."""
-    outside = seen.graph.outside(block)
-    rows = np.arange(2 ** (len(block) + len(outside)))
-    present = {name: (rows >> i & 1).astype(np.bool_) for i, name in enumerate((*block, *outside))}
-    nobody = np.zeros(len(rows), np.bool_)
-    everyone = dict.fromkeys(seen.scene.by_id, nobody) | present
-    weight = np.ones(len(rows))
+    names = (*block, *seen.graph.outside(block))
+    present, weight = _columns(seen, names), np.ones(2 ** len(names))
     for name in block:
-        p = acceptance(seen.scene, seen.scene.by_id[name], everyone, seen.graph.of[name])
+        p = acceptance(seen.scene, seen.scene.by_id[name], present, seen.graph.of[name])
         weight *= np.where(present[name], p, 1.0 - p)
     shares = normalised(weight.reshape(-1, 2 ** len(block))).ravel()
     logs = np.full(len(shares), IMPOSSIBLE)
     logs[shares > 0] = np.log(shares[shares > 0])
-    tables.add_bits(_literals(cast, (*block, *outside)), logs)
+    tables.add_bits(_literals(cast, names), logs)
 
 
 def normalised(weight: Chances) -> Chances:
@@ -253,5 +246,4 @@ def normalised(weight: Chances) -> Chances:
     weight[weight.sum(axis=1) <= 0, 0] = 1.0
     share = weight / weight.sum(axis=1, keepdims=True)
     lifted = np.where(share > 0, np.maximum(share, LEAST), 0.0)
-    result: Chances = lifted / lifted.sum(axis=1, keepdims=True)
-    return result
+    return np.asarray(lifted / lifted.sum(axis=1, keepdims=True))

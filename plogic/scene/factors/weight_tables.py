@@ -108,12 +108,8 @@ def _cliques(situation: Situation) -> list[list[str]]:
 
 def _apart(situation: Situation, name: str, others: Iterable[str]) -> bool:
     """Whether constraints forbid the hypothesis to be present together with any of the others."""
-    overlaps, exclusive = situation.overlaps, situation.exclusive
-    for other in others:
-        pair, converse = (name, other), (other, name)
-        if not (pair in exclusive or converse in exclusive or pair in overlaps or converse in overlaps):
-            return False
-    return True
+    pairs = situation.overlaps, situation.exclusive
+    return all(any((name, other) in some or (other, name) in some for some in pairs) for other in others)
 
 
 Table: TypeAlias = "Floats"
@@ -225,25 +221,19 @@ class Tables:
 
     def indicator(self, literals: Sequence[Literal]) -> int:
         """A binary variable that is 1 where one of the literals holds: a chain of deterministic factors of three variables each."""
-        last: int | None = None
+        last: list[Literal] = []
         for literal in literals:
-            new = self.variable((0.0, 0.0))
-            inputs = [literal] if last is None else [literal, (last, (1,))]
+            inputs, new = [literal, *last], (self.variable((0.0, 0.0)), (1,))
             rows = np.arange(2 ** (len(inputs) + 1))
             holds = (rows & (1 << len(inputs)) - 1) > 0
-            self._add_rows([*inputs, (new, (1,))], np.where(holds == (rows >> len(inputs) > 0), 0.0, IMPOSSIBLE))
-            last = new
-        if last is None:
-            return self.variable((0.0, IMPOSSIBLE))
-        return last
+            self._add_rows([*inputs, new], np.where(holds == (rows >> len(inputs) > 0), 0.0, IMPOSSIBLE))
+            last = [new]
+        return last[0][0] if last else self.variable((0.0, IMPOSSIBLE))
 
     def graph(self) -> FactorGraph:
         """What was added, unary factors first (those that say something), then the others by scope."""
         factors = [Factor((v,), np.array(logs)) for v, logs in enumerate(self.unary) if any(logs)]
-        for scope in sorted(self.lists.keys() | self.arrays.keys()):
-            logs = self.lists.get(scope)
-            factors.append(
-                Factor(scope, self.arrays[scope] if logs is None else np.array(logs).reshape(self.shape(scope)))
-            )
+        tables = self.arrays | {scope: np.array(logs).reshape(self.shape(scope)) for scope, logs in self.lists.items()}
+        factors += [Factor(scope, tables[scope]) for scope in sorted(tables)]
         plain = FactorGraph(tuple(self.cards), tuple(factors))
         return observed(*with_formulas(plain, self.required)) if self.required else plain

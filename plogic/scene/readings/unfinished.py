@@ -79,14 +79,11 @@ def opened(stopped: Stopped, answers: Iterable[Answer]) -> list[Answer]:
 
 def marked(document: Interpretation, ranking: Ranking, stopped: Stopped) -> Interpretation:
     """The interpretation, unfinished: with each probability an ``interval`` that contains what more time would give."""
-    found: Interpretation = {**document, **marks(stopped)}
-    return _all_open(found) if stopped == SEARCH else _bounded(found, ranking)
-
-
-def _all_open(document: Interpretation) -> Interpretation:
-    """The rejected have one too: what was rejected for want of time, or beside what will not stay, may yet be accepted."""
-    return {
+    if stopped != SEARCH:
+        return _bounded({**document, **marks(stopped)}, ranking)
+    return {  # the rejected too: what was rejected for want of time, or beside what will not stay, may yet be accepted
         **document,
+        **marks(stopped),
         "hypotheses": [_within(h, OPEN) for h in document["hypotheses"]],
         "worlds": [{**world, "interval": list(OPEN)} for world in document["worlds"]],
         "relations": [{**row, "interval": list(OPEN)} for row in document["relations"]],

@@ -9,6 +9,7 @@ Vocabulary:
 
 from __future__ import annotations
 
+from functools import reduce
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
@@ -79,10 +80,10 @@ def p_ev(scene: Scene, h: Hypothesis, present: Present) -> Floats:
     for f, share in zip(seen, shares, strict=False):
         cell = cells(scene, h, f, present)
         total += share * (cell.expected == cell.detected)
-    return _snapped(total) if shares else np.full_like(total, np.nan)
+    return snapped(total) if shares else np.full_like(total, np.nan)
 
 
-def _snapped(total: Floats) -> Floats:
+def snapped(total: Floats) -> Floats:
     """A sum of shares that is 0 or 1 but for rounding is 0 or 1: the certain stays certain."""
     return np.where(total > 1.0 - 1e-12, 1.0, np.where(total < 1e-12, 0.0, total))
 
@@ -128,13 +129,20 @@ DEFAULT_PRIOR = 0.5
 """Prior of a type for which the knowledge base states none."""
 
 
-class Causes(NamedTuple):
+class Shares(NamedTuple):
     """The alternative of one appearance: each claimant's share, the share of noise, and the density that a share of 1 stands for."""
 
-    claimants: list[tuple[Hypothesis, FeatureFact]]
-    shares: list[float]
+    claimants: list[float]
     noise: float
     scale: float
+
+
+def shares_of(densities: list[float], clutter: float) -> Shares:
+    """N_i / Z for each claimant, f / Z for noise, Z = ΣN + f; where all are 0 nothing can cause the appearance."""
+    shares = alternative([*densities, clutter])
+    if not shares:
+        return Shares([0.0] * len(densities), 0.0, 1.0)
+    return Shares(shares[:-1], shares[-1], sum(densities) + clutter)
 
 
 def group_shares(scene: Scene) -> dict[str, list[tuple[str, float]]]:
@@ -149,27 +157,19 @@ def group_shares(scene: Scene) -> dict[str, list[tuple[str, float]]]:
     }
 
 
-def causes_of(scene: Scene, appearance: str) -> Causes:
-    """N_i / Z for each claimant, f / Z for noise, Z = ΣN + f.
-
-    Where all are 0 nothing can cause the appearance and the list is empty.
-    """
-    claimants = scene.claimants.get(appearance, [])
+def causes_of(scene: Scene, appearance: str) -> Shares:
+    """The shares of an appearance's claimants, in their order."""
     clutter = next(a.clutter for a in scene.situation.appearances if a.id == appearance)
-    densities = [f.density for _, f in claimants]
-    shares = alternative([*densities, clutter])
-    if not shares:
-        return Causes(claimants, [0.0] * len(claimants), 0.0, 1.0)
-    return Causes(claimants, shares[:-1], shares[-1], sum(densities) + clutter)
+    return shares_of([f.density for _, f in scene.claimants.get(appearance, [])], clutter)
 
 
 def appearance_weight(scene: Scene, appearance: str, present: Present) -> Floats:
     """Σ_i N_i h_i Π_{j≠i}(1−h_j) + f Π_j(1−h_j) over the present, expected claimants, in every world, (M,)."""
     causes = causes_of(scene, appearance)
-    hits = [_hit(scene, h, f, present) for h, f in causes.claimants]
+    hits = [_hit(scene, h, f, present) for h, f in scene.claimants.get(appearance, [])]
     misses = [1.0 - hit for hit in hits]
     weight = causes.noise * _product(misses, present)
-    for i, (share, hit) in enumerate(zip(causes.shares, hits, strict=True)):
+    for i, (share, hit) in enumerate(zip(causes.claimants, hits, strict=True)):
         weight += share * hit * _product(misses[:i] + misses[i + 1 :], present)
     return weight * causes.scale
 
@@ -190,7 +190,4 @@ def _hit(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Float
 
 
 def _product(factors: list[Floats], present: Present) -> Floats:
-    result = np.ones(len(next(iter(present.values()))))
-    for factor in factors:
-        result = result * factor
-    return result
+    return reduce(np.multiply, factors, np.ones(len(next(iter(present.values())))))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.facts.dependence import MOST_OCCLUDERS, Dependence, Scene
-from plogic.scene.readings.world_weights import acceptance, p_ev
+from plogic.scene.readings.world_weights import acceptance, causes_of, p_ev
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -81,8 +81,7 @@ def title(number_of_layer: int, meaning: str) -> str:
 
 def contexts(names: tuple[str, ...]) -> list[tuple[str, ...]]:
     """Every subset, smallest first."""
-    rows = [tuple(n for bit, n in enumerate(names) if i >> bit & 1) for i in range(2 ** len(names))]
-    return sorted(rows, key=len)
+    return sorted((tuple(n for bit, n in enumerate(names) if i >> bit & 1) for i in range(2 ** len(names))), key=len)
 
 
 def listed(w: Writer, h: Hypothesis) -> tuple[str, ...]:
@@ -96,6 +95,21 @@ def context_clauses(w: Writer, key: str, names: tuple[str, ...]) -> Iterator[str
         literals = [("" if n in context else "\\+ ") + f"present({w.names.atom(n)})" for n in names]
         body = f" :- {', '.join(literals)}" if literals else ""
         yield f"context({key}, {w.list(context)}){body}."
+
+
+def block_clauses(w: Writer, key: str, block: tuple[str, ...]) -> Iterator[str]:
+    """What a cyclic block is made of: its members, who is in each of its joint states, and its contexts."""
+    yield from (f"member_of({w.names.atom(name)}, {key})." for name in block)
+    yield from (f"includes({w.list(state)}, {w.names.atom(name)})." for state in contexts(block) for name in state)
+    yield from context_clauses(w, key, w.graph.outside(block))
+
+
+def possible_causes(w: Writer, appearance: str) -> list[tuple[float, str]]:
+    """What can cause an appearance, each with its share: ``(0.7, "chosen(a1, h1/f3)")``, noise last."""
+    causes, claimants = causes_of(w.scene, appearance), w.scene.claimants.get(appearance, [])
+    named = [(p, w.node(h, f.id)) for p, (h, f) in zip(causes.claimants, claimants, strict=True)]
+    heads = [(p, f"chosen({w.names.atom(appearance)}, {cause})") for p, cause in [*named, (causes.noise, "noise")]]
+    return [(p, head) for p, head in heads if p > 0]
 
 
 def p_given(w: Writer, h: Hypothesis, context: tuple[str, ...]) -> float | None:

@@ -87,28 +87,20 @@ def _of_pair(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
 
 def _unchanged(scene: Scene, fact: PairFact, subject: str, other: str) -> Iterator[Doubt]:
     alone, beside = _ev(scene, subject), _ev(scene, subject, other)
-    if not _same(alone, beside):
+    if not (math.isnan(alone) and math.isnan(beside)) and not abs(alone - beside) <= SAME:
         hidden = _named(_hidden(scene, subject, other))
         why = f"{other} is nowhere in front of {subject}, and yet the line of sight to {hidden} meets it first"
-        yield Doubt(
-            fact.relation,
-            (fact.x, fact.y),
-            f"ev({subject} given {other}) = ev({subject}) = {_signed(alone)}",
-            _signed(beside),
-            why,
-        )
+        what = f"ev({subject} given {other}) = ev({subject}) = {_signed(alone)}"
+        yield Doubt(fact.relation, (fact.x, fact.y), what, _signed(beside), why)
 
 
 def _not_lower(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
-    h = scene.by_id[fact.y]
     hidden = set(_hidden(scene, fact.y, fact.x))
     alone, beside = _ev(scene, fact.y), _ev(scene, fact.y, fact.x)
-    detected = any(f.id in hidden and f.match is not None for f in h.features)
+    detected = any(f.id in hidden and f.match is not None for f in scene.by_id[fact.y].features)
     if not detected and alone - beside > SAME:
-        expected, why = (
-            f"ev({fact.y} given {fact.x}) >= ev({fact.y}) = {_signed(alone)}",
-            f"{fact.x} hides no detected feature of {fact.y}",
-        )
+        expected = f"ev({fact.y} given {fact.x}) >= ev({fact.y}) = {_signed(alone)}"
+        why = f"{fact.x} hides no detected feature of {fact.y}"
         yield Doubt(fact.relation, (fact.x, fact.y), expected, _signed(beside), why)
 
 
@@ -121,11 +113,10 @@ def _without_evidence(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
     detected = [name for name, cell in found.items() if cell.detected[0]]
     if expected or detected:
         some = _named(list(dict.fromkeys([*detected, *expected])))
-        what = f"{len(expected)} expected, {len(detected)} detected"
+        wanted = f"no feature of {fact.y} expected or detected given {fact.x}"
         why = f"{some} of {fact.y}, whose image {fact.x} covers, should be hidden"
-        yield Doubt(
-            fact.relation, (fact.x, fact.y), f"no feature of {fact.y} expected or detected given {fact.x}", what, why
-        )
+        what = f"{len(expected)} expected, {len(detected)} detected"
+        yield Doubt(fact.relation, (fact.x, fact.y), wanted, what, why)
 
 
 def _ev(scene: Scene, name: str, *others: str) -> float:
@@ -141,10 +132,6 @@ def _hidden(scene: Scene, name: str, other: str) -> list[str]:
     """The features of a hypothesis, expected of it alone, that the other hides (D4)."""
     h = scene.by_id[name]
     return [f.id for f in h.features if f.in_image and h.expects(f) and other in scene.hiders(h, f)]
-
-
-def _same(one: float, other: float) -> bool:
-    return (math.isnan(one) and math.isnan(other)) or abs(one - other) <= SAME
 
 
 def _named(features: list[str]) -> str:

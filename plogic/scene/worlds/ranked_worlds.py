@@ -132,8 +132,7 @@ class CauseTable:
 
     def _nearest(self, appearance: str, live: list[int]) -> str:
         """Where two expect the same appearance, the smaller residual takes it; then the earlier in Δh."""
-        claims = self._claims[appearance]
-        return min([claims[i] for i in live], key=lambda claim: claim.residual).label
+        return min([self._claims[appearance][i] for i in live], key=lambda claim: claim.residual).label
 
     def _likeliest(self, appearance: str, live: list[int]) -> str:
         """The largest term of Σ_i N_i h_i Π_{j≠i}(1−h_j) + f Π_j(1−h_j); ties go to a claimant, the earliest in Δh."""
@@ -194,12 +193,9 @@ def _lazily(graph: FactorGraph, count: int, spread: float, clock: Clock) -> Iter
         if world not in seen:
             clock.check()
             seen.add(world)
-            heapq.heappush(waiting, (-_sum(graph, world), world))
+            held = observed(graph, [Literal(v, frozenset({s})) for v, s in enumerate(world)])
+            heapq.heappush(waiting, (-beliefs(held).log_z[1], world))
     yield from ((-minus, world) for minus, world in sorted(waiting))
-
-
-def _sum(graph: FactorGraph, world: tuple[int, ...]) -> float:
-    return beliefs(observed(graph, [Literal(v, frozenset({s})) for v, s in enumerate(world)])).log_z[1]
 
 
 TIE = 1e-9
@@ -271,13 +267,13 @@ def ranked_worlds(situation: Situation, n: int = 10, *, seconds: float | None = 
 def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, found: tuple[Listed, bool]) -> Ranking:
     """The ranking from what inference found: log weights and what is present, in any order, and whether that list is complete."""
     listed, complete = found
-    low, high = belief.log_z
-    low = max(low, _log_sum([weight for weight, _ in listed]))
-    log_z = (min(low, high), high)
+    known = float(np.logaddexp.reduce([weight for weight, _ in listed])) if listed else -math.inf
+    low, high = min(max(belief.log_z[0], known), belief.log_z[1]), belief.log_z[1]
+    log_z = low, high
+    chances = [(min(math.exp(weight - high), 1.0), min(math.exp(weight - low), 1.0)) for weight, _ in listed]
     causes = CauseTable(cast_of(situation)).causes([present for _, present in listed])
-    worlds = tuple(
-        World(_middle(p), present, c, p) for (p, present), c in zip(_chances(listed, log_z), causes, strict=True)
-    )
+    rows = zip(chances, listed, causes, strict=True)
+    worlds = tuple(World(_middle(p), present, c, p) for p, (_, present), c in rows)
     intervals = {h.id: _interval(belief, *scene.place[h.id]) for h in situation.hypotheses}
     return Ranking(
         worlds,
@@ -314,13 +310,6 @@ def listed_worlds(situation: Situation, scene: SceneGraph, n: int, end: float | 
     return listed, complete or len(listed) == n
 
 
-def _chances(listed: Listed, log_z: Interval) -> list[tuple[Interval, tuple[str, ...]]]:
-    return [
-        ((min(math.exp(weight - log_z[1]), 1.0), min(math.exp(weight - log_z[0]), 1.0)), present)
-        for weight, present in listed
-    ]
-
-
 def _unlisted(worlds: tuple[World, ...]) -> Interval:
     low, high = (1.0 - math.fsum(w.interval[end] for w in worlds) for end in (1, 0))
     return (0.0 if low < 1e-12 else low, 0.0 if high < 1e-12 else high)
@@ -333,10 +322,6 @@ def _interval(belief: Beliefs, v: int, s: int) -> Interval:
 def _middle(interval: Interval) -> float:
     low, high = interval
     return low if low == high else (low + high) / 2
-
-
-def _log_sum(logs: list[float]) -> float:
-    return float(np.logaddexp.reduce(logs)) if logs else -math.inf
 
 
 def _reason(scene: SceneGraph) -> str:

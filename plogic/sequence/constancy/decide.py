@@ -61,9 +61,8 @@ def probabilities(data: Indices, weight: Floats, chosen: Indices) -> Floats:
         rivals = np.flatnonzero((shared > 0) & (np.arange(len(data)) != t))
         logs = weight[rivals] - (cost[rivals] - weight[t])
         every = np.concatenate([[weight[t], 0.0], logs])
-        top = float(every.max())
-        total = np.exp(every - top).sum()
-        answers.append((np.exp(weight[t] - top) + np.exp(logs[shared[rivals] > 1] - top).sum()) / total)
+        every = np.exp(every - float(every.max()))
+        answers.append((every[0] + every[2:][shared[rivals] > 1].sum()) / every.sum())
     return np.array(answers)
 
 
@@ -139,7 +138,7 @@ def unknown_objects(
     if tracks is None or not len(tracks.kind):
         return _answer(sights, None, np.zeros(0), hidden)
     weight = log_weights(sights, tracks, hidden)
-    tracks, weight = tracks.some(weight > HOPELESS - FAR), weight[weight > HOPELESS - FAR]
+    tracks, weight = tracks.take(weight > HOPELESS - FAR), weight[weight > HOPELESS - FAR]
     chosen = packing(tracks.data, weight)
     sure = chosen[probabilities(tracks.data, weight, chosen) >= CERTAIN]
     company = company_of(tracks.data[sure], tracks.places.at[sure])
@@ -147,8 +146,8 @@ def unknown_objects(
         weight = log_weights(sights, tracks, hidden, company)
     chosen = packing(tracks.data, weight)
     probability = probabilities(tracks.data, weight, chosen)
-    kept = chosen[probability >= PHYSICAL]
-    return _answer(sights, tracks.some(kept), probability[probability >= PHYSICAL], hidden)
+    physical = probability >= PHYSICAL
+    return _answer(sights, tracks.take(chosen[physical]), probability[physical], hidden)
 
 
 FAR = 8.0
@@ -163,23 +162,31 @@ def _answer(sights: Sights, tracks: Tracks | None, probability: Floats, hidden: 
         told = tellable(sights, v, hidden).tolist()
         noise[view.id] = tuple(name for i, name in enumerate(sights.ids[v]) if i not in taken and told[i])
         undecided[view.id] = tuple(name for i, name in enumerate(sights.ids[v]) if i not in taken and not told[i])
-    return Constancy(() if tracks is None else _objects(sights, tracks, probability), noise, undecided)
-
-
-def _objects(sights: Sights, tracks: Tracks, probability: Floats) -> tuple[UnknownObject, ...]:
-    groups = clusters(tracks.places.at)
-    return tuple(_object(f"u{n}", sights, tracks.some(group), probability[group]) for n, group in enumerate(groups, 1))
+    unknown = (
+        ()
+        if tracks is None
+        else tuple(
+            _object(f"u{n}", sights, tracks.take(group), probability[group])
+            for n, group in enumerate(clusters(tracks.places.at), 1)
+        )
+    )
+    return Constancy(unknown, noise, undecided)
 
 
 def _object(name: str, sights: Sights, tracks: Tracks, probability: Floats) -> UnknownObject:
     worst = np.sqrt(np.linalg.eigvalsh(tracks.places.covariance)[:, -1])
-    features = []
-    for i, row in enumerate(tracks.data.tolist()):
-        data = {sights.views[v].id: sights.ids[v][d] for v, d in enumerate(row) if d >= 0}
-        kind = sights.types[tracks.kind[i]]
-        features.append(
-            PhysicalFeature(f"{name}/f{i + 1}", kind, tracks.places.at[i], float(worst[i]), float(probability[i]), data)
+    rows = zip(tracks.data.tolist(), tracks.kind, tracks.places.at, worst.tolist(), probability.tolist(), strict=True)
+    features = [
+        PhysicalFeature(
+            f"{name}/f{i}",
+            sights.types[kind],
+            at,
+            sigma,
+            chance,
+            {sights.views[v].id: sights.ids[v][d] for v, d in enumerate(row) if d >= 0},
         )
+        for i, (row, kind, at, sigma, chance) in enumerate(rows, 1)
+    ]
     return UnknownObject(name, float(1.0 - np.prod(1.0 - probability)), tuple(features))
 
 

@@ -28,7 +28,7 @@ from kb.surfaces.surface import Surface
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from plogic.sequence.document import ConstancyRow, PhysicalFeatureRow
+    from plogic.sequence.document import ConstancyRow
     from plogic.sequence.views.standing import View
 
 
@@ -75,22 +75,25 @@ def constancy_document(constancy: Constancy) -> ConstancyRow:
     """The keys ``unknown``, ``noise`` and ``undecided`` of a ``panorama/1``."""
     return {
         "unknown": [
-            {"id": one.id, "probability": one.probability, "features": [_feature(feature) for feature in one.features]}
+            {
+                "id": one.id,
+                "probability": one.probability,
+                "features": [
+                    {
+                        "id": feature.id,
+                        "type": feature.type,
+                        "at": feature.at.tolist(),
+                        "sigma": feature.sigma,
+                        "probability": feature.probability,
+                        "data": dict(feature.data),
+                    }
+                    for feature in one.features
+                ],
+            }
             for one in constancy.unknown
         ],
         "noise": {view: list(ids) for view, ids in constancy.noise.items()},
         "undecided": {view: list(ids) for view, ids in constancy.undecided.items()},
-    }
-
-
-def _feature(feature: PhysicalFeature) -> PhysicalFeatureRow:
-    return {
-        "id": feature.id,
-        "type": feature.type,
-        "at": feature.at.tolist(),
-        "sigma": feature.sigma,
-        "probability": feature.probability,
-        "data": dict(feature.data),
     }
 
 
@@ -197,11 +200,8 @@ def draft_body(features: Sequence[SeenFeature], centroid: Floats) -> Surface | N
         return None
     hull = _hull(at)
     middle = hull.vertices.mean(axis=0)
-    for size in SIZES:
-        body = Surface(middle + size * (hull.vertices - middle), hull.triangles)
-        if _keeps_to_what_was_seen(body, features, centroid):
-            return body
-    return None
+    bodies = (Surface(middle + size * (hull.vertices - middle), hull.triangles) for size in SIZES)
+    return next((body for body in bodies if _keeps_to_what_was_seen(body, features, centroid)), None)
 
 
 def _thickness(at: Floats) -> float:

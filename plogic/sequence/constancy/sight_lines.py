@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.frames import inverse
+from plogic.match.gamma.data import Columns
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -61,10 +62,8 @@ class Sights:
 
     def in_image(self, world: Floats) -> Mask:
         """(T, V) whether the places (T, 3) m lie in each view's image."""
-        masks = []
-        for view, frame in zip(self.views, self.camera_from_world, strict=True):
-            points = world @ frame[:3, :3].T + frame[:3, 3]
-            masks.append(view.gamma.camera.contains(view.gamma.camera.project(points)))
+        rows = zip((view.gamma.camera for view in self.views), self.camera_from_world, strict=True)
+        masks = [camera.contains(camera.project(world @ frame[:3, :3].T + frame[:3, 3])) for camera, frame in rows]
         return np.stack(masks, axis=-1).reshape(len(world), len(self.views))
 
 
@@ -115,9 +114,7 @@ def _rows(view: View, ids: Sequence[str]) -> list[Appearance]:
     """The view's data of these ids, in the order of Γ."""
     wanted = set(ids)
     rows = [a for a in view.gamma.appearances if a.id in wanted]
-    if not rows:
-        return rows
-    there = np.isfinite(view.gamma.camera.normalised(np.array([a.uv for a in rows])))
+    there = np.isfinite(view.gamma.camera.normalised(np.array([a.uv for a in rows]).reshape(-1, 2)))
     return [a for a, ray in zip(rows, there, strict=True) if ray.all()]
 
 
@@ -130,7 +127,8 @@ WORST = 1e-15
 determined."""
 
 
-class Places(NamedTuple):
+@dataclass(frozen=True)
+class Places(Columns):
     """``at`` (T, 3) m, world; ``covariance`` (T, 3, 3) m²; ``chi2`` (T,) of the residuals.
 
     ``depth`` (T, V) m, NaN in other views.
@@ -145,11 +143,6 @@ class Places(NamedTuple):
     depth: Floats
     parallax: Floats
     good: Mask
-
-    def some(self, which: Mask | Indices) -> Places:
-        """Those of an index or a mask."""
-        parts = (self.at[which], self.covariance[which], self.chi2[which], self.depth[which], self.parallax[which])
-        return Places(*parts, self.good[which])
 
 
 class _Observed(NamedTuple):
@@ -206,8 +199,7 @@ def _observed(sights: Sights, tracks: Indices, kind: Indices) -> _Observed:
 
 def _linear(sights: Sights, observed: _Observed) -> Floats:
     """(T, 3) the points nearest to the lines of sight."""
-    rays = np.column_stack([observed.seen, np.ones(len(observed.seen))])
-    rays = (rays[:, None] @ observed.R)[:, 0]
+    rays = (np.column_stack([observed.seen, np.ones(len(observed.seen))])[:, None] @ observed.R)[:, 0]
     rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
     across = np.eye(3) - rays[:, :, None] * rays[:, None]
     moved = (across @ sights.eye[observed.view][..., None])[..., 0]

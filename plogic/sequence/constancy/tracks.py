@@ -5,11 +5,13 @@ Vocabulary: ``Tracks``, T candidates with their appearance types and places.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from plogic.match.gamma.data import Columns
 from plogic.sequence.constancy.sight_lines import Places, Sights, places_of
 
 if TYPE_CHECKING:
@@ -29,7 +31,8 @@ RARE = 0.001
 """Share of true tracks whose residuals may be so large that they are lost."""
 
 
-class Tracks(NamedTuple):
+@dataclass(frozen=True)
+class Tracks(Columns):
     """``data`` (T, V): in each view the index of a datum, -1 for none; ``kind`` (T,) the number of its type.
 
     Where they lie.
@@ -38,10 +41,6 @@ class Tracks(NamedTuple):
     data: Indices
     kind: Indices
     places: Places
-
-    def some(self, which: Mask | Indices) -> Tracks:
-        """Those of an index or a mask."""
-        return Tracks(self.data[which], self.kind[which], self.places.some(which))
 
 
 def tracks_of(sights: Sights) -> Tracks:
@@ -67,14 +66,8 @@ def _grown(sights: Sights, pairs: Indices) -> Indices:
         more = (grown != current.data).any(axis=1)
         longer = _plausible(sights, _once(grown[more]))
         found.append(longer.data[(longer.data >= 0).sum(axis=1) <= SMALL])
-        current = _joined(longer, current.some(~more))
+        current = Tracks.joined([longer, current.take(~more)])
     return np.concatenate([*found, current.data])
-
-
-def _joined(one: Tracks, other: Tracks) -> Tracks:
-    """Both."""
-    places = Places(*(np.concatenate([a, b]) for a, b in zip(one.places, other.places, strict=True)))
-    return Tracks(np.concatenate([one.data, other.data]), np.concatenate([one.kind, other.kind]), places)
 
 
 def _once(data: Indices) -> Indices:
@@ -91,8 +84,7 @@ def _within(tracks: Indices, pairs: Indices) -> Mask:
         ((i * size + tracks[both, i]) * views + j) * size + tracks[both, j]
         for i in range(views) for j in range(i + 1, views) if (both := (tracks[:, i] >= 0) & (tracks[:, j] >= 0)).any()
     ]  # fmt: skip
-    _, seen = np.nonzero(pairs >= 0)
-    i, j = seen.reshape(-1, 2).T
+    i, j = np.nonzero(pairs >= 0)[1].reshape(-1, 2).T
     rows = np.arange(len(pairs))
     own = ((i * size + pairs[rows, i]) * views + j) * size + pairs[rows, j]
     return np.isin(own, np.concatenate([np.zeros(0, np.intp), *codes]))
@@ -109,7 +101,7 @@ def _plausible(sights: Sights, data: Indices) -> Tracks:
     with np.errstate(invalid="ignore"):
         near = (~(depth < DEPTHS[0]) & ~(depth > DEPTHS[1])).all(axis=1)
     fits = places.chi2 < chdtri(np.maximum(freedom, 1), RARE)
-    return Tracks(data, kind, places).some(places.good & near & fits & (places.parallax >= MIN_PARALLAX))
+    return Tracks(data, kind, places).take(places.good & near & fits & (places.parallax >= MIN_PARALLAX))
 
 
 def _kinds(sights: Sights, data: Indices) -> Indices:
@@ -127,7 +119,7 @@ def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Indices:
     free = np.flatnonzero(tracks.data[:, v] < 0)
     if not len(free) or not sights.xy.shape[1]:
         return grown
-    squared = _squared(sights, tracks.some(free), v)
+    squared = _squared(sights, tracks.take(free), v)
     squared[sights.kind[v][None] != tracks.kind[free][:, None]] = np.inf
     nearest = squared.argmin(axis=1)
     close = squared[np.arange(len(free)), nearest] < GATE
@@ -139,8 +131,7 @@ def _squared(sights: Sights, tracks: Tracks, v: int) -> Floats:
     """(T, N) squared Mahalanobis distances of a view's data from where the tracks' places are seen, by the places' own uncertainty too."""
     R, t = sights.camera_from_world[v, :3, :3], sights.camera_from_world[v, :3, 3]
     points = tracks.places.at @ R.T + t
-    z = points[:, 2:]
-    safe = np.where(z > DEPTHS[0] / 10, z, np.nan)
+    safe = np.where(points[:, 2:] > DEPTHS[0] / 10, points[:, 2:], np.nan)
     ideal = points[:, :2] / safe
     jacobian = (R[None, :2] - ideal[..., None] * R[None, 2:]) / safe[..., None]
     spread = jacobian @ tracks.places.covariance @ np.swapaxes(jacobian, 1, 2)
@@ -170,8 +161,7 @@ def _between(sights: Sights, i: int, j: int) -> Indices:
     """(T, V) those of two views."""
     if np.linalg.norm(sights.eye[i] - sights.eye[j]) < LEAST_BASELINE:
         return np.zeros((0, len(sights.views)), np.intp)
-    same = (sights.kind[i][:, None] == sights.kind[j]) & (sights.kind[i] >= 0)[:, None]
-    a, b = np.nonzero(same)
+    a, b = np.nonzero((sights.kind[i][:, None] == sights.kind[j]) & (sights.kind[i] >= 0)[:, None])
     close = sampson(sights, i, j, a, b) < PAIR_GATE
     tracks = np.full((int(close.sum()), len(sights.views)), -1, np.intp)
     tracks[:, i], tracks[:, j] = a[close], b[close]

@@ -102,16 +102,14 @@ def log_place(sights: Sights, tracks: Tracks) -> Floats:
     area = np.array(
         [view.gamma.camera.width * view.gamma.camera.height / view.gamma.camera.f**2 for view in sights.views]
     )
-    span = np.log(DEPTHS[1] / DEPTHS[0])
-    density = 1.0 / (area * np.where(mask, tracks.places.depth, 1.0) ** 3 * span)
+    density = 1.0 / (area * np.where(mask, tracks.places.depth, 1.0) ** 3 * np.log(DEPTHS[1] / DEPTHS[0]))
     return np.asarray(np.log(np.where(mask, density, 0.0).sum(axis=1) / mask.sum(axis=1)))
 
 
 def _residuals_against_clutter(sights: Sights, tracks: Tracks) -> Floats:
     """(T,) ln of Π N(u_i; û_i, σ²I) / f_i."""
     mask = tracks.data >= 0
-    sigma, clutter = sights.sigma[:, tracks.kind].T, sights.clutter[:, tracks.kind].T
-    each = np.log(2.0 * np.pi * sigma**2 * clutter)
+    each = np.log(2.0 * np.pi * sights.sigma[:, tracks.kind].T ** 2 * sights.clutter[:, tracks.kind].T)
     return np.asarray(-0.5 * tracks.places.chi2 - np.where(mask, each, 0.0).sum(axis=1))
 
 
@@ -202,9 +200,8 @@ def _turns(sights: Sights, at: Floats, angles: Floats, sigma: float) -> Floats:
         there = np.flatnonzero(np.isfinite(angles[:, v]) & (first != v))
         seen = screen_angle(directions[there] @ R[v].T, (at[there] @ R[v].T + t[v])[:, None])
         off = wrapped(seen - angles[there, v, None])
-        right = (
-            np.exp(-0.25 * (off / sigma) ** 2) * np.sqrt(np.pi) / sigma
-        )  # both angles are noisy: the variance is twice sigma², times 2π
+        # Both angles are noisy: the variance is twice sigma², times 2π.
+        right = np.exp(-0.25 * (off / sigma) ** 2) * np.sqrt(np.pi) / sigma
         total[there] += np.log(STRAY + (1.0 - STRAY) * right)
     share = np.sin(theta) / np.sin(theta).sum()
     return np.asarray(

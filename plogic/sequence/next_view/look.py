@@ -200,7 +200,7 @@ class Reason(NamedTuple):
 def reasons(prospect: Prospect, seen: Sightings, found: Sites, answers: Floats | None) -> list[Reason]:
     """The sites that tell the worlds, or the answers (W, A), apart, those of one kind together."""
     bits = each_site(prospect.probability, found.report, answers)
-    groups: dict[tuple[object, ...], list[int]] = {}
+    groups: dict[tuple[tuple[str, ...], tuple[str, ...], bytes], list[int]] = {}
     for site in np.flatnonzero(bits > LEAST).tolist():
         groups.setdefault(_kind(site, prospect, seen, found), []).append(site)
     order = sorted(groups.items(), key=lambda item: (-round(float(bits[item[1]].sum()), 9), str(item[0][:2])))
@@ -211,7 +211,9 @@ def _members(site: int, found: Sites) -> list[int]:
     return np.flatnonzero(found.of == site).tolist()
 
 
-def _kind(site: int, prospect: Prospect, seen: Sightings, found: Sites) -> tuple[object, ...]:
+def _kind(
+    site: int, prospect: Prospect, seen: Sightings, found: Sites
+) -> tuple[tuple[str, ...], tuple[str, ...], bytes]:
     """Of which bodies and kinds of features a site is, and in which worlds they are expected."""
     members = _members(site, found)
     whose = tuple(sorted({prospect.bodies[seen.body[n]].id for n in members}))
@@ -223,36 +225,33 @@ def _reason(some: list[int], bits: float, prospect: Prospect, seen: Sightings, f
     members = _members(some[0], found)
     there = found.expected[:, members].any(axis=1)
     mass = float(prospect.probability[there].sum())
-    what = _what(some, prospect, seen, found)
     rest = "" if there.all() else f"; {_rest(members, np.logical_not(there), prospect, seen)} in the rest"
-    return Reason(len(some), mass, bits, f"{what}: seen in worlds of mass {mass:.2f}{rest}")
+    text = f"{_what(some, prospect, seen, found)}: seen in worlds of mass {mass:.2f}{rest}"
+    return Reason(len(some), mass, bits, text)
 
 
 def _what(some: list[int], prospect: Prospect, seen: Sightings, found: Sites) -> str:
     """'roof/apex of h2', or '5 patches of h1', of h1 or h2 where both have one there."""
-    members = _members(some[0], found)
-    whose = " or ".join(sorted({prospect.bodies[seen.body[n]].id for n in members}))
-    first = prospect.bodies[seen.body[members[0]]].cloud
-    feature = seen.feature[members[0]]
+    first = _members(some[0], found)[0]
+    bodies, kinds, _ = _kind(some[0], prospect, seen, found)
+    whose, feature = " or ".join(bodies), prospect.bodies[seen.body[first]].cloud.features[seen.feature[first]]
     if len(some) == 1:
-        return f"{first.features[feature]} of {whose}"
-    kinds = sorted({prospect.bodies[seen.body[n]].cloud.kinds[seen.feature[n]] for n in members})
-    return f"{len(some)} features ({' or '.join(kinds)}; {first.features[feature]}, ...) of {whose}"
+        return f"{feature} of {whose}"
+    return f"{len(some)} features ({' or '.join(kinds)}; {feature}, ...) of {whose}"
 
 
 def _rest(members: list[int], rest: Mask, prospect: Prospect, seen: Sightings) -> str:
     """Why none of the features is expected in the worlds ``rest`` (W,): hidden by whom, or not there."""
-    rest = rest & (prospect.probability > 0.0)
-    said: dict[str, None] = {}
-    for n in members:
-        body = seen.body[n]
-        for other in np.flatnonzero(seen.hidden[n]).tolist():
-            if (prospect.present[rest, body] & prospect.present[rest, other]).any():
-                said[f"hidden by {prospect.bodies[other].id}"] = None
-    for body in sorted({int(seen.body[n]) for n in members}):
-        if (~prospect.present[rest, body]).any():
-            said[f"{prospect.bodies[body].id} is not there"] = None
-    return " or ".join(said)
+    present = prospect.present[rest & (prospect.probability > 0.0)]
+    said = [
+        f"hidden by {prospect.bodies[other].id}"
+        for n in members
+        for other in np.flatnonzero(seen.hidden[n]).tolist()
+        if (present[:, seen.body[n]] & present[:, other]).any()
+    ]
+    absent = [body for body in sorted({int(seen.body[n]) for n in members}) if not present[:, body].all()]
+    said += [f"{prospect.bodies[body].id} is not there" for body in absent]
+    return " or ".join(dict.fromkeys(said))
 
 
 DIGITS = 9

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.arrays import Floats
-    from plogic.sequence.next_view.expected import Body, Prospect
+    from plogic.sequence.next_view.expected import Prospect
 
 
 RING = 12
@@ -146,25 +146,18 @@ def within(prospect: Prospect, stand: Stand, distance: float) -> tuple[list[Cand
 
 def _named(grid: NDArray[np.int64], step: float) -> str:
     """Right, up and ahead of the present camera, in metres: its frame's x, −y and z."""
-    words = (("right", "left"), ("down", "up"), ("ahead", "back"))
-    moved = [
-        f"{abs(k) * step:.2f} {word[0] if k > 0 else word[1]}"
-        for k, word in zip(grid.tolist(), words, strict=True)
-        if k
-    ]
-    return ", ".join(moved)
+    words = zip(grid.tolist(), (("right", "left"), ("down", "up"), ("ahead", "back")), strict=True)
+    return ", ".join(f"{abs(k) * step:.2f} {plus if k > 0 else minus}" for k, (plus, minus) in words if k)
 
 
 def lowest(prospect: Prospect, up: Floats) -> float:
     """How far along ``up`` the lowest point of all that may be there lies, m."""
+    some = [body for body, p in zip(prospect.bodies, prospect.marginals, strict=True) if p > 0.0]
+    points = [body.cloud.lobes.at if body.cloud.rays is None else body.cloud.rays.vertices for body in some]
     return min(
-        float((_points(b) @ up).min()) for b, p in zip(prospect.bodies, prospect.marginals, strict=True) if p > 0.0
+        float((transform_points(body.reference_from_object, its) @ up).min())
+        for body, its in zip(some, points, strict=True)
     )
-
-
-def _points(body: Body) -> Floats:
-    rays = body.cloud.rays
-    return transform_points(body.reference_from_object, body.cloud.lobes.at if rays is None else rays.vertices)
 
 
 def checked(candidates: Sequence[Candidate]) -> list[Candidate]:

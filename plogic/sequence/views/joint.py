@@ -90,14 +90,9 @@ def _best(heap: Sequence[_Member], everybody: Sequence[_Member], seen: Sequence[
         return first
     there = [Standing(first.index, m.standing.world_from_object) for m in everybody]
     starts = [m.standing for m in heap] + [some for some in there if some.same(first, seen[0].view)]
-    starts += [_through(heap, start, seen, kb) for start in (first, heap[-1].standing)]
+    own = {member.view: member.posed for member in reversed(heap)}  # what each view matched by itself
+    starts += [refined(s, list(own.values()), [seen[v] for v in own], kb) for s in (first, heap[-1].standing)]
     return max(starts, key=lambda some: sum(evidence(seen_alone(some, one, kb), one.data, kb).ratio for one in seen))
-
-
-def _through(heap: Sequence[_Member], start: Standing, seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:
-    """The pose through what each view matched by itself."""
-    own = {member.view: member.posed for member in reversed(heap)}
-    return refined(start, list(own.values()), [seen[v] for v in own], kb)
 
 
 ROUNDS = 2
@@ -184,10 +179,10 @@ def _apart(
     stay = [pose is some.camera_from_object for pose, some in zip(poses, last, strict=True)]
     if all(stay):
         return ordered, posed
-    moved = [
-        Standing(some.index, np.asarray(world_from_camera @ pose)) for some, pose in zip(ordered, poses, strict=True)
+    ordered = [
+        some if stays else Standing(some.index, np.asarray(world_from_camera @ pose))
+        for some, pose, stays in zip(ordered, poses, stay, strict=True)
     ]
-    ordered = [some if stays else other for some, other, stays in zip(ordered, moved, stay, strict=True)]
     return ordered, _posed(ordered, first, seen, kb)
 
 
@@ -249,26 +244,18 @@ def _told(posed: Sequence[Hypothesis], first: int, seen: Seen, perceiver: Percei
         return as_counted(one, data, kb, hidden)
 
     accepted, rivals = (
-        [_belief(one, status, seen, perceiver) for one in some] for some, status in _parted(posed, first)
+        tuple(judged(one, seen.data, kb, perceiver.dv).told(status=status) for one in some)
+        for some, status in ((posed[:first], "accepted"), (posed[first:], "rival"))
     )
-    cycle = Cycle(tuple(accepted), tuple(rivals), (), (), Trace())
+    cycle = Cycle(accepted, rivals, (), (), Trace())
     alone = replace(kb, gravity=False)  # who holds whom is decided by all views together
     situation = delta_of(cycle, seen.data, alone, perceiver.dv, options, counted, related=False).situation
     return _Told(situation, tuple(known))
 
 
-def _parted(posed: Sequence[Hypothesis], first: int) -> tuple[tuple[Sequence[Hypothesis], str], ...]:
-    return (posed[:first], "accepted"), (posed[first:], "rival")
-
-
-def _belief(posed: Hypothesis, status: str, seen: Seen, perceiver: Perceiver) -> Hypothesis:
-    return judged(posed, seen.data, perceiver.kb, perceiver.dv).told(status=status)
-
-
 def _known(posed: Hypothesis, hidden: Mask | None, seen: Seen, kb: KnowledgeBase) -> _Known | None:
     """What a view's matches tell of a pose; None where there are none."""
-    found = posed.candidate & posed.detected
-    found = found if hidden is None else found & ~hidden
+    found = posed.expected(hidden) & posed.detected
     if not found.any():
         return None
     at, precision, middle, across = known(posed, found, seen.data, kb)
@@ -308,23 +295,18 @@ def _hypothesis(
     """Hypothesis ``i`` with its features in every view: those of view v1 as 'v1:roof/apex'."""
     last = told[-1].situation.hypotheses[i]
     features = [
-        _of_view(f, one.view.id) for t, one in zip(told, seen, strict=True) for f in t.situation.hypotheses[i].features
+        replace(f, id=f"{view.id}:{f.id}", match=None if f.match is None else f"{view.id}:{f.match}")
+        for t, (view, _) in zip(told, seen, strict=True)
+        for f in t.situation.hypotheses[i].features
     ]
-    known = [t.known[i] for t in told]
-    cameras = [(one.view.camera_from_world, one.data.camera) for one in seen]
-    pairs = [(k, camera) for k, camera in zip(known, cameras, strict=True) if k is not None]
+    pairs = [(k, one) for t, one in zip(told, seen, strict=True) if (k := t.known[i]) is not None]
     owed = 0.0
     if pairs:
         total = np.sum([k.information for k, _ in pairs], axis=0)
-        nearest, (camera_from_world, camera) = min(pairs, key=lambda pair: pair[0].depth)
-        turn = turned_step(camera_from_world[:3, :3])
-        owed = float(share_of(turn @ total @ turn.T, nearest.depth, camera))
+        nearest, one = min(pairs, key=lambda pair: pair[0].depth)
+        turn = turned_step(one.view.camera_from_world[:3, :3])
+        owed = float(share_of(turn @ total @ turn.T, nearest.depth, one.data.camera))
     return replace(last, group=groups[last.id], parts=(), features=tuple(owing(last, features, clutter, owed)))
-
-
-def _of_view(feature: FeatureFact, view: str) -> FeatureFact:
-    match = None if feature.match is None else f"{view}:{feature.match}"
-    return replace(feature, id=f"{view}:{feature.id}", match=match)
 
 
 def owing(
@@ -340,8 +322,7 @@ def owing(
         f.id: float(np.log1p(rates[f.id][0] * f.density / ((1.0 - rates[f.id][0]) * rates[f.id][1]))) for f in paying
     }
     kept = max(LEAST, 1.0 + owed / max(sum(better.values()), LEAST))
-    return [_weaker(f, kept * better[f.id], *rates[f.id]) if f.id in better else f for f in features]
-
-
-def _weaker(feature: FeatureFact, better: float, hit: float, clutter: float) -> FeatureFact:
-    return replace(feature, density=float(np.expm1(better)) * (1.0 - hit) * clutter / hit)
+    weaker = {
+        name: float(np.expm1(kept * better[name])) * (1.0 - hit) * datum / hit for name, (hit, datum) in rates.items()
+    }
+    return [replace(f, density=weaker[f.id]) if f.id in weaker else f for f in features]

@@ -27,7 +27,6 @@ from plogic.cycle.perception import Seed
 from plogic.facts.stopped import SEARCH, stopped_in
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import evidence, hit_rates
-from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import claims, hidden_among
 from plogic.scene.readings.unfinished import OPEN, marks
 from plogic.sequence.constancy.decide import unknown_objects
@@ -124,7 +123,8 @@ class Panorama:
             gone = self._forget(expected, cycle, seen)
             self.seen = [*self.seen, seen][-WINDOW:]
             self._remember(cycle, view, [known.id for known, _ in expected])
-        left = _left(cycle, seen)
+        taken = {i for belief in cycle.accepted for i in claims(belief)}
+        left = tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
         if not any(step.event == "no search" for step in cycle.trace.steps):
             self._searched(left, seen)
         return Look(view, interpretation, self._foreseen(expected), gone, left, clock.seconds)
@@ -149,20 +149,16 @@ class Panorama:
         return [
             (known, one)
             for known, one in sorted(posed, key=lambda pair: -pair[0].probability)
-            if _awaited(one, posed).sum() >= FEWEST
+            if one.expected(hidden_among(one, [other for _, other in posed])).sum() >= FEWEST
         ]
 
     def _forget(self, expected: Sequence[tuple[Known, Hypothesis]], cycle: Cycle, seen: Seen) -> tuple[str, ...]:
         """Drop from Δp what is expected here, was not found, and is plainly not there. Its ids."""
-        gone = []
-        for known, _ in expected:
-            found = any(
-                known.standing.same(standing_of(b, seen.view, self.perceiver.models), seen.view) for b in cycle.accepted
-            )
-            if not found and self._speaks(known, cycle, seen) < GONE:
-                gone.append(known.id)
+        there = [standing_of(b, seen.view, self.perceiver.models) for b in cycle.accepted]
+        lost = [k for k, _ in expected if not any(k.standing.same(some, seen.view) for some in there)]
+        gone = tuple(known.id for known in lost if self._speaks(known, cycle, seen) < GONE)
         self.known = [known for known in self.known if known.id not in gone]
-        return tuple(gone)
+        return gone
 
     def _speaks(self, known: Known, cycle: Cycle, seen: Seen) -> float:
         """The log-likelihood ratio of one object in one view, where what was accepted there hides what it hides."""
@@ -199,17 +195,14 @@ class Panorama:
         there = [standing_of(b, view, self.perceiver.models) for b in cycle.accepted]
         for some, chance in believed:
             old = next((known for known in others if some.same(known.standing, view)), None)
+            here = old is None or old.id in in_view
             if old is None:
                 self.named += 1
                 old = Known(f"p{self.named}", some, chance, view.id)
-                kept.append(_aged(old, some, chance, there, view, here=True))
-            else:
-                others = [known for known in others if known is not old]
-                kept.append(_aged(old, some, chance, there, view, here=old.id in in_view))
-        outside = [replace(k, age=k.age + 1) for k in kept if k.last_seen != view.id]
-        self.known = sorted(
-            [*(k for k in kept if k.last_seen == view.id), *outside], key=lambda known: int(known.id[1:])
-        )
+            others = [known for known in others if known is not old]
+            kept.append(_aged(old, some, chance, there, view, here=here))
+        aged = [known if known.last_seen == view.id else replace(known, age=known.age + 1) for known in kept]
+        self.known = sorted(aged, key=lambda known: int(known.id[1:]))
 
 
 def _aged(old: Known, standing: Standing, chance: float, there: Sequence[Standing], view: View, *, here: bool) -> Known:
@@ -219,21 +212,6 @@ def _aged(old: Known, standing: Standing, chance: float, there: Sequence[Standin
     if names or here:
         return Known(old.id, standing, chance, view.id, 0, by_view)
     return replace(old, standing=standing, probability=chance, by_view=by_view)
-
-
-def _left(cycle: Cycle, seen: Seen) -> tuple[str, ...]:
-    """Ids of a view's data that no accepted hypothesis claims."""
-    taken = {i for belief in cycle.accepted for i in claims(belief)}
-    return tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
-
-
-def _awaited(posed: Hypothesis, others: Sequence[tuple[Known, Hypothesis]]) -> Mask:
-    """(F,) the features that are expected where all of Δp stands as it is remembered."""
-    hidden = np.zeros(len(posed.uv), bool)
-    for _, other in others:
-        if other is not posed and other.object_type.opaque:
-            hidden |= hidden_by(posed, other)
-    return posed.expected(hidden)
 
 
 def _told(known: Known, posed: Hypothesis, perceiver: Perceiver) -> ExpectedRow:
@@ -276,12 +254,12 @@ def constancy_of(panorama: Panorama, looks: Sequence[Look]) -> Constancy:
 
     The opaque objects of Δp hide what they hide in each (D4).
     """
-    views = [look.view for look in looks]
-    bodies = []
-    for known in panorama.known:
-        kind = known.standing.object_type
-        if kind.opaque and kind.surface is not None:
-            bodies.append(Body(kind.surface.rays, known.standing.world_from_object))
+    views, standing = [look.view for look in looks], [known.standing for known in panorama.known]
+    bodies = [
+        Body(surface.rays, some.world_from_object)
+        for some in standing
+        if some.object_type.opaque and (surface := some.object_type.surface) is not None
+    ]
     unexplained = {look.view.id: look.unexplained for look in looks}
     return unknown_objects(
         views, unexplained, panorama.perceiver.kb.rates, hiding(views, {view.id: bodies for view in views})

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Floats, Mask, frozen
+from geometry.arrays import Floats, frozen
 from geometry.errors import GeometryError
 from geometry.frames import inverse, is_rigid, transform_points
 from geometry.poses.refine_sights import Sight, refine_sights
@@ -107,15 +107,13 @@ def seen_beside(
         others = [j for j in range(first) if j != i and (i < first or not excludes(lone, alone[j]))]
         hidden = hidden_among(lone, [alone[j] for j in others])
         free = np.ones(len(seen.data.ids), bool)
-        for j in others:
-            if j < len(posed):
-                free[list(claims(posed[j]))] = False
-        posed.append(lone if free.all() and not hidden.any() else _settled(some, seen, kb, free, hidden))
+        free[[datum for j in others if j < len(posed) for datum in claims(posed[j])]] = False
+        posed.append(
+            lone
+            if free.all() and not hidden.any()
+            else some.index.settle(some.before(seen.view), seen.data, kb, free=free, hidden=hidden, rounds=0)
+        )
     return posed
-
-
-def _settled(standing: Standing, seen: Seen, kb: KnowledgeBase, free: Mask, hidden: Mask) -> Hypothesis:
-    return standing.index.settle(standing.before(seen.view), seen.data, kb, free=free, hidden=hidden, rounds=0)
 
 
 def refined(standing: Standing, posed: Sequence[Hypothesis], seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:
@@ -162,20 +160,14 @@ def sharpened(cycle: Cycle, left: Gamma, data: Data, right: Gamma, pair: Pair, p
             for some, mine in zip(standing, zip(*posed, strict=True), strict=True)
         ]
     final = _posed(standing, near, perceiver)
-    return replace(
-        cycle,
-        accepted=tuple(_judged(b, one, final, data, perceiver) for b, one in zip(cycle.accepted, final, strict=True)),
-    )
+    accepted = [
+        judged(one, data, kb, perceiver.dv, hidden_among(one, final)).told(status=belief.status, why=belief.why)
+        for belief, one in zip(cycle.accepted, final, strict=True)
+    ]
+    return replace(cycle, accepted=tuple(accepted))
 
 
 def _posed(standing: Sequence[Standing], seen: Seen, perceiver: Perceiver) -> list[Hypothesis]:
     """All of them in one image, beside each other."""
     alone = [seen_alone(some, seen, perceiver.kb) for some in standing]
     return seen_beside(standing, alone, len(standing), seen, perceiver.kb)
-
-
-def _judged(
-    belief: Hypothesis, posed: Hypothesis, others: Sequence[Hypothesis], data: Data, perceiver: Perceiver
-) -> Hypothesis:
-    again = judged(posed, data, perceiver.kb, perceiver.dv, hidden_among(posed, others))
-    return again.told(status=belief.status, why=belief.why)
