@@ -5,6 +5,9 @@ PYTHONS = python3.13 python3.12 python3.11 python3 python3.14
 # A name may be there and not run (pyenv's are), or be of another version, or lack what makes environments (Debian's python3-venv).
 FITS = import ensurepip, sys, venv; sys.exit(sys.implementation.name != "cpython" or not (3, 11) <= sys.version_info[:2] <= (3, 14))
 
+# Tests start many Pythons: what is imported is compiled once, though the environment may say otherwise.
+test quick: export PYTHONDONTWRITEBYTECODE =
+
 .PHONY: demo test quick lint bench clean ready
 
 demo: ready  ## the two towers: from a simulated camera's pixels to ranked worlds

@@ -1,4 +1,6 @@
-"""What is seen of a learned type at a pose, right or wrong, in the quantities of its likelihood: rows that ``learned_spreads.py`` makes figures of.
+"""What is seen of a learned type at a pose, right or wrong, in the quantities of its likelihood.
+
+Rows that ``learned_spreads.py`` makes figures of.
 
 At a right pose that is what the expected features were matched with, of which a few are there by chance; at a wrong one
 *clutter*: all around their places that looks as right, as the likelihood counts it. And what becomes of the poses that
@@ -50,7 +52,10 @@ one."""
 
 @dataclass
 class Seen:
-    """What was seen at poses of one kind, a piece a pose: under each name columns (C, N), which the functions below name."""
+    """What was seen at poses of one kind, a piece a pose.
+
+    Under each name columns (C, N), which the functions below name.
+    """
 
     poses: int = 0
     rows: dict[str, list[Floats]] = field(default_factory=lambda: defaultdict(list))
@@ -79,7 +84,10 @@ def look(seen: Seen, index: LearnedIndex, pose: Floats, data: Data, kb: Knowledg
 def _off(
     index: LearnedIndex, posed: Hypothesis, data: Data, lobe: NDArray[np.intp], datum: NDArray[np.intp]
 ) -> tuple[Floats, Floats]:
-    """(N,) radians, and logarithm of a ratio of sizes, by which keypoints differ from what the pose makes of appearances."""
+    """(7, N) ``turned, colours, contrast, mean, varied, usual, fit`` of sides of edges, matched or around.
+
+    They face about right and have any colours.
+    """
     at = posed.at[index.cloud.feature[lobe]]
     grown = np.log(index.cloud.size[lobe] * data.camera.f / np.maximum(at[:, 2], 1e-6) / data.scale[datum])
     turn = screen_angle(index.cloud.up[lobe] @ posed.camera_from_object[:3, :3].T, at)
@@ -87,7 +95,10 @@ def _off(
 
 
 def _near(uv: Floats, which: NDArray[np.bool_], data: Data, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """All pairs of a place (Q, 2), pixels, and a datum of ``which`` (A,), at most ``reach`` pixels apart: indices of places and of data."""
+    """All pairs of a place (Q, 2), pixels, and a datum of ``which`` (A,), at most ``reach`` pixels apart.
+
+    Indices of places and of data.
+    """
     datum = np.flatnonzero(which)
     pairs = cKDTree(uv.reshape(-1, 2)).sparse_distance_matrix(cKDTree(data.uv[datum]), reach, output_type="coo_matrix")
     return pairs.row, datum[pairs.col]
@@ -117,7 +128,9 @@ def _chance(index: LearnedIndex, posed: Hypothesis, data: Data, kb: KnowledgeBas
 
 
 def _sides(index: LearnedIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase, *, true: bool) -> Floats:
-    """(7, N) ``turned, colours, contrast, mean, varied, usual, fit`` of sides of edges that face about right, matched or around, of any colours.
+    """(7, N) ``turned, colours, contrast, mean, varied, usual, fit`` of sides of edges, matched or around.
+
+    They face about right and have any colours.
 
     ``mean`` and ``varied`` are the contrast of the appearance and its standard deviation, ``usual`` the density of the
     one seen among the image's edges, ``fit`` what ``looks_fit`` makes of it all; of several appearances of a match the
@@ -155,7 +168,9 @@ def _gain(posed: Hypothesis, data: Data, kb: KnowledgeBase) -> Floats:
 
 
 def _linked(posed: Hypothesis, kb: KnowledgeBase, *, true: bool) -> Floats:
-    """(8, 1) of pairs of expected features, of keypoints and then with a side: Σ closeness · deviations, Σ closeness², Σ far, number far.
+    """(8, 1) of pairs of expected features, of keypoints and then with a side.
+
+    Σ closeness · deviations, Σ closeness², Σ far, number far.
 
     Closeness, up to 1, is as in ``crowding``; deviations are by how much each was found more than it should be, in its
     standard deviations: by the rates at a right pose, at a wrong one by the share of its kind that was found there.
@@ -179,7 +194,10 @@ def _linked(posed: Hypothesis, kb: KnowledgeBase, *, true: bool) -> Floats:
 
 
 def _closeness(uv: Floats, turn: Floats, one: NDArray[np.intp], other: NDArray[np.intp]) -> Floats:
-    """(N,) in (0, 1] of pairs of features at uv (F, 2) pixels, across whose edges is turn (F,): what ``crowding.shares`` has before ``LINKED``."""
+    """(N,) in (0, 1] of pairs of features at uv (F, 2) pixels, with turn (F,) across their edges.
+
+    ``crowding.shares`` has it before ``LINKED``.
+    """
     apart, bent = uv[other] - uv[one], (turn[other] - turn[one] + np.pi / 2) % np.pi - np.pi / 2
     mean, square = turn[one] + bent / 2.0, (apart**2).sum(axis=1)
     across = apart[:, 0] * np.cos(mean) + apart[:, 1] * np.sin(mean)
@@ -188,7 +206,9 @@ def _closeness(uv: Floats, turn: Floats, one: NDArray[np.intp], other: NDArray[n
 
 
 def worths(index: LearnedIndex, data: Data, kb: KnowledgeBase, truths: Sequence[Truth]) -> Iterator[tuple[bool, float]]:
-    """Poses of a type as ``generate`` comes to them before it settles them, none given up for its worth: whether each is right, and its worth.
+    """Poses of a type as ``generate`` comes to them before it settles them, none given up for its worth.
+
+    Whether each is right, and its worth.
 
     Of each true object the best right one; all of a type that is not in the scene are wrong.
     """

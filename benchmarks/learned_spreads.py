@@ -1,4 +1,6 @@
-"""Measure what is right and what is clutter in scenes: what the constants of a learned type's likelihood stand on, each beside its figure.
+"""Measure what is right and what is clutter in scenes.
+
+What the constants of a learned type's likelihood stand on, each beside its figure.
 
 Run as ``python benchmarks/learned_spreads.py KB [--seeds FIRST..LAST]``, KB being a folder with the types of ``plogic
 bench recognition``, learned. The scenes are of its kind; their numbers are 5000 and more, for those below are the
@@ -29,7 +31,7 @@ from plogic.measures import crowding
 from plogic.run.perceive import Perceiver
 from sensing.detectors.detector import detect
 from sensing.files.images import read_image
-from sensing.simulated.meshes import read_mesh
+from sensing.simulated.body import read_mesh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -109,7 +111,7 @@ def shown(kb: KnowledgeBase, first: int, last: int) -> Iterator[Case]:
 
 
 def aside(index: LearnedIndex, truth: Truth, case: Case, rng: np.random.Generator) -> list[Floats]:
-    """Wrong poses (4, 4): as far away as it is, turned in the image, where nothing of the type is nearer than its own diameter."""
+    """Wrong poses (4, 4), as far away, turned in the image, where nothing of the type is nearer than its diameter."""
     camera, z = case.camera, truth.camera_from_object[2, 3]
     there = np.array(
         [transform_points(t.camera_from_object, index.centre[None])[0] for t in case.truths if t.type == truth.type]
@@ -131,7 +133,9 @@ def aside(index: LearnedIndex, truth: Truth, case: Case, rng: np.random.Generato
 
 
 def fitted(own: Callable[[float], Floats], other: Floats, now: float, wild: float) -> tuple[float, float, float]:
-    """Of N values the likeliest spread, the likeliest share of them that is as ``other`` (N,), and nats a value that ``now`` and ``wild`` lose.
+    """Of N values the likeliest spread and the likeliest share of them that is as ``other`` (N,).
+
+    And nats a value that ``now`` and ``wild`` lose.
 
     ``own``: spread to densities (N,). NaN where there are too few.
     """
@@ -230,7 +234,10 @@ def power(shares: Floats) -> float:
 
 
 def gain_lines(name: str, right: Seen, wrong: Seen) -> list[str]:
-    """What features say by all of these constants together: the mean of a likelihood ratio over clutter is 1, if the model of clutter is right."""
+    """What features say by all of these constants together.
+
+    The mean of a likelihood ratio over clutter is 1, if the model of clutter is right.
+    """
     mine, its = right.of(name)[0], wrong.of(name)[0]
     mean = float(np.exp(np.minimum(its, SURPRISE)).mean())
     return [

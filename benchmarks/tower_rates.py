@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.towers.bench import PLAN, scene_of
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.expectation import hidden_by, matched, pose_of
-from plogic.measures.valuation import compatible
+from plogic.measures.distinctiveness import compatible
 from plogic.run.sources import kb_of
 from sensing.detectors.detector import detect
 

@@ -1,7 +1,9 @@
 """The floors and rooms of the code and what imports what at run time: read from the source, drawn, and listed.
 
-A *room* is a package (a folder with ``__init__.py``), or ``cli``. A *floor* is a top-level package, or a package of ``plogic``, with the rooms in it.
-A *run-time import* is any import but those for the type checker alone, at the top of a file or in a function, and any module named in a string.
+A *room* is a package (a folder with ``__init__.py``), or ``cli``. A *floor* is a top-level package, or a package of
+``plogic``, with the rooms in it.
+A *run-time import* is any import but those for the type checker alone, at the top of a file or in a function, and any
+module named in a string.
 """
 # ruff: noqa: INP001 - a script, no package
 
@@ -49,7 +51,7 @@ Imports inside functions count; imports for the type checker alone do not. In th
 and an arrow that follows from others is left out. The table has the highest floor first."""
 
 
-# -- the imports, read from the source -----------------------------------------------------------------------------------
+# -- the imports, read from the source ---------------------------------------------------------------------------------
 
 
 @cache
@@ -126,7 +128,7 @@ def idea(room: str) -> str:
     return " ".join(text.partition("\n\n")[0].split()).rstrip(".")
 
 
-# -- the page ------------------------------------------------------------------------------------------------------------
+# -- the page ----------------------------------------------------------------------------------------------------------
 
 
 def page() -> str:
@@ -159,10 +161,11 @@ def _short(room: str) -> str:
     return room.rpartition(".")[2]
 
 
-# -- the drawing ---------------------------------------------------------------------------------------------------------
+# -- the drawing -------------------------------------------------------------------------------------------------------
 
 LEFT, BOX, GAP, HIGH, ROW, LANE = 110, 116, 44, 30, 78, 7
-"""Pixels: the column of floors' names, a box's width, the gap between boxes, a box's height, a row's height, and between two lines in one gap."""
+"""Pixels: the column of floors' names, a box's width, the gap between boxes, a box's height, a row's height, and
+between two lines in one gap."""
 PALETTE = ("#1b6ca8", "#b5541c", "#2f7d32", "#8e3a8e", "#a3262a", "#4d5b9e", "#7a6a12", "#11777c")
 Point = tuple[float, float]
 Edge = tuple[str, str]
@@ -225,7 +228,10 @@ def _box(room: str, place: dict[str, tuple[int, int]], count: int) -> str:
 
 
 def _routes(graph: nx.DiGraph, rows: list[list[str]], place: dict[str, tuple[int, int]]) -> dict[Edge, list[Point]]:
-    """The points of each arrow: it leaves a box below, passes the rows between in gaps, and enters a box from above; within a row it goes left."""
+    """The points of each arrow: it leaves a box below, passes the rows between in gaps, and enters a box from above.
+
+    Within a row it goes left.
+    """
     count = len(rows)
     routes = {
         (room, other): _within(place[room][1], place[other][1], _top(place[room][0], count))
@@ -258,7 +264,10 @@ def _ports(edges: list[Edge], place: dict[str, tuple[int, int]]) -> dict[Edge, P
 
 
 def _lanes(passing: dict[Edge, Point], boxes: int) -> dict[Edge, float]:
-    """Where each arrow passes a row, in x: in the gap nearest to its way that still has room; the last gap is as wide as need be."""
+    """Where each arrow passes a row, in x: in the gap nearest to its way that still has room.
+
+    The last gap is as wide as need be.
+    """
     wanted = sorted(passing, key=lambda edge: (sum(passing[edge]), edge))
     gaps: list[list[Edge]] = [[] for _ in range(boxes)]
     for edge in wanted:

@@ -78,7 +78,10 @@ def helps(
 
 
 def guides(texts: list[str]) -> list[str]:
-    """These pages with what their commands print now; they run one after the other, in an empty folder that has the examples in it."""
+    """These pages with what their commands print now.
+
+    They run one after the other, in an empty folder that has the examples in it.
+    """
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "examples").symlink_to(ROOT / "examples")
         return [BLOCK.sub(lambda found: _session(found[0], Path(folder)), text) for text in texts]
@@ -106,7 +109,7 @@ def _printed(command: str, folder: Path) -> str:
 
 
 def occlusion(bench: Path) -> None:
-    """Write docs/occlusion.md and the composition table beside it, from what ``plogic bench occlusion --json`` printed."""
+    """The ``gamma/1`` document: features in a lobe and not behind the box, moved by noise, ordered by place."""
     from benchmarks.occlusion import page as of_occlusion
     from benchmarks.occlusion.bench import MOTIONS
     from benchmarks.occlusion.neighbours import MOVED

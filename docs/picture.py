@@ -1,4 +1,7 @@
-"""``python docs/picture.py out/demo/picture.png docs/demo.png``: the demo's picture, small enough for a README (a palette PNG)."""
+"""``python docs/picture.py out/demo/picture.png docs/demo.png``.
+
+The demo's picture, small enough for a README (a palette PNG).
+"""
 # ruff: noqa: INP001 - a script, no package
 
 from __future__ import annotations

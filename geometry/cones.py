@@ -1,14 +1,9 @@
 """Cones of directions: an even sample of all of them, and the least cone round some."""
 
-from __future__ import annotations
-
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 GRAIN = 1e-9
 

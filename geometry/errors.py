@@ -9,13 +9,8 @@ Every other package derives its errors from `PlogicError`. A message states the 
 Many mistakes as one text: as many of them as somebody reads.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
+from collections.abc import Sequence
+from pathlib import Path
 
 MOST = 100
 """Mistakes that are told one by one."""

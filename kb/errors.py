@@ -11,15 +11,10 @@
         └── KBErrors            a folder's mistakes, all of them; str() gives a line each, of the first 100
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from geometry.errors import PlogicError, told
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 
 class KBError(PlogicError):

@@ -9,17 +9,12 @@ Vocabulary, each with an example value:
 Outlines are not in Γ, and nothing here knows an object type.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
+from geometry.camera import Camera
 
 
 @dataclass(frozen=True)
@@ -68,7 +63,7 @@ class Gamma:
         """(N, 2) places in pixels, in the order of ``appearances``; (0, 2) for an empty Γ."""
         return np.array([a.uv for a in self.appearances], dtype=np.float64).reshape(-1, 2)
 
-    def in_order(self) -> Gamma:
+    def in_order(self) -> "Gamma":
         """The same set, in one order however it is told: by ids, a2 before a10.
 
         Of data that are equal in all else the first is taken.

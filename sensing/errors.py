@@ -13,14 +13,9 @@
 Messages state the place, the rule and the value. Only the command line turns one into an exit code.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from geometry.errors import PlogicError, told
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 
 class SensingError(PlogicError):

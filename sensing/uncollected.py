@@ -1,13 +1,8 @@
 """Many records made at once, without the garbage collector: it would go through all that the process holds again and again."""
 
-from __future__ import annotations
-
 import gc
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @contextmanager

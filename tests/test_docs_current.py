@@ -1,4 +1,7 @@
-"""What the documents say is what the program says: commands, vocabulary, the README's outputs and its knowledge base."""
+"""What the documents say is what the program says.
+
+Commands, vocabulary, the README's outputs and its knowledge base.
+"""
 
 import importlib.util
 import math

@@ -1,4 +1,7 @@
-"""The shipped KB `first` and its Γ: what the README tells a newcomer to do works, and comes to the truth that the Γ was made from."""
+"""The shipped KB `first` and its Γ.
+
+What the README tells a newcomer to do works, and comes to the truth that the Γ was made from.
+"""
 
 import json
 import runpy

@@ -12,7 +12,8 @@ from architecture import FLOORS, PACKAGES, ROOT, drawing, floor_of, imports, mod
 FEWEST_IMPORTS = 1000
 """Fewer would mean that the files have not been read."""
 NAMES_ONLY = frozenset({"kb.errors"})
-"""The modules of the KB that ``sensing`` may import: type names come as plain strings, so that no more is ever needed."""
+"""The modules of the KB that ``sensing`` may import: type names come as plain strings, so that no more is ever
+needed."""
 MOST_ROOMS, MOST_FILES, MOST_LINES = 6, 25, 400
 
 

@@ -1,4 +1,7 @@
-"""The documents name real things: docs/paper-map.md (every item, its modules and its tests), docs/glossary.md, docs/how-it-works.md."""
+"""The documents name real things.
+
+Docs/paper-map.md (every item, its modules and its tests), docs/glossary.md, docs/how-it-works.md.
+"""
 
 import re
 from pathlib import Path

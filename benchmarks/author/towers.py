@@ -163,7 +163,10 @@ def _object_lines(tower: Tower) -> Iterator[str]:
 
 
 def _vertex_lines(tower: Tower, vertex: int, origin: Floats) -> Iterator[str]:
-    """A corner or apex: its regions' cones, and wide lobes, for a detector loses arms and texture adds some: any kind turns up anywhere."""
+    """A corner or apex: its regions' cones, and wide lobes, for a detector loses arms and texture adds some.
+
+    Any kind turns up anywhere.
+    """
     name, surface, at = tower.names[vertex], tower.surface, tower.vertices[vertex]
     edges = arms(surface, vertex)
     yield f"      - feature: {name}"

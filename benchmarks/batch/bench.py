@@ -1,4 +1,4 @@
-"""``plogic bench batch``: a thousand frames one at a time, by two processes, by a Dask cluster, and by a run that is killed and resumed.
+"""``plogic bench batch``: a thousand frames one at a time, by two processes, by a Dask cluster, and killed and resumed.
 
 The interpretations must be the same bytes as those of ``plogic perceive``, and two processes must be nearly twice as
 fast as one.
@@ -173,7 +173,7 @@ def _done(folder: Path, name: str, out: str, clocks: Clocks, say: Say) -> Done:
 
 
 def differing(alone: Sequence[bytes], lines: Sequence[bytes]) -> int:
-    """Lines that do not hold the very bytes of the interpretation that ``plogic perceive`` wrote, and lines too many or too few."""
+    """Lines that differ from the interpretation that ``plogic perceive`` wrote, and lines too many or too few."""
     ends = (b'"interpretation":' + text.removesuffix(b"\n") + b"}\n" for text in alone)
     return abs(len(alone) - len(lines)) + sum(not line.endswith(end) for end, line in zip(ends, lines, strict=False))
 

@@ -1,4 +1,7 @@
-"""A Dask cluster on this machine for the time of a test: a scheduler and workers of one thread, each a process of its own."""
+"""A Dask cluster on this machine for the time of a test.
+
+A scheduler and workers of one thread, each a process of its own.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The frames of ``plogic bench batch``: Γ of one tower among clutter, written to a folder, and now and then a rendered picture."""
+"""The frames of ``plogic bench batch``.
+
+Γ of one tower among clutter, written to a folder, and now and then a rendered picture.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""``plogic bench calibration``: whether probabilities mean what they say, of the posterior reading and of P(ev), side by side.
+"""``plogic bench calibration``.
+
+Whether probabilities mean what they say, of the posterior reading and of P(ev), side by side.
 
 Rates are learned on some scenes as ``plogic kb learn-rates`` learns them, and what perception then says is compared
 with the truth on others. ``--quick``: fewer scenes, which promise fewer hypotheses. ``--picture FILE``: the reliability
@@ -74,7 +76,7 @@ def forecasts(world: World, seed: int, plan: Plan, say: Callable[[str], None]) -
 
 
 def learned_on(world: World, seeds: range) -> KnowledgeBase:
-    """Σ with hit rates, clutter and priors from the scenes of these seeds, by what ``plogic kb learn-rates`` learns them with."""
+    """Σ with hit rates, clutter and priors that ``plogic kb learn-rates`` learns from the scenes of these seeds."""
     from plogic.match.gamma.data import data_of
     from plogic.rates.estimates import counted, learned
     from plogic.rates.scene_records import record_in

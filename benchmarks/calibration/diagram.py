@@ -1,4 +1,6 @@
-"""A reliability diagram as plain SVG: what was forecast against what came true, a panel a forecaster, on light and on dark pages.
+"""A reliability diagram as plain SVG.
+
+What was forecast against what came true, a panel a forecaster, on light and on dark pages.
 
 Vocabulary: ``Panel("posterior", "ECE 0.02", p, y)``, one forecaster's forecasts (N,) and what came of them (N,).
 

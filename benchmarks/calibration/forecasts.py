@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.calibration.truth import true_ones
+from plogic.base.clock import Stopwatch
 from plogic.base.errors import InconsistentError
-from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.delta import Delta, Options, delta_of
 from plogic.cycle.state import Cycle, Trace
 from plogic.match.gamma.data import data_of

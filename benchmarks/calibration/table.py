@@ -1,4 +1,7 @@
-"""What ``plogic bench calibration`` prints and draws: a row a reading and a set of hypotheses, the claims, and the picture."""
+"""What ``plogic bench calibration`` prints and draws.
+
+A row a reading and a set of hypotheses, the claims, and the picture.
+"""
 
 from __future__ import annotations
 

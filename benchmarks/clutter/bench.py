@@ -1,4 +1,4 @@
-"""``plogic bench clutter``: one object of a hundred types, or of a thousand, among a thousand appearances, beside peers in the same run.
+"""``plogic bench clutter``: one object of up to a thousand types among a thousand appearances, beside peers.
 
 A third of the trials are of types made of what was learned from the YCB meshes; where these are not there those trials
 are left out, and the table says so. ``--quick``: ten trials a row, peers asked in three of them, one row less.
@@ -171,7 +171,10 @@ def series_of(case: Case, learned: KnowledgeBase | None, seed: int) -> Series:
 def answered(
     series: Series, perceiver: Perceiver, which: tuple[int, int], peers: Sequence[Peer], seconds: float
 ) -> list[Outcome]:
-    """The trial of ``which`` seed and number: ours first, then who was told, then the peers, who may take so many seconds, on the same Γ."""
+    """The trial of ``which`` seed and number.
+
+    Ours first, then who was told, then the peers, who may take so many seconds, on the same Γ.
+    """
     posed = series.trial(*which)
     asked: dict[str, Callable[[], list[Found]]] = {TOLD: lambda: told(series.kb, posed)}
     for peer in peers:
@@ -192,7 +195,7 @@ def answered(
 
 def ours(perceiver: Perceiver, gamma: Gamma) -> tuple[list[Found], list[Found]]:
     """What we accept, and what else we thought of, each the best first."""
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from plogic.cycle.delta import Options
 
     delta, rejected, _ = perceiver.delta(gamma, Options(reading="posterior"), Stopwatch())

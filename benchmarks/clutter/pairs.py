@@ -1,4 +1,7 @@
-"""Typed correspondences of all types, which all peers of ``plogic bench clutter`` start from: every feature with every datum that looks like it."""
+"""Typed correspondences of all types, which all peers of ``plogic bench clutter`` start from.
+
+Every feature with every datum that looks like it.
+"""
 
 from __future__ import annotations
 

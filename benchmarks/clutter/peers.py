@@ -1,4 +1,6 @@
-"""The peers of ``plogic bench clutter``: others' ways to find one object among typed appearances, each a function of the same shape.
+"""The peers of ``plogic bench clutter``.
+
+Others' ways to find one object among typed appearances, each a function of the same shape.
 
 * ``Peer``: ``Peer("poselib", "poselib", lo_ransac)``; ``PEERS`` are all, and who comes later is one more line there
 """

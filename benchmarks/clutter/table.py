@@ -94,7 +94,10 @@ def share(values: Iterable[bool]) -> float:
 
 
 def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
-    """The issue's bars of our side: those of right answers and of time for the fewest types, of the growth of time for more types."""
+    """The issue's bars of our side.
+
+    Those of right answers and of time for the fewest types, of the growth of time for more types.
+    """
     mine = [o for o in outcomes if o.who == OURS]
     cases = list(dict.fromkeys(o.case for o in mine))
     listed = [claim for case in cases for claim in _of_case(case, mine)]

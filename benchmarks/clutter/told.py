@@ -1,4 +1,6 @@
-"""The ceiling of ``plogic bench clutter``: what somebody makes of a trial who is told the type, and whose each datum is.
+"""The ceiling of ``plogic bench clutter``.
+
+What somebody makes of a trial who is told the type, and whose each datum is.
 
 What he cannot tell, nobody can: the places and angles of so few data at so much noise leave the pose open.
 """

@@ -1,4 +1,6 @@
-"""The types of ``plogic bench clutter``: random clouds on convex bodies, and clouds made of what was learned from meshes.
+"""The types of ``plogic bench clutter``.
+
+Random clouds on convex bodies, and clouds made of what was learned from meshes.
 
 * ``Detector``: how well features are seen, ``Detector("easy", hit=0.6, sigma=1.0, turn=0.087)``
 
@@ -16,8 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
-from kb.clouds.lobes import Lobe
-from kb.clouds.tree import Branch, build_tree, features_of
+from kb.clouds.lobes import Branch, Lobe, build_tree, features_of
 from kb.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ def type_names(count: int) -> tuple[str, ...]:
 def knowledge_base(
     types: Sequence[ObjectType], names: tuple[str, ...], detector: Detector, appearances: int = APPEARANCES
 ) -> KnowledgeBase:
-    """Σ of these types for images of so many appearances, with the statistics of the detector, as they would be learned from such images."""
+    """Σ of these types for images of so many appearances, with the detector's statistics learned from such images."""
     rates = Rates(
         hit=dict.fromkeys(names, detector.hit),
         clutter=dict.fromkeys(names, appearances / len(names)),
@@ -103,7 +104,9 @@ def knowledge_base(
 def learned_types(
     kb: KnowledgeBase, features: int, appearance_types: int, least: float = LEAST_HALF_ANGLE
 ) -> tuple[ObjectType, ...]:
-    """Of each learned type one like a type written by hand, of up to ``features`` of its keypoints: the surest, spread over the directions of view.
+    """Of each learned type one like a type written by hand, of up to ``features`` of its keypoints.
+
+    The surest, spread over the directions of view.
 
     A feature's z axis is the lobe's, its x axis the keypoint's direction; its appearance type is that of its visual
     word, modulo their number.
@@ -172,7 +175,7 @@ def _frame(z: Floats, towards: Floats) -> Floats:
 def made(
     name: str, surface: Surface | None, at: Floats, frames: Floats, looks: Sequence[str], half_angle: Floats
 ) -> ObjectType:
-    """A type of N features: places (N, 3), object_from_feature (N, 3, 3), appearance types, half angles (N,) of the lobes.
+    """A type of N features: places (N, 3), object_from_feature (N, 3, 3), appearance types, half angles (N,) of lobes.
 
     What a feature looks like is its own type as well.
     """

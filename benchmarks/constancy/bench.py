@@ -33,7 +33,10 @@ SEQUENCES, QUICK_SEQUENCES = 40, 4
 
 
 class Seen(NamedTuple):
-    """A sequence, and what the engine made of each view: the ids of what it left unexplained, and the bodies that it accepted."""
+    """A sequence, and what the engine made of each view.
+
+    The ids of what it left unexplained, and the bodies that it accepted.
+    """
 
     sequence: Sequence
     unexplained: Mapping[str, tuple[str, ...]]

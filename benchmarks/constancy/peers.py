@@ -1,4 +1,6 @@
-"""A peer of ``plogic bench constancy``: plain two-view epipolar matching, as one would write it who only has pairs of images.
+"""A peer of ``plogic bench constancy``.
+
+Plain two-view epipolar matching, as one would write it who only has pairs of images.
 
 Data of one type, each the other's nearest to its epipolar line, nearer than three standard deviations, with a place in
 front of both cameras: physical. All the rest is noise. Of more views, each is matched with the next one.

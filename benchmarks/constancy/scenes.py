@@ -1,4 +1,6 @@
-"""The sequences of ``plogic bench constancy``: known and unknown bodies on a table, clutter, and a camera that moves on a ring round them.
+"""The sequences of ``plogic bench constancy``.
+
+Known and unknown bodies on a table, clutter, and a camera that moves on a ring round them.
 
 * ``Sequence``: its views, what they show, and which datum is of which feature of whom
 
@@ -129,7 +131,10 @@ def _placed(kinds: list[ObjectType], rng: np.random.Generator) -> list[_Standing
 
 
 def _ring(count: int, rng: np.random.Generator) -> list[Floats]:
-    """world_from_camera (4, 4) of each view: on from the last, always the same way round, looking at about the middle."""
+    """world_from_camera (4, 4) of each view.
+
+    On from the last, always the same way round, looking at about the middle.
+    """
     radius, height = rng.uniform(*RING), rng.uniform(*HEIGHT)
     around = rng.uniform(0.0, 2.0 * np.pi)
     frames = []

@@ -1,4 +1,6 @@
-"""Families of situations to measure with: deterministic by seed, as many hypotheses as asked, numbers as real scenes have them.
+"""Families of situations to measure with.
+
+Deterministic by seed, as many hypotheses as asked, numbers as real scenes have them.
 
 Every hypothesis has eight candidate features; there are two appearances a hypothesis. Rates are those of the knowledge
 base ``towers``. ``clusters``: what hangs together is small, but conflicts in every way. ``grid``: everything hangs
@@ -54,7 +56,7 @@ class _Draft:
     def feature(
         self, h: str, match: str | None, *, good: bool = True, candidate: bool = True, hidden_by: Iterable[str] = ()
     ) -> None:
-        """One more feature: a match of a right hypothesis lies within the noise, of a wrong one anywhere within the tolerance."""
+        """Return the ids of the appearances that nothing accepted causes in the most probable world, in Γ's order."""
         kind, hit, dv = self.random.choices(KINDS, weights=(1, 4, 4))[0]
         residual = None if match is None else self._residual(good=good)
         self.features[h].append(
@@ -123,7 +125,10 @@ def cluster_sizes(number: int, random: Random) -> list[int]:
 
 
 def clusters(number: int, seed: int, reading: Reading = "posterior") -> Situation:
-    """Local clusters of 3 to 6 hypotheses: rivals for one instance, A4, shared appearances, and who stands before hides who stands behind."""
+    """Local clusters of 3 to 6 hypotheses.
+
+    Rivals for one instance, A4, shared appearances, and who stands before hides who stands behind.
+    """
     draft = _Draft(_random(f"clusters {number} {seed}"))
     first = 1
     for size in cluster_sizes(number, draft.random):

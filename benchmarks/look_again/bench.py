@@ -1,4 +1,6 @@
-"""``plogic bench look-again``: how many views until the true world is probable, for the next view by what it would tell, and for others.
+"""``plogic bench look-again``.
+
+How many views until the true world is probable, for the next view by what it would tell, and for others.
 
 Every policy goes to places of the same ring, sees the same there, and judges all views together. ``--quick``: few
 scenes, which promise means alone.
@@ -45,7 +47,7 @@ def run(
 
 
 def counted(seed: int, scenes: int, say: Callable[[str], None]) -> list[Counted]:
-    """So many scenes of which the first view leaves the true world less probable than ``SURE``, and the views that each policy needs."""
+    """So many scenes whose first view leaves the true world less probable than ``SURE``, and views per policy."""
     from plogic.run.perceive import Perceiver
 
     kb = look_alikes(seed)

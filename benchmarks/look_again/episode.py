@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.clutter.scenes import CAMERA
 from benchmarks.look_again.from_views import prospect_of_views
 from geometry.frames import inverse, pose_error
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.match.gamma.data import data_of
 from plogic.scene.worlds.ranked_worlds import ranked_worlds

@@ -1,4 +1,6 @@
-"""The scenes of ``plogic bench look-again``: what would tell the worlds apart is turned away from the first view, or something stands before it.
+"""The scenes of ``plogic bench look-again``.
+
+What would tell the worlds apart is turned away from the first view, or something stands before it.
 
 * ``Scene``: what stands where in the world, where the camera is first, and what it would report from anywhere
 

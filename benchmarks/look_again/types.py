@@ -1,4 +1,6 @@
-"""The types of ``plogic bench look-again``: boxes that a first look often cannot tell apart, or of which it cannot tell which way they stand.
+"""The types of ``plogic bench look-again``.
+
+Boxes that a first look often cannot tell apart, or of which it cannot tell which way they stand.
 
 * *twins*: two types of one body that look the same but for a mark low on one side
 * *turned*: one type that looks the same when it is turned by half, but for a mark low on one side

@@ -1,4 +1,6 @@
-"""How the objects of ``plogic bench many`` are placed: none shares volume with another, and of many of them others hide a good part.
+"""How the objects of ``plogic bench many`` are placed.
+
+None shares volume with another, and of many of them others hide a good part.
 
 * ``Placed``: a type where it stands, with its depth on a coarse grid of pixels
 """

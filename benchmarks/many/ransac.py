@@ -1,4 +1,6 @@
-"""The peer of ``plogic bench many``: poselib's LO-RANSAC on the typed correspondences of every type, the most inliers first, data used once.
+"""The peer of ``plogic bench many``.
+
+Poselib's LO-RANSAC on the typed correspondences of every type, the most inliers first, data used once.
 
 It gets its best: pairs that share a feature or a datum counted once, the tolerance of the KB, a type asked again when
 another took data of its best pose, and the least number of inliers that is best over all scenes, chosen with the truth

@@ -1,4 +1,6 @@
-"""The scenes of ``plogic bench many``: Γ of five to ten objects, partly one behind another, among clutter, with its truth.
+"""The scenes of ``plogic bench many``.
+
+Γ of five to ten objects, partly one behind another, among clutter, with its truth.
 
 * ``Scene``: one Γ, what stands there, and which datum is of which feature of whom
 """

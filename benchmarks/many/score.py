@@ -1,4 +1,6 @@
-"""Scoring of ``plogic bench many``, pure: which accepted objects stand right, who was missed, how far bodies reach into each other.
+"""Scoring of ``plogic bench many``, pure.
+
+Which accepted objects stand right, who was missed, how far bodies reach into each other.
 
 * ``Verdict``: what one side made of one scene
 
@@ -35,7 +37,10 @@ IN_VIEW = 0.4
 
 @dataclass(frozen=True)
 class Seen:
-    """An object that must be found: its type, how much of it shows, and by how many radians the one that stands for it is turned, None for nobody."""
+    """An object that must be found.
+
+    Its type, how much of it shows, and by how many radians the one that stands for it is turned, None for nobody.
+    """
 
     type: str
     fraction: float

@@ -87,7 +87,10 @@ def frequencies(kb: KnowledgeBase) -> Floats:
 
 
 def polyhedron(name: str, names: Sequence[str], rng: np.random.Generator) -> ObjectType:
-    """A random convex polyhedron: a feature at each corner, the others patches on its faces, more on the larger ones."""
+    """A random convex polyhedron.
+
+    A feature at each corner, the others patches on its faces, more on the larger ones.
+    """
     surface = random_polyhedron(rng)
     corners = surface.vertices
     at, normal = scattered(surface, FEATURES - len(corners), rng)
@@ -148,7 +151,7 @@ def _part(kind: ObjectType, first: int) -> ObjectType:
 
 
 def reprinted(kind: ObjectType, suffix: str, names: Sequence[str], rng: np.random.Generator) -> ObjectType:
-    """A new print: the second ``FEATURES`` features where there are so many, looks exchanged, each turned about its lobe's axis."""
+    """A new print: the second ``FEATURES`` features, if so many, exchanged looks, each turned about its lobe's axis."""
     part = _part(kind, FEATURES if len(kind.features) >= 2 * FEATURES else 0)
     other = dict(zip(names, rng.permutation(names).tolist(), strict=True))
     frames = body_frames(np.array([f.rotation[:, 2] for f in part.features]), rng)

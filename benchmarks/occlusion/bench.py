@@ -1,4 +1,6 @@
-"""``plogic bench occlusion``: ROC-20 over random posed pairs: exactly one, converse, against dense rays, each of the twenty; and its tables.
+"""``plogic bench occlusion``: ROC-20 over random posed pairs.
+
+Exactly one, converse, against dense rays, each of the twenty; and its tables.
 
 Every pair is asked both ways, and told by the rays of ``benchmarks.occlusion.oracle``; where its making decides the
 relation, by that.
@@ -103,7 +105,10 @@ def judge(pair: Pair) -> Judged:
 
 
 def composed(seed: int, *, quick: bool) -> dict[str, Any]:
-    """The bounds of the composition table: triples that no model excludes, that bodies were found for, and whose bodies were built and asked."""
+    """The bounds of the composition table.
+
+    Triples that no model excludes, that bodies were found for, and whose bodies were built and asked.
+    """
     upper = possible_triples()
     found = arrangements(np.random.default_rng(seed), QUICK_ARRANGED if quick else ARRANGED)
     lower = triples(found)

@@ -107,7 +107,10 @@ def prism(shape: Any, height: float) -> Body:  # noqa: ANN401 - shapely ships no
 
 
 def stack_surface(blocks: NDArray[np.bool_], across: Floats, down: Floats, depth: Floats) -> PosedSurface:
-    """The surface of a stack's body (U, V, L), camera frame: the grid's lines in pixels (U + 1,), (V + 1,), its layers' ends in m (L + 1,)."""
+    """The surface of a stack's body (U, V, L), camera frame.
+
+    The grid's lines in pixels (U + 1,), (V + 1,), its layers' ends in m (L + 1,).
+    """
     padded = np.pad(blocks, 1)
     quads = []
     for step, corners in _FACES:

@@ -158,7 +158,10 @@ def _nested(rng: np.random.Generator) -> Pair:
 
 
 def _equal(rng: np.random.Generator) -> Pair:
-    """A body, and the same with each corner moved along its line of sight: by one factor, or by one that changes across the image."""
+    """A body, and the same with each corner moved along its line of sight.
+
+    By one factor, or by one that changes across the image.
+    """
     one = _pick(rng, _convex() + _concave())
     points = transform_points(_pose(rng), one.vertices)
     if rng.random() < 0.6:

@@ -1,4 +1,6 @@
-"""Connected bodies of blocks that stand in rows along the lines of sight: their occlusion relations can be read off exactly.
+"""Connected bodies of blocks that stand in rows along the lines of sight.
+
+Their occlusion relations can be read off exactly.
 
 A *stack* is a grid over a piece of the image, U x V squares, with L layers of depth behind each square; a body is a set
 of its blocks that is connected by faces. As a solid a block is a frustum, its sides in planes through the camera's
@@ -36,7 +38,10 @@ STEPS = 9
 def grown(
     rng: np.random.Generator, count: int, bodies: int = 3, side: int = SIDE, layers: int = LAYERS
 ) -> Iterator[Grids]:
-    """Grids (count, side, side, layers) of connected bodies as they grow, each within an image of its own: after some rounds, and full-grown."""
+    """Grids (count, side, side, layers) of connected bodies as they grow, each within an image of its own.
+
+    After some rounds, and full-grown.
+    """
     masks = masks_of(rng, count, bodies, side)
     grids = np.zeros((count, side, side, layers), dtype=np.int8)
     for body in range(bodies):
@@ -73,7 +78,9 @@ def _beside(mine: Masks, along: Masks) -> Masks:
 
 
 def clamps(rng: np.random.Generator, count: int, side: int = 9) -> Grids:
-    """(count, side, side, 7) two bodies that reach round each other and have room to move: a clamp, 2, and what it holds, 1.
+    """(count, side, side, 7) two bodies that reach round each other and have room to move.
+
+    A clamp, 2, and what it holds, 1.
 
     The clamp has a plate in front and one at the back, and a pillar between them; the other a plate between those two,
     one behind both, and a pillar that leads through a hole of the clamp's back plate, which its front plate covers. One
@@ -116,7 +123,10 @@ def _clamp(rng: np.random.Generator, side: int) -> Grids | None:
 
 
 def masks_of(rng: np.random.Generator, count: int, bodies: int, side: int) -> Masks:
-    """(count, bodies, side, side) the image that each body may fill: boxes of their own, or another's, one's within it, or round it."""
+    """(count, bodies, side, side) the image that each body may fill.
+
+    Boxes of their own, or another's, one's within it, or round it.
+    """
     masks = np.zeros((count, bodies, side, side), dtype=bool)
     for body in range(bodies):
         own = boxes(rng, count, side)

@@ -1,4 +1,6 @@
-"""The tables of ROC-20 as text: short signs, converses, coarsenings, conceptual neighbours, and the composition table (§3.7).
+"""The tables of ROC-20 as text.
+
+Short signs, converses, coarsenings, conceptual neighbours, and the composition table (§3.7).
 
 A sign is who is in front on the common interior (``>`` x, ``<`` y, ``*`` each somewhere; nothing where there is none)
 and the RCC-8 term of the

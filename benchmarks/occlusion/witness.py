@@ -62,7 +62,10 @@ def arrangements(rng: np.random.Generator, count: int, side: int = 7) -> list[Ar
 
 
 def _framed(rng: np.random.Generator, count: int, side: int) -> NDArray[np.bool_]:
-    """(count, 3, side, side) a box of all squares, and two in it: what lies deep in another is rare among random ones."""
+    """(count, 3, side, side) a box of all squares, and two in it.
+
+    What lies deep in another is rare among random ones.
+    """
     squares = boxes(rng, 3 * count, side).reshape(count, 3, side, side)
     squares[:, 0] = True
     return squares
@@ -103,7 +106,10 @@ def triples(found: Iterable[Arrangement]) -> frozenset[Triple]:
 
 
 def checked(found: Iterable[Arrangement], some: Iterable[Triple], rng: np.random.Generator, count: int) -> list[bool]:
-    """For ``count`` of the triples, drawn at random: whether the bodies built for it are one piece each and stand in its relations."""
+    """For ``count`` of the triples, drawn at random.
+
+    Whether the bodies built for it are one piece each and stand in its relations.
+    """
     by_terms: dict[Terms, list[Arrangement]] = {}
     for one in found:
         by_terms.setdefault(one.terms, []).append(one)
@@ -120,7 +126,7 @@ def _holds(triple: Triple, by_terms: Mapping[Terms, list[Arrangement]]) -> bool:
 
 
 def built(one: Arrangement, triple: Triple) -> Grids:
-    """The bodies 1, 2, 3 that stand in the relations of the ``triple``, one grid (1, U, V, 8), over an arrangement that has its terms.
+    """The bodies 1, 2, 3 in the relations of the ``triple``, one grid (1, U, V, 8), over an arrangement with its terms.
 
     In each cell all the orders occur that do not contradict the triple: where some choice of orders builds it, this one
     does.

@@ -1,4 +1,6 @@
-"""``plogic bench recognition``: ten types learned from their meshes, found in rendered table-top scenes, beside a SIFT and RANSAC peer.
+"""``plogic bench recognition``.
+
+Ten types learned from their meshes, found in rendered table-top scenes, beside a SIFT and RANSAC peer.
 
 Vocabulary: a ``Case`` is one picture with its truth; an ``Answer`` is what both sides made of it.
 """
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """One case, what ours found and in how many seconds, what the peer came to at every setting, and its seconds of one setting, by what it sees."""
+    """One case: our answer and its seconds, the peer's at every setting, and its seconds of one setting by input."""
 
     case: Case
     found: tuple[Found, ...]
@@ -54,7 +56,7 @@ def run(
     Raises:
         InputError: The meshes are not there, or cannot be learned.
     """
-    from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.body import read_mesh
 
     meshes = ycb_meshes()
     with tempfile.TemporaryDirectory(prefix="plogic-recognition-") as folder:

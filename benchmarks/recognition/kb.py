@@ -1,4 +1,6 @@
-"""Our side of ``plogic bench recognition``: a knowledge base of the types is learned from their meshes, and asked what a picture shows.
+"""Our side of ``plogic bench recognition``.
+
+A knowledge base of the types is learned from their meshes, and asked what a picture shows.
 
 ``Ours`` is all that the benchmark needs of it; tests hand in one of their own.
 """

@@ -1,4 +1,6 @@
-"""The peer of ``plogic bench recognition``: SIFT, the ratio test against a type's learned keypoints, OpenCV's USAC RANSAC per type.
+"""The peer of ``plogic bench recognition``.
+
+SIFT, the ratio test against a type's learned keypoints, OpenCV's USAC RANSAC per type.
 
 It gets its best: exact nearest neighbours instead of approximate ones, the next best of *another* feature in the ratio
 test (a learned feature has many descriptors), local optimisation, several instances of a type, Levenberg-Marquardt on
@@ -80,7 +82,10 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Matches:
-    """Per keypoint of the image (N): place (N, 2), the nearest feature's place in the object (N, 3), the ratio to the next feature (N,)."""
+    """Per keypoint of the image (N).
+
+    Place (N, 2), the nearest feature's place in the object (N, 3), the ratio to the next feature (N,).
+    """
 
     uv: NDArray[np.float64]
     at: NDArray[np.float64]
@@ -150,7 +155,7 @@ def settings(seen: Sequence[str] = SEEN) -> Iterator[Setting]:
 
 
 def _sorted(cloud: Learned) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float64]]:
-    """Descriptors (L, 128) in the order of their features, the first row (G,) of each feature that has any, and its place (G, 3)."""
+    """Descriptors (L, 128) in the order of features, each described feature's first row (G,) and place (G, 3)."""
     order = np.argsort(cloud.feature, kind="stable")
     which, first = np.unique(np.asarray(cloud.feature)[order], return_index=True)
     return np.asarray(cloud.descriptor[:, :WIDTH], np.float32)[order], first, np.asarray(cloud.at, np.float64)[which]

@@ -1,4 +1,6 @@
-"""The pictures of ``plogic bench recognition``: rendered once to a folder, so that all sides read the same pixels, with their truth.
+"""The pictures of ``plogic bench recognition``.
+
+Rendered once to a folder, so that all sides read the same pixels, with their truth.
 
 * ``Case``: one picture, ``Case(seed=7, hard=0.3, empty=False, image=PosixPath(...), camera=Camera(...),
   truths=(Truth(...), ...))``
@@ -42,7 +44,7 @@ NEAR = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One picture: its seed, how hard it was made, whether it holds none of the types, the file, the camera without a pose, the truth."""
+    """(S, 4, 4) the half turns about the axes of the smallest box around points (V, 3) that map all onto others."""
 
     seed: int
     hard: float
@@ -108,7 +110,7 @@ def middle(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def half_turns(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(S, 4, 4) those half turns about the axes of the smallest box around points (V, 3) that bring all to where there are others."""
+    """(S, 4, 4) the half turns about the axes of the smallest box around points (V, 3) that bring all onto others."""
     import trimesh
     from scipy.spatial import cKDTree
 

@@ -78,7 +78,10 @@ class Vocabulary:
         return line(list(self.frames), [_seconds(some, stage) for some in self.frames.values()])
 
     def among(self, size: int) -> Sequence[Standing]:
-        """The trials for so many types: beyond those that were built, with the votes a type of all that voted, which are rarer than one a type."""
+        """The trials for so many types.
+
+        Beyond those that were built, with the votes a type of all that voted, which are rarer than one a type.
+        """
         if size <= self.types or not self.deep:
             return self.standings[self.types]
         longest = max(len(more.others) for more in self.deep)
@@ -188,7 +191,10 @@ def _check(v: Vocabulary, less: int, few: Sequence[Standing], more: Sequence[Sta
 
 
 def _tails(v: Vocabulary) -> list[tuple[float, float]]:
-    """Wrong votes of other types in boxes as heavy as each of ``FULL``, or heavier: as foretold from the types built, and among the most types."""
+    """Wrong votes of other types in boxes as heavy as each of ``FULL``, or heavier.
+
+    As foretold from the types built, and among the most types.
+    """
     few = v.standings[v.types][: len(v.deep)]
     return [
         (

@@ -116,7 +116,10 @@ def disk_bytes(count: int, seed: int) -> float:
 
 
 def object_bytes(count: int, seed: int) -> float:
-    """Bytes of memory a type that Σ itself takes, as Python's objects: twice ``count`` types take so much more than ``count``."""
+    """Bytes of memory a type that Σ itself takes, as Python's objects.
+
+    Twice ``count`` types take so much more than ``count``.
+    """
     random_types(
         1, FEATURES, LOOKS, np.random.default_rng([seed, LOOKS]), EASY
     )  # what is imported, or made once, is no type's

@@ -1,4 +1,7 @@
-"""The clock of benchmarks that run beside other work: seconds of the processor, which waiting for others does not lengthen."""
+"""The clock of benchmarks that run beside other work.
+
+Seconds of the processor, which waiting for others does not lengthen.
+"""
 
 from __future__ import annotations
 

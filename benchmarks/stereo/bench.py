@@ -41,7 +41,10 @@ SMALLER = 0.5
 
 @dataclass(frozen=True)
 class Outcome:
-    """One trial: how far the pose of one image and of the pair is off, radians and share of the distance, None where the type is not accepted."""
+    """One trial: errors of the pose of one image and of the pair, radians and share of the distance.
+
+    None where the type is not accepted.
+    """
 
     mono: tuple[float, float] | None
     pair: tuple[float, float] | None
@@ -81,7 +84,7 @@ def off_of_pair(
     perceiver: Perceiver, both: Gamma, right: Gamma, pair: Pair, truth: tuple[ObjectType, Floats]
 ) -> tuple[float, float] | None:
     """As ``off``, of the best that is accepted of the pair's Γ, refined on both images."""
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from plogic.cycle.delta import Options
     from plogic.sequence.views.standing import sharpened
 

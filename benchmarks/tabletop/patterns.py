@@ -126,7 +126,10 @@ def _paragraph(page: NDArray[np.float32], rng: np.random.Generator, at: tuple[in
 
 
 def label(rng: np.random.Generator, width: int, height: int) -> NDArray[np.uint8]:
-    """(height, width, 3) uint8, one face of a printed package: a name, fields of colour, discs, a picture, small print, a bar code."""
+    """(height, width, 3) uint8, one face of a printed package.
+
+    A name, fields of colour, discs, a picture, small print, a bar code.
+    """
     import cv2
 
     ground = _tint(rng, 50, 235)
@@ -182,7 +185,7 @@ def write(
     thickness: int,
     ink: NDArray[np.float64],
 ) -> None:
-    """Write ``text`` in a box ``size`` (width, height) with its upper left corner ``at`` (x, y), cut off at the box's right side."""
+    """Write ``text`` in a box ``size`` (width, height) with its upper left corner ``at`` (x, y), cut at the right."""
     import cv2
 
     base = cv2.getTextSize(text, font, 1.0, thickness)[0]
@@ -266,7 +269,7 @@ def printed_can(radius: float, height: float, rng: np.random.Generator) -> Textu
 
 
 def _face(corners: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.uint8]:
-    """(CELL, CELL, 3) the label of a face (4, 3), drawn in its own proportions, so that its letters are not stretched."""
+    """(CELL, CELL, 3) the label of a face (4, 3), drawn in its own proportions: its letters are not stretched."""
     import cv2
 
     across, up = np.linalg.norm(corners[1] - corners[0]), np.linalg.norm(corners[3] - corners[0])

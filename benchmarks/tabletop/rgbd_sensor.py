@@ -1,4 +1,6 @@
-"""What the colour camera of an RGB-D sensor does to the light: over-exposure, blur, vignetting, noise, a tone curve, JPEG.
+"""What the colour camera of an RGB-D sensor does to the light.
+
+Over-exposure, blur, vignetting, noise, a tone curve, JPEG.
 
 * ``RgbdSensor(noise=6, blur=0.9, gain=1.4, jpeg=75)``
 """

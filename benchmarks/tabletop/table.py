@@ -1,4 +1,6 @@
-"""A table-top under a lamp before a wall, drawn by rays: floor and wall are painted with patterns, and everything casts shadows.
+"""A table-top under a lamp before a wall, drawn by rays.
+
+Floor and wall are painted with patterns, and everything casts shadows.
 
 * ``Table(floor_pattern="newsprint", wall_pattern="plain", wall_distance=0.6)``
 * ``photographed(bodies, camera, Light(), Table(), RgbdSensor())``: the picture with its depth and segmentation

@@ -1,4 +1,4 @@
-"""``plogic bench towers``: random scenes of the two towers and of decoys, judged against the simulator's ground truth."""
+"""``plogic bench towers``: random scenes of the two towers and of decoys, judged against the simulator's truth."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.shared.claims import Claim, report
 from geometry.frames import pose_error
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -160,9 +160,9 @@ def _relation_right(
     document: Interpretation,
     scene: Scene,
 ) -> bool:
-    """Whether the most probable relation of the two reported towers is the one of the true poses, by outlines and depth."""
+    """Whether the most probable relation of the reported towers is that of the true poses, by outlines and depth."""
     from geometry.visibility.occlusion import PosedSurface, occlusion
-    from plogic.facts.pair_facts import pair_facts
+    from plogic.facts.situation import pair_facts
 
     posed = []
     for label, pose, _ in truth:

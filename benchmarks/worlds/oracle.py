@@ -50,7 +50,10 @@ def marginals_of(situation: Situation, chances: Table) -> dict[str, float]:
 
 
 def by_frontier(situation: Situation, columns: int, asked: tuple[str, ...]) -> dict[str, float]:
-    """P(present(H)) of those asked for, of a grid filled row by row: cell after cell, the states of the last ``columns`` cells are kept."""
+    """P(present(H)) of those asked for, of a grid filled row by row.
+
+    Cell after cell, the states of the last ``columns`` cells are kept.
+    """
     found = list(terms(situation))
     whole, whole_log = _swept(situation, columns, found)
     result = {}

@@ -94,7 +94,7 @@ def _steps(situation: Situation) -> tuple[dict[str, float], SceneGraph, Beliefs]
 
 
 def _timed(times: dict[str, float], name: str, run: Callable[[], Any]) -> Any:  # noqa: ANN401 - whatever the step gives
-    from plogic.inference.exact import plan
+    from plogic.inference.marginals import plan
 
     plan.cache_clear()  # what an earlier step remembered would make this one look faster than it is
     start = process_time()

@@ -1,4 +1,7 @@
-"""Real scenes as a family: rendered by the simulator, detected from the pixels, and Δh not pruned: ten rivals and more an object."""
+"""Real scenes as a family: rendered by the simulator, detected from the pixels, and Δh not pruned.
+
+Ten rivals and more an object.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,10 @@ SEEDS, SEED_STEP = 10, 1_000_000
 
 
 def photographs(number: int) -> list[tuple[int, int]]:
-    """(objects, hypotheses) of each photograph for Δh of ``number``: as few photographs as hold ten to fourteen hypotheses an object."""
+    """(objects, hypotheses) of each photograph for Δh of ``number``.
+
+    As few photographs as hold ten to fourteen hypotheses an object.
+    """
     count = max(1, round(number / (RIVALS + RIVALS // 3) / MOST_OBJECTS))
     shares = [number // count + (i < number % count) for i in range(count)]
     return [(min(MOST_OBJECTS, max(1, share // RIVALS)), share) for share in shares]
@@ -45,7 +51,7 @@ def simulated(perceiver: Perceiver, number: int, seed: int) -> Situation:
 
 
 def photographed(perceiver: Perceiver, objects: int, most: int, seed: int) -> Situation:
-    """One photograph of the types in turn, with a decoy, and its Δh of at most ``most`` hypotheses before any is accepted or rejected."""
+    """One photograph of the types in turn, with a decoy, and its Δh of at most ``most`` unaccepted hypotheses."""
     from plogic.cycle.delta import Options, unpruned
     from plogic.match.gamma.data import data_of
     from sensing.detectors.detector import detect

@@ -16,9 +16,8 @@ import shapely
 
 from geometry.arrays import Floats, Ints, Mask
 from geometry.frames import rotate, transform_points
-from geometry.visibility.occlusion import PosedSurface
+from geometry.visibility.occlusion import PosedSurface, even_grid
 from geometry.visibility.outline import Area, drawn_together
-from geometry.visibility.samples import even_grid
 
 STEEP = np.pi / 4
 """Radians from the level up to which a facet carries what stands on it (friction 1); what leans on a steeper one does

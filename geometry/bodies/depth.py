@@ -23,10 +23,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import nnls
+from scipy.spatial import ConvexHull, QhullError
 
 from geometry.arrays import Floats, Ints, last_axes
-from geometry.bodies.gap import nearest_places
-from geometry.bodies.overlap import Solid
+from geometry.bodies.overlap import Solid, nearest_places
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import RayMesh
 
@@ -205,8 +206,6 @@ def _difference(p: Floats, q: Floats, *, whole: bool) -> _Difference | None:
 
     None where rounding leaves them no volume.
     """
-    from scipy.spatial import ConvexHull, QhullError
-
     few = whole or len(p) * len(q) <= MOST_CORNERS
     try:
         points = (p[:, None] - q[None]).reshape(-1, 3) if few else _near_the_origin(p, q)
@@ -219,8 +218,6 @@ def _difference(p: Floats, q: Floats, *, whole: bool) -> _Difference | None:
 
 def _near_the_origin(p: Floats, q: Floats) -> Floats:
     """Corners (N, 3) of the difference, enough to tell where its boundary is nearest: a polytope that grows there till it reaches it (EPA)."""
-    from scipy.spatial import ConvexHull
-
     hull = ConvexHull(_supports(p, q, np.concatenate([np.eye(3), -np.eye(3)])), incremental=True)
     while True:
         reach = -hull.equations[:, 3]
@@ -276,8 +273,6 @@ def _shortest(outside: Floats) -> Floats | None:
 
     None where there is none.
     """
-    from scipy.optimize import nnls
-
     size = float(np.abs(outside[:, 3]).max())
     force, _ = nnls(np.vstack([outside[:, :3].T, outside[:, 3] / size]), np.array([0.0, 0.0, 0.0, 1.0]))
     left = np.concatenate([outside[:, :3].T @ force, [outside[:, 3] @ force / size - 1.0]])

@@ -10,20 +10,15 @@ asked what it stands on, and its own facets where it is asked what stands on it;
 there too.
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Ints
+from geometry.arrays import Floats, Ints
 
 GRAIN = 0.01
 """Share of the body's size to which its corners are rounded: what is smaller tips nobody."""
@@ -77,8 +72,6 @@ def resting_faces(points: Floats) -> RestingFaces:
 
     Points of a plane have none.
     """
-    from scipy.spatial import ConvexHull, QhullError
-
     none = RestingFaces(np.zeros((0, 3)), np.zeros(0))
     if not len(points):
         return none
@@ -126,8 +119,6 @@ def _support(vertices: Floats, normal: Floats, reach: float, middle: Floats, gra
 
     Of vertices (V, 3) about a face.
     """
-    from scipy.spatial import ConvexHull
-
     axes = _along(normal)
     held: Any = ConvexHull(vertices[vertices @ normal > reach - grain / 2.0] @ axes)
     return -float((held.equations[:, :2] @ (middle @ axes) + held.equations[:, 2]).max()), float(held.volume)

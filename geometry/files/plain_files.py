@@ -3,8 +3,6 @@
 JSON files that strangers wrote: the document, or what is wrong with the file in one line, whatever it holds.
 """
 
-from __future__ import annotations
-
 import errno
 import json
 import os

@@ -12,8 +12,6 @@ Camera moves as a file: where a camera may go, or shall go.
 ``T_world_camera``) is read as well.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, NamedTuple
 

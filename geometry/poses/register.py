@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
 
 from geometry.arrays import Floats, last_axes
 from geometry.camera import NEAREST, Camera
@@ -134,8 +136,6 @@ def _posed(objects: Floats, seen: Floats, camera: Camera) -> tuple[Floats, float
 
 def _starts(objects: Floats, seen: Floats, camera: Camera) -> Floats:
     """(72, 4, 4) poses: the object turned every way, its middle where the clicks' is, as far as its size tells, all of it in front."""
-    from scipy.spatial.transform import Rotation
-
     turns = (Rotation.create_group("O") * Rotation.from_rotvec([0.4, 0.3, 0.2])).as_matrix()
     nods = Rotation.from_rotvec([[0, 0, 0], [0.7, 0, 0], [0, 0.7, 0]]).as_matrix()
     rotations = (nods[:, None] @ turns[None]).reshape(-1, 3, 3)
@@ -152,9 +152,6 @@ def _refined(objects: Floats, seen: Floats, camera: Camera, pose: Floats) -> tup
 
     The standard error of the focal length, px, least and as seen.
     """
-    from scipy.optimize import least_squares
-    from scipy.spatial.transform import Rotation
-
     scale, centre = float(pose[2, 3]), camera.K[:2, 2]
 
     def at(x: Floats) -> tuple[float, Floats]:

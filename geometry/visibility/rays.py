@@ -69,9 +69,10 @@ class RayMesh:
         return distance, triangle
 
     def blocks(self, viewpoint: ArrayLike, points: ArrayLike, tolerance: float) -> Mask:
-        """Mask (N,): the segment from `viewpoint` (3,) to a point (N, 3) is cut `tolerance` m or more before it ends.
+        """Mask (N,): the segment from `viewpoint` to a point (N, 3) is cut `tolerance` m or more before it ends.
 
-        This is Behind (§3.4): the tolerance excludes a feature's own facets at the feature.
+        `viewpoint` is one for all points, (3,), or one for each, (N, 3). This is Behind (§3.4): the tolerance excludes
+        a feature's own facets at the feature.
         """
         eye, targets = last_axes(viewpoint, (3,), "viewpoint"), last_axes(points, (-1, 3), "points")
         reach = np.linalg.norm(targets - eye, axis=-1)

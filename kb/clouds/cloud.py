@@ -10,28 +10,20 @@ Vocabulary, each with an example value:
 * ``KnowledgeBase``: ``KnowledgeBase("towers", types=(t1, t2), ...)``
 """
 
-from __future__ import annotations
-
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from pathlib import Path
 
+import networkx as nx
 import numpy as np
+from numpy.typing import NDArray
 
-from kb.clouds.lobes import Feature, LobeTable, freeze, lobe_table
-from kb.clouds.tree import object_nodes
+from kb.clouds.learned import LearnedCloud
+from kb.clouds.lobes import Feature, LobeTable, freeze, lobe_table, object_nodes
+from kb.clouds.words import Words
 from kb.surfaces.surface import Surface
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    import networkx as nx
-    from numpy.typing import NDArray
-
-    from kb.clouds.learned import LearnedCloud
-    from kb.clouds.words import Words
 
 UNKNOWN_SUPPORT = 0.1
 """Chance that something which the KB does not know holds what floats, where `gravity` does not say: one in ten things

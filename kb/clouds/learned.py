@@ -6,25 +6,19 @@
       distance.
 """
 
-from __future__ import annotations
-
 import io
 import zipfile
 import zlib
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Bytes, Floats, Ints, Mask
 from kb.errors import CloudError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
 
 MAX_BYTES = 100_000_000
 """Largest ``cloud.npz``, packed and unpacked."""
@@ -58,7 +52,7 @@ class LearnedCloud:
         in space. size: (L,) the keypoint's diameter in space; 0 of the side of an edge
         (``sensing.detectors.edge_sides``), whose ``up`` is across the edge towards
             the side, and of whose descriptor bytes 128 to 132 are its looks, and 133 how much the last of them varied.
-        part: (F,) which object of its type's tree the feature belongs to (``kb.clouds.tree.object_nodes``); 0, the
+        part: (F,) which object of its type's tree the feature belongs to (``kb.clouds.lobes.object_nodes``); 0, the
         whole, where there are no parts. compound: (F,) which compound feature it is a part of (A1;
         ``kb.learning.compounds``), counted from 1; 0 of those that are in none.
     """
@@ -66,10 +60,10 @@ class LearnedCloud:
     at: Floats
     sigma: Floats
     normal: Floats
-    word: NDArray[np.int64]
-    feature: NDArray[np.int64]
-    lobe_word: NDArray[np.int64]
-    descriptor: NDArray[np.uint8]
+    word: Ints
+    feature: Ints
+    lobe_word: Ints
+    descriptor: Bytes
     axis: Floats
     half_angle: Floats
     r_min: Floats
@@ -77,8 +71,8 @@ class LearnedCloud:
     hit: Floats
     up: Floats
     size: Floats
-    part: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
-    compound: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    part: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    compound: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
 
     def __post_init__(self) -> None:
         counts = {"F": len(self.at), "L": len(self.feature)}
@@ -93,12 +87,12 @@ class LearnedCloud:
             object.__setattr__(self, name, array)
 
     @cached_property
-    def sided(self) -> NDArray[np.bool_]:
+    def sided(self) -> Mask:
         """(L,) which are sides of edges."""
         return np.asarray(self.size == 0.0)
 
     @property
-    def keypoints(self) -> LearnedCloud:
+    def keypoints(self) -> "LearnedCloud":
         """The same without the sides of edges."""
         lobes = np.flatnonzero(~self.sided)
         used, feature = np.unique(self.feature[lobes], return_inverse=True)
@@ -119,7 +113,7 @@ class LearnedCloud:
         return "orb" if self.descriptor.shape[1] == 32 else "sift"
 
 
-def numbered(groups: NDArray[np.int64]) -> NDArray[np.int64]:
+def numbered(groups: Ints) -> Ints:
     """(F,) the groups of F features counted from 1 in the order of their first members.
 
     0 of those whose group, or 0, has no other.
@@ -209,7 +203,7 @@ def _check_indices(arrays: dict[str, NDArray[Any]], features: int) -> None:
     _check_compounds(*(np.asarray(arrays.get(name, np.zeros(features)), np.int64) for name in _OPTIONAL))
 
 
-def _check_compounds(part: NDArray[np.int64], compound: NDArray[np.int64]) -> None:
+def _check_compounds(part: Ints, compound: Ints) -> None:
     if not np.array_equal(numbered(compound), compound):
         raise CloudError("compound: must be counted from 1 in order, each of two features or more")
     owners = np.unique(np.column_stack([compound, part])[compound > 0], axis=0)

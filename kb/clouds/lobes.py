@@ -1,20 +1,23 @@
-"""Lobes: from where a detector can see a feature's appearance (§2.7), and the vector pencils that they bound.
+"""Features, the lobes that they are seen from, and the tree of an object type.
 
-Vocabulary: ``LobeTable``, all L lobes of one type as arrays in the object's frame.
+A lobe is from where a detector can see a feature's appearance (§2.7); it bounds a pencil of vectors. The tree is
+Φ(x, v, Type, parts) as a ``networkx.DiGraph`` (§2.1-§2.4).
+
+Vocabulary: ``LobeTable``, all L lobes of one type as arrays in the object's frame; ``Branch``, a nested description:
+``Branch("object", "t2", "t2", parts=[Branch("object", "roof", "roof")])``. In the tree a node's name is its path:
+``''`` the maximal object, ``'roof'``, ``'roof/apex'``, ``'roof/apex#0'`` an appearance.
 """
 
-from __future__ import annotations
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
-
+import networkx as nx
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import ArrayLike, NDArray
-
+from geometry.frames import compose, from_rotation_translation, is_rigid
+from kb.errors import TreeError
 
 GRAIN = 1e-9
 """Slack of the cone's and the range's bounds, so that a viewpoint on a bound is inside."""
@@ -142,3 +145,159 @@ def feature_in_lobe(table: LobeTable, viewpoints: ArrayLike, granularity: float 
     for lobe, feature in enumerate(table.feature):
         result[:, feature] |= held[:, lobe]
     return result
+
+
+Kind = Literal["object", "feature", "appearance"]
+
+Mistaken = tuple[tuple[int, ...], str]
+
+MAY_HOLD: dict[Kind, tuple[Kind, ...]] = {
+    "object": ("object", "feature"),
+    "feature": ("feature", "appearance"),
+    "appearance": ("appearance",),
+}
+"""A1: what a node's list may hold, all of it of one kind."""
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """One node and what hangs below it. ``at`` (3,) m and ``rotation`` (3, 3) are parent_from_child.
+
+    ``arms`` (K, 3), in the node's frame, are for features alone; ``lobe``, in its feature's, for appearances:
+    viewpoints.
+    """
+
+    kind: Kind
+    name: str
+    type: str
+    at: ArrayLike = (0.0, 0.0, 0.0)
+    rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
+    parts: Sequence["Branch"] = ()
+    lobe: Lobe | None = None
+    arms: ArrayLike = ()
+
+
+def tree_mistakes(root: Branch) -> list[Mistaken]:
+    """Every break of A1, A2, D3 and of the names' rules, as (indices into ``parts`` from the root, message)."""
+    found: list[Mistaken] = (
+        [] if root.kind == "object" else [((), f"D3: the maximal object must be an object, not a {root.kind}")]
+    )
+    return found + list(_mistakes(root, (), ()))
+
+
+def _mistakes(branch: Branch, where: tuple[int, ...], above: tuple[Branch, ...]) -> Iterator[Mistaken]:
+    if any(branch is other for other in above):
+        yield where, f"A2: {branch.name!r} is a part of itself"
+        return
+    for message in _own_mistakes(branch):
+        yield where, message
+    for index in _repeated(branch):
+        yield (*where, index), f"{branch.parts[index].name!r} is the name of another part of {branch.name!r}"
+    for index, part in enumerate(branch.parts):
+        yield from _mistakes(part, (*where, index), (*above, branch))
+
+
+def _own_mistakes(branch: Branch) -> Iterator[str]:
+    kinds = sorted({part.kind for part in branch.parts})
+    if len(kinds) > 1:
+        yield f"A1: the parts of {branch.name!r} must be all of one kind, not {' and '.join(kinds)}"
+    for kind in kinds:
+        if kind not in MAY_HOLD[branch.kind]:
+            yield f"A1: {branch.kind} {branch.name!r} may hold {' or '.join(MAY_HOLD[branch.kind])}, not {kind}"
+    if branch.kind != "appearance" and (not branch.name or set(branch.name) & set("/#")):
+        yield f"the name of {branch.kind} {branch.name!r} must be neither empty nor hold '/' or '#'"
+    if not branch.type:
+        yield f"D1: {branch.kind} {branch.name!r} must have a type"
+    at, rotation = np.asarray(branch.at, dtype=float), np.asarray(branch.rotation, dtype=float)
+    if at.shape != (3,) or rotation.shape != (3, 3) or not is_rigid(from_rotation_translation(rotation, at)):
+        yield f"A2: {branch.name!r} must stand at 3 finite coordinates, turned by a rotation"
+
+
+def _repeated(branch: Branch) -> list[int]:
+    first: dict[str, int] = {}
+    return [
+        i for i, part in enumerate(branch.parts) if first.setdefault(part.name, i) != i and part.kind != "appearance"
+    ]
+
+
+def build_tree(root: Branch) -> nx.DiGraph:
+    """The tree that ``root`` describes.
+
+    Nodes carry ``kind``, ``type``, ``at`` (3,) m relative to the parent, ``viewpoint`` (a Lobe, or None: Φ's second
+    slot for appearances) and ``arms`` (K, 3); an edge carries its frame ``parent_from_child`` (4, 4).
+
+    Raises:
+        TreeError: for the first of ``tree_mistakes``.
+    """
+    mistakes = tree_mistakes(root)
+    if mistakes:
+        raise TreeError(mistakes[0][1])
+    tree = nx.DiGraph()
+    _grow(tree, root, "")
+    return tree
+
+
+def _grow(tree: nx.DiGraph, branch: Branch, node: str) -> None:
+    at, arms = np.array(branch.at, dtype=float), np.array(branch.arms, dtype=float).reshape(-1, 3)
+    tree.add_node(node, kind=branch.kind, type=branch.type, at=at, viewpoint=branch.lobe, arms=arms)
+    for index, part in enumerate(branch.parts):
+        child = f"{node}#{index}" if part.kind == "appearance" else f"{node}/{part.name}".lstrip("/")
+        _grow(tree, part, child)
+        tree.add_edge(node, child, parent_from_child=from_rotation_translation(part.rotation, part.at))
+
+
+def object_nodes(tree: nx.DiGraph) -> list[str]:
+    """The maximal object and its parts that are objects, in the description's order."""
+    return [node for node, row in tree.nodes(data=True) if row["kind"] == "object"]
+
+
+def place(tree: nx.DiGraph, node: str) -> NDArray[np.float64]:
+    """object_from_node (4, 4): vector steps add along the path from the maximal object, with the frames' rotations (A2).
+
+    Raises:
+        TreeError: for a node that the tree does not have.
+    """
+    if node not in tree:
+        raise TreeError(f"{node!r} is no node of the tree")
+    steps = []
+    while tree.in_degree(node):
+        (parent,) = tree.predecessors(node)
+        steps.append(tree.edges[parent, node]["parent_from_child"])
+        node = parent
+    return np.asarray(compose(*reversed(steps)))
+
+
+def features_of(tree: nx.DiGraph) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
+    """The maximal features, and every Feature node, in the description's order (A1).
+
+    A compound has no appearances of its own: it looks like any of its parts, so it takes over their appearances, each
+    lobe turned into its frame and based at its place.
+    """
+    nodes = [node for node, row in tree.nodes(data=True) if row["kind"] == "feature"]
+    features = {node: _feature(tree, node) for node in nodes}
+    inner = {part for feature in features.values() for part in feature.parts}
+    return tuple(f for node, f in features.items() if node not in inner), tuple(features.values())
+
+
+def _feature(tree: nx.DiGraph, node: str) -> Feature:
+    frame, row = place(tree, node), tree.nodes[node]
+    return Feature(
+        name=node,
+        type=row["type"],
+        at=frame[:3, 3],
+        rotation=frame[:3, :3],
+        appearances=tuple(_appearances(tree, node, np.eye(3))),
+        arms=row["arms"] @ frame[:3, :3].T,
+        parts=tuple(part for part in tree.successors(node) if tree.nodes[part]["kind"] == "feature"),
+    )
+
+
+def _appearances(tree: nx.DiGraph, node: str, turn: NDArray[np.float64]) -> Iterator[FeatureAppearance]:
+    """The appearances below ``node``; ``turn`` (3, 3) = feature_from_node."""
+    for part in tree.successors(node):
+        onward = turn @ tree.edges[node, part]["parent_from_child"][:3, :3]
+        lobe = tree.nodes[part]["viewpoint"]
+        if lobe is not None:
+            turned = replace(lobe, axis=onward @ lobe.axis)
+            yield FeatureAppearance(tree.nodes[part]["type"], turned)
+        yield from _appearances(tree, part, onward)

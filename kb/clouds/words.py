@@ -3,24 +3,16 @@
 * ``Words("sift", centroids)``: W words, ``sift_w0000``, ...; a descriptor's word is the nearest centroid
 """
 
-from __future__ import annotations
-
 import io
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from kb.clouds.learned import read_arrays
+from kb.clouds.learned import LearnedCloud, read_arrays
 from kb.errors import CloudError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.learned import LearnedCloud
 
 MOST, PER_WORD = 1024, 20
 """Words at most, and descriptors that a word stands for at least, on average."""

@@ -1,23 +1,23 @@
-"""From what an author wrote to the tree's description: of a good document, and, leniently, of any document that mistakes are sought in."""
+"""From a document that an author wrote to the tree's description, and to what is wrong with it.
 
-from __future__ import annotations
+Any document has an outline, so that mistakes are sought in one that does not fit the schema too. What pydantic finds
+wrong is told in our words and at its place.
+"""
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from geometry.frames import rotation_from_quat_xyzw
-from kb.clouds.lobes import Lobe
-from kb.clouds.tree import Branch, Kind
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from numpy.typing import NDArray
-
-    from kb.files.schema import AppearanceModel, FeatureModel, ObjectModel, PartModel, RotationModel
-    from kb.files.yaml_text import Path
+from kb.clouds.lobes import Branch, Kind, Lobe
+from kb.errors import Mistake
+from kb.files.folder import Document, Keys
+from kb.files.schema import AppearanceModel, FeatureModel, KBModel, ObjectModel, PartModel, RotationModel
 
 LISTS: dict[str, Kind] = {"parts": "object", "features": "feature", "appearances": "appearance"}
 """The keys whose lists hold what a node is made of, in the order of ``Branch.parts``, and what they should hold."""
@@ -67,7 +67,7 @@ def _about(axis: int, angle: float) -> NDArray[np.float64]:
     return np.asarray(rotation_from_quat_xyzw(quat))
 
 
-def held(raw: object) -> Iterator[tuple[Path, Kind, Any]]:
+def held(raw: object) -> Iterator[tuple[Keys, Kind, Any]]:
     """What hangs directly below a node of any document: (keys from the node, kind, document), in the order of ``Branch.parts``."""
     for key, kind in LISTS.items():
         items = raw.get(key) if isinstance(raw, dict) else None
@@ -94,16 +94,16 @@ def outline(raw: object, kind: Kind = "object", index: int = 0) -> Branch:
     return Branch(kind, "" if kind == "appearance" else plain, "any", parts=parts)
 
 
-def path_to(raw: object, indices: Sequence[int]) -> Path:
+def path_to(raw: object, indices: Sequence[int]) -> Keys:
     """Keys from the document's root to the node that ``indices`` into ``Branch.parts`` lead to."""
-    path: Path = ()
+    path: Keys = ()
     for index in indices:
         step, raw = _held_at(raw, index)
         path += step
     return path
 
 
-def _held_at(raw: object, index: int) -> tuple[Path, object]:
+def _held_at(raw: object, index: int) -> tuple[Keys, object]:
     """Of ``held`` the entry of this number, without the others."""
     rest = index
     for key in LISTS:
@@ -116,15 +116,149 @@ def _held_at(raw: object, index: int) -> tuple[Path, object]:
     raise IndexError(index)
 
 
-def nodes(raw: object, path: Path = (), kind: Kind = "object") -> Iterator[tuple[Path, Kind, Any]]:
+def nodes(raw: object, path: Keys = (), kind: Kind = "object") -> Iterator[tuple[Keys, Kind, Any]]:
     """Every node of any document, from the root on."""
     yield path, kind, raw
     for step, sort, item in held(raw):
         yield from nodes(item, path + step, sort)
 
 
-def misplaced(raw: object) -> list[Path]:
+def misplaced(raw: object) -> list[Keys]:
     """The entries of another kind than their list, in nodes whose parts are of several kinds: A1 says all that is wrong with them."""
     rows = ((path, list(held(item))) for path, _, item in nodes(raw))
     mixed = [(path, entries) for path, entries in rows if len({kind for _, kind, _ in entries}) > 1]
     return [path + step for path, entries in mixed for step, kind, _ in entries if LISTS[str(step[0])] != kind]
+
+
+Model = TypeVar("Model", bound=BaseModel)
+
+WORDS = {
+    "extra_forbidden": "unknown key",
+    "missing": "missing",
+    "model_type": "must be a mapping of keys to values",
+    "model_attributes_type": "must be a mapping of keys to values",
+    "dict_type": "must be a mapping of keys to values",
+    "list_type": "must be a list",
+    "tuple_type": "must be a list",
+}
+WHY_UNITS = "missing; no mesh format carries its unit, so it must be stated, as in 'units: m'"
+
+
+def checked(model: type[Model], document: Document) -> tuple[Model | None, list[Mistake]]:
+    """The document as the model, or None and every mistake.
+
+    None for a document that was no YAML: that has been said.
+    """
+    if document.root is None and document.mistakes:
+        return None, []
+    if document.data is None and not document.mistakes:
+        return None, [document.mistake((), "the file is empty")]
+    try:
+        return model.model_validate(document.data), []
+    except ValidationError as error:
+        wrong = [_mistake(document, detail) for detail in error.errors(include_url=False, include_input=False)]
+        cut = [tuple(mistake.path.split(".")) for mistake in document.mistakes if mistake.message.startswith("A2")]
+        return None, without(wrong, cut)
+
+
+def without(mistakes: Sequence[Mistake], places: Sequence[Keys]) -> list[Mistake]:
+    """The mistakes that are not at or below one of the places: of those another mistake has said what is wrong."""
+    prefixes = {".".join(str(step) for step in place) for place in places if place}
+    lengths = {len(prefix) for prefix in prefixes}
+    return [m for m in mistakes if not any(m.path[n : n + 1] in ("", ".") and m.path[:n] in prefixes for n in lengths)]
+
+
+def _mistake(document: Document, detail: ErrorDetails) -> Mistake:
+    kind = detail["type"]
+    path: Keys = tuple(step for step in detail["loc"] if step != "[key]")
+    at_key = kind == "extra_forbidden" or "[key]" in detail["loc"]
+    return document.mistake(path, _message(kind, path, detail), key=at_key)
+
+
+def _message(kind: str, path: Keys, detail: ErrorDetails) -> str:
+    if kind == "missing" and path[-2:] == ("mesh", "units"):
+        return WHY_UNITS
+    if kind == "value_error":
+        return str(detail["ctx"]["error"])
+    return WORDS.get(kind) or f"{detail['msg'][:1].lower()}{detail['msg'][1:]}"
+
+
+def cross_mistakes(
+    kb: Document, model: KBModel | None, objects: Sequence[Document], *, complete: bool
+) -> Iterator[Mistake]:
+    """Types of appearances, features and objects that are nowhere declared, and types of objects that are declared twice.
+
+    Where the objects are not ``complete``, some being unreadable, nobody can say which feature and object types are
+    unknown.
+    """
+    yield from _repeated_objects(objects)
+    vocabulary = _vocabulary(kb)
+    if vocabulary is not None:
+        known = {name for name in vocabulary if isinstance(name, str)}
+        for document in objects:
+            yield from _unknown_appearances(document, vocabulary, known)
+    if model is not None:
+        yield from _unknown(
+            kb, ("detector", "clutter"), model.detector.clutter, set(model.appearance_types), "appearance"
+        )
+        yield from _unknown(kb, ("counts", "clutter"), model.counts.clutter, set(model.appearance_types), "appearance")
+        yield from _repeated_types(kb, model)
+    if model is not None and complete:
+        features = {name for document in objects for name in _types(document, "feature")}
+        yield from _unknown(kb, ("detector", "hit"), model.detector.hit, features, "feature")
+        yield from _unknown(kb, ("detector", "sigmas"), model.detector.sigmas, features, "feature")
+        yield from _unknown(kb, ("counts", "hit"), model.counts.hit, features, "feature")
+        names = {name for document in objects if isinstance(name := _name(document), str)}
+        yield from _unknown(kb, ("priors",), model.priors, names, "object")
+        yield from _unknown(kb, ("counts", "prior"), model.counts.prior, names, "object")
+
+
+def _name(document: Document) -> object:
+    return document.data.get("object")
+
+
+def _vocabulary(kb: Document) -> list[Any] | None:
+    """The appearance types, if they can be made out, whatever else is wrong."""
+    types = kb.data.get("appearance_types") if isinstance(kb.data, dict) else None
+    return types if isinstance(types, list) else None
+
+
+def _types(document: Document, kind: str) -> Iterator[str]:
+    for _, sort, entry in nodes(document.data):
+        if sort == kind and isinstance(entry, dict) and isinstance(entry.get("type"), str):
+            yield entry["type"]
+
+
+def _unknown_appearances(document: Document, vocabulary: list[Any], known: set[str]) -> Iterator[Mistake]:
+    listed = ", ".join(map(str, vocabulary[:12])) or "none"
+    for path, kind, entry in nodes(document.data):
+        name = entry.get("type") if kind == "appearance" and isinstance(entry, dict) else None
+        if isinstance(name, str) and name not in known:
+            yield document.mistake(
+                (*path, "type"), f"unknown appearance type {name!r}; appearance_types in kb.yaml: {listed}"
+            )
+
+
+def _unknown(
+    kb: Document, path: tuple[str, ...], given: Mapping[str, object], known: set[Any], what: str
+) -> Iterator[Mistake]:
+    listed = ", ".join(sorted(map(str, known))[:12]) or "none"
+    for name in given:
+        if name not in known:
+            yield kb.mistake((*path, name), f"unknown {what} type {name!r}; known: {listed}", key=True)
+
+
+def _repeated_types(kb: Document, model: KBModel) -> Iterator[Mistake]:
+    before: set[str] = set()
+    for index, name in enumerate(model.appearance_types):
+        if name in before:
+            yield kb.mistake(("appearance_types", index), f"{name!r} was listed before")
+        before.add(name)
+
+
+def _repeated_objects(objects: Sequence[Document]) -> Iterator[Mistake]:
+    first: dict[str, str] = {}
+    for document in objects:
+        name = _name(document)
+        if isinstance(name, str) and first.setdefault(name, document.file) != document.file:
+            yield document.mistake(("object",), f"{name!r} is also the object of {first[name]}")

@@ -5,15 +5,11 @@ A quantity is ``'100 deg'``, ``'0.2 m'``, ``'5 cm'``, or a plain number in SI un
 Vocabulary: ``HalfAngle``, written ``'60 deg'``; ``Range``, ``[0.2 m, 30 m]``; ``Pair``, ``[12, 20]``.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Callable
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator, WithJsonSchema
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "um": 1e-6, "km": 1000.0, "in": 0.0254, "ft": 0.3048}
 """Metres in a unit."""

@@ -3,30 +3,24 @@
 Making the text and writing it are two functions.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import math
 import re
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from typing import Any
 
+import networkx as nx
 import numpy as np
+from numpy.typing import NDArray
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from geometry.frames import quat_xyzw_from_rotation
+from kb.clouds.cloud import ObjectType, Rates
+from kb.clouds.lobes import Lobe
+from kb.surfaces.surface import Surface
 from kb.surfaces.symmetries import symmetry_entries
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    import networkx as nx
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import ObjectType, Rates
-    from kb.clouds.lobes import Lobe
-    from kb.surfaces.surface import Surface
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
 _RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}

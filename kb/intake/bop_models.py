@@ -3,11 +3,10 @@
 The format: https://github.com/thodan/bop_toolkit/blob/master/docs/bop_datasets_format.md
 """
 
-from __future__ import annotations
-
 import math
 import re
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +17,6 @@ from kb.files.schema import SymmetryModel
 from kb.files.values import LENGTHS
 from kb.files.write import flow
 from kb.surfaces.symmetries import motions
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 RIGID = 1e-2
 """How far a listed rotation may be from one."""

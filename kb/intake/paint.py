@@ -3,25 +3,17 @@
 One picture travels as it is. Several, and colours of vertices, become one atlas.
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from kb.intake.picture import pixels, png
+from kb.intake.source import Picture, Piece, Source, pixels, png
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+Image = NDArray[np.uint8]
+Painted = tuple[Piece, NDArray[np.float64]]
 
-    from numpy.typing import NDArray
-
-    from kb.intake.picture import Picture
-    from kb.intake.source import Piece, Source
-
-    Image = NDArray[np.uint8]
-    Painted = tuple[Piece, NDArray[np.float64]]
 
 WIDEST = 8192
 """Most pixels of an atlas's side; pictures are halved until they fit."""

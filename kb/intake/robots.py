@@ -1,26 +1,202 @@
-"""Robot descriptions: the visible shapes of all links of a URDF in the zero pose, and of an SDF at the poses that it states."""
+"""Robot descriptions to one mesh: the visible shapes of all links, each at its place.
 
-from __future__ import annotations
+A URDF is read in the zero pose, an SDF at the poses that it states.
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
+Vocabulary: ``Visual``, one shape: a mesh file with its scale, or a primitive, at ``root_from_shape``; its colour, if
+the description has one.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+from xml.etree.ElementTree import Element
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.files.plain_files import fault_of
+from geometry.frames import from_rotation_translation
 from kb.errors import IntakeError
-from kb.intake.visuals import Visual, frame, numbers, primitive_sizes, read_xml
+from kb.intake.source import GREY, Piece, Source, read_source
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-    from xml.etree.ElementTree import Element
+Frame = NDArray[np.float64]
 
-    from numpy.typing import NDArray
 
-    Frame = NDArray[np.float64]
-    Colour = tuple[int, int, int]
-    Read = Callable[[Element, str], str | None]
-    """The text that a shape has under a key."""
+MAX_BYTES = 20_000_000
+"""Largest description."""
+MAX_DEPTH = 60
+"""Deepest nesting."""
+LARGEST = 1e9
+"""What every number stays below: sizes in m, angles, scales."""
+_DECLARATION = re.compile(r"\A\s*<\?xml[^>]*\?>")
+
+
+def read_xml(path: Path) -> ET.Element:
+    """The root element; what the declaration says is not asked, as pybullet's own files have version 0.0 there.
+
+    Raises:
+        IntakeError: no file, too large, no XML, nested too deeply, or one that defines entities.
+    """
+    fault = fault_of(path, MAX_BYTES)
+    if fault is not None:
+        raise IntakeError(f"{path}: {fault}")
+    try:
+        text = path.read_bytes().decode("utf-8-sig", errors="replace")
+    except OSError as error:
+        raise IntakeError(f"{path}: cannot be read: {error.strerror}") from None
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise IntakeError(f"{path}: defines entities, which no robot description needs")
+    try:
+        root = ET.fromstring(_DECLARATION.sub("", text))  # noqa: S314 - no entities: see above
+    except ET.ParseError as error:
+        raise IntakeError(f"{path}: is no XML: {error}") from None
+    level, depth = [root], 0
+    while level:
+        level, depth = [child for element in level for child in element], depth + 1
+        if depth > MAX_DEPTH:
+            raise IntakeError(
+                f"{path}: its elements are nested deeper than {MAX_DEPTH} levels, which no robot description needs"
+            )
+    return root
+
+
+def numbers(text: str | None, count: int, default: float, what: str) -> list[float]:
+    """``count`` numbers of a text, all ``default`` where there is none; raises IntakeError for anything else."""
+    if text is None or not text.strip():
+        return [default] * count
+    try:
+        found = [float(word) for word in text.replace(",", " ").split()]
+    except ValueError:
+        found = []
+    if len(found) != count or not all(abs(number) < LARGEST for number in found):
+        raise IntakeError(
+            f"{what}: must be {count} finite number{'s'[: count > 1]} below {LARGEST:g}, not {text.strip()!r:.60}"
+        )
+    return found
+
+
+def frame(xyz: list[float], rpy: list[float]) -> Frame:
+    """parent_from_child (4, 4): turns about the parent's x, y, z by roll, pitch, yaw (rad), then the shift ``xyz`` (m)."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    turn = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.asarray(from_rotation_translation(np.array(turn), np.array(xyz)))
+
+
+def found_file(folder: Path, name: str) -> Path | None:
+    """The file that a description names: relative to its ``folder``, or, as ``package://NAME/REST`` and ``model://``, beneath a folder above."""
+    rest = re.sub(r"^(file|package|model)://", "", name.strip())
+    plain = "://" not in name or name.startswith("file:")
+    for place in _places(folder, rest, plain=plain):
+        if fault_of(place) is None:
+            return place
+    return None
+
+
+def _places(folder: Path, rest: str, *, plain: bool) -> Iterator[Path]:
+    yield folder / rest
+    if plain:
+        return
+    inside = rest.partition("/")[2]
+    for above in [folder, *folder.resolve().parents][:6]:
+        yield above / rest
+        yield above / inside
+
+
+MOST = 2000
+"""Most shapes of a description."""
+
+
+@dataclass(frozen=True, eq=False)
+class Visual:
+    """``file`` of a mesh, or a primitive: ``kind`` box, cylinder or sphere with its ``sizes`` (sides; radius and length; radius).
+
+    ``scale`` (3,) of the mesh's coordinates; ``root_from_shape`` (4, 4), m; ``colour`` red, green, blue in [0, 255].
+    """
+
+    root_from_shape: NDArray[np.float64]
+    file: str | None = None
+    scale: tuple[float, ...] = (1.0, 1.0, 1.0)
+    kind: str = ""
+    sizes: tuple[float, ...] = ()
+    colour: tuple[int, int, int] | None = None
+
+
+def merged(path: Path, visuals: Sequence[Visual]) -> Source:
+    """All shapes as one source, in metres and in the root's frame; a note on each mesh that could not be had.
+
+    Raises:
+        IntakeError: no visible shape at all, or none that could be had.
+    """
+    if len(visuals) > MOST:
+        raise IntakeError(f"{path}: has {len(visuals)} visible shapes, more than {MOST}")
+    read: dict[str, Source | str] = {}
+    pieces: list[Piece] = []
+    notes: list[str] = []
+    for visual in visuals:
+        source = _source(path.parent, visual, read)
+        if isinstance(source, str):
+            notes.append(source)
+            continue
+        placed = source.moved(visual.root_from_shape @ np.diag([*visual.scale, 1.0]))
+        pieces += [_tinted(piece, visual.colour) for piece in placed.pieces]
+        notes += source.notes
+    if not pieces:
+        raise IntakeError(f"{path}: holds no visible shape" + (f": {notes[0]}" if notes else ""))
+    return Source(tuple(pieces), tuple(dict.fromkeys(notes)))
+
+
+def _source(folder: Path, visual: Visual, read: dict[str, Source | str]) -> Source | str:
+    """The shape in its own frame, each file read once; a note instead where it cannot be had."""
+    if visual.file is None:
+        return _primitive(visual)
+    if visual.file not in read:
+        file = found_file(folder, visual.file)
+        try:
+            read[visual.file] = (
+                f"the mesh {visual.file!r:.80} is missing or no plain file: left out"
+                if file is None
+                else read_source(file)
+            )
+        except IntakeError as error:
+            read[visual.file] = f"{error}: left out"
+    return read[visual.file]
+
+
+def _primitive(visual: Visual) -> Source:
+    from trimesh import creation
+
+    if visual.kind == "box":
+        mesh: Any = creation.box(extents=visual.sizes)
+    elif visual.kind == "cylinder":
+        mesh = creation.cylinder(radius=visual.sizes[0], height=visual.sizes[1], sections=48)
+    else:
+        mesh = creation.icosphere(subdivisions=3, radius=visual.sizes[0])
+    return Source((Piece(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)),))
+
+
+def _tinted(piece: Piece, colour: tuple[int, int, int] | None) -> Piece:
+    """The piece in the description's colour, where it has none of its own."""
+    return replace(piece, colour=colour) if colour is not None and piece.colour == GREY else piece
+
+
+def primitive_sizes(kind: str, sizes: Sequence[float], path: Path) -> tuple[float, ...]:
+    """The sizes of a primitive; raises IntakeError for one that is not above 0."""
+    if not all(size > 0 for size in sizes):
+        raise IntakeError(f"{path}: the sizes of a {kind} must be above 0, not {list(sizes)}")
+    return tuple(sizes)
+
+
+Colour = tuple[int, int, int]
+Read = Callable[[Element, str], str | None]
+"""The text that a shape has under a key."""
+
 
 HOLDERS = ("world", "model", "link")
 """Elements of SDF that hold others at a pose of their own."""

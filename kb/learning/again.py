@@ -1,23 +1,25 @@
-"""Which keypoints of one picture come again in others of the same view.
+"""Which keypoints, and which sides of edges, of one picture come again in others of the same view.
 
-* ``keypoints_again``: how often each does, and what it is on average
+Where along an edge a side is reported is arbitrary; so it is the same if it lies on the same line.
+
+* ``keypoints_again``: how often each keypoint does, and what it is on average
 * ``same``: pairs of two pictures' keypoints, each with the most alike of those that may be it
+* ``sides_again``: how often each side does
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from itertools import chain
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+from geometry.arrays import Bytes, Floats
+from kb.clouds.words import COLOURS, POINT, SIDE
 
-    from numpy.typing import NDArray
+Indices = NDArray[np.intp]
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 NEAR, SIMILAR, TURNED = 3.0, 0.3, 0.35
 """The same keypoint: within so many pixels (plus 8 % of its size), a logarithm of the ratio of sizes, radians."""
@@ -42,7 +44,7 @@ class Seen(Protocol):
         """(N,) pixels."""
 
     @property
-    def descriptors(self) -> NDArray[np.uint8]:
+    def descriptors(self) -> Bytes:
         """(N, D) bytes."""
 
 
@@ -64,8 +66,6 @@ def keypoints_again(first: Seen, others: Sequence[Seen]) -> tuple[Floats, Floats
 
 def same(one: Seen, other: Seen) -> tuple[Indices, Indices]:
     """Indices of the keypoints of ``one`` that ``other`` has as well, and of which they are: the most alike of those that may be."""
-    from scipy.spatial import cKDTree
-
     nothing = np.zeros(0, np.intp)
     if not len(one.uv) or not len(other.uv):
         return nothing, nothing
@@ -88,8 +88,79 @@ def flat(found: Sequence[Sequence[int]]) -> tuple[Indices, Indices]:
     )
 
 
-def differences(some: NDArray[np.uint8], others: NDArray[np.uint8]) -> Floats:
+def differences(some: Bytes, others: Bytes) -> Floats:
     """(N,) distances of descriptors (N, D) to their partners: Euclid's of SIFT's, Hamming's of ORB's (32 bytes)."""
     if some.shape[1] == 32:
         return np.asarray(np.unpackbits(some ^ others, axis=1).sum(axis=1), np.float64)
     return np.asarray(np.linalg.norm(some.astype(np.float32) - others.astype(np.float32), axis=1), np.float64)
+
+
+Look = Callable[[Bytes, int], "SeenSides"]
+"""Of a picture; the number is how many pixels lie between points along an edge."""
+
+
+ACROSS, ALONG, TINTED = 2.5, 4.5, 40.0
+"""The same side: so near across its edge and along it (pixels), turned by less (radians), its colours less apart
+(bytes)."""
+INSIDE = (1.5, 3.0, 5.0)
+"""Pixels from the edge at which the object must be, on the side that is its (the first two), and at which the plane
+that the edge is in is seen."""
+STRETCH, WIDE = 0.045, 0.012
+"""Of the object's diameter: what is one stretch along an edge, and across it."""
+LOOKS, VARIED = slice(POINT, POINT + SIDE), POINT + SIDE
+"""Where a side's looks are in a descriptor, and, in that of an appearance, how much its brightness against what is
+beyond varied (standard deviation): little within the object, much at its outline. All else in it is 0."""
+BYTES = 138
+"""Of such a descriptor: as long as a keypoint's with colours."""
+
+
+class SeenSides(Protocol):
+    """Sides of one picture, as ``sensing.detectors.edge_sides`` gives them."""
+
+    @property
+    def uv(self) -> Floats:
+        """(N, 2) pixels."""
+
+    @property
+    def angle(self) -> Floats:
+        """(N,) radians, towards the side."""
+
+    @property
+    def looks(self) -> Bytes:
+        """(N, 5) bytes, the last its brightness against what is beyond the edge."""
+
+
+def sides_again(first: SeenSides, others: Sequence[SeenSides], which: NDArray[np.intp] | None = None) -> Floats:
+    """(N,) share of the other pictures in which each side of the first comes again.
+
+    With ``which`` (M,), 0 of all that it does not name.
+    """
+    hits = np.zeros(len(first.uv))
+    which = np.arange(len(hits)) if which is None else which
+    for other in others:
+        hits[_same(first, which, other)] += 1.0
+    return hits / max(len(others), 1)
+
+
+def _same(one: SeenSides, which: NDArray[np.intp], other: SeenSides) -> NDArray[np.intp]:
+    """Those of the sides ``which`` of ``one`` that ``other`` has as well."""
+    if not len(which) or not len(other.uv):
+        return np.zeros(0, np.intp)
+    pairs = cKDTree(one.uv[which]).sparse_distance_matrix(
+        cKDTree(other.uv), float(np.hypot(ACROSS, ALONG)), output_type="ndarray"
+    )
+    mine, its = which[pairs["i"]], pairs["j"]
+    apart, angle = other.uv[its] - one.uv[mine], one.angle[mine]
+    across = apart[:, 0] * np.cos(angle) + apart[:, 1] * np.sin(angle)
+    along = apart[:, 1] * np.cos(angle) - apart[:, 0] * np.sin(angle)
+    turned = np.abs((other.angle[its] - angle + np.pi) % (2.0 * np.pi) - np.pi)
+    tinted = np.linalg.norm(other.looks[its, :COLOURS].astype(np.float32) - one.looks[mine, :COLOURS], axis=1)
+    same = (np.abs(across) < ACROSS) & (np.abs(along) < ALONG) & (turned < TURNED) & (tinted < TINTED)
+    return np.unique(mine[same])
+
+
+def descriptors(looks: Bytes) -> NDArray[np.float32]:
+    """(N, 138) of sides' looks (N, 5)."""
+    result = np.zeros((len(looks), BYTES), np.float32)
+    result[:, LOOKS] = looks
+    return result

@@ -12,29 +12,35 @@ What is seen from the same side is found together the more often for that alone,
 on the object itself, by its pairs that share viewing directions and stand apart: so high that at most ``BY_CHANCE`` of
 the pairs that qualify would reach it if to be near made no difference. Compounds are the groups of complete linkage:
 every pair of a group qualifies, and the groups are disjoint.
+
+Each learned feature belongs to the part of its type whose surface is nearest (A1, A3). Parts and pieces of
+the mesh know each other by their places, so that an author may rename parts, nest them, or take some out.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.cluster.hierarchy import fcluster, linkage
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial.distance import cdist
 
+from geometry.arrays import Floats, Ints, Mask
 from geometry.cones import even_directions
-from kb.clouds.learned import numbered
-from kb.learning.sides import STRETCH
+from kb.clouds.cloud import ObjectType
+from kb.clouds.learned import LearnedCloud, numbered
+from kb.clouds.lobes import object_nodes, place
+from kb.learning.again import STRETCH
+from kb.learning.observations import Observations
+from kb.surfaces.nearness import Nearness
+from kb.surfaces.pieces import Piece, pieces_of
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+Shares = NDArray[np.float32]
 
-    from numpy.typing import NDArray
-
-    from kb.clouds.learned import LearnedCloud
-    from kb.learning.observations import Observations
-
-    Floats = NDArray[np.float64]
-    Mask = NDArray[np.bool_]
-    Shares = NDArray[np.float32]
 
 OF_SIZE = 0.25
 """Share of its size within which what is seen is of one place: the middle of what is large, or round, is not exact."""
@@ -54,7 +60,7 @@ class Pictures(NamedTuple):
 
 def compounds_of(
     cloud: LearnedCloud, seen: Observations, groups: Sequence[NDArray[np.intp]], pictures: Pictures
-) -> NDArray[np.int64]:
+) -> Ints:
     """(F,) the compound of each feature, counted from 1; 0 of those in none.
 
     Keypoints and sides of edges make compounds of their own.
@@ -91,14 +97,12 @@ def widths(cloud: LearnedCloud, diameter: float) -> Floats:
     return widest
 
 
-def grouped(shown: Mask, held: Mask, at: Floats, width: Floats) -> NDArray[np.int64]:
+def grouped(shown: Mask, held: Mask, at: Floats, width: Floats) -> Ints:
     """(F,) the compound of each of F features of one kind, counted from 1; 0 of those in none.
 
     ``shown`` (F, N) which pictures showed each, and ``held`` (F, N) for which its lobes hold; ``at`` (F, 3) m;
     ``width`` (F,) m.
     """
-    from scipy.spatial.distance import cdist
-
     similar, apart = together(shown), cdist(at, at)
     shared = together(held) >= OFTEN
     np.fill_diagonal(shared, val=False)
@@ -128,20 +132,16 @@ def bar(near: Shares, others: Shares) -> float:
     return float(good.min(initial=np.inf))
 
 
-def within_parts(compound: NDArray[np.int64], part: NDArray[np.int64]) -> NDArray[np.int64]:
+def within_parts(compound: Ints, part: Ints) -> Ints:
     """(F,) the compounds of features that belong to parts (F,) of a type: what of one is in another part is another, or none (A1)."""
     return numbered(np.where(compound > 0, compound * (part.max(initial=0) + 1) + part, 0))
 
 
-def linked(similar: Shares, apart: Floats, qualify: Mask) -> NDArray[np.int64]:
+def linked(similar: Shares, apart: Floats, qualify: Mask) -> Ints:
     """(F,) groups of complete linkage, counted from 1, 0 of those that are alone: those most often together first, of equals the nearest.
 
     All of a group ``qualify`` (F, F) with each other.
     """
-    from scipy.cluster.hierarchy import fcluster, linkage
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components
-
     result = np.zeros(len(qualify), np.int64)
     count, component = connected_components(csr_array(qualify), directed=False) if len(qualify) else (0, result)
     order = np.argsort(component, kind="stable")
@@ -156,3 +156,44 @@ def linked(similar: Shares, apart: Floats, qualify: Mask) -> NDArray[np.int64]:
         tree = linkage(np.where(qualify[one, other], rank, never), "complete")
         result[members] = fcluster(tree, never - 0.5, "distance") + result.max()
     return numbered(result)
+
+
+def with_parts(kind: ObjectType, cloud: LearnedCloud) -> LearnedCloud:
+    """The cloud with its features, and what of its compounds is in each, given to the parts of its type's tree that hold no parts.
+
+    To the whole where there is no other.
+    """
+    part = _part_of(kind, cloud)
+    return replace(cloud, part=part, compound=within_parts(cloud.compound, part))
+
+
+def _part_of(kind: ObjectType, cloud: LearnedCloud) -> NDArray[np.int64]:
+    """(F,) indices into the objects of the tree."""
+    nodes = object_nodes(kind.tree)
+    leaves = [index for index, node in enumerate(nodes) if not kind.tree.out_degree(node)]
+    if kind.surface is None or len(nodes) == 1 or not len(cloud.at):
+        return np.zeros(len(cloud.at), np.int64)
+    places = np.array([place(kind.tree, nodes[index])[:3, 3] for index in leaves])
+    pieces = pieces_of(kind.surface)
+    if not pieces:  # nothing but the places tells the parts apart
+        return np.array(leaves, np.int64)[_nearest(cloud.at, places)]
+    far = [
+        Nearness(kind.surface.vertices, kind.surface.triangles[piece.triangles]).distance(cloud.at) for piece in pieces
+    ]
+    return np.array(leaves, np.int64)[_owners(pieces, places)[np.argmin(far, axis=0)]]
+
+
+def _nearest(points: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.intp]:
+    return np.asarray(np.linalg.norm(points[:, None] - places[None], axis=2).argmin(axis=1), np.intp)
+
+
+def _owners(pieces: Sequence[Piece], places: NDArray[np.float64]) -> NDArray[np.intp]:
+    """(P,) which of the ``places`` (N, 3) of parts each piece is: one to one where they are as many, else the nearest."""
+    middles = np.array([piece.at for piece in pieces])
+    if len(pieces) != len(places):
+        return _nearest(middles, places)
+    far = np.linalg.norm(middles[:, None] - places[None], axis=2)
+    order = np.abs(
+        np.arange(len(pieces))[:, None] - np.arange(len(places))[None]
+    )  # of pieces in one place the first is the first
+    return np.asarray(linear_sum_assignment(far + 1e-9 * far.max() * order)[1], np.intp)

@@ -7,26 +7,20 @@ over as many as a cone of its size holds on average, where it holds fewer: a lob
 it was not seen from beside it.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
+from geometry.arrays import Floats
 from geometry.cones import even_directions, spacing
 from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import COLOURS
+from kb.learning.again import LOOKS, STRETCH, VARIED, WIDE
 from kb.learning.compounds import OF_SIZE, Pictures, compounds_of
-from kb.learning.sides import LOOKS, VARIED, side_places
-from kb.learning.views import PIXELS, distance
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from kb.learning.observations import Observations
-
-    Floats = NDArray[np.float64]
+from kb.learning.observations import PIXELS, Observations, distance
 
 SAME_PLACE = 1.6
 """Pixels (of the coarser of two pictures), or ``OF_SIZE`` of the size, within which observations are of one place: what
@@ -46,6 +40,10 @@ TINTED = 25.0
 """The same of sides, by their colours."""
 SIDES_SEEN = 0.25
 """Least hit rate of a side's lobe: what is seen more seldom is not worth the looking."""
+PIXELS_WIDE = 1.5
+"""Pixels across, where that is wider."""
+SAME_WAY = 0.8
+"""Least cosine between the directions of one stretch."""
 BEYOND = 0.8
 """So much of the angle between neighbouring directions a lobe reaches beyond those that showed it."""
 STEP, END = 1.25, 1.5
@@ -96,8 +94,6 @@ def _chosen(seen: Observations, groups: list[NDArray[np.intp]], most: int) -> li
 
 def _places(seen: Observations, which: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     """The observations ``which`` in groups, each about one place, size and direction; the surest first."""
-    from scipy.spatial import cKDTree
-
     if not len(which):
         return []
     tree, free = cKDTree(seen.at[which]), np.ones(len(seen), bool)
@@ -136,6 +132,25 @@ def _best(seen: Observations, groups: list[NDArray[np.intp]]) -> list[int]:
     turns = np.full(len(groups), len(groups))
     np.minimum.at(turns, which, np.arange(len(which)) - np.searchsorted(view, view))
     return [int(i) for i in np.lexsort((np.arange(len(groups)), -weight, turns))]
+
+
+def side_places(seen: Observations, which: NDArray[np.intp], diameter: float) -> list[NDArray[np.intp]]:
+    """Those of the observations ``which`` are sides in groups, each of one stretch of an edge, as far as colours go any; the surest first."""
+    if not len(which):
+        return []
+    at, up, pixel = seen.at[which], seen.up[which], seen.pixel[which]
+    tree, free, groups = cKDTree(at), np.ones(len(which), bool), []
+    for i in np.lexsort((np.arange(len(which)), pixel, -seen.hit[which])):
+        if not free[i]:
+            continue
+        near = np.array(tree.query_ball_point(at[i], STRETCH * diameter, return_sorted=True), np.intp)
+        near = near[free[near]]
+        across = np.abs((at[near] - at[i]) @ up[i])
+        one = (across < np.maximum(WIDE * diameter, PIXELS_WIDE * pixel[near])) & (up[near] @ up[i] > SAME_WAY)
+        one |= near == i
+        free[near[one]] = False
+        groups.append(which[near[one]])
+    return groups
 
 
 def _lobes(seen: Observations, group: NDArray[np.intp], directions: Floats) -> list[_Lobe]:

@@ -9,30 +9,26 @@ detectors, whatever its colour.
 * ``Trial``: one turn of the shape and how it went, ``Trial(turn, motions, share=0.43, control=0.002, ratio=0.98)``
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
+from geometry.arrays import Bytes, Floats, Mask
 from geometry.frames import from_rotation_translation, quat_xyzw_from_rotation, rotation_angle, rotation_from_quat_xyzw
+from kb.clouds.learned import LearnedCloud
 from kb.files.schema import SymmetryModel
 from kb.learning.again import ALIKE, differences, flat
+from kb.learning.observations import Observations
+from kb.surfaces.surface import Surface
 from kb.surfaces.symmetries import ODD, Turn, motions, turns_of
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+Indices = NDArray[np.intp]
 
-    from numpy.typing import NDArray
-
-    from kb.clouds.learned import LearnedCloud
-    from kb.learning.observations import Observations
-    from kb.surfaces.surface import Surface
-
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 TOGETHER, SAME_UP, SAME_SIZE = 0.85, 0.8, 0.3
 """Least cosines between directions of view and between ``up``, greatest logarithm of the ratio of sizes, of two that
@@ -52,7 +48,7 @@ def reach_of(cloud: LearnedCloud) -> float:
 
 
 def counterparts(
-    cloud: LearnedCloud, motion: Floats, reach: float, descriptor: NDArray[np.uint8] | None = None
+    cloud: LearnedCloud, motion: Floats, reach: float, descriptor: Bytes | None = None
 ) -> tuple[Indices, Indices, Floats]:
     """Appearances, their counterparts after ``motion`` (4, 4), and how far apart the descriptors of the two are.
 
@@ -77,14 +73,12 @@ def counterparts(
     )
 
 
-def _alike(some: Floats, others: Floats, least: float) -> NDArray[np.bool_]:
+def _alike(some: Floats, others: Floats, least: float) -> Mask:
     return np.asarray((some * others).sum(axis=1) > least)
 
 
 def _near(cloud: LearnedCloud, moved: Floats, reach: float) -> Iterator[tuple[Indices, Indices]]:
     """Blocks of pairs of appearances, of features that are ``moved`` (F, 3) to within ``reach`` of others."""
-    from scipy.spatial import cKDTree
-
     i, j = flat(cKDTree(cloud.at).query_ball_point(moved, reach, return_sorted=True))
     counts = np.bincount(cloud.feature, minlength=len(cloud.at))
     start, pairs = np.cumsum(counts) - counts, counts[i] * counts[j]
@@ -131,8 +125,6 @@ def seen_again(cloud: LearnedCloud, motion: Floats, seen: Observations, directio
 
     By hit rates: what the detector would report of the object in this place, if it stood in that.
     """
-    from scipy.spatial import cKDTree
-
     R, t = motion[:3, :3], motion[:3, 3]
     at, axis, up = cloud.at @ R.T + t, cloud.axis @ R.T, cloud.up @ R.T
     due, got = 0.0, 0.0
@@ -210,7 +202,7 @@ def trials(cloud: LearnedCloud, surface: Surface) -> list[list[Trial]]:
     ]
 
 
-def _trial(cloud: LearnedCloud, dealt: NDArray[np.uint8], turn: Turn, diameter: float) -> Trial:
+def _trial(cloud: LearnedCloud, dealt: Bytes, turn: Turn, diameter: float) -> Trial:
     angles = ODD if turn.fold == 0 else (2.0 * math.pi / turn.fold,)
     moves = tuple(_settled(cloud, _motion(turn, angle), diameter) for angle in angles)
     shares = [share(cloud, counterparts(cloud, motion, reach_of(cloud))[0]) for motion in moves]

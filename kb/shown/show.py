@@ -1,26 +1,18 @@
 """What a knowledge base holds, for people and for programs, and what in it may be meant otherwise."""
 
-from __future__ import annotations
-
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import networkx as nx
 import numpy as np
 
 from geometry.frames import transform_points
-from kb.clouds.tree import object_nodes
-from kb.shown.cautions import MOST_NAMED, cautions
-from kb.shown.learned_summary import learned_summary
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    import networkx as nx
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.lobes import Feature, Lobe
+from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.clouds.lobes import Feature, Lobe, object_nodes
+from kb.shown.cautions import MOST_NAMED, cautions, learned_summary
 
 CLOSE = 0.01
 """A symmetry may move the surface's vertices by this share of its diameter."""

@@ -1,18 +1,10 @@
-"""Facets all turned the same way, outward: along each edge the two facets run opposite ways, and what is enclosed is positive."""
-
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+"""Ints all turned the same way, outward: along each edge the two facets run opposite ways, and what is enclosed is positive."""
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Ints, Mask
 from geometry.visibility.outline import is_closed
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Places = NDArray[np.float64]
-    Facets = NDArray[np.int64]
 
 LARGEST_HOLE = 0.2
 """A hole is filled whose bounding box's diagonal is at most this share of the mesh's; a larger one may be meant: a
@@ -21,7 +13,7 @@ FLAPS = 0.05
 """Share of the triangles up to which two back to back are taken for a flap, and beyond it for a sheet's two sides."""
 
 
-def closed_up(vertices: Places, triangles: Facets) -> tuple[Places, Facets, int, int]:
+def closed_up(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints, int, int]:
     """Vertices, triangles, holes filled and holes left, of the first way of cleaning that closes the surface.
 
     Else of the last.
@@ -35,12 +27,12 @@ def closed_up(vertices: Places, triangles: Facets) -> tuple[Places, Facets, int,
     return result
 
 
-def joined_twice(triangles: Facets) -> int:
+def joined_twice(triangles: Ints) -> int:
     """How many triangles another one repeats."""
     return len(triangles) - len(np.unique(np.sort(triangles, axis=1), axis=0))
 
 
-def _once(triangles: Facets) -> list[Facets]:
+def _once(triangles: Ints) -> list[Ints]:
     """Each triangle once, whichever way it faces, in one or two ways.
 
     Of two triangles back to back, which enclose nothing, neither may be meant: a flap, or the wall between two bodies
@@ -58,13 +50,13 @@ def _once(triangles: Facets) -> list[Facets]:
     return [neither, one] if flap.sum() > FLAPS * len(first) else [one, neither]
 
 
-def _parity(triangles: Facets) -> NDArray[np.int64]:
+def _parity(triangles: Ints) -> Ints:
     """1 for triangles (T, 3) whose vertices, in order, are an even permutation of ascending ones, else -1."""
     a, b, c = triangles.T
     return np.asarray(np.sign((b - a) * (c - b) * (c - a)))
 
 
-def filled(vertices: Places, triangles: Facets) -> tuple[Places, Facets, int, int]:
+def filled(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints, int, int]:
     """Vertices, triangles, and how many holes were filled and how many left: those larger than ``LARGEST_HOLE`` of the whole.
 
     A hole is a loop of edges with a facet on one side only. One of three edges gets a triangle, any other a fan about
@@ -73,8 +65,8 @@ def filled(vertices: Places, triangles: Facets) -> tuple[Places, Facets, int, in
     loops = rims(triangles)
     most = LARGEST_HOLE * np.linalg.norm(np.ptp(vertices, axis=0))
     small = [loop for loop in loops if np.linalg.norm(np.ptp(vertices[loop], axis=0)) <= most]
-    middles: list[Places] = []
-    facets: list[Facets] = []
+    middles: list[Floats] = []
+    facets: list[Ints] = []
     for loop in small:
         if len(loop) == 3:
             facets.append(loop[None, ::-1])
@@ -90,7 +82,7 @@ def filled(vertices: Places, triangles: Facets) -> tuple[Places, Facets, int, in
     return vertices, triangles, len(small), len(loops) - len(small)
 
 
-def rims(triangles: Facets) -> list[NDArray[np.int64]]:
+def rims(triangles: Ints) -> list[Ints]:
     """The loops of directed edges that no other facet runs along the other way, each vertex once in its loop.
 
     Edges that meet others at a vertex, so that nobody knows how to go on, are in no loop.
@@ -105,7 +97,7 @@ def rims(triangles: Facets) -> list[NDArray[np.int64]]:
     return _loops(following)
 
 
-def _loops(following: dict[int, int]) -> list[NDArray[np.int64]]:
+def _loops(following: dict[int, int]) -> list[Ints]:
     """The closed walks of a function on vertices."""
     seen: set[int] = set()
     found = []
@@ -122,7 +114,7 @@ def _loops(following: dict[int, int]) -> list[NDArray[np.int64]]:
     return found
 
 
-def turned_outward(vertices: Places, triangles: Facets) -> Facets:
+def turned_outward(vertices: Floats, triangles: Ints) -> Ints:
     """The triangles (T, 3), some of them turned over.
 
     Where neighbours already agree everywhere, the whole is turned if its volume is negative, so that inner walls stay
@@ -139,13 +131,13 @@ def turned_outward(vertices: Places, triangles: Facets) -> Facets:
     return np.where(inward[label][:, None], result[:, ::-1], result)
 
 
-def _volumes(vertices: Places, triangles: Facets) -> Places:
+def _volumes(vertices: Floats, triangles: Ints) -> Floats:
     """The signed volume (T,) between each triangle and the middle of all."""
     a, b, c = np.moveaxis(vertices[triangles] - vertices.mean(axis=0), 1, 0)
     return np.asarray(np.einsum("ti,ti->t", a, np.cross(b, c)) / 6)
 
 
-def _neighbours(triangles: Facets) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
+def _neighbours(triangles: Ints) -> tuple[NDArray[np.intp], NDArray[np.intp], Mask]:
     """The facets on both sides of each edge that has just two, and whether they run along it the same way, which is wrong."""
     directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     facet = np.tile(np.arange(len(triangles)), 3)
@@ -169,7 +161,7 @@ def pieces(count: int, one: NDArray[np.intp], other: NDArray[np.intp]) -> NDArra
     return np.asarray(connected_components(links, directed=False)[1])
 
 
-def _agreeing(count: int, one: NDArray[np.intp], other: NDArray[np.intp], same: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _agreeing(count: int, one: NDArray[np.intp], other: NDArray[np.intp], same: Mask) -> Mask:
     """Which facets (T,) to turn over, so that neighbours along a spanning tree agree.
 
     A root added to every piece starts it.

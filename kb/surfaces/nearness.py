@@ -1,16 +1,9 @@
 """How far points are from a surface, by its nearest triangles."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Places = NDArray[np.float64]
-    Facets = NDArray[np.int64]
+from geometry.arrays import Floats, Ints
 
 SPOTS = 40_000
 """Points laid over the surface, through which its near triangles are found."""
@@ -23,21 +16,21 @@ SLIVER = 20
 class Nearness:
     """A surface ready to be asked how far points are: never too near, and too far by no more than the spots are apart."""
 
-    def __init__(self, vertices: Places, triangles: Facets) -> None:
+    def __init__(self, vertices: Floats, triangles: Ints) -> None:
         from scipy.spatial import cKDTree
 
         self._corners = vertices[triangles]
         spots, self._owner = spread(vertices, triangles, SPOTS)
         self._tree = cKDTree(spots)
 
-    def distance(self, points: Places) -> Places:
+    def distance(self, points: Floats) -> Floats:
         """(N,) m from each of ``points`` (N, 3) to the surface."""
         _, found = self._tree.query(points, k=NEAR)
         corners = self._corners[self._owner[found]]
         return np.asarray(np.sqrt(_squared(points[:, None], corners).min(axis=1)))
 
 
-def spread(vertices: Places, triangles: Facets, count: int) -> tuple[Places, NDArray[np.intp]]:
+def spread(vertices: Floats, triangles: Ints, count: int) -> tuple[Floats, NDArray[np.intp]]:
     """About ``count`` points (N, 3) over the surface, evenly by area, along slivers and at least in the middle of each triangle; and whose."""
     corners = vertices[triangles]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
@@ -56,7 +49,7 @@ def spread(vertices: Places, triangles: Facets, count: int) -> tuple[Places, NDA
     return a + u[:, None] * (b - a) + v[:, None] * (c - a), owner
 
 
-def _squared(points: Places, corners: Places) -> Places:
+def _squared(points: Floats, corners: Floats) -> Floats:
     """Squared distance from points (N, 1, 3) to triangles (N, K, 3, 3): to the plane where its foot is inside, else to the nearest side."""
     a, b, c = np.moveaxis(corners, 2, 0)
     normal = np.cross(b - a, c - a)
@@ -69,7 +62,7 @@ def _squared(points: Places, corners: Places) -> Places:
     return np.where(inside, np.divide(height**2, size, out=np.zeros_like(size), where=size > 0), sides)
 
 
-def _to_side(points: Places, start: Places, end: Places) -> Places:
+def _to_side(points: Floats, start: Floats, end: Floats) -> Floats:
     along = end - start
     size = (along**2).sum(axis=-1)
     share = np.divide(((points - start) * along).sum(axis=-1), size, out=np.zeros_like(size), where=size > 0)

@@ -4,19 +4,13 @@ Vocabulary: ``Piece``, one of them, ``Piece(name="part_1", at=(0, 0, 0.1), share
 first.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kb.surfaces.nearness import spread
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from kb.surfaces.surface import Surface
+from kb.surfaces.surface import Surface
 
 MOST = 32
 """Parts that one type is given at most."""

@@ -3,24 +3,17 @@
 Vocabulary: ``Repaired``, the surface and the numbers of what was done.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from geometry.arrays import Floats, Ints
 from geometry.visibility.outline import is_closed
 from kb.errors import IntakeError, SurfaceError
 from kb.surfaces.closing import closed_up, joined_twice, rims, turned_outward
 from kb.surfaces.nearness import Nearness, spread
 from kb.surfaces.surface import Surface, welded
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Places = NDArray[np.float64]
-    Facets = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +35,7 @@ class Repaired:
     deviation: float
 
 
-def repaired(vertices: Places, triangles: Facets) -> Repaired:
+def repaired(vertices: Floats, triangles: Ints) -> Repaired:
     """The surface of ``vertices`` (V, 3) m and ``triangles`` (T, 3).
 
     Raises:
@@ -86,7 +79,7 @@ def simplified(surface: Surface) -> tuple[Surface, float]:
     return _by_quadrics(surface) if capped is None else _within_tolerance(surface, *capped)
 
 
-def _capped(surface: Surface) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
+def _capped(surface: Surface) -> tuple[Floats, Ints] | None:
     """Vertices, those of the caps last, and the caps' triangles (C, 3), which close the surface.
 
     None where they do not.
@@ -100,9 +93,7 @@ def _capped(surface: Surface) -> tuple[NDArray[np.float64], NDArray[np.int64]] |
     return (np.concatenate(middles), extra) if whole else None
 
 
-def _within_tolerance(
-    surface: Surface, vertices: NDArray[np.float64], caps: NDArray[np.int64]
-) -> tuple[Surface, float]:
+def _within_tolerance(surface: Surface, vertices: Floats, caps: Ints) -> tuple[Surface, float]:
     """By manifold3d: a subset of the vertices.
 
     Each step moves nothing by more than the tolerance, several may add up a little.
@@ -138,7 +129,7 @@ def _within_tolerance(
     return best, deviation(surface, best)
 
 
-def _run(mesh: Any, name: int) -> NDArray[np.int64]:  # noqa: ANN401 - manifold3d ships no types
+def _run(mesh: Any, name: int) -> Ints:  # noqa: ANN401 - manifold3d ships no types
     """The triangles (T, 3) that come from those of this name."""
     triangles = np.asarray(mesh.tri_verts, dtype=np.int64)
     bounds = [int(x) // 3 for x in mesh.run_index]
@@ -182,5 +173,5 @@ def deviation(surface: Surface, fewer: Surface) -> float:
     return float(max(there.max(), back.max()))
 
 
-def _some(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _some(points: Floats) -> Floats:
     return points[:: max(1, len(points) // PROBES)]

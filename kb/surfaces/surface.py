@@ -5,13 +5,13 @@ surface that is not closed hides what is behind it all the same, for that is a m
 refused as a ``solid``.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.bodies.overlap import Solid
 from geometry.errors import GeometryError
@@ -20,11 +20,6 @@ from geometry.visibility.outline import is_closed
 from geometry.visibility.rays import RayMesh, checked_mesh
 from kb.errors import SurfaceError
 from kb.surfaces.closing import LARGEST_HOLE, closed_up, joined_twice
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from numpy.typing import NDArray
 
 WELD = 1e-6
 """Vertices nearer than this, as a share of the diameter, are one: a texture's seam splits them."""
@@ -78,7 +73,7 @@ class Surface:
         return is_closed(self.triangles)
 
     @property
-    def solid(self) -> Surface | None:
+    def solid(self) -> "Surface | None":
         """The closed surface whose volume A4 is about: this one, or it repaired.
 
         None where it is refused, and shares no volume with anything.
@@ -86,7 +81,7 @@ class Surface:
         return self.mended.surface
 
     @cached_property
-    def mended(self) -> Mended:
+    def mended(self) -> "Mended":
         """What of it is a solid, and what was repaired for that, or why it is refused (``kb.surfaces.surface``)."""
         return mended(self)
 

@@ -7,30 +7,72 @@ be by the next process that starts one.
 * ``with Child(python("plogic.logic.served.program_child"), told=request) as child: child.rest(seconds=5.0)``
 * ``heard([one, other], 1.0)``: those that say something within a second; the others may be ended
 * ``Copy(work, argument)``: a copy of this process, which calls ``work``
+* ``Scratch()``: a folder that goes when its process does, by itself or by the next process that makes such a folder
 """
 
 from __future__ import annotations
 
 import contextlib
 import ctypes
+import fcntl
 import os
 import resource
 import select
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import weakref
-from multiprocessing import get_context
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from threading import Thread
-from time import monotonic, sleep
-from typing import TYPE_CHECKING, Any, Self
+from time import monotonic, sleep, time
+from typing import Any, Self
 
-from plogic.base.scratch import Scratch
+PREFIX = "plogic-child-"
+LOCK = ".lock"
+"""A file of the folder that is locked as long as somebody uses it."""
+YOUNG = 60.0
+"""Seconds after which a folder that nobody has locked is left over: its maker may be about to."""
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+class Scratch:
+    """A new folder, which is this process's."""
+
+    def __init__(self) -> None:
+        """Sweep what others left, and make the folder."""
+        sweep()
+        self.folder = Path(tempfile.mkdtemp(prefix=PREFIX))
+        self._lock = os.open(self.folder / LOCK, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC)
+        fcntl.flock(self._lock, fcntl.LOCK_EX)
+
+    def remove(self) -> None:
+        """Remove it with all that is in it."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+        os.close(self._lock)
+
+
+def sweep() -> None:
+    """Remove the folders of processes that were killed. Whoever has the lock of one is alive."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
+        with contextlib.suppress(OSError):  # another's, or gone meanwhile
+            if time() - folder.stat().st_mtime > YOUNG and _is_left(folder):
+                shutil.rmtree(folder, ignore_errors=True)
+
+
+def _is_left(folder: Path) -> bool:
+    """Whether nobody has its lock."""
+    lock = os.open(folder / LOCK, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    finally:
+        os.close(lock)
+    return True
+
 
 LARGEST_READ = 1 << 20
 """Bytes that are read at a time."""
@@ -162,6 +204,8 @@ class Copy:
     """
 
     def __init__(self, work: Callable[..., object], *arguments: object) -> None:
+        from multiprocessing import get_context
+
         self._lent, parent, used = lend(None), os.getpid(), _size()
         context = get_context("fork")
         memory = self._lent and used + self._lent

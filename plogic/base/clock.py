@@ -1,13 +1,17 @@
 """The time that an answer may take, and the moment at which a search stops: both are asked between steps.
 
 Without a limit no clock is read, so that the answer depends on nothing but the question.
+``Stopwatch`` has the times of the stages of one run, in seconds of wall clock; they never enter a result.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from time import monotonic
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from time import monotonic, perf_counter
 
 
 class OutOfTimeError(Exception):
@@ -53,3 +57,24 @@ class Deadline:
         self.passed = self.passed or (self.end is not None and monotonic() >= self.end)
         if self.passed:
             raise OutOfTimeError
+
+
+@dataclass
+class Stopwatch:
+    """Seconds by stage, in the order in which the stages first ran; a stage that runs again adds up."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Add the time of the block to a stage."""
+        start = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] = self.seconds.get(name, 0.0) + perf_counter() - start
+
+    @property
+    def total(self) -> float:
+        """Seconds of all stages."""
+        return sum(self.seconds.values())

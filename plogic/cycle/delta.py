@@ -19,10 +19,8 @@ from geometry.visibility.occlusion import PosedSurface, drawn, occlusion
 from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.cycle.placing import gravity_of_view, space_of_view
 from plogic.cycle.state import Cycle, Trace
-from plogic.facts.hypothesis import FeatureFact, Hypothesis
-from plogic.facts.pair_facts import pair_facts
-from plogic.facts.part_facts import part_facts
-from plogic.facts.situation import AppearanceFact, PairFact, Reading, Reconsider, Situation
+from plogic.facts.hypothesis import FeatureFact, Hypothesis, part_facts
+from plogic.facts.situation import AppearanceFact, PairFact, Reading, Reconsider, Situation, pair_facts
 from plogic.facts.spatial import Space
 from plogic.match.judged.evidence import as_fitted, clutter_density, judged
 from plogic.match.judged.expectation import hidden_by

@@ -21,11 +21,10 @@ import shapely
 
 from geometry.bodies.columns import STEEP, Body, Contact, above, body_of, stands, steady
 from geometry.bodies.depth import parts_of, penetration
-from geometry.bodies.gap import distance, gap
-from geometry.bodies.overlap import Solid, solid_overlap
+from geometry.bodies.overlap import Solid, distance, gap, solid_overlap
 from geometry.bodies.resting import Bodies, Shape, Touch, shape_of
 from geometry.frames import transform_points
-from geometry.poses.refine_sights import turned_step
+from geometry.poses.refine import turned_step
 from geometry.visibility.occlusion import PosedSurface
 from geometry.visibility.outline import image_area, outline
 from plogic.cycle.support import support_of

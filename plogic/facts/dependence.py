@@ -11,8 +11,10 @@ Structure only, no numbers. Vocabulary:
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from graphlib import CycleError, TopologicalSorter
 from typing import TYPE_CHECKING
 
 from plogic.base.errors import TooManyHypothesesError
@@ -144,19 +146,14 @@ def _blocks(of: dict[str, tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
 
 def _settled(of: dict[str, tuple[str, ...]]) -> set[str]:
     """Those who depend on no cycle: nobody, or only such."""
-    waiting: dict[str, int] = {}
-    users: dict[str, list[str]] = {}
-    for h, gs in of.items():
-        waiting[h] = len(gs)
-        for g in gs:
-            users.setdefault(g, []).append(h)
-    ready = [h for h, gs in of.items() if not gs]
-    while ready:
-        for h in users.get(ready.pop(), ()):
-            waiting[h] -= 1
-            if not waiting[h]:
-                ready.append(h)
-    return {h for h, count in waiting.items() if not count}
+    sorter = TopologicalSorter(of)
+    with suppress(CycleError):  # it gives what comes before the cycles all the same
+        sorter.prepare()
+    settled: set[str] = set()
+    while ready := sorter.get_ready():
+        settled.update(ready)
+        sorter.done(*ready)
+    return settled
 
 
 def _components(of: dict[str, list[str]]) -> list[tuple[str, ...]]:

@@ -9,6 +9,9 @@ Vocabulary, each with an example value:
 A hypothesis grows on its way. Matching gives it the arrays over its features (D7, D8), the cycle its evidence, its ev
 and its verdict (§5.4, §7), and Δh its id, its group and its features as facts, one by one: these go into
 ``interpretation.json`` and come back.
+
+``expected`` is D7 as one function. The generated program states it once more, as rules
+(``plogic.scene.text.rules.EXPECTED``), tested equal.
 """
 
 from __future__ import annotations
@@ -16,19 +19,55 @@ from __future__ import annotations
 from copy import copy
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, overload
 
 import numpy as np
 
 from geometry.frames import transform_points
-from plogic.facts.expected import expected
 from plogic.measures.crowding import shares
 from plogic.measures.explanatory import Support, tally
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    Flags = NDArray[np.bool_]
     from kb.clouds.cloud import ObjectType
+
+
+class Seen(NamedTuple):
+    """What geometry says of F features: in the image, in a lobe, Behind their own host; each (F,)."""
+
+    in_image: Flags
+    in_lobe: Flags
+    self_hidden: Flags
+
+
+class _OneSeen(Protocol):
+    @property
+    def in_image(self) -> bool: ...
+    @property
+    def in_lobe(self) -> bool: ...
+    @property
+    def self_hidden(self) -> bool: ...
+
+
+@overload
+def expected(seen: _OneSeen, opaque: bool) -> bool: ...  # noqa: FBT001 - a truth value of D7
+@overload
+def expected(seen: _OneSeen, opaque: bool, hidden: Flags) -> Flags: ...  # noqa: FBT001
+@overload
+def expected(seen: Seen | Hypothesis, opaque: bool, hidden: Flags | bool = False) -> Flags: ...  # noqa: FBT001, FBT002
+
+
+def expected(seen: Any, opaque: bool, hidden: Any = False) -> Any:  # noqa: FBT001, FBT002
+    """Return whether a feature is Expected in one world, or in several (D7): truth values, or arrays of them that broadcast.
+
+    It projects into the image (``in_image``); the viewpoint is in one of its lobes (``in_lobe``); and it is not Behind
+    any opaque object of the world, neither its own host (``self_hidden``, where the host is ``opaque``) nor another
+    that is present and no rival (``hidden``).
+    """
+    return seen.in_image & seen.in_lobe & ((seen.self_hidden & opaque | hidden) ^ True)
+
 
 Status = Literal["open", "accepted", "rival", "rejected"]
 
@@ -247,3 +286,14 @@ ARRAYS = tuple(row.name for row in fields(Hypothesis) if "NDArray" in str(row.ty
 """The fields that are arrays."""
 VERDICT = "worth", "surplus", "ev", "ev_reconsidered", "status", "why"
 """The fields that say what was judged."""
+
+
+def part_facts(object_type: ObjectType) -> tuple[PartFact, ...]:
+    """A fact for every part and feature below the maximal object, in the tree's order."""
+    tree = object_type.tree
+    facts = []
+    for node, attributes in tree.nodes(data=True):
+        if node and attributes["kind"] != "appearance":
+            (parent,) = tree.predecessors(node)
+            facts.append(PartFact(node, parent, attributes["kind"], attributes["type"]))
+    return tuple(facts)

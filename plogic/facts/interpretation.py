@@ -15,19 +15,17 @@ import numpy as np
 from geometry.files.plain_files import JsonError, json_of
 from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
-from plogic.facts.document import Interpretation
+from plogic.facts.document import Case, FeatureRow, HypothesisFacts, HypothesisRow, Interpretation, StandsKey
 from plogic.facts.gravity import gravity_facts, gravity_of
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
 from plogic.facts.sanity import faults
-from plogic.facts.situation import AppearanceFact, PairFact, Situation
+from plogic.facts.situation import AppearanceFact, PairFact, Situation, stopped_in
 from plogic.facts.spatial import overlap_document, space_of
-from plogic.facts.stopped import stopped_in
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from plogic.facts.document import Case, FeatureRow, HypothesisFacts, HypothesisRow, StandsKey
     from plogic.facts.fact_rows import Fact, PartRelationFact, RelationFact, RocKey
 
 FORMAT: Final = "interpretation/1"

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 
 from geometry.visibility.roc import ROC20, coarse
 from plogic.base.errors import SituationError
-from plogic.facts.gravity import GROUND
+from plogic.facts.gravity import GROUND, Gravity
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from plogic.facts.gravity import Gravity
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.facts.situation import PairFact, Situation
     from plogic.facts.spatial import Space

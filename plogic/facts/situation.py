@@ -8,20 +8,27 @@ Vocabulary, each with an example value:
 * ``Situation``: all of it, with the reading, the mode of reconsideration and the side tables.
 
 Nothing here is computed from probabilities; everything here is plain data that goes into ``interpretation.json`` and
-comes back.
+comes back. ``pair_facts`` gives a relation of ROC-20 as facts of the ordered pair that it is said of (§3.6, §3.7).
+``names_of`` gives the table of a situation's names, each label with its atom (contract, "Names";
+``plogic.logic.safety.atoms``): generated atoms are ``f1`` for a feature's path and ``n1`` for the rest.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import count
 from typing import TYPE_CHECKING, Literal
 
+from geometry.visibility.roc import ROC20, Roc, coarse, coarse_converse, converse
 from plogic.facts.spatial import Space
+from plogic.logic.safety.atoms import Names, own_atom
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from plogic.facts.document import Marks
     from plogic.facts.gravity import Gravity
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.stopped import Stopped
 
 Reading = Literal["score", "posterior"]
 Reconsider = Literal["to_B", "drop", "reassign"]
@@ -92,3 +99,67 @@ class Situation:
     smoothing: float = 0.0
     rules: str = ""
     stopped: Stopped = ""
+
+
+Stopped = Literal["", "search", "worlds"]
+"""What a deadline came in, '' where it came in nothing (``plogic.scene.readings.unfinished``)."""
+SEARCH: Stopped = "search"
+WORLDS: Stopped = "worlds"
+
+
+def stopped_in(document: Marks) -> Stopped:
+    """What was stopped, '' in a finished interpretation; one that does not say it may lack anything."""
+    return document.get("stopped", SEARCH) or SEARCH if document.get("unfinished") else ""
+
+
+_FINE = {name: name for name in ROC20}
+
+
+def pair_facts(relation: Roc, x: str, y: str, parts: tuple[str, str] = ("", "")) -> list[PairFact]:
+    """A relation in the vocabulary of queries: ``x`` occluded by ``y`` is said of (y, x).
+
+    What is its own converse when coarse, of both.
+    """
+    word, there, back = coarse(relation), (x, y, relation, parts), (y, x, converse(relation), parts[::-1])
+    if word == coarse_converse(word):
+        return [PairFact(word, *there), PairFact(word, *back)]
+    if word.endswith("_occluded_by"):
+        return [PairFact(coarse_converse(word), *back)]
+    return [PairFact(word, *there)]
+
+
+def both_ways(fact: PairFact) -> tuple[str, ...]:
+    """The relation of ROC-20 of (x, y); and of (y, x), where no other fact tells it.
+
+    None where the fact does not tell it.
+    """
+    if fact.roc not in _FINE:
+        return ()
+    other = converse(_FINE[fact.roc])
+    return (fact.roc,) if coarse(other) == fact.relation else (fact.roc, other)
+
+
+def names_of(situation: Situation) -> Names:
+    """The table of one situation: deterministic, in the order in which the names appear there."""
+    wanted = list(_labels(situation))
+    taken = {label for label, _ in wanted if own_atom(label)}
+    fresh = {kind: (atom for i in count(1) if (atom := f"{kind}{i}") not in taken) for kind in "fn"}
+    atoms: dict[str, str] = {}
+    for label, kind in wanted:
+        if label not in atoms:
+            atoms[label] = label if own_atom(label) else next(fresh[kind])
+    return Names.of(atoms)
+
+
+def _labels(situation: Situation) -> Iterator[tuple[str, str]]:
+    for hypothesis in situation.hypotheses:
+        yield from ((label, "n") for label in (hypothesis.id, hypothesis.type, hypothesis.group))
+        inner = [(part.id, part.type) for part in hypothesis.parts]
+        for name, kind in inner + [(feature.id, feature.type) for feature in hypothesis.features]:
+            yield from ((name, "f"), (kind, "n"))
+    for appearance in situation.appearances:
+        yield from ((label, "n") for label in (appearance.id, appearance.type))
+    for table in (situation.dv, situation.rank, situation.priors):
+        yield from ((label, "n") for label in table)
+    for fact in (*situation.relations, *situation.part_relations):
+        yield from ((label, "n") for label in (fact.relation, *both_ways(fact)))

@@ -26,9 +26,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from plogic.base.clock import OutOfTimeError
-from plogic.inference.axes import in_groups, log_sum, product, sliced
-from plogic.inference.graph import Beliefs
+from plogic.base.clock import Clock, OutOfTimeError
+from plogic.inference.graph import Beliefs, in_groups, log_sum, product, sliced
 from plogic.inference.passes import impossible, two_way
 
 if TYPE_CHECKING:
@@ -36,10 +35,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from plogic.base.clock import Clock
-    from plogic.inference.axes import Scoped
-    from plogic.inference.exact import Cutset
-    from plogic.inference.graph import Part
+    from plogic.inference.graph import Part, Scoped
+    from plogic.inference.marginals import Cutset
 
     Arrays = tuple[NDArray[np.float64], ...]
     Node = tuple[float, tuple[int, ...]]  # −bound, states of the first variables of the cutset
@@ -250,8 +247,7 @@ def _open_by_state(nodes: list[Node], place: int, card: int) -> tuple[NDArray[np
             settled[states[place]] += bound
         else:
             free += bound
-    others = np.array([settled[:s].sum() + settled[s + 1 :].sum() for s in range(card)])
-    return settled + free, others + free
+    return settled + free, np.array([settled[:s].sum() + settled[s + 1 :].sum() for s in range(card)]) + free
 
 
 def glanced(part: Part, sequence: Sequence[int], bits: float, clock: Clock) -> Beliefs:

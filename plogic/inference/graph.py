@@ -11,13 +11,15 @@ Vocabulary, each with an example value:
 * ``FactorGraph((2, 3, 2), (Factor(...), ...))``; the weight of a joint state is the product of its factors' weights
 * ``Part((4, 7, 9), (2, 3, 2), (((0, 1), table), ...))``: the variables 4, 7 and 9 of the whole, which are 0, 1 and 2 of
   the part; their cards; and the tables that weigh them, one a scope, in the part's numbering
+
+``aligned`` puts a table's axes where another table has them; ``product``, ``log_sum`` and ``sliced`` compute with tables.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -27,6 +29,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Tables = tuple[tuple[tuple[int, ...], NDArray[np.float64]], ...]
+    from collections.abc import Mapping
+
+    Scoped = tuple[tuple[int, ...], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -110,7 +115,7 @@ def _product(tables: list[NDArray[np.float64]], constants: list[float]) -> NDArr
 
 
 def _pieces(cards: Sequence[int], joined: dict[tuple[int, ...], NDArray[np.float64]]) -> list[Part]:
-    root = _roots(len(cards), joined)
+    root = roots(len(cards), joined)
     members: dict[int, list[int]] = {}
     local = [0] * len(cards)
     for v, card in enumerate(cards):
@@ -127,12 +132,12 @@ def _pieces(cards: Sequence[int], joined: dict[tuple[int, ...], NDArray[np.float
 def connected(graph: FactorGraph) -> list[tuple[int, ...]]:
     """The variables of each connected piece, increasing, those of card 1 too; the pieces by their least variable."""
     found: dict[int, list[int]] = {}
-    for v, root in enumerate(_roots(len(graph.cards), (factor.scope for factor in graph.factors))):
+    for v, root in enumerate(roots(len(graph.cards), (factor.scope for factor in graph.factors))):
         found.setdefault(root, []).append(v)
     return [tuple(piece) for piece in found.values()]
 
 
-def _roots(count: int, scopes: Iterable[tuple[int, ...]]) -> list[int]:
+def roots(count: int, scopes: Iterable[tuple[int, ...]]) -> list[int]:
     """Per variable, the least variable of its connected piece."""
     root = list(range(count))
     for scope in scopes:
@@ -151,3 +156,59 @@ def _top(root: list[int], v: int) -> int:
         root[v] = root[root[v]]
         v = root[v]
     return v
+
+
+Term = TypeVar("Term", bound="tuple[tuple[int, ...], NDArray[Any]]")
+
+
+def aligned(scope: Sequence[int], table: NDArray[np.float64], place: Mapping[int, int]) -> NDArray[np.float64]:
+    """A view of the table (axes by ``scope``) with as many axes as ``place``: each variable's where it says, length 1 elsewhere."""
+    places = [place[v] for v in scope]
+    shape = [1] * len(place)
+    for axis, length in zip(places, table.shape, strict=True):
+        shape[axis] = length
+    if places != sorted(places):
+        table = table.transpose(sorted(range(len(scope)), key=places.__getitem__))
+    return table.reshape(shape)
+
+
+def product(tables: Iterable[Scoped], scope: Sequence[int], cards: Sequence[int]) -> NDArray[np.float64]:
+    """The sum of log tables, over ``scope``, one axis a variable."""
+    place = {v: axis for axis, v in enumerate(scope)}
+    result = np.zeros([cards[v] for v in scope])
+    for own, table in tables:
+        result += aligned(own, table, place)
+    return result
+
+
+def log_sum(table: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+    """(greatest, logarithms of the sums over the last axis, less the greatest); (−inf, zeros) if all is impossible."""
+    rows = table.reshape(-1, table.shape[-1])
+    tops = rows.max(axis=1)
+    if tops.max() == -np.inf:
+        return -np.inf, np.zeros(table.shape[:-1])
+    tops[tops == -np.inf] = 0.0
+    with np.errstate(divide="ignore"):
+        sums = np.log(np.exp(rows - tops[:, None]).sum(axis=1)) + tops
+    top = float(sums.max())
+    return top, (sums - top).reshape(table.shape[:-1])
+
+
+def sliced(scope: Sequence[int], table: NDArray[np.float64], fixed: Mapping[int, int]) -> Scoped:
+    """The table where the ``fixed`` variables have their states, over the others."""
+    index = tuple([fixed.get(v, slice(None)) for v in scope])
+    return tuple([v for v in scope if v not in fixed]), np.asarray(table[index])
+
+
+def in_groups(terms: Sequence[Term], cards: Sequence[int], bits: float) -> list[list[Term]]:
+    """The tables in groups whose joint table has at most so many bits, the largest first, each to the first group that has room."""
+    groups: list[tuple[set[int], list[Term]]] = []
+    for term in sorted(terms, key=lambda one: -one[1].size):
+        for union, group in groups:
+            if sum(math.log2(cards[v]) for v in union.union(term[0])) <= bits:
+                union.update(term[0])
+                group.append(term)
+                break
+        else:
+            groups.append((set(term[0]), [term]))
+    return [group for _, group in groups]

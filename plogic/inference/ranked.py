@@ -28,10 +28,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.clock import Clock, OutOfTimeError
-from plogic.inference.exact import plan
-from plogic.inference.graph import split
-from plogic.inference.marginals import WIDTH
-from plogic.inference.merge import sums
+from plogic.inference.graph import FactorGraph, Part, split
+from plogic.inference.marginals import WIDTH, plan
+from plogic.inference.merge import Stream, sums
 from plogic.inference.ranked_component import component
 from plogic.inference.ranked_tables import DIGITS, Digits, joint, placed
 from plogic.inference.ranked_wide import wide
@@ -40,9 +39,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
-
-    from plogic.inference.graph import FactorGraph, Part
-    from plogic.inference.merge import Stream
 
     State = tuple[float, tuple[int, ...]]
 

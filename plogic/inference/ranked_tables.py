@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from plogic.inference.merge import Stream
-from plogic.inference.messages import FEW_COLUMNS, RUN_CELLS, runs
+from plogic.inference.passes import FEW_COLUMNS, RUN_CELLS, runs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -84,8 +84,7 @@ def _scaled(
     cuts: Sequence[int],
 ) -> tuple[Table, int, int]:
     """(all costs, the impossible cost, the shift), in as many digits as the range leaves room for."""
-    ranges = np.maximum.reduceat(np.where(below < np.inf, below, 0.0), cuts[:-1])
-    span = sum(ranges.tolist())
+    span = sum(np.maximum.reduceat(np.where(below < np.inf, below, 0.0), cuts[:-1]).tolist())
     digits = DIGITS if span < 2.0 ** (COST_BITS - DIGITS) else COST_BITS - 1 - math.ceil(math.log2(span))
     if digits >= FEWEST_DIGITS:
         return (

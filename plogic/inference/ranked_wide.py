@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plogic.base.errors import LimitError
-from plogic.inference.axes import aligned, in_groups
+from plogic.inference.graph import Part, aligned, in_groups
 from plogic.inference.merge import Stream, nothing
 from plogic.inference.ranked_tables import costs
 
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plogic.base.clock import Clock
-    from plogic.inference.graph import Part
     from plogic.inference.order import Order
     from plogic.inference.ranked_tables import Costs, Digits, Table
 

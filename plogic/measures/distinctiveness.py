@@ -1,16 +1,22 @@
-"""Distinctiveness dv of feature types (§5.1).
+"""Distinctiveness dv of feature types (§5.1), and what could be here before any pose is known: valuation and rank (§5.2, §5.3).
 
-Vocabulary: ``Counts``, the number of instances |S(F)| of each feature type F, for example ``{"apex": 1, "corner": 16,
-"patch": 95}``.
+Vocabulary:
+
+* ``Counts``, the number of instances |S(F)| of each feature type F, ``{"apex": 1, "corner": 16, "patch": 95}``
+* a substitution θ, a partial injective map from features to appearances, ``{0: 3, 4: 1}`` by their indices
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from kb.clouds.cloud import ObjectType
 
@@ -49,3 +55,76 @@ def distinctiveness_over_delta(accepted: Iterable[ObjectType], background: Itera
     if not over_delta:
         return distinctiveness(over_background)
     return distinctiveness({name: over_delta.get(name, 0) for name in over_background})
+
+
+def compatible(feature_types: Sequence[frozenset[str]], appearance_types: Sequence[str]) -> NDArray[np.bool_]:
+    """(F, A) mask: appearance a is of one of the types in which feature f can appear."""
+    number: dict[str, int] = {}
+    which = [number.setdefault(name, len(number)) for name in appearance_types]
+    mask = np.array([[name in types for name in number] for types in feature_types], dtype=bool).reshape(
+        len(feature_types), len(number)
+    )
+    return np.asarray(mask[:, which])
+
+
+def is_legal(substitution: Mapping[int, int], allowed: NDArray[np.bool_]) -> bool:
+    """Whether θ is legal: compatible, and injective, so that an appearance serves one feature and a feature is matched once (§5.2)."""
+    values = list(substitution.values())
+    return len(set(values)) == len(values) and all(bool(allowed[f, a]) for f, a in substitution.items())
+
+
+def best_substitution(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> dict[int, int]:
+    """The legal θ of greatest Σ weight over matched features: a maximum-weight bipartite matching (§5.3).
+
+    ``weights`` (F,) ≥ 0 per feature, ``allowed`` (F, A). Features of weight 0 are matched where that costs nothing.
+    Oracle: brute force.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    if allowed.size == 0:
+        return {}
+    rows, columns = linear_sum_assignment(
+        np.where(allowed, -weights[:, None] - 1e-12, 0.0)
+    )  # with maximize=True SciPy makes a copy, and ends the process where there is no room for it
+    return {int(f): int(a) for f, a in zip(rows, columns, strict=True) if allowed[f, a]}
+
+
+def valuation(weights: NDArray[np.float64], substitution: Mapping[int, int]) -> float:
+    """Take v(Type, θ) = Σ dv(matched features) / Σ dv(all features of Type); 0 where every dv is 0 (§5.3, §5.1)."""
+    total = float(weights.sum())
+    heavy = weights.tolist()
+    return (
+        min(1.0, sum(heavy[f] for f in substitution) / total) if total > 0.0 else 0.0
+    )  # sums of different order may differ
+
+
+def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
+    """Best valuation of a type over all legal θ (§5.3)."""
+    return valuation(weights, best_substitution(weights, allowed))
+
+
+def rank_of_kinds(weights: NDArray[np.float64], kinds: Kinds, there: Mapping[str, int]) -> float:
+    """``rank`` where feature f is matched by appearances of one type alone: of each type the heaviest features, as many as are ``there``."""
+    matched = kinds.place < np.array([there.get(name, 0) for name in kinds.names], np.intp)[kinds.code]
+    total = float(weights.sum())
+    return min(1.0, float(weights[matched].sum()) / total) if total > 0.0 else 0.0
+
+
+class Kinds(NamedTuple):
+    """Features by their one appearance type: its ``names`` (K), each feature's ``code`` (F,) among them, and its ``place`` (F,) in it.
+
+    Of one type the heaviest is in place 0, the next in place 1.
+    """
+
+    names: tuple[str, ...]
+    code: NDArray[np.intp]
+    place: NDArray[np.intp]
+
+
+def kinds_of(weights: NDArray[np.float64], types: Sequence[str]) -> Kinds:
+    """Of F features of these weights (F,) and appearance types."""
+    names, code = np.unique(np.array(types, dtype=str), return_inverse=True)
+    order = np.lexsort((-weights, code))
+    place = np.empty(len(order), np.intp)
+    place[order] = np.arange(len(order)) - np.searchsorted(code[order], code[order])
+    return Kinds(tuple(names.tolist()), code, place)

@@ -1,4 +1,4 @@
-"""Explanatory value ev, P(ev) and reconsideration (§5.4, §5.5).
+"""Explanatory value ev, P(ev) and reconsideration (§5.4, §5.5); Shanahan's, for comparison (§5.7).
 
 Vocabulary:
 
@@ -14,15 +14,13 @@ Vocabulary:
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from math import exp, log
+from typing import Literal
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 Case = Literal["A", "B", "C", "D"]
 
@@ -64,9 +62,7 @@ def explanatory_value(support: Mapping[str, Cells], dv: Mapping[str, float]) -> 
     """
     concordant = sum(dv[name] * (cells.A + cells.B) for name, cells in support.items())
     discordant = sum(dv[name] * (cells.C + cells.D) for name, cells in support.items())
-    if concordant + discordant <= 0.0:
-        return None
-    return (concordant - discordant) / (concordant + discordant)
+    return None if concordant + discordant <= 0.0 else (concordant - discordant) / (concordant + discordant)
 
 
 def probability_of_ev(ev: float) -> float:
@@ -103,3 +99,22 @@ def reconsidered(
         gained = 0 if mode == "drop" else hidden
         result[name] = Cells(A=cells.A, C=cells.C - hidden, B=cells.B + gained + moved, D=cells.D - moved)
     return result
+
+
+def shanahan_values(rivals: Mapping[str, Sequence[float]]) -> dict[str, float]:
+    """P(Qk) / Σj P(Qj) of each rival explanation Δk of the same Γ, Qk = Δk and no other.
+
+    ``rivals`` gives each explanation the priors of its abducibles, all in (0, 1]; P(Qk) is their product. The values
+    sum to 1 over the
+    rivals (ev does not), adding a rival lowers the others, and listing every abducible k times multiplies log-odds by
+    k. No rivals, no
+    values. Products are taken in logarithms: thousands of abducibles do not underflow. Raises ValueError for a prior
+        outside (0, 1].
+    """
+    if any(not 0.0 < prior <= 1.0 for priors in rivals.values() for prior in priors):
+        raise ValueError("a prior lies outside (0, 1]")
+    logs = {name: sum(log(prior) for prior in priors) for name, priors in rivals.items()}
+    top = max(logs.values(), default=0.0)
+    weights = {name: exp(value - top) for name, value in logs.items()}
+    total = sum(weights.values())
+    return {name: weight / total for name, weight in weights.items()}

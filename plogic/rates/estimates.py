@@ -11,12 +11,11 @@ import warnings
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from kb.clouds.cloud import Counts
+from kb.clouds.cloud import Counts, Rates
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
 
-    from kb.clouds.cloud import Rates
     from plogic.rates.scene_records import Record, Slot
 
     Pairs = Mapping[str, tuple[float, float]]
@@ -129,8 +128,7 @@ def _fitted(slots: Sequence[Slot], observed: Counts, start: Rates) -> tuple[dict
     kinds = sorted({s.object_type for s in slots})
     features = sorted({s.feature_type for slot in slots for s in slot.sightings})
     text = "\n".join(_program(slots, kinds, features, start))
-    examples = [*_open_examples(slots), *_observed_examples(kinds, features, observed)]
-    weights = _learn(text, examples)
+    weights = _learn(text, [*_open_examples(slots), *_observed_examples(kinds, features, observed)])
     return (
         {name: weights["hit", j] for j, name in enumerate(features)},
         {name: weights["present", k] for k, name in enumerate(kinds)},

@@ -20,8 +20,7 @@ from plogic.base.bounds import LEAST
 from plogic.facts.dependence import Scene
 from plogic.facts.interpretation import situation_of
 from plogic.facts.situation import OTHERS
-from plogic.measures.explanatory import Cells, case_of, explanatory_value
-from plogic.measures.shanahan import shanahan_values
+from plogic.measures.explanatory import Cells, case_of, explanatory_value, shanahan_values
 from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 

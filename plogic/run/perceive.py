@@ -6,12 +6,12 @@ from dataclasses import replace
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from plogic.base.clock import Stopwatch
 from plogic.base.errors import InconsistentError, InputError
-from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.delta import Delta, Options, delta_of
 from plogic.cycle.perception import attend, perceive
 from plogic.cycle.state import Task
-from plogic.facts.stopped import SEARCH, WORLDS
+from plogic.facts.situation import SEARCH, WORLDS
 from plogic.match.gamma.data import data_of
 from plogic.match.kinds import FAST, GENERATORS, models_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from plogic.cycle.state import Cycle
     from plogic.facts.document import Interpretation, StepRow
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.stopped import Stopped
+    from plogic.facts.situation import Stopped
     from plogic.match.gamma.data import Data
     from sensing.appearance import Gamma
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from plogic.facts.situation import Reading, Situation
     from plogic.logic.served.engine import Text
     from plogic.scene.asking.query import Subject

@@ -5,16 +5,11 @@ gain, as long as none is clipped. A region that touches the image's border is le
 of what it shows.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from sensing.appearance import Appearance
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 HUES = {
     "red": (345, 15),
@@ -45,8 +40,6 @@ class ColourBlobDetector:
 
     def detect(self, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
         """Blobs of an (H, W, 3) uint8 image."""
-        import cv2
-
         soft = cv2.GaussianBlur(image_bgr.astype(np.float32), (0, 0), BLUR)
         hue, saturation, value = np.moveaxis(np.asarray(cv2.cvtColor(soft, cv2.COLOR_BGR2HSV)), 2, 0)
         coloured = (saturation >= MIN_SATURATION) & (value >= MIN_VALUE)
@@ -57,8 +50,6 @@ class ColourBlobDetector:
         ]
 
     def _of(self, a_type: str, mask: NDArray[np.bool_], saturation: NDArray[np.float32]) -> list[Appearance]:
-        import cv2
-
         opened = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
         count, labels, stats, centre = cv2.connectedComponentsWithStats(opened, connectivity=4, ltype=cv2.CV_32S)
         left, top, width, height, area = stats.T

@@ -8,26 +8,20 @@ Rounding of many numbers at once, to the same decimals as Python's ``round`` of 
 What a detector reports, checked: a third party's mistake becomes one line that names the detector, never a traceback.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from importlib.metadata import entry_points
 from math import isfinite
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.camera import Camera
 from sensing.appearance import Appearance, Gamma
+from sensing.detectors.keypoint_detector import WordIndex
 from sensing.errors import DetectorError, ImageError, SensingError
 from sensing.uncollected import uncollected
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
-
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
-    from sensing.detectors.keypoint_detector import WordIndex
 
 _DOUBTFUL = 1e-6
 """Nearer than this to the middle between two neighbours, in units of the last decimal, a product's own rounding could

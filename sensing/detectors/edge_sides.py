@@ -9,23 +9,17 @@ textured floor drowns a plain object.
 * ``EdgeSides``: N of them as arrays
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from sensing.detectors.keypoint_colours import DARK, between, ratios
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-    Bytes = NDArray[np.uint8]
+from geometry.arrays import Bytes, Floats
+from sensing.detectors.keypoints import DARK, between, ratios
 
 
-def fairly(uv: NDArray[np.float64], cell: float) -> NDArray[np.intp]:
+def fairly(uv: Floats, cell: float) -> NDArray[np.intp]:
     """(N,) order of what is at places (N, 2), the best first: by turns the best left and the next cell's best left.
 
     Cells are ``cell`` pixels wide.
@@ -61,7 +55,7 @@ class EdgePoints:
     rise: Floats
 
 
-def edge_points(image: NDArray[np.uint8], cell: int, most: int, least: float = LEAST) -> EdgePoints:
+def edge_points(image: Bytes, cell: int, most: int, least: float = LEAST) -> EdgePoints:
     """The strongest point of an edge in each square cell of an image, ``cell`` pixels wide.
 
     At most ``most``, the strongest first.
@@ -90,10 +84,8 @@ def edge_points(image: NDArray[np.uint8], cell: int, most: int, least: float = L
     return EdgePoints(uv[best], np.arctan2(across[best, 1], across[best, 0]), here[best])
 
 
-def _gradient(image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _gradient(image: Bytes) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """(H, W) grey levels a pixel along x and y."""
-    import cv2
-
     smooth = np.asarray(cv2.GaussianBlur(image.astype(np.float32), (0, 0), SMOOTH), np.float32)
     gx, gy = (
         np.asarray(cv2.Sobel(smooth, cv2.CV_32F, *order, ksize=3) / 8.0, np.float32) for order in ((1, 0), (0, 1))
@@ -142,7 +134,7 @@ class EdgeSides:
         uv: (N, 2) pixels, on the edge. angle: (N,) radians in [0, 2π), clockwise on the screen from +x, across the edge
         towards this side. rise: (N,) grey levels a pixel by which the edge rises, in the channel in which it rises
         most. looks: (N, 5) how red and how blue the side is against green, near and farther in
-        (``sensing.detectors.keypoint_colours.ratios``), and how bright it is near
+        (``sensing.detectors.keypoints.ratios``), and how bright it is near
             the edge against what is beyond, 128 for no difference.
     """
 
@@ -160,8 +152,6 @@ def edge_sides(image: Bytes, cell: int, most: int = MOST) -> EdgeSides:
 
     ``most`` edges at most.
     """
-    import cv2
-
     points = edge_points(image, cell, image.size, max(LEAST, NOISY * noise(image)))
     chosen = fairly(points.uv, BLOCK)[:most]
     at, rise, across = points.uv[chosen], points.rise[chosen], points.angle[chosen]
@@ -181,8 +171,6 @@ def noise(image: Bytes) -> float:
 
     Immerkaer, Fast Noise Variance Estimation (1996), cell by cell.
     """
-    import cv2
-
     cell, share = _CALM
     if min(image.shape[:2]) < 2 * cell:
         return 0.0

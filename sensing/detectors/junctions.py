@@ -20,22 +20,16 @@ Painting patches out: the picture as if its walls were bare, so that a window's 
 Where segments meet: pairs of lines intersected near their ends, gathered to places, each with its arms.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Bytes, Floats, Mask
 from sensing.appearance import Appearance
-from sensing.detectors.edges import directions, meet, sample
+from sensing.detectors.edges import directions, find_segments, meet, sample
 from sensing.detectors.patches import areas, find_patches
-from sensing.detectors.segments import find_segments
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
 
 MIN_ANGLE = np.radians(12.0)
 """Two segments closer in direction than this do not fix a place."""
@@ -76,10 +70,8 @@ class JunctionDetector:
     name = "junction"
     types: tuple[str, ...] = TYPES
 
-    def detect(self, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
+    def detect(self, image_bgr: Bytes) -> list[Appearance]:
         """Junctions of an (H, W, 3) uint8 image."""
-        import cv2
-
         grey = np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
         patches = find_patches(grey).corners
         bare = [without_patches(channel, patches) for channel in _channels(image_bgr, grey)]
@@ -96,7 +88,7 @@ class JunctionDetector:
         ]
         return [a for a in found if a is not None and 0 <= a.uv[0] <= width - 1 and 0 <= a.uv[1] <= height - 1]
 
-    def _appearance(self, meeting: Meeting, arms: Floats, lengths: Floats) -> Appearance | None:
+    def _appearance(self, meeting: "Meeting", arms: Floats, lengths: Floats) -> Appearance | None:
         named = kind(arms)
         if named is None:
             return None
@@ -106,7 +98,7 @@ class JunctionDetector:
         return Appearance("", a_type, uv, self.name, angle, float(lengths.min()), score, tuple(float(x) for x in arms))
 
 
-def _channels(image_bgr: NDArray[np.uint8], grey: NDArray[np.uint8]) -> list[NDArray[np.float32]]:
+def _channels(image_bgr: Bytes, grey: Bytes) -> list[NDArray[np.float32]]:
     """Brightness, and warm against cold (red minus blue, halved): an edge between equally bright colours shows in the second alone."""
     warm = (image_bgr[:, :, 2].astype(np.float32) - image_bgr[:, :, 0].astype(np.float32)) / 2 + 128
     return [grey.astype(np.float32), warm.astype(np.float32)]
@@ -173,8 +165,6 @@ def completed(step: Floats, least: Floats, arms: Floats, lengths: Floats) -> tup
 
 def without_patches(grey: NDArray[np.float32], corners: Floats) -> NDArray[np.float32]:
     """A copy of the (H, W) picture where each of the (N, 4, 2) patches has the median brightness found just around it."""
-    import cv2
-
     out = grey.copy()
     if not len(corners):
         return out
@@ -245,7 +235,7 @@ def _pairs(segments: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats
     return i[good], j[good], place[good], cost[good]
 
 
-def _gap(segments: Floats, along: Floats, length: Floats, place: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+def _gap(segments: Floats, along: Floats, length: Floats, place: Floats) -> tuple[Floats, Mask]:
     """Pixels (P,) by which a segment falls short of the place, and whether it passes through."""
     t = ((place - segments[:, :2]) * along).sum(axis=1)
     return np.maximum(np.maximum(-t, t - length), 0), (t > OVERSHOOT) & (t < length - OVERSHOOT)

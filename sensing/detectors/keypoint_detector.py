@@ -5,24 +5,18 @@
   the word that is nearest to its descriptor, without one it is ``sift`` or ``orb``.
 """
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Bytes, Mask
 from sensing.appearance import Appearance
 from sensing.detectors.edge_sides import edge_points, edge_sides
-from sensing.detectors.keypoint_colours import colours, is_grey
-from sensing.detectors.keypoints import MOST, Keypoints, grey_of, keypoints, sift_at
+from sensing.detectors.keypoints import MOST, Keypoints, colours, grey_of, is_grey, keypoints, sift_at
 from sensing.detectors.regions import MOST as REGIONS
 from sensing.detectors.regions import regions
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Bytes = NDArray[np.uint8]
 
 CELL = 5
 """Pixels between points along an edge: half as far from one as it may lie from where another picture has it."""
@@ -49,7 +43,7 @@ class WordIndex(Protocol):
         """The words' names, which are appearance types."""
 
     @property
-    def sided(self) -> NDArray[np.bool_]:
+    def sided(self) -> Mask:
         """(W,) which of them are words of the sides of edges."""
 
     def nearest(self, descriptors: Bytes, /) -> NDArray[np.integer]:
@@ -72,7 +66,7 @@ def described(
 
     At most ``most`` of each; of edges one in each cell of ``cell`` pixels, and at most ``EDGES``. Regions are looked
     for in ``calm``, as large, where it is given. Where the image has colours, they are part of the descriptors of
-    ``sift`` (``sensing.detectors.keypoint_colours``).
+    ``sift`` (``sensing.detectors.keypoints``).
 
     Raises:
         DetectorError: There is no such keypoint detector.

@@ -6,25 +6,21 @@
 Places are corrected to our convention (an integer is a pixel's centre): SIFT's first, doubled picture is made without
 OpenCV's bias of a quarter of a pixel, and what ORB finds in a smaller picture is mapped back between pixels' centres,
 not between their corners.
+
+* ``colours(image, uv, angle, scale)``: ten bytes a keypoint, to be put behind its descriptor: what a grey descriptor
+  does not see, a red sticker beside a green one
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Bytes, Floats, Mask
 from sensing.errors import DetectorError
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import cv2
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-    Bytes = NDArray[np.uint8]
 
 MOST = 4000
 """Keypoints that one image gives at most, the strongest; those of several directions at one place count each."""
@@ -41,7 +37,7 @@ SHRINK, LEVELS = 1.2, 8
 LEAST_SIDE = 8
 """An image with a shorter side has no keypoints: no neighbourhood fits into it."""
 WIDTHS = {"sift": (128, 138), "orb": (32,)}
-"""Bytes that a descriptor may have: SIFT's without colours and with them (``sensing.detectors.keypoint_colours``)."""
+"""Bytes that a descriptor may have: SIFT's without colours and with them (``sensing.detectors.keypoints``)."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +61,7 @@ class Keypoints:
     def __len__(self) -> int:
         return len(self.uv)
 
-    def chosen(self, which: NDArray[np.bool_] | NDArray[np.intp]) -> Keypoints:
+    def chosen(self, which: Mask | NDArray[np.intp]) -> "Keypoints":
         """Those that a mask (N,) or indices (M,) name, in that order."""
         return Keypoints(
             self.uv[which], self.angle[which], self.scale[which], self.response[which], self.descriptors[which]
@@ -98,15 +94,11 @@ def keypoints(image: Bytes, name: str = "sift", *, contrast: float | None = None
 
 def grey_of(image: Bytes) -> Bytes:
     """(H, W) uint8 of an (H, W) or (H, W, 3) image, blue first."""
-    import cv2
-
     return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), np.uint8) if image.ndim == 3 else image
 
 
 def sift_at(grey: Bytes, uv: Floats, angle: Floats, scale: Floats, response: Floats) -> Keypoints:
     """SIFT's descriptors of an (H, W) image at N given places, (N, 2) pixels, angles (radians), diameters (pixels) and responses."""
-    import cv2
-
     if not len(uv):
         return _arrays([], None, "sift", grey.shape)
     rows = zip(uv.tolist(), scale.tolist(), np.degrees(angle % (2 * np.pi)).tolist(), response.tolist(), strict=True)
@@ -116,14 +108,10 @@ def sift_at(grey: Bytes, uv: Floats, angle: Floats, scale: Floats, response: Flo
 
 
 def _sift(contrast: float | None, most: int) -> cv2.SIFT:
-    import cv2
-
     return cv2.SIFT.create(most, LAYERS, CONTRAST if contrast is None else contrast, EDGE, SIGMA, cv2.CV_8U, True)  # noqa: FBT003 (positional in OpenCV 4 and 5)
 
 
 def _orb(contrast: float | None, most: int) -> cv2.ORB:
-    import cv2
-
     return cv2.ORB.create(most, SHRINK, LEVELS, fastThreshold=round(FAST_LEVELS if contrast is None else contrast))
 
 
@@ -156,3 +144,65 @@ def _strongest(found: Keypoints, most: int) -> Keypoints:
     key = np.column_stack([np.round(found.uv, 2), np.round(found.angle, 3)])
     first = np.unique(key, axis=0, return_index=True)[1]
     return found.chosen(np.sort(first)[:most])
+
+
+CELLS = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
+"""Where a keypoint's colour is taken, in its own frame (along its angle, and across): at its place, and at the corners
+of a square."""
+REACH, BROAD = 0.75, 0.5
+"""Of a keypoint's diameter: half the square's side, and the standard deviation of what a cell averages."""
+DARK = 16.0
+"""Grey levels added to each channel: in the dark, colours are noise."""
+GAIN = 64.0
+"""Bytes for a factor of e between two channels.
+
+All five cells off by a factor of 2 are then as far apart as two SIFT descriptors of one
+thing usually are (about 100): light may tint colours by a fifth at little cost, and what has another colour is not
+    alike."""
+WIDTH = 2 * len(CELLS)
+"""Bytes of a keypoint's colours."""
+_LEVELS, _ROW = 6, 8192
+
+
+def is_grey(image: Bytes) -> bool:
+    """Whether an (H, W) or (H, W, 3) image has no colours to tell."""
+    return image.ndim == 2 or bool((image[..., 0] == image[..., 1]).all() and (image[..., 1] == image[..., 2]).all())
+
+
+def colours(image: Bytes, uv: Floats, angle: Floats, scale: Floats) -> Bytes:
+    """(N, 10) of N keypoints of an (H, W, 3) image, blue first: in each cell how red and how blue it is against green, 128 for neither.
+
+    A ratio of channels does not change with brightness. Args are as ``Keypoints`` has them: pixels, radians, diameters
+    in pixels.
+    """
+    cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    along, across = (REACH * scale[:, None] * CELLS[:, i] for i in (0, 1))
+    place = np.stack([uv[:, :1] + cos * along - sin * across, uv[:, 1:] + sin * along + cos * across], axis=2)
+    level = np.clip(np.rint(np.log2(np.maximum(BROAD * scale, 1e-6))), 0, _LEVELS - 1).astype(int)
+    seen = np.zeros((len(uv), len(CELLS), 3))
+    for number, picture in enumerate(_pyramid(image)):
+        here = np.flatnonzero(level == number)
+        seen[here] = between(picture, place[here].reshape(-1, 2) / 2.0**number).reshape(len(here), len(CELLS), 3)
+    return ratios(seen).reshape(len(uv), WIDTH)
+
+
+def ratios(levels: NDArray[np.floating[Any]]) -> Bytes:
+    """(..., 2) how red and how blue colours (..., 3) in grey levels are, blue first, against green."""
+    against_green = np.log((levels[..., [2, 0]] + DARK) / (levels[..., 1:2] + DARK))
+    return np.clip(np.rint(128.0 + GAIN * against_green), 0, 255).astype(np.uint8)
+
+
+def _pyramid(image: Bytes) -> list[NDArray[np.float32]]:
+    """Each picture half as large as the one before, its pixel i where that one's pixel 2i is, and about twice as blurred."""
+    pictures = [np.asarray(cv2.GaussianBlur(image.astype(np.float32), (0, 0), 1.0), np.float32)]
+    while len(pictures) < _LEVELS:
+        pictures.append(np.asarray(cv2.pyrDown(pictures[-1]), np.float32))
+    return pictures
+
+
+def between(picture: NDArray[np.float32], places: Floats) -> Floats:
+    """(N, 3) values of an (H, W, 3) picture at places (N, 2) between pixels; beyond the border those at it."""
+    rows = [places[i : i + _ROW].astype(np.float32) for i in range(0, len(places), _ROW)]
+    border = cv2.BORDER_REPLICATE
+    found = [cv2.remap(picture, row[None], None, cv2.INTER_LINEAR, borderMode=border)[0] for row in rows]  # type: ignore[call-overload]
+    return np.concatenate([*found, np.zeros((0, 3))])

@@ -16,22 +16,15 @@ Upper and lower are those of the marker as ``cv2.aruco.generateImageMarker`` dra
 the black border. One dictionary is one detector, so that only those run whose markers a KB knows.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Bytes, Floats
 from sensing.appearance import Appearance
 from sensing.detectors.edges import directions, edge_offsets, fit_lines, meet, profiles
 from sensing.detectors.patches import areas
 from sensing.errors import DetectorError
-
-if TYPE_CHECKING:
-    import cv2
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
 
 DICTIONARIES = {
     "aruco_4x4": ("DICT_4X4_50", 50),
@@ -57,10 +50,8 @@ class MarkerDetector:
             f"{name}_{i}{corner}" for i in ids for corner in ("", "_c0", "_c1", "_c2", "_c3")
         )
 
-    def detect(self, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
+    def detect(self, image_bgr: Bytes) -> list[Appearance]:
         """Markers of an (H, W, 3) uint8 image, by id, each followed by its corners 0 to 3."""
-        import cv2
-
         if min(image_bgr.shape[:2]) < LEAST_SIDE:
             return []
         grey = np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
@@ -113,8 +104,6 @@ def fitted(grey: NDArray[np.float32], quads: Floats) -> Floats:
 
 
 def _finder(dictionary: str) -> cv2.aruco.ArucoDetector:
-    import cv2
-
     parameters = cv2.aruco.DetectorParameters()
     parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
     return cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary)), parameters)

@@ -7,21 +7,16 @@ rectangle's centre.
 Dark blobs: connected regions that stay the same over several brightness thresholds.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Bytes, Floats, Mask
 from sensing.appearance import Appearance
 from sensing.detectors.edges import edge_offsets, fit_lines, meet, profiles, sample
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
 
 STEP = 12
 """Grey levels between two thresholds."""
@@ -64,10 +59,8 @@ class PatchDetector:
     name = "patch"
     types: tuple[str, ...] = (TYPE,)
 
-    def detect(self, image_bgr: NDArray[np.uint8]) -> list[Appearance]:
+    def detect(self, image_bgr: Bytes) -> list[Appearance]:
         """Patches of an (H, W, 3) uint8 image."""
-        import cv2
-
         found = find_patches(np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), np.uint8))
         sides = found.corners[:, 1] - found.corners[:, 0]
         angle = np.mod(np.arctan2(sides[:, 1], sides[:, 0]), np.pi / 2)
@@ -79,7 +72,7 @@ class PatchDetector:
         ]
 
 
-def find_patches(grey: NDArray[np.uint8]) -> Patches:
+def find_patches(grey: Bytes) -> Patches:
     """Patches of an (H, W) uint8 image, in the order of their centres' v, then u.
 
     The last image's patches are kept: the junctions' detector asks for the same ones.
@@ -89,8 +82,6 @@ def find_patches(grey: NDArray[np.uint8]) -> Patches:
 
 @lru_cache(maxsize=1)
 def _found(pixels: bytes, shape: tuple[int, int]) -> Patches:
-    import cv2
-
     grey = np.frombuffer(pixels, np.uint8).reshape(shape)
     if grey.size == 0 or int(grey.max()) - int(grey.min()) < MIN_CONTRAST:
         return _none()
@@ -121,10 +112,8 @@ def _none() -> Patches:
     return Patches(np.zeros((0, 4, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0))
 
 
-def _quad(blob: Blob) -> Floats:
+def _quad(blob: "Blob") -> Floats:
     """(4, 2) first guess, clockwise: the outline's longest chord, and on either side of it the point that is farthest off."""
-    import cv2
-
     hull = cv2.convexHull(blob.outline).reshape(-1, 2).astype(np.float64)
     apart = ((hull[:, None] - hull[None]) ** 2).sum(axis=2)
     i, j = np.unravel_index(int(np.argmax(apart)), apart.shape)
@@ -138,7 +127,7 @@ def _quad(blob: Blob) -> Floats:
     )
 
 
-def _plausible(quads: Floats) -> NDArray[np.bool_]:
+def _plausible(quads: Floats) -> Mask:
     """Convex, clockwise, no side too short, not too long for its width."""
     sides = np.linalg.norm(np.roll(quads, -1, axis=1) - quads, axis=2)
     area = areas(quads)
@@ -151,7 +140,7 @@ def _plausible(quads: Floats) -> NDArray[np.bool_]:
     return np.asarray(good & _convex(quads))
 
 
-def _convex(quads: Floats) -> NDArray[np.bool_]:
+def _convex(quads: Floats) -> Mask:
     e = np.roll(quads, -1, axis=1) - quads
     n = np.roll(e, -1, axis=1)
     return np.asarray(((e[:, :, 0] * n[:, :, 1] - e[:, :, 1] * n[:, :, 0]) > 0).all(axis=1))
@@ -215,8 +204,6 @@ def _centres(grey: NDArray[np.float32], quads: Floats, contrast: Floats, inside:
 def _darkness_centroid(
     grey: NDArray[np.float32], quad: Floats, dark: float, contrast: float, otherwise: Floats
 ) -> Floats:
-    import cv2
-
     middle = quad.mean(axis=0)
     wider = quad + 1.2 * (quad - middle) / np.maximum(np.linalg.norm(quad - middle, axis=1, keepdims=True), 1e-9) * 1.3
     low, high = np.maximum(np.floor(wider.min(axis=0)).astype(int), 0), np.ceil(wider.max(axis=0)).astype(int) + 1
@@ -253,7 +240,7 @@ class Blob:
     level: float
 
 
-def dark_blobs(grey: NDArray[np.uint8]) -> list[Blob]:
+def dark_blobs(grey: Bytes) -> list[Blob]:
     """Blobs of an (H, W) image that live through two thresholds or more, each once, at the middle threshold of its life."""
     levels = np.arange(int(grey.min()) + STEP // 2, int(grey.max()), STEP)
     rows = [_regions(grey, int(level)) for level in levels]
@@ -261,10 +248,8 @@ def dark_blobs(grey: NDArray[np.uint8]) -> list[Blob]:
     return [blob for members in _lives(found) if (blob := _blob(grey, found[members])) is not None]
 
 
-def _regions(grey: NDArray[np.uint8], level: int) -> NDArray[np.float64]:
+def _regions(grey: Bytes, level: int) -> Floats:
     """(N, 8) rows of regions darker than ``level``: centroid u, v, area, box left, top, width, height, level."""
-    import cv2
-
     mask = (grey < level).view(np.uint8)
     _, _, stats, centre = cv2.connectedComponentsWithStats(mask, connectivity=4, ltype=cv2.CV_32S)
     left, top, width, height, area = stats.T
@@ -272,11 +257,11 @@ def _regions(grey: NDArray[np.uint8], level: int) -> NDArray[np.float64]:
     solid = (area >= MIN_AREA) & (area <= MAX_SHARE * grey.size) & (area >= MIN_FILL * width * height)
     keep = inside & solid & (np.minimum(width, height) >= 2)
     keep[0] = False
-    kept: NDArray[np.float64] = np.c_[centre, area, left, top, width, height, np.full(len(area), level)][keep]
+    kept: Floats = np.c_[centre, area, left, top, width, height, np.full(len(area), level)][keep]
     return kept
 
 
-def _lives(found: NDArray[np.float64]) -> list[list[int]]:
+def _lives(found: Floats) -> list[list[int]]:
     """Groups of rows that are one region at successive thresholds: like centroids, areas within a factor of 2.5."""
     order = np.argsort(found[:, 7], kind="stable")
     grid: dict[tuple[int, int], list[list[int]]] = {}
@@ -294,15 +279,13 @@ def _lives(found: NDArray[np.float64]) -> list[list[int]]:
     return [g for g in groups if len(g) >= 2]
 
 
-def _same(row: NDArray[np.float64], u: float, v: float, area: float) -> bool:
+def _same(row: Floats, u: float, v: float, area: float) -> bool:
     reach = 0.8 + 0.12 * float(np.sqrt(row[2]))
     return bool(abs(row[0] - u) < reach and abs(row[1] - v) < reach and area < 2.5 * row[2] + 8)
 
 
-def _blob(grey: NDArray[np.uint8], rows: NDArray[np.float64]) -> Blob | None:
+def _blob(grey: Bytes, rows: Floats) -> Blob | None:
     """The blob at the middle of its life, with the outline of its largest part in its box."""
-    import cv2
-
     _, _, area, left, top, width, height, level = rows[len(rows) // 2]
     x, y = int(left), int(top)
     box = np.ascontiguousarray(grey[y : y + int(height), x : x + int(width)] < level).view(np.uint8)

@@ -7,22 +7,16 @@ not change. It is described by its shape alone, so that what lies behind counts 
 * ``regions(image)``: as ``Keypoints``, one for each direction of a region
 """
 
-from __future__ import annotations
+from collections.abc import Sequence
+from typing import NamedTuple
 
-from typing import TYPE_CHECKING, NamedTuple
-
+import cv2
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from sensing.detectors.keypoint_colours import WIDTH, is_grey, ratios
-from sensing.detectors.keypoints import Keypoints, grey_of, sift_at
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-    Bytes = NDArray[np.uint8]
+from geometry.arrays import Bytes, Floats
+from sensing.detectors.keypoints import WIDTH, Keypoints, grey_of, is_grey, ratios, sift_at
 
 MOST, LEAST_REGIONS, EVERY = 400, 60, 768
 """Regions of one image at most, those that stand out most: one in so many pixels, but at least and at most so many."""
@@ -99,8 +93,6 @@ def regions(image: Bytes, most: int = MOST) -> Keypoints:
 
 def _channels(image: Bytes) -> list[Bytes]:
     """(h, w) levels each, of the smaller image: brightness, and of an image with colours red against green, blue against green."""
-    import cv2
-
     size = tuple(-(-side // HALF) for side in image.shape[1::-1])
     small = np.asarray(
         cv2.GaussianBlur(cv2.resize(image, size, interpolation=cv2.INTER_AREA), (0, 0), SMOOTH), np.uint8
@@ -113,8 +105,6 @@ def _channels(image: Bytes) -> list[Bytes]:
 
 def _stable(number: int, channel: Bytes) -> list[_Region]:
     """The stable regions of one channel."""
-    import cv2
-
     if min(channel.shape) < 3:
         return []
     limit, levels = np.array(channel.shape[::-1]), channel // COARSE
@@ -134,8 +124,6 @@ def _stable(number: int, channel: Bytes) -> list[_Region]:
 
 def _apart(found: list[_Region]) -> list[_Region]:
     """No two that are nearly the same; of those the most stable, then the largest."""
-    from scipy.spatial import cKDTree
-
     if not found:
         return []
     ranked = sorted(found, key=lambda region: (-region.step, -region.radius, *region.middle.tolist()))
@@ -165,8 +153,6 @@ def _colour(region: _Region, channels: Sequence[Bytes]) -> list[int]:
 
 def _tile(region: _Region) -> NDArray[np.float32]:
     """(TILE, TILE) the region's shape, 255 within and 0 without, its middle in the middle."""
-    import cv2
-
     low, high = region.points.min(axis=0), region.points.max(axis=0)
     drawn = np.zeros((high - low + 1)[::-1], np.float32)
     x, y = (region.points - low).T

@@ -5,16 +5,15 @@
 keypoint's, depths are in metres.
 """
 
-from __future__ import annotations
-
 import base64
 import binascii
 import json
 import math
 import sys
 from collections import Counter
+from collections.abc import Collection
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -25,9 +24,6 @@ from sensing.detectors.edge_sides import WIDTH as SIDE
 from sensing.detectors.keypoints import WIDTHS
 from sensing.errors import GammaError
 from sensing.files.whole_files import write_whole
-
-if TYPE_CHECKING:
-    from collections.abc import Collection
 
 MAX_BYTES = 64 * 1024 * 1024
 MAX_APPEARANCES = 20_000
@@ -263,4 +259,6 @@ def _appearance(model: _AppearanceModel) -> Appearance:
         model.score,
         tuple(model.arms),
         descriptor,
+        model.depth,
+        model.depth_sigma,
     )

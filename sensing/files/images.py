@@ -14,20 +14,16 @@ floating point         refused
 Whether an image file's bytes are whole, told before they are decoded: decoders fill in what is missing, or complain on standard error.
 """
 
-from __future__ import annotations
-
 import logging
 import struct
 import zlib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sensing.errors import ImageError
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 MAX_PIXELS = 200_000_000
 """No image may have more; a PNG of a few bytes can claim any number."""

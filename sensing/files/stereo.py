@@ -12,28 +12,19 @@ the left camera's frame to the right one's, metres; the cameras are needed for i
 are Γ files, which have their own.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from geometry.arrays import frozen
+from geometry.arrays import Floats, Mask, frozen
 from geometry.camera import Camera, camera_from_dict
 from geometry.errors import CameraError
 from geometry.files.plain_files import JsonError, fault_of, json_of
 from geometry.files.pose_files import nearest_rigid
 from geometry.frames import is_rigid, transform_points
-from sensing.appearance import Gamma
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from sensing.appearance import Appearance
-
-    Floats = NDArray[np.float64]
+from sensing.appearance import Appearance, Gamma
 
 LARGEST = 2**20
 """Bytes of such a file that are read."""
@@ -60,7 +51,7 @@ class Pair:
     Raises CameraError where it is no such pose.
     """
 
-    right_from_left: NDArray[np.float64]
+    right_from_left: Floats
 
     def __post_init__(self) -> None:
         """Keep a read-only pose."""
@@ -87,7 +78,7 @@ def fused(left: Gamma, right: Gamma, pair: Pair, sigma: float = 1.0) -> Gamma:
     return Gamma(left.camera, tuple(rows))
 
 
-def _partners(left: Gamma, right: Gamma, pair: Pair, sigma: float) -> tuple[NDArray[np.bool_], Floats]:
+def _partners(left: Gamma, right: Gamma, pair: Pair, sigma: float) -> tuple[Mask, Floats]:
     """(L, R) which may be appearances of one feature, and the depth (L, R) m before the left camera that they tell."""
     count = len(left.appearances), len(right.appearances)
     if 0 in count:
@@ -117,7 +108,7 @@ def _depths(turned: Floats, b: Floats, t: Floats) -> Floats:
     return np.asarray((slope * rest[None]).sum(axis=2) / np.where(square > 1e-18, square, np.inf))
 
 
-def _alike(left: tuple[Appearance, ...], right: tuple[Appearance, ...]) -> NDArray[np.bool_]:
+def _alike(left: tuple[Appearance, ...], right: tuple[Appearance, ...]) -> Mask:
     """(L, R) of one type, and alike in angle and scale where both have them."""
     types = np.array([a.type for a in left])[:, None] == np.array([a.type for a in right])[None]
     angles = [np.array([np.nan if a.angle is None else a.angle for a in some]) for some in (left, right)]
@@ -127,7 +118,7 @@ def _alike(left: tuple[Appearance, ...], right: tuple[Appearance, ...]) -> NDArr
     return np.asarray(types & ~(turn > TURNED) & ~(larger > np.log(LARGER)))
 
 
-def _unique(left: Gamma, right: Gamma, near: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _unique(left: Gamma, right: Gamma, near: Mask) -> list[tuple[int, int]]:
     """Pairs of which neither has another partner.
 
     Of keypoints, of which the descriptors say that no other is nearly as like.
@@ -149,7 +140,7 @@ def _clear(costs: Floats, best: int) -> bool:
     return bool(costs[best] < ALIKE * others.min()) if len(others) and np.isfinite(others.min()) else True
 
 
-def _unlikeness(left: Gamma, right: Gamma, near: NDArray[np.bool_]) -> Floats:
+def _unlikeness(left: Gamma, right: Gamma, near: Mask) -> Floats:
     """(L, R) the distance of descriptors; 1 where there are none to compare."""
     result = np.ones(near.shape)
     for i, j in np.argwhere(near):

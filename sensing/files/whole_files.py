@@ -1,19 +1,14 @@
 """Files that are written whole or not at all."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import tempfile
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, TOO_LONG, fault_of
 from sensing.errors import SensingError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
 
 
 def write_whole(path: Path, data: bytes) -> None:

@@ -2,19 +2,21 @@
 
 * ``TexturedMesh``: a surface with its paint, ``TexturedMesh(vertices, triangles, uv=uv, texture=bgr)``
 * ``Body``: such a mesh somewhere in the world, ``Body("crate", mesh, world_from_body)``
+
+``read_mesh`` reads whatever trimesh does, with the texture that the file names (OBJ, PLY) or carries (GLB).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.files.mesh_files import Placed, Texture, meshes_of, reason, textures_in, triangles_of
+from geometry.files.plain_files import IS_MISSING, fault_of
 from sensing.errors import SceneError
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from sensing.files.images import image_from, read_image
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,3 +93,81 @@ def _freeze(holder: object, name: str, shape: tuple[int, ...], dtype: type) -> N
         raise SceneError(f"{name}: {error}") from None
     array.setflags(write=False)
     object.__setattr__(holder, name, array)
+
+
+GREY = (0.75, 0.75, 0.75)
+"""The colour of a mesh that brings none."""
+ONE = "a mesh that is rendered has one picture for all of it: plogic kb add makes it of several"
+
+
+def read_mesh(path: str | Path, metres_per_unit: float = 1.0) -> TexturedMesh:
+    """Read a painted mesh; no mesh format carries its unit, so it is given.
+
+    Raises:
+        SceneError: The file cannot be read as a triangle mesh, or it has several textures.
+        ImageError: Its texture cannot be read.
+    """
+    path = Path(path)
+    fault = fault_of(path)
+    if fault is not None:
+        raise SceneError(f"{path}: there is no such mesh file" if fault == IS_MISSING else f"{path}: {fault}")
+    try:
+        meshes = [(mesh, placed) for mesh, placed in meshes_of(path) if len(mesh.faces)]
+    except Exception as error:
+        raise SceneError(f"{path}: trimesh cannot read it: {reason(path, error)}") from error
+    if not meshes:
+        raise SceneError(f"{path}: holds no triangles")
+    vertices, triangles = _whole(meshes)
+    uv = _uv(meshes)
+    texture = _texture(path, meshes) if uv is not None else None
+    if texture is None:
+        return TexturedMesh(vertices * metres_per_unit, triangles, colour=GREY)
+    return TexturedMesh(vertices * metres_per_unit, triangles, uv, texture)
+
+
+def _whole(meshes: Placed) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """All vertices (V, 3) and triangles (T, 3)."""
+    parts = [triangles_of(mesh, placed) for mesh, placed in meshes]
+    starts = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
+    triangles = [corners + start for (_, corners), start in zip(parts, starts, strict=False)]
+    return np.concatenate([vertices for vertices, _ in parts]), np.concatenate(triangles)
+
+
+def _uv(meshes: Placed) -> NDArray[np.float64] | None:
+    """(V, 2); None where a vertex has none."""
+    rows = [getattr(mesh.visual, "uv", None) for mesh, _ in meshes]
+    complete = all(uv is not None and len(uv) == len(mesh.vertices) for uv, (mesh, _) in zip(rows, meshes, strict=True))
+    return np.concatenate([np.asarray(uv, dtype=np.float64) for uv in rows]) if complete else None
+
+
+def _texture(path: Path, meshes: Placed) -> NDArray[np.uint8] | None:
+    """The one texture, (H, W, 3), blue first; None where there is none."""
+    found = textures_in(path)[0]
+    if (
+        len(found) > 1 or path.suffix.lower() != ".obj"
+    ):  # the one picture of an OBJ paints all of it, whatever its materials are called
+        found = _used(found, meshes, path)
+    if not found:
+        return None
+    first = found[0]
+    if first.file is not None:
+        return read_image(first.file)
+    if first.data is None:
+        raise SceneError(f"{path}: the {first.label} is missing")
+    return image_from(first.data, f"{path}: the {first.label}")
+
+
+def _used(found: list[Texture], meshes: Placed, path: Path) -> list[Texture]:
+    """The one texture that all the meshes have, none where none has one. Raises SceneError where they differ."""
+    known = {texture.material: texture for texture in found}
+    own = [known.get(_material(mesh), known.get("")) for mesh, _ in meshes]
+    different = {(texture.file, texture.data) for texture in own if texture is not None}
+    if len(different) > 1:
+        raise SceneError(f"{path}: has {len(different)} textures; {ONE}")
+    if different and None in own:
+        raise SceneError(f"{path}: only {len(own) - own.count(None)} of its {len(own)} pieces have a texture; {ONE}")
+    return [texture for texture in own if texture is not None][:1]
+
+
+def _material(mesh: Any) -> str:  # noqa: ANN401 - trimesh is untyped
+    return str(getattr(getattr(mesh.visual, "material", None), "name", ""))

@@ -10,26 +10,20 @@ volume is decided elsewhere, from the exact meshes. Without pybullet a body stay
 touches the floor.
 """
 
-from __future__ import annotations
-
 import os
 import sys
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sensing.errors import SceneError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from numpy.typing import NDArray
-
-    from sensing.simulated.body import Body
+from sensing.simulated.body import Body
 
 DISTRIBUTIONS = "pybullet", "pybullet-arm64"
 INSTALL = "pip install pybullet (CPython 3.11 on x86-64 Linux) or pybullet-arm64 (3.12, 3.13; macOS on Arm)"

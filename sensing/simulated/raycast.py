@@ -6,21 +6,15 @@ flattered by it. A texture is looked up in a pyramid of halved copies, each samp
 * ``Cast``: what each ray met first, ``Caster(bodies).cast(eye, rays)``
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.visibility.rays import RayMesh
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from sensing.simulated.body import Body, TexturedMesh
+from sensing.simulated.body import Body, TexturedMesh
 
 SMALLEST = 16
 """Texels of the smallest copy's shorter side, at least."""
@@ -33,8 +27,6 @@ class TexturePyramid:
 
     def __init__(self, texture: NDArray[np.uint8]) -> None:
         """Halve until the shorter side would fall below ``SMALLEST``."""
-        import cv2
-
         self.levels = [np.ascontiguousarray(texture)]
         while min(self.levels[-1].shape[:2]) >= 2 * SMALLEST:
             height, width = self.levels[-1].shape[:2]
@@ -64,8 +56,6 @@ class TexturePyramid:
 
 
 def _bilinear(picture: NDArray[np.uint8], uv: NDArray[np.float64]) -> NDArray[np.float32]:
-    import cv2
-
     height, width = picture.shape[:2]
     at = np.stack([uv[:, 0] * width - 0.5, (1 - uv[:, 1]) * height - 0.5], axis=1).astype(np.float32)
     rows = -(-len(at) // _ROW)

@@ -11,29 +11,21 @@ What a robot saw on its way, as a folder: ``frame-000/`` with image.png, camera.
 ``poses.json`` is ``poses/1``, as ``plogic perceive FRAME... --poses FILE`` reads it.
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.camera import camera_to_dict
 from geometry.frames import inverse, is_rigid, look_at
 from sensing.errors import SceneError
 from sensing.files.whole_files import new_folder
-from sensing.simulated.camera import visible_fractions
-from sensing.simulated.scene import json_bytes, png, truth_to_dict
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from sensing.simulated.body import Body
-    from sensing.simulated.camera import Rendering
-    from sensing.simulated.scene import Scene
+from sensing.simulated.body import Body
+from sensing.simulated.camera import Rendering, visible_fractions
+from sensing.simulated.scene import Scene, json_bytes, png, truth_to_dict
 
 LOW = 0.1
 """M above the floor that a camera stays."""

@@ -9,14 +9,15 @@ A simulated scene as a folder: ``image.png``, ``camera.json`` (the contract's ca
     all.
 """
 
-from __future__ import annotations
-
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.camera import Camera, camera_to_dict
 from geometry.frames import inverse, look_at, transform_points
@@ -26,11 +27,6 @@ from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Rendering, Sensor, render, visible_fractions
 from sensing.simulated.physics import settle
 from sensing.simulated.surroundings import Light, Surroundings
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
 
 CELL = 192
 """Side of one face's square in the texture, texels."""
@@ -327,8 +323,6 @@ def json_bytes(document: object) -> bytes:
 
 def png(image: NDArray[np.uint8]) -> bytes:
     """The (H, W, 3) uint8 picture, blue first, as the bytes of a PNG file."""
-    import cv2
-
     done, data = cv2.imencode(".png", image)
     if not done:
         raise SceneError(f"image: shape {image.shape} cannot be written as PNG")

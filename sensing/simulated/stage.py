@@ -6,32 +6,25 @@ In TinyRenderer a pixel's centre has whole viewport coordinates, and its picture
 Passing cx and cy + 1 without OpenGL's half pixel mends both (tested against projected points).
 """
 
-from __future__ import annotations
-
 import tempfile
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.camera import Camera
 from sensing.errors import SceneError
+from sensing.simulated.body import Body
 from sensing.simulated.physics import client, has_physics
-from sensing.simulated.raycast import Caster
-from sensing.simulated.surroundings import brightness, shading_normals
+from sensing.simulated.raycast import Cast, Caster
+from sensing.simulated.surroundings import Light, brightness, shading_normals
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+Shot = tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.float32]]
 
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
-    from sensing.simulated.body import Body
-    from sensing.simulated.raycast import Cast
-    from sensing.simulated.surroundings import Light
-
-    Shot = tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.float32]]
 
 _GL_FROM_CV = np.diag([1.0, -1.0, -1.0, 1.0])
 TINY_RENDERER_ROWS = 1.0

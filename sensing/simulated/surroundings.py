@@ -5,20 +5,15 @@ from everywhere. TinyRenderer knows one lamp, so two facets turned away from it 
 computed here, per facet, and given to TinyRenderer as a normal whose cosine with its lamp is that brightness.
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
-    from sensing.simulated.body import Body
+from geometry.camera import Camera
+from sensing.simulated.body import Body
 
 
 @dataclass(frozen=True)
@@ -108,8 +103,6 @@ def floor_depth(camera: Camera) -> NDArray[np.float32]:
 
 def noise_texture(rng: np.random.Generator, shape: tuple[int, int], cells: Sequence[int]) -> NDArray[np.float32]:
     """(H, W, 3) float32 noise of several grains (cells across the width), mean 0 and standard deviation 1, mostly grey."""
-    import cv2
-
     total = np.zeros((*shape, 3), np.float32)
     for n in cells:
         rows = max(2, round(n * shape[0] / shape[1]))
@@ -140,8 +133,6 @@ def _floor_from_pixel(camera: Camera) -> NDArray[np.float64]:
 
 def _floor(camera: Camera, look: Surroundings, rng: np.random.Generator) -> NDArray[np.float32]:
     """(H, W, 3) floor without shadows; above the horizon of no account."""
-    import cv2
-
     texture = look.floor + look.contrast * noise_texture(rng, (TEXELS, TEXELS), (12, 40, 130, 400))
     depth = np.minimum(floor_depth(camera), 10 * HAZE_METRES)[:, :, None]
     at = (_pixel_rays(camera) * depth) @ _pose(camera)[:3, :3].T + _pose(camera)[:3, 3]
@@ -164,8 +155,6 @@ def _background(camera: Camera, look: Surroundings, rng: np.random.Generator) ->
 
 def _shadow(camera: Camera, bodies: Sequence[Body], light: Light) -> NDArray[np.float32]:
     """(H, W) share of the lamp that the bodies take from the floor, soft at the rim."""
-    import cv2
-
     mask = np.zeros((camera.height, camera.width), np.uint8)
     lamp = light.unit
     if lamp[2] > 0.1:

@@ -1,4 +1,4 @@
-"""The four laws of children: they die with their parent, share its memory, may be raced and cancelled, and sweep their scratch."""
+"""The four laws of children: they die with their parent, share its memory, may be raced, and sweep their scratch."""
 
 from __future__ import annotations
 
@@ -14,9 +14,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.base import scratch
-from plogic.base.children import Child, Copy, heard
-from plogic.base.scratch import Scratch
+from plogic.base import children
+from plogic.base.children import Child, Copy, Scratch, heard
 
 FAMILY = Path(__file__).parents[1] / "helpers" / "family.py"
 PATIENCE = 30.0
@@ -142,16 +141,16 @@ def test_what_a_killed_parent_left_is_swept_by_the_next_and_what_is_in_use_is_no
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     parent, said = family("system")
     left = Path(said[-1])
-    monkeypatch.setattr(scratch, "YOUNG", -1.0)
+    monkeypatch.setattr(children, "YOUNG", -1.0)
     mine = Scratch()
     assert left.is_dir(), "its process is alive"
     parent.kill()
     parent.wait()
     assert gone(int(pid) for pid in said[:2])
-    monkeypatch.setattr(scratch, "YOUNG", 60.0)
+    monkeypatch.setattr(children, "YOUNG", 60.0)
     Scratch().remove()
     assert left.is_dir(), "it is young"
-    monkeypatch.setattr(scratch, "YOUNG", -1.0)
+    monkeypatch.setattr(children, "YOUNG", -1.0)
     Scratch().remove()
     assert list(tmp_path.iterdir()) == [mine.folder]
     mine.remove()

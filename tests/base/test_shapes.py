@@ -1,4 +1,7 @@
-"""Documents against their shapes: each mistake with its place, all of them at once, and the verdict that pydantic comes to."""
+"""Documents against their shapes.
+
+Each mistake with its place, all of them at once, and the verdict that pydantic comes to.
+"""
 
 import copy
 from functools import reduce

@@ -1,4 +1,7 @@
-"""``plogic bench calibration``: its scenes, its truth, its forecasts, and end to end through the command line on few scenes."""
+"""``plogic bench calibration``.
+
+Its scenes, its truth, its forecasts, and end to end through the command line on few scenes.
+"""
 
 from __future__ import annotations
 

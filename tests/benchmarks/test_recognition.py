@@ -1,4 +1,7 @@
-"""``plogic bench recognition``: scoring by hand-made cases, the peer on pictures of its own, claims from what was counted."""
+"""``plogic bench recognition``.
+
+Scoring by hand-made cases, the peer on pictures of its own, claims from what was counted.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""``plogic bench scale`` on a few types: the index of the first ones, the limit on entries, exchanged looks, and the tables."""
+"""``plogic bench scale`` on a few types.
+
+The index of the first ones, the limit on entries, exchanged looks, and the tables.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Table-top scenes: patterns, the sensor, pictures by rays against projected points, and scenes that are as they were asked for."""
+"""Table-top scenes: patterns, the sensor, pictures by rays against projected points, and scenes as asked for."""
 
 from __future__ import annotations
 
@@ -241,7 +241,7 @@ def test_a_hull_holds_its_mesh():
 
 @pytest.mark.skipif(not YCB.is_dir(), reason=f"the YCB meshes are not there ({YCB})")
 def test_real_meshes_make_a_scene():
-    from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.body import read_mesh
 
     real = [(n, read_mesh(YCB / n / "textured.obj")) for n in ("003_cracker_box", "025_mug", "077_rubiks_cube")]
     scene = recognition_scene(real, 5010, bodies=(3, 3), hard=1.0)

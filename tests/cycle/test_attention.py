@@ -10,7 +10,7 @@ from synthetic import camera_pose, perceiver, scene, towers
 from benchmarks.clutter.types import random_types, type_names
 from plogic.cycle.perception import attend, chance_types
 from plogic.match.hand.hand_models import type_index
-from plogic.measures.valuation import compatible, rank
+from plogic.measures.distinctiveness import compatible, rank
 
 
 def order_of(types):

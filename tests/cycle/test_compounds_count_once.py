@@ -20,7 +20,7 @@ import plogic.cycle.delta
 import plogic.run.document
 from kb.clouds.learned import LearnedCloud, numbered
 from kb.files.read import read_kb
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.cycle.lumped import looked_at, told
 from plogic.cycle.perception import attend

@@ -24,7 +24,7 @@ from synthetic import (
 
 from geometry.frames import look_at
 from plogic.base import clock as deadline
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.choosing import reconsidered
 from plogic.cycle.delta import Options
 from plogic.cycle.judging import FEWEST, judge, refusal
@@ -255,7 +255,10 @@ def test_a_deadline_that_is_past_stops_at_once_and_is_marked(apart):
 
 
 def test_a_deadline_in_the_first_round_keeps_what_was_found(apart, monkeypatch):
-    """A clock of our own, one tick a look: the least time with an answer is for the first type of the first round, and to make its best stable."""
+    """A clock of our own, one tick a look.
+
+    The least time with an answer is for the first type of the first round, and to make its best stable.
+    """
     shot, _ = apart[0]
     attention = attend_to(shot.gamma)
     for end in range(1, 100):

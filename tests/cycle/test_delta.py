@@ -9,7 +9,7 @@ from synthetic import belief_at, cycle_of, data, one_before_the_other, perceiver
 
 from geometry.frames import from_rotation_translation
 from plogic.cycle.delta import Options, delta_of
-from plogic.facts.pair_facts import pair_facts
+from plogic.facts.situation import pair_facts
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import SHARED_CLAIMS, overlap, shared_claims
 from plogic.scene.worlds.ranked_worlds import ranked_worlds

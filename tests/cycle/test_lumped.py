@@ -1,4 +1,7 @@
-"""Features of a learned type that no world expects or detects are told as one: every probability stays, and the document says how many."""
+"""Features of a learned type that no world expects or detects are told as one.
+
+Every probability stays, and the document says how many.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from painted_cube import CAMERA, CORNER, cloud, picture, pose_towards, seen, wri
 import plogic.cycle.delta
 import plogic.run.document
 from kb.files.read import read_kb
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.cycle.lumped import left_out, looked_at, told
 from plogic.facts.interpretation import situation_of, text_of

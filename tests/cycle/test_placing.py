@@ -1,4 +1,7 @@
-"""From posed hypotheses to the facts of space: up, who is on whom, what A4 says in numbers, and all of it back from the file."""
+"""From posed hypotheses to the facts of space.
+
+Up, who is on whom, what A4 says in numbers, and all of it back from the file.
+"""
 
 import json
 from dataclasses import replace
@@ -13,8 +16,8 @@ from geometry.frames import inverse, look_at, transform_points
 from kb.surfaces.surface import Surface
 from plogic.cycle.delta import Options, delta_of
 from plogic.cycle.placing import space_of_view, upward
-from plogic.facts.exclusions import exclusion_lines, exclusions
 from plogic.facts.interpretation import situation_of, text_of
+from plogic.facts.spatial import exclusion_lines, exclusions
 from plogic.run.document import document_of
 from plogic.scene.asking.presence import presence
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
@@ -128,7 +131,10 @@ def test_what_a4_keeps_apart_has_its_volume_and_depth():
 
 @pytest.fixture(scope="module")
 def written():
-    """Two towers, and a rival that stands in the place of one: the situation, and the document as it comes back from text."""
+    """Two towers, and a rival that stands in the place of one.
+
+    The situation, and the document as it comes back from text.
+    """
     rng = np.random.default_rng(7400)
     shot = scene(rng, one_before_the_other(rng))
     cycle = replace(cycle_of(shot.gamma), considered=(belief_at("t1", shot.poses["t2"], data(shot), "rival"),))

@@ -1,4 +1,7 @@
-"""The posterior of a learned hypothesis: its log odds are its prior's, the evidence that the cycle counted, and the share of poses (§8)."""
+"""The posterior of a learned hypothesis.
+
+Its log odds are its prior's, the evidence that the cycle counted, and the share of poses (§8).
+"""
 
 from __future__ import annotations
 
@@ -54,7 +57,9 @@ def situation_of(beliefs, of, kb):
 
 
 def said(posed, of, kb, hidden=None):
-    """What the posterior adds to the prior's log odds: the evidence without its prior of clarity, and the share of poses that fit as well.
+    """What the posterior adds to the prior's log odds.
+
+    The evidence without its prior of clarity, and the share of poses that fit as well.
 
     It never says less than if all that was found had been missed.
     """

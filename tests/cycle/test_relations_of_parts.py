@@ -9,7 +9,7 @@ from synthetic import belief_at, data, one_before_the_other, scene
 from geometry.visibility.roc import ROC20
 from plogic.cycle import delta as relations
 from plogic.cycle.delta import part_relations_of, relations_of
-from plogic.facts.pair_facts import both_ways
+from plogic.facts.situation import both_ways
 
 
 @pytest.fixture(scope="module")

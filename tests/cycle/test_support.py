@@ -1,4 +1,7 @@
-"""Support, where the knowledge base says that gravity holds: which plane things stand on, what is found there, and what is not lost by it."""
+"""Support, where the knowledge base says that gravity holds.
+
+Which plane things stand on, what is found there, and what is not lost by it.
+"""
 
 from dataclasses import replace
 

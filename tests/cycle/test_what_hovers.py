@@ -1,4 +1,7 @@
-"""From a simulated camera's Γ to probabilities: a false hypothesis that hovers loses by gravity, and what stands does not."""
+"""From a simulated camera's Γ to probabilities.
+
+A false hypothesis that hovers loses by gravity, and what stands does not.
+"""
 
 from __future__ import annotations
 

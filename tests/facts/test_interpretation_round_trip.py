@@ -1,4 +1,7 @@
-"""``interpretation.json`` holds everything that decides a probability: written and read back, it is the same situation."""
+"""``interpretation.json`` holds everything that decides a probability.
+
+Written and read back, it is the same situation.
+"""
 
 import json
 from collections import Counter
@@ -86,7 +89,10 @@ def test_cases_are_those_of_the_accepted_world(parts):
 
 @pytest.mark.parametrize("mode", ["to_B", "drop", "reassign"])
 def test_the_ev_beside_the_others_is_that_of_the_mode(parts, mode):
-    """§5.5 by its own tables of cells: what an accepted one hides is dropped, or moves to B, with data that an accepted one claims."""
+    """§5.5 by its own tables of cells.
+
+    What an accepted one hides is dropped, or moves to B, with data that an accepted one claims.
+    """
     _, _, document = written(parts, Options(reconsider=mode))
     believed = [h for h in document["hypotheses"] if h["status"] == "accepted"]
     dv, hidden = document["measures"]["dv"], 0

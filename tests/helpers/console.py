@@ -105,5 +105,8 @@ def _no_json(constant: str) -> float:
 
 
 def bytes_in(folder: Path) -> dict[str, bytes | None]:
-    """Every path below a folder with its bytes (None: a folder), hidden ones included: what nothing-written is held against."""
+    """Every path below a folder with its bytes (None: a folder), hidden ones included.
+
+    What nothing-written is held against.
+    """
     return {str(p.relative_to(folder)): p.read_bytes() if p.is_file() else None for p in sorted(folder.rglob("*"))}

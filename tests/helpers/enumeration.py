@@ -34,7 +34,10 @@ def log_weights(situation):
 
 
 def _floating(gravity, present):
-    """Once the chance of an unknown support for each that floats: it is there, no holder is, and the ground is lower."""
+    """Once the chance of an unknown support for each that floats.
+
+    It is there, no holder is, and the ground is lower.
+    """
     if gravity is None:
         return 0.0
     count = 0
@@ -53,7 +56,10 @@ def _score(scene, present):
 
 
 def _block(scene, graph, block, present):
-    """P(state of the block | what is outside): Π p_h over the present Π (1 − p_h) over the absent, normalised if the block is cyclic."""
+    """P(state of the block | what is outside).
+
+    Π p_h over the present Π (1 − p_h) over the absent, normalised if the block is cyclic.
+    """
     weight = np.ones(len(present[block[0]]))
     for h in block:
         p = acceptance(scene, scene.by_id[h], present, graph.of[h])

@@ -1,4 +1,7 @@
-"""A learned type of random features made ready for search, and keypoints as a camera would see them of it: exact, without pixels."""
+"""A learned type of random features made ready for search, and keypoints as a camera would see them of it.
+
+Exact, without pixels.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +14,8 @@ from random_cloud import random_cloud, random_words, unit
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, inverse, transform_points
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
-from kb.files.learned_reading import learned_features, learned_lobes, with_compounds
-from kb.learning.sides import LOOKS, VARIED
+from kb.files.read import learned_features, learned_lobes, with_compounds
+from kb.learning.again import LOOKS, VARIED
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.grid import screen_angle
 from plogic.match.learned.learned_models import learned_index
@@ -108,7 +111,7 @@ def with_sides(cloud, features, looks=(90, 140, 95, 135, 150), varied=0):
 
 
 def pose_before(rng, distance=0.8, tilt=0.2):
-    """camera_from_object of a camera that looks down the object's z axis from so far, tilted a little, turned anyhow."""
+    """Random clouds whose data have angles, ready for the search over all types, and exact pictures of them."""
     direction = unit(np.array([0.0, 0, 1]) + tilt * rng.normal(size=3))
     right = unit(np.cross(-direction, rng.normal(size=3)))
     R = np.stack([right, np.cross(-direction, right), -direction])

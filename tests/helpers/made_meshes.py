@@ -33,7 +33,10 @@ def write_box(path, sides=(1, 1, 1), triangles=None):
 
 
 def split_box():
-    """The cube with every face's corners its own, as texture seams split them: 24 vertices, 12 triangles, uv (24, 2)."""
+    """The cube with every face's corners its own, as texture seams split them.
+
+    24 vertices, 12 triangles, uv (24, 2).
+    """
     vertices = np.concatenate([CORNERS[list(quad)] for quad in QUADS])
     triangles = np.array([t for i in range(0, 24, 4) for t in ((i, i + 1, i + 2), (i, i + 2, i + 3))])
     return vertices, triangles, np.tile([[0.0, 0], [1, 0], [1, 1], [0, 1]], (6, 1))
@@ -52,7 +55,10 @@ def write_painted(folder, *, picture=True):
 
 
 def glb_bytes(pictures, materials):
-    """The split cube as GLB: its triangles shared by ``materials``, each the number of its one of ``pictures`` (image files' bytes) or None."""
+    """The split cube as GLB: its triangles shared by ``materials``.
+
+    Each is the number of its one of ``pictures`` (image files' bytes) or None.
+    """
     vertices, triangles, uv = split_box()
     chunks = [vertices.astype("<f4").tobytes(), np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1).astype("<f4").tobytes()]
     chunks += [part.astype("<u4").tobytes() for part in np.split(triangles, len(materials))]

@@ -1,4 +1,7 @@
-"""A cube with a different picture on each face, as a mesh, as files, as learned observations, and as a knowledge base: for tests of learning."""
+"""A cube with a different picture on each face, as a mesh, as files, as learned observations, and as a knowledge base.
+
+For tests of learning.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +18,11 @@ from geometry.frames import look_at
 from kb.clouds.learned import cloud_bytes
 from kb.clouds.words import worded, words_bytes
 from kb.learning import features, observations
-from kb.learning.views import AWAY, MARGIN
+from kb.learning.observations import AWAY, MARGIN
 from sensing.detectors.keypoint_detector import described
 from sensing.simulated.body import Body, TexturedMesh
-from sensing.simulated.camera import Sensor, render
+from sensing.simulated.camera import Sensor, render, turned
 from sensing.simulated.surroundings import Light, Surroundings
-from sensing.simulated.turntable import turned
 
 SIDE = 0.1
 """Metres."""
@@ -164,7 +166,7 @@ def picture(poses, seed=0, noise=3.5):
 
 
 def pose_towards(direction, distance, roll=0.0, aside=(0.0, 0.0)):
-    """camera_from_cube of a camera in this direction from the cube's middle, turned about its axis, the cube ``aside`` (m) of it."""
+    """camera_from_cube of a camera in this direction from the cube's middle, turned about its axis, ``aside`` (m)."""
     direction = np.asarray(direction, float) / np.linalg.norm(direction)
     pose = look_at(distance * direction, np.zeros(3))
     c, s = np.cos(roll), np.sin(roll)

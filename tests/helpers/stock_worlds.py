@@ -7,7 +7,7 @@ from itertools import product
 
 import pytest
 
-from plogic.facts.names import names_of
+from plogic.facts.situation import names_of
 from plogic.scene.text.program_text import program_text
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 

@@ -7,7 +7,10 @@ from situations import feature, hypothesis, situation
 
 
 def tangle(count, seed=0):
-    """Every two of many share an appearance that others claim too: one piece that no order of elimination makes easy."""
+    """Every two of many share an appearance that others claim too.
+
+    One piece that no order of elimination makes easy.
+    """
     rng = np.random.default_rng(seed)
     members = [
         hypothesis(

@@ -1,4 +1,7 @@
-"""Two painted cubes, one over the other and apart: a mesh of two parts, which a quarter turn about the vertical leaves as it is; for tests."""
+"""Two painted cubes, one over the other and apart.
+
+A mesh of two parts, which a quarter turn about the vertical leaves as it is; for tests.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,10 @@ def picture():
 
 
 def cubes():
-    """Vertices (48, 3) m, triangles (24, 3) and uv (48, 2): each cube has one tile on its four sides, and one on its two lids."""
+    """Vertices (48, 3) m, triangles (24, 3) and uv (48, 2).
+
+    Each cube has one tile on its four sides, and one on its two lids.
+    """
     one, facets, _ = split_box()
     vertices = np.concatenate([(one - 0.5) * SIDE + [0, 0, z] for z in (0.0, APART)])
     uv = np.concatenate([_uv(one, cube) for cube in (0, 1)])

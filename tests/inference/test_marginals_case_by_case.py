@@ -1,4 +1,4 @@
-"""Past the width guard: cases of a cutset agree with the enumeration, and intervals contain the exact values whenever the clock stops them."""
+"""Past the width guard: cases of a cutset agree with enumeration, and intervals hold the exact values at every stop."""
 
 import math
 
@@ -9,12 +9,11 @@ from hypothesis import strategies as st
 
 from plogic.base.clock import Clock, OutOfTimeError
 from plogic.base.errors import WidthError
-from plogic.inference import exact as solving
+from plogic.inference import marginals as solving
 from plogic.inference.conditioning import conditioned, log_weight, mini_buckets, promising
-from plogic.inference.exact import cutset, planned
 from plogic.inference.gates import Literal, Or, probability, with_formulas
 from plogic.inference.graph import Factor, FactorGraph, split
-from plogic.inference.marginals import Beliefs, beliefs
+from plogic.inference.marginals import Beliefs, beliefs, cutset, planned
 from plogic.inference.order import order_along
 from plogic.inference.passes import joint
 

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.inference import messages, order
-from plogic.inference.exact import plan
+from plogic.inference import order
+from plogic.inference import passes as steps
 from plogic.inference.graph import Factor, FactorGraph
-from plogic.inference.marginals import beliefs
+from plogic.inference.marginals import beliefs, plan
 from plogic.inference.order import bucket_tree, elimination_order
 from plogic.inference.passes import two_way
 
@@ -88,7 +88,7 @@ def _scaled(table, scale):
 
 def passes(graph, monkeypatch, large):
     monkeypatch.setattr(order, "BUCKET_CELLS", 1)
-    monkeypatch.setattr(messages, "LARGE_PRODUCT", large)
+    monkeypatch.setattr(steps, "LARGE_PRODUCT", large)
     tables = tuple((f.scope, f.table) for f in graph.factors)
     scopes = [scope for scope, _ in tables]
     buckets = bucket_tree(graph.cards, scopes, elimination_order(graph.cards, scopes))

@@ -11,7 +11,7 @@ from factor_graphs import log_weight
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.inference import exact, order, ranked_component, ranked_wide
+from plogic.inference import marginals, order, ranked_component, ranked_wide
 from plogic.inference import ranked as ranking
 from plogic.inference.graph import Factor, FactorGraph
 from plogic.inference.marginals import beliefs
@@ -58,9 +58,9 @@ def going(way):
     with pytest.MonkeyPatch.context() as patch:
         for module, name, value in WAYS[way]:
             patch.setattr(module, name, value)
-        exact.plan.cache_clear()
+        marginals.plan.cache_clear()
         yield
-    exact.plan.cache_clear()
+    marginals.plan.cache_clear()
 
 
 def enumerated(graph):

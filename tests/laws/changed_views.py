@@ -1,4 +1,7 @@
-"""The same scene told otherwise: in another order, by other names, by a camera that is turned in its plane, among other clutter."""
+"""The same scene told otherwise.
+
+In another order, by other names, by a camera that is turned in its plane, among other clutter.
+"""
 
 from __future__ import annotations
 

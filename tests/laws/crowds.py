@@ -1,4 +1,7 @@
-"""Situations of up to 14 hypotheses, more than hypothesis draws cheaply: from a seed, with all that bears on a world's weight."""
+"""Situations of up to 14 hypotheses, more than hypothesis draws cheaply.
+
+From a seed, with all that bears on a world's weight.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ TYPES = ("t1", "t2", "A Box")
 
 
 def crowd(count, seed, reading="posterior", mode="to_B", **changes):
-    """Near neighbours share appearances, hide each other's features (front to back), rival, overlap or exclude each other."""
+    """Near neighbours share appearances, hide each other's features (front to back), rival, overlap or exclude."""
     rng = np.random.default_rng(seed)
     names = [f"h{i:02d}" for i in range(count)]
     members = [

@@ -1,4 +1,7 @@
-"""A4 in every world that is listed, not in the likeliest alone: what is not told apart to a millimetre is not told together."""
+"""A4 in every world that is listed, not in the likeliest alone.
+
+What is not told apart to a millimetre is not told together.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,10 @@ def test_in_no_listed_world_any_reaches_a_millimetre_into_another(seed):
 
 @pytest.mark.parametrize("seed", [6018, 6019, 6024])
 def test_nor_of_what_several_views_tell_together(seed):
-    """The same from three sides, where the poses that fit all views best reach too deep: unless they are moved, no world holds both."""
+    """The same from three sides, where the poses that fit all views best reach too deep.
+
+    Unless they are moved, no world holds both.
+    """
     panorama = Panorama(with_twins(), Options(reading="posterior"))
     views = [
         View(f"v{n}", touching(seed, degrees).gamma, camera(degrees)) for n, degrees in enumerate((0.0, 8.0, 16.0), 1)

@@ -1,4 +1,7 @@
-"""More than ten objects in one image, one behind another, several of a type: each is found, or there is little of it to see."""
+"""More than ten objects in one image, one behind another, several of a type.
+
+Each is found, or there is little of it to see.
+"""
 
 from __future__ import annotations
 

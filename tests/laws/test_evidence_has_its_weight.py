@@ -1,4 +1,7 @@
-"""World weights sum to P(evidence): scenes against the program text in stock ProbLog, programs against every total choice and stock."""
+"""World weights sum to P(evidence).
+
+Scenes against the program text in stock ProbLog, programs against every total choice and stock.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,8 @@ from situations import random_situations, towers
 
 from plogic.base.errors import InconsistentError
 from plogic.logic.answers.state_ranking import ranked
-from plogic.logic.served.engine import Text, through
-from plogic.logic.served.program_worlds import program_worlds
-from plogic.logic.served.serve import serve
+from plogic.logic.served.engine import Text, program_worlds, through
+from plogic.logic.served.program_child import serve
 from plogic.scene.text.program_text import program_text
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 

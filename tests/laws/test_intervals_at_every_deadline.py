@@ -21,11 +21,11 @@ from stopping import LONG, stopped
 from tangles import tangle
 
 from plogic.base.errors import InconsistentError
-from plogic.logic.answers import anytime_answers as anytime
-from plogic.logic.answers import anytime_answers as bounds
+from plogic.logic.answers import answer as anytime
+from plogic.logic.answers import answer as bounds
 from plogic.logic.answers import state_ranking as ranking
 from plogic.logic.served.engine import through
-from plogic.logic.served.serve import serve
+from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
@@ -90,7 +90,10 @@ def test_wide_scenes_wherever_inference_stops(wide, checks, width):
 
 
 def test_the_stops_fall_inside_the_wide_path(wide):
-    """Neither all before the first case nor all after the last: some intervals are strictly between [0, 1] and a number."""
+    """Neither all before the first case nor all after the last.
+
+    Some intervals are strictly between [0, 1] and a number.
+    """
     subject, _ = wide[0]
     widths = set()
     for checks in (0, 400, 800, 1600, 10**9):
@@ -134,7 +137,10 @@ def test_an_interval_of_a_live_scene_is_forgotten_when_there_is_time():
 @QUICK
 @given(programs(), st.integers(0, 30))
 def test_programs_whatever_was_told_when_the_deadline_came(drawn, patience):
-    """The compiler takes its time: ``patience`` refinements of the bounds are told first, each of which a deadline may leave as the answer."""
+    """The compiler takes its time.
+
+    ``patience`` refinements of the bounds are told first, each of which a deadline may leave as the answer.
+    """
     held = drawn.held()
     assume(held)
     mass = math.fsum(p for p, _ in held)
@@ -148,7 +154,7 @@ def test_programs_whatever_was_told_when_the_deadline_came(drawn, patience):
 
 
 def slowly_told(text, patience):
-    """What ``answers_by`` tells, where the compiler is ready after so many looks at the bounds (or after a moment, if they are done)."""
+    """The answers of ``answers_by`` where the compiler is ready after so many looks at the bounds (or soon after)."""
     ready, told, looks = Event(), [], []
     exactly, refine = anytime.compiled, anytime.Bounds.refine
 

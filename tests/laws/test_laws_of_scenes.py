@@ -1,4 +1,7 @@
-"""Laws of whole interpretations: order, names, a camera turned in its plane, far clutter, A4, several of a type, data that are released."""
+"""Laws of whole interpretations.
+
+Order, names, a camera turned in its plane, far clutter, A4, several of a type, data that are released.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ from synthetic import one_before_the_other, perceiver, scene, towers
 from geometry.frames import pose_error
 from kb.files.folder import shipped
 from kb.files.read import read_kb
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.expectation import hidden_by

@@ -102,13 +102,13 @@ DRAWN = {f"towers {seed}": (perceiver, lambda seed=seed: towers_of(seed)) for se
 
 @cache
 def finished(name, reading):
-    """The interpretation of one of them when there is time enough, how many looks at the time it takes, and all its worlds."""
+    """The interpretation of one with time enough, how many looks at the time it takes, and all its worlds."""
     document, looks = interrupted(DRAWN[name][0](), DRAWN[name][1](), 10**9, reading)
     return document, looks, ranked_worlds(situation_of(document), 10**6)
 
 
 def against(document, name, reading):
-    """(interval, probability told, probability when there is time enough) of each presence, world and relation, and of what is not listed."""
+    """(interval, told, exact probability) of each presence, world and relation, and of the unlisted rest."""
     final, _, ranking = finished(name, reading)
     kb, every = DRAWN[name][0]().kb, {frozenset(w.present): w.probability for w in ranking.worlds}
     became = {h["id"]: counterpart(h, final, kb) for h in document["hypotheses"]}

@@ -1,4 +1,7 @@
-"""Two that hide parts of each other, as only concave bodies do: both are found, and each says what the other hides of it."""
+"""Two that hide parts of each other, as only concave bodies do.
+
+Both are found, and each says what the other hides of it.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +66,10 @@ def hooked(seed):
 
 @cache
 def both_to_be_seen():
-    """Of some scenes those that show most of both: a front face alone, of a staple seen along its arms, does not tell how far that is turned."""
+    """Of some scenes those that show most of both.
+
+    A front face alone, of a staple seen along its arms, does not tell how far that is turned.
+    """
     return [shot for shot in map(hooked, range(20)) if min(truth.fraction for truth in shot.truths) >= SHOWN]
 
 

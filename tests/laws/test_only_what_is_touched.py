@@ -1,4 +1,7 @@
-"""Observing, retracting, adding and removing: any detour restores every byte, and recomputes only the pieces that it touches."""
+"""Observing, retracting, adding and removing.
+
+Any detour restores every byte, and recomputes only the pieces that it touches.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +16,8 @@ from situations import feature, hypothesis, random_situations, situation
 
 from plogic.base.errors import InconsistentError
 from plogic.face.session.session import Session
-from plogic.logic.served.engine import Text, through
-from plogic.logic.served.serve import serve
-from plogic.logic.served.staying_process import Process
+from plogic.logic.served.engine import Process, Text, through
+from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene
 
 QUICK = settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))

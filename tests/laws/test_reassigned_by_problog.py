@@ -1,4 +1,7 @@
-"""Mode `reassign`, where one's appearance goes to another (§5.5): worlds against the rules of the text, as stock ProbLog runs them."""
+"""Mode `reassign`, where one's appearance goes to another (§5.5).
+
+Worlds against the rules of the text, as stock ProbLog runs them.
+"""
 
 from __future__ import annotations
 

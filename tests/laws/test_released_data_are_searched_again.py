@@ -1,4 +1,4 @@
-"""What was accepted and does not hold beside the others releases its data (§7), and they are searched again, without it."""
+"""Accepted hypotheses that do not hold release their data (§7), which are searched again without them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from plogic.match.judged.rivals import claims
 
 @pytest.mark.parametrize("seed", [6300, 6301])
 def test_the_data_of_one_that_had_to_go_are_searched_again(monkeypatch, seed):
-    """Two towers that, so it is told, cannot be kept apart: the one of less worth goes, and its data are looked at once more."""
+    """Two towers that, so it is told, cannot be kept apart.
+
+    The one of less worth goes, and its data are looked at once more.
+    """
     rng = np.random.default_rng(seed)
     gamma = scene(rng, side_by_side(rng)).gamma
     both = cycle_of(gamma).accepted

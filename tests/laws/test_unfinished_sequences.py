@@ -1,4 +1,7 @@
-"""A sequence of which a view was not searched to the end: wherever that is, it is told, and nothing is proved of what stands in the world."""
+"""A sequence of which a view was not searched to the end.
+
+Wherever that is, it is told, and nothing is proved of what stands in the world.
+"""
 
 from __future__ import annotations
 

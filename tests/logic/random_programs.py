@@ -1,4 +1,7 @@
-"""Random ground programs, and their meaning by brute force: every total choice, and its least model stratum by stratum."""
+"""Random ground programs, and their meaning by brute force.
+
+Every total choice, and its least model stratum by stratum.
+"""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 
 from plogic.base.errors import InconsistentError
 from plogic.logic.answers.answer import answers_of_text
-from plogic.logic.dnnf import compilers
+from plogic.logic.dnnf import nnf
 from plogic.logic.dnnf.compiled import compiled
 from plogic.logic.grounding.load import by_problog, ground, quickly, request_from
 
@@ -84,7 +84,7 @@ def test_answers_equal_stock_problogs(name):
 
 @pytest.mark.parametrize("name", ["smokers", "big alternative", "terms"])
 def test_where_dsharp_fails_the_sdd_gives_the_same(name, monkeypatch):
-    monkeypatch.setattr(compilers, "_dsharp", lambda bundles: [None] * len(bundles))
+    monkeypatch.setattr(nnf, "_dsharp", lambda bundles: [None] * len(bundles))
     assert answers_of_text(PROGRAMS[name]) == pytest.approx(stock(PROGRAMS[name], sdd=True), abs=1e-9)
 
 

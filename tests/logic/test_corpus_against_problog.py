@@ -1,4 +1,6 @@
-"""Programs of our own, by area of the language, with their answers in the file: stock ProbLog and we are both held to them.
+"""Programs of our own, by area of the language, with their answers in the file.
+
+Stock ProbLog and we are both held to them.
 
 A file ends with what it expects: ``% expect: goal = probability`` (every answer), ``% expect nothing``, ``% expect
 error: Kind`` (stock fails, too), or ``% expect refused: line:column`` (by the safety rule).
@@ -14,7 +16,7 @@ import pytest
 
 from plogic.base import errors
 from plogic.logic.served.engine import Text
-from plogic.logic.served.serve import serve
+from plogic.logic.served.program_child import serve
 from plogic.scene.asking.query import answers
 
 pytestmark = pytest.mark.filterwarnings("ignore:The use of '")  # ProbLog's parser doubts that one means it

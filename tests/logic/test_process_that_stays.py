@@ -1,4 +1,4 @@
-"""The process of a session: the same answers as a fresh one each time, one start for many questions, nothing left behind."""
+"""The process of a session: answers as of a fresh one, one start for many questions, nothing left behind."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ import os
 import pytest
 
 from plogic.base.errors import LimitError
-from plogic.logic.served.engine import Limits, Text, request_of, through
-from plogic.logic.served.staying_process import Process
+from plogic.logic.served.engine import Limits, Process, Text, request_of, through
 from plogic.scene.asking.query import answers
 
 PROGRAM = Text(

@@ -1,4 +1,4 @@
-"""Mistakes in programs: each is told with file, line and column, a cycle is spelt out, and all of a kind come at once."""
+"""Mistakes in programs: each is told with file, line and column, a cycle is spelt out, all of a kind come at once."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from plogic.base.errors import (
     ProgramError,
     UnknownPredicateError,
 )
-from plogic.logic.served.serve import serve
+from plogic.logic.served.program_child import serve
 
 
 def asked(*texts, goals=()):

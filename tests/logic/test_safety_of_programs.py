@@ -1,4 +1,7 @@
-"""ProbLog lets program text run Python and read files: two layers against it, each tested alone, with every trick (issues 2 and 3)."""
+"""ProbLog lets program text run Python and read files.
+
+Two layers against it, each tested alone, with every trick (issues 2 and 3).
+"""
 
 from __future__ import annotations
 
@@ -164,7 +167,7 @@ def test_second_layer_alone_refuses(trick, bait):
 
 @pytest.mark.parametrize("trick", ATTACKS)
 def test_both_layers_refuse_as_they_are_served(trick, bait, capfd):
-    from plogic.logic.served.serve import serve
+    from plogic.logic.served.program_child import serve
 
     with pytest.raises(UnsafeProgramError, match=r"user\.pl"):
         serve({"texts": [{"text": baited(trick, bait), "file": "user.pl"}], "goals": [], "given": [], "names": None})
@@ -358,7 +361,7 @@ def test_every_entry_passes_both_layers(entry, trick, bait):
 
     One that never calls the trick must leave no trace either.
     """
-    from plogic.logic.served.program_worlds import program_worlds
+    from plogic.logic.served.engine import program_worlds
     from plogic.scene.asking.explanations import explain
     from plogic.scene.asking.query import answers
 

@@ -1,4 +1,7 @@
-"""A new kind of type models is one folder and one row of the table of kinds: here one that reads printed markers, whose scale numbers features."""
+"""A new kind of type models is one folder and one row of the table of kinds.
+
+Here one that reads printed markers, whose scale numbers features.
+"""
 
 from __future__ import annotations
 

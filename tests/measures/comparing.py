@@ -9,8 +9,7 @@ from synthetic import belief_at, cycle_of, data, perceiver, scene, towers
 
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
 from plogic.cycle.delta import Options, delta_of
-from plogic.measures.explanatory import explanatory_value
-from plogic.measures.shanahan import shanahan_values
+from plogic.measures.explanatory import explanatory_value, shanahan_values
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 NOISE = 0.02
@@ -36,7 +35,10 @@ def turned(pose, degrees, step=(0.0, 0.0, 0.0)):
 
 
 def abducibles(posed, of):
-    """Priors of what the explanation "it stands there" takes on: the object, each hit, each miss, and noise for what it leaves over."""
+    """Priors of what the explanation "it stands there" takes on.
+
+    The object, each hit, each miss, and noise for what it leaves over.
+    """
     kb = towers()
     hit = np.array([kb.rates.hit[f.type] for f in posed.object_type.features])
     found, missed = posed.candidate & posed.detected, posed.candidate & ~posed.detected

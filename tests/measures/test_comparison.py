@@ -1,4 +1,4 @@
-"""ev against Shanahan's value against the posterior on the same scenes, with the laws of §5.7, §3.8 and §8, and the two dv."""
+"""ev against Shanahan's value and the posterior on the same scenes, with the laws of §5.7, §3.8, §8, and the two dv."""
 
 from __future__ import annotations
 
@@ -29,8 +29,7 @@ from plogic.match.gamma.data import data_of
 from plogic.match.hand.hand_models import type_index
 from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from plogic.measures.distinctiveness import distinctiveness, distinctiveness_over_delta, instance_counts
-from plogic.measures.explanatory import explanatory_value
-from plogic.measures.shanahan import shanahan_values
+from plogic.measures.explanatory import explanatory_value, shanahan_values
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 TRUTHS = [("t1", 8000), ("t2", 8001), ("t1", 8002), ("t2", 8003)]
@@ -94,7 +93,10 @@ def test_on_wrong_hypotheses_the_measures_disagree(tables):
 
 
 def close_rivals(seed):
-    """Hypotheses so near to each other that Γ hardly tells them: a few matches, noise, and shifts of a few millimetres."""
+    """Hypotheses so near to each other that Γ hardly tells them.
+
+    A few matches, noise, and shifts of a few millimetres.
+    """
     rng = np.random.default_rng(seed)
     shot = scene(rng, {"t1": camera_pose(rng, (5.0, 6.0))}, hit=0.9, clutter=4)
     pose = shot.poses["t1"]
@@ -128,7 +130,10 @@ def test_close_rivals_share_one_presence(seed):
 @pytest.mark.parametrize("times", [2, 3])
 @pytest.mark.parametrize(("name", "seed"), TRUTHS[:2])
 def test_duplicating_every_feature_leaves_ev_alone(name, seed, times):
-    """A type each of whose features is there k times, in a Γ each of whose appearances is: the same ev from the posed cloud."""
+    """A type each of whose features is there k times, in a Γ each of whose appearances is.
+
+    The same ev from the posed cloud.
+    """
     shot = one_tower(name, seed)
     pose, of, kind = shot.poses[name], data(shot), towers().type(name)
     many = replace(kind, features=kind.features * times, all_features=kind.all_features * times)

@@ -9,17 +9,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plogic.measures.distinctiveness import distinctiveness, probability_of_distinctiveness
+from plogic.measures.distinctiveness import (
+    best_substitution,
+    compatible,
+    distinctiveness,
+    is_legal,
+    probability_of_distinctiveness,
+    rank,
+    valuation,
+)
 from plogic.measures.explanatory import (
     Cells,
     case_of,
     explanatory_value,
     probability_of_ev,
     reconsidered,
+    shanahan_values,
     tally,
 )
-from plogic.measures.shanahan import shanahan_values
-from plogic.measures.valuation import best_substitution, compatible, is_legal, rank, valuation
 
 COUNTS = st.dictionaries(st.sampled_from(["apex", "corner", "patch", "edge"]), st.integers(1, 200), min_size=1)
 CELLS = st.builds(Cells, *[st.integers(0, 9)] * 4)
@@ -132,7 +139,10 @@ def test_an_appearance_type_may_serve_several_feature_types():
 
 
 def test_in_clutter_rank_saturates():
-    """A thousand random appearances give an absent type of a hundred features a rank near 1 (§5.3): rank is attention, no verdict."""
+    """A thousand random appearances give an absent type of a hundred features a rank near 1 (§5.3).
+
+    Rank is attention, no verdict.
+    """
     rng = np.random.default_rng(0)
     names = [f"t{i}" for i in range(30)]
     features = [frozenset({names[i]}) for i in rng.integers(0, 30, 100)]

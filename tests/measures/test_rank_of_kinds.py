@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plogic.measures.valuation import compatible, kinds_of, rank, rank_of_kinds, valuation
+from plogic.measures.distinctiveness import compatible, kinds_of, rank, rank_of_kinds, valuation
 
 KINDS = st.lists(st.sampled_from("abcd"), max_size=8)
 WEIGHTS = st.sampled_from([0.0, 0.1, 0.25, 0.5, 0.5, 0.9, 1.0])

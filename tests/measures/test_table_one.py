@@ -1,4 +1,7 @@
-"""Table 1 (§5.6) from its cells and the towers' own dv: nothing here is a constant of the result but the paper's printed figures."""
+"""Table 1 (§5.6) from its cells and the towers' own dv.
+
+Nothing here is a constant of the result but the paper's printed figures.
+"""
 
 import pytest
 

@@ -1,4 +1,7 @@
-"""What an interpretation carries of how a learned type is seen: the surest lobes of each direction, up to a stated number, and what was left out."""
+"""What an interpretation carries of how a learned type is seen.
+
+The surest lobes of each direction, up to a stated number, and what was left out.
+"""
 
 from __future__ import annotations
 

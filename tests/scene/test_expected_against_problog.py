@@ -1,4 +1,7 @@
-"""D7 is one function and one rule text: what each says of every feature of random scenes, in random worlds, is the same."""
+"""D7 is one function and one rule text.
+
+What each says of every feature of random scenes, in random worlds, is the same.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,8 @@ from hypothesis import strategies as st
 from situations import random_situations
 
 from plogic.facts.dependence import Scene, dependence
-from plogic.facts.expected import Seen, expected
-from plogic.facts.names import names_of
+from plogic.facts.hypothesis import Seen, expected
+from plogic.facts.situation import names_of
 from plogic.facts.vocabulary import VOCABULARY
 from plogic.scene.readings import world_weights
 from plogic.scene.text import fact_layers

@@ -1,4 +1,7 @@
-"""Support as a soft constraint of Σc: the factor graph is stock ProbLog's on the program text, and every world's weight by hand; its laws."""
+"""Support as a soft constraint of Σc.
+
+The factor graph is stock ProbLog's on the program text, and every world's weight by hand; its laws.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +17,10 @@ from situations import feature, hypothesis, random_situations, situation, with_g
 
 from plogic.base.errors import InconsistentError, SituationError
 from plogic.facts.gravity import Foot, Gravity
-from plogic.facts.names import names_of
+from plogic.facts.situation import names_of
 from plogic.inference.marginals import beliefs
 from plogic.logic.served.engine import through
-from plogic.logic.served.serve import serve
+from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene, scene_answers
 from plogic.scene.asking.query import answers
 from plogic.scene.asking.relevant import relevant
@@ -139,7 +142,10 @@ def lone(*names, **changes):
 
 
 def test_what_is_held_in_every_world_keeps_its_probability_beside_what_floats():
-    """H3 hovers over h1, h2 stands on the ground: by hand h3's odds fall tenfold where the ground is told, and nobody else's change."""
+    """H3 hovers over h1, h2 stands on the ground.
+
+    By hand h3's odds fall tenfold where the ground is told, and nobody else's change.
+    """
     rests = (("h1", "ground"), ("h2", "ground"))
     subject = lone(
         "h1", "h2", "h3", gravity=Gravity(0.1, 0.0, (Foot("h1", 0, 0), Foot("h2", 0, 0), Foot("h3", 0.2, 0.2)), rests)

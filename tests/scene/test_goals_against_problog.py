@@ -1,4 +1,4 @@
-"""Goals of the vocabulary on the scene's graph have the probabilities that stock ProbLog gives them in the program text (§8)."""
+"""Goals of the vocabulary on the scene's graph have the probabilities of stock ProbLog for the program text (§8)."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from situations import feature, hypothesis, random_situations, situation, towers
 from tangles import tangle
 
 from plogic.base.errors import InconsistentError, OutsideError, UnknownPredicateError
-from plogic.facts.names import names_of
+from plogic.facts.situation import names_of
 from plogic.logic.served.engine import Text, run, through
-from plogic.logic.served.serve import serve
+from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene, scene_answers
 from plogic.scene.text.program_text import program_text
 

@@ -4,8 +4,7 @@ import pytest
 from situations import feature, hypothesis, situation, towers
 
 from geometry.visibility.roc import ROC20
-from plogic.facts.pair_facts import pair_facts
-from plogic.facts.situation import PairFact
+from plogic.facts.situation import PairFact, pair_facts
 from plogic.scene.worlds.predictions import doubts, said
 
 MODES = ("to_B", "drop", "reassign")

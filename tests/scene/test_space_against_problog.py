@@ -1,4 +1,4 @@
-"""The vocabulary of space: the graph's answers are those of stock ProbLog on the program text, its laws, and rules of an author's over it."""
+"""The vocabulary of space: answers of stock ProbLog on the program text, its laws, and an author's rules over it."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from situations import POSE, feature, hypothesis, random_situations, situation
 
 from plogic.base.errors import InconsistentError
-from plogic.facts.names import names_of
+from plogic.facts.situation import names_of
 from plogic.facts.spatial import BodyFact, Space
 from plogic.logic.served.engine import Text, through
-from plogic.logic.served.serve import serve
+from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene, scene_answers
 from plogic.scene.asking.query import answers
 from plogic.scene.asking.relevant import relevant

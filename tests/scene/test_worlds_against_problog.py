@@ -10,7 +10,7 @@ from situations import random_situations, situation, towers
 from stock_worlds import assert_same_worlds, stock, worlds_program
 
 from plogic.base.errors import InconsistentError
-from plogic.facts.names import names_of
+from plogic.facts.situation import names_of
 from plogic.scene.text.program_text import program_text
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 

@@ -31,7 +31,7 @@ def learn_command(
 ) -> str:
     """Learn the types that are named, or all that have a texture and no features; ``options``: detector, jobs, seed, as_json."""
     from kb.clouds.words import worded
-    from kb.learning.part_owners import with_parts
+    from kb.learning.compounds import with_parts
     from plogic.face.authoring.kb_learn_cache import learned_of
     from plogic.face.authoring.kb_types import check_own, type_folders
     from sensing.files.whole_files import write_files
@@ -89,7 +89,7 @@ def _chosen(kb: KnowledgeBase, names: Sequence[str]) -> list[ObjectType]:
 def _fault(kind: ObjectType) -> str | None:
     """Why a type cannot be learned."""
     from sensing.errors import SensingError
-    from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.body import read_mesh
     from sensing.simulated.stage import MAX_TRIANGLES
 
     if kind.features and kind.learned is None:
@@ -158,7 +158,7 @@ def files_of(folder: Path, words: Words, clouds: Mapping[str, LearnedCloud]) -> 
 
 def _named(file: Path, key: str, data: bytes) -> dict[Path, bytes]:
     """The data under the name that a YAML file gives them; where it gives none, under the usual one, and the file with a line that does."""
-    from kb.files.yaml_text import load
+    from kb.files.folder import load
     from plogic.face.authoring.kb_learn_lines import with_entry
 
     content = file.read_bytes()
@@ -192,11 +192,10 @@ def _new_pictures(kind: ObjectType, options: Mapping[str, Any], directions: NDAr
     """What the detector sees from directions that the cloud was not learned from, with other noise."""
     import cv2
 
-    from kb.learning.observations import joined, observed
-    from kb.learning.views import AWAY, MARGIN, PIXELS
+    from kb.learning.observations import AWAY, MARGIN, PIXELS, joined, observed
     from sensing.detectors.keypoint_detector import described
-    from sensing.simulated.meshes import read_mesh
-    from sensing.simulated.turntable import turned
+    from sensing.simulated.body import read_mesh
+    from sensing.simulated.camera import turned
 
     assert kind.mesh_file is not None  # noqa: S101 - it was learned from it
     threads = cv2.getNumThreads()
@@ -214,7 +213,7 @@ def _new_pictures(kind: ObjectType, options: Mapping[str, Any], directions: NDAr
 
 def stated(file: Path) -> bool:
     """Whether an object.yaml says what the symmetries are, be it that there are none."""
-    from kb.files.yaml_text import load
+    from kb.files.folder import load
 
     data = load(str(file), file.read_bytes()).data
     return isinstance(data, dict) and "symmetries" in data

@@ -41,7 +41,7 @@ def learned_of(
     from plogic.face.authoring.kb_learn_look import looked
     from sensing.errors import SensingError
     from sensing.files.whole_files import write_whole
-    from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.body import read_mesh
 
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
     folder = cache_folder("clouds")

@@ -27,7 +27,7 @@ def with_entry(file: Path, content: bytes, key: str, value: Mapping[str, str] | 
         InputError: it is written in a form that cannot be changed so, such as an anchor or a flow; with what to write
         into it.
     """
-    from kb.files.yaml_text import load
+    from kb.files.folder import load
 
     document = load(str(file), content)
     if document.data.get(key) == value:

@@ -43,12 +43,11 @@ def looked(
         drawn.
     """
     from kb.learning.features import cloud_of
-    from kb.learning.observations import joined
+    from kb.learning.observations import DIRECTIONS, joined
     from kb.learning.photo import on_shown
-    from kb.learning.views import DIRECTIONS
-    from kb.shown.learned_summary import compound_sizes, compounds_text
-    from sensing.simulated.meshes import read_mesh
-    from sensing.simulated.turntable import extent
+    from kb.shown.cautions import compound_sizes, compounds_text
+    from sensing.simulated.body import read_mesh
+    from sensing.simulated.camera import extent
 
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
     task = (str(kind.mesh_file), kind.mesh_scale, options["detector"], options["seed"])
@@ -89,12 +88,11 @@ def _look(task: tuple[str, float, str, int], part: range) -> list[Observations]:
     import cv2
 
     from geometry.cones import even_directions
-    from kb.learning.observations import observed
-    from kb.learning.views import AWAY, DIRECTIONS, MARGIN, PIXELS
+    from kb.learning.observations import AWAY, DIRECTIONS, MARGIN, PIXELS, observed
     from sensing.detectors.edge_sides import edge_sides
     from sensing.detectors.keypoint_detector import described
-    from sensing.simulated.meshes import read_mesh
-    from sensing.simulated.turntable import turned
+    from sensing.simulated.body import read_mesh
+    from sensing.simulated.camera import turned
 
     cv2.setNumThreads(1)
     file, scale, detector, seed = task

@@ -59,7 +59,7 @@ def learn_photo_command(
 
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
     """
-    from kb.learning.part_owners import with_parts
+    from kb.learning.compounds import with_parts
     from plogic.face.authoring.kb_learn_cache import learned_of
 
     kb, new, kind = _the_type(kb_folder, names, sources, options["detector"], say)
@@ -100,7 +100,7 @@ def _the_type(
 def _fault(kind: ObjectType, folder: Path) -> str | None:
     """Why a type, described in ``folder``, cannot be learned from a photo."""
     from plogic.face.authoring.kb_learn import BY_HAND
-    from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.body import read_mesh
 
     if kind.surface is None or kind.mesh_file is None:
         return "has no mesh to lay the photo on"
@@ -140,8 +140,7 @@ def _new(kb_folder: Path, name: str, sources: Sources) -> tuple[NewType, ObjectT
 
 def _registered(kind: ObjectType, sources: Sources) -> tuple[Registration, PaintedMesh]:
     from geometry.files.camera_files import read_camera
-    from kb.learning.photo import painted, registered
-    from kb.learning.points import read_points
+    from kb.learning.photo import painted, read_points, registered
     from sensing.files.images import read_image
     from sensing.simulated.stage import MAX_TRIANGLES
 
@@ -177,7 +176,7 @@ def _share(mesh: PaintedMesh) -> float:
 
 def _paint_files(mesh: PaintedMesh, photo: str, metres_per_unit: float) -> dict[str, bytes]:
     """The textured mesh in the unit of the type's own, its material and its picture."""
-    from kb.intake.picture import png
+    from kb.intake.source import png
 
     lines = ["mtllib textured.mtl", "usemtl painted"]
     lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in (mesh.vertices / metres_per_unit).tolist()]
@@ -193,7 +192,7 @@ def _write(
 ) -> int:
     """Everything, and how many words there are now."""
     from kb.clouds.words import worded
-    from kb.files.yaml_text import load
+    from kb.files.folder import load
     from plogic.face.authoring.kb_learn import files_of
     from plogic.face.authoring.kb_learn_lines import with_entry
     from plogic.face.authoring.kb_types import type_folders, write_types

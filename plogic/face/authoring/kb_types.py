@@ -51,7 +51,7 @@ def check_places(folder: Path, names: Sequence[str]) -> None:
 
 def type_folders(folder: Path) -> dict[str, Path]:
     """Where each type of a KB's folder is described, by the name that its object.yaml states; what cannot be read is left out."""
-    from kb.files.yaml_text import MAX_BYTES, load
+    from kb.files.folder import MAX_BYTES, load
 
     found: dict[str, Path] = {}
     if fault_of(folder / "objects") != IS_FOLDER:
@@ -69,7 +69,7 @@ def write_types(folder: Path, types: Sequence[NewType], *, new: bool = False) ->
 
     Raises IntakeError, SensingError.
     """
-    from kb.intake.new_kb import schema_files
+    from kb.intake.new_type import schema_files
     from sensing.files.whole_files import write_folder, write_whole
 
     if new:
@@ -94,7 +94,7 @@ def told(folder: Path, types: Sequence[NewType], what: str, *, new: bool, as_jso
 
 def new_command(folder: Path, name: str | None) -> str:
     """Write a new knowledge base, whole or not at all, and never over anything. Raises IntakeError, SensingError."""
-    from kb.intake.new_kb import new_kb_files
+    from kb.intake.new_type import new_kb_files
     from sensing.files.whole_files import write_folder
 
     write_folder(folder, new_kb_files(name or Path(os.path.realpath(folder)).name))
@@ -139,8 +139,7 @@ def import_command(source: Path, folder: Path, units: str | None, *, as_json: bo
 def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
     """One type of one description, its meshes merged in the zero pose. URDF and SDF are in metres."""
     from kb.intake.new_type import new_type
-    from kb.intake.robots import sdf_visuals, urdf_visuals
-    from kb.intake.visuals import merged
+    from kb.intake.robots import merged, sdf_visuals, urdf_visuals
 
     readers = {".urdf": urdf_visuals, ".sdf": sdf_visuals, ".world": sdf_visuals}
     reader = readers.get(path.suffix.lower())

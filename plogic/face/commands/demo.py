@@ -35,7 +35,7 @@ def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], Non
     """Render, detect, interpret in both readings, write the folder ``out`` and return the text to print (in ``reading``)."""
     check_folder(out)
     from geometry.camera import camera_to_dict
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from plogic.cycle.delta import Options
     from plogic.run.perceive import Perceiver
     from sensing.detectors.detector import detect

@@ -121,7 +121,7 @@ def _where(out: Path) -> str:
 
 def _look(name: str, robot: Robot, perceiver: Perceiver) -> _Look:
     """The picture from where the robot is, and what it leads to by itself."""
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from plogic.cycle.delta import Options
     from plogic.match.gamma.data import data_of
     from plogic.run.document import document_of

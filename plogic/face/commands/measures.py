@@ -27,7 +27,7 @@ def measures_command(source: str, *, as_json: bool) -> str:
     """The document ``measures/1``, or both tables. Raises InterpretationError, SituationError."""
     from plogic.face.python.measures import measures_of
     from plogic.facts.interpretation import read_interpretation
-    from plogic.facts.stopped import stopped_in
+    from plogic.facts.situation import stopped_in
     from plogic.scene.readings.unfinished import marks, with_notice
 
     document = read_interpretation(source)

@@ -107,7 +107,7 @@ def looked(document: Looked, number: int, seed: int, options: Moves) -> NextView
     """The document of an interpretation's next views, or of those of what stands for one (``plogic.sequence.next_view.reading``)."""
     from geometry.camera import camera_from_dict
     from plogic.facts.interpretation import situation_of
-    from plogic.facts.stopped import stopped_in
+    from plogic.facts.situation import stopped_in
     from plogic.scene.readings.unfinished import marks
     from plogic.sequence.next_view.look import answers_in, entropy, looked_ahead
     from plogic.sequence.next_view.reading import prospect_of
@@ -269,7 +269,7 @@ def table_of(document: NextView) -> str:
     from rich.text import Text
 
     from plogic.face.shown.tables import text_of_table
-    from plogic.facts.stopped import stopped_in
+    from plogic.facts.situation import stopped_in
     from plogic.scene.readings.unfinished import notice
 
     table = Table(title="next view", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 
 UNFINISHED = 3
@@ -33,9 +33,9 @@ def perceive_command(
     write: Callable[[str], None],
 ) -> int:
     """Read, interpret, write; returns the exit status. Nothing is written where something is wrong with the input."""
+    from plogic.base.clock import Stopwatch
     from plogic.base.jobs import processors
     from plogic.base.remembered import cache_folder
-    from plogic.base.stopwatch import Stopwatch
     from plogic.cycle.delta import Options
     from plogic.facts.interpretation import text_of
     from plogic.run.perceive import Perceiver
@@ -131,7 +131,7 @@ def _doubts(document: Interpretation) -> list[str]:
 
 def summary(document: Interpretation, clock: Stopwatch) -> str:
     """One line: what was found, whether that is all, and how long it took."""
-    from plogic.facts.stopped import stopped_in
+    from plogic.facts.situation import stopped_in
     from plogic.scene.readings.unfinished import REASONS
 
     stopped = stopped_in(document)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from geometry.errors import PlogicError
 from plogic.base.errors import InputError
 from plogic.face.commands.perceive_command import UNFINISHED, places, tell_unchecked
-from plogic.facts.stopped import stopped_in
+from plogic.facts.situation import stopped_in
 from plogic.run.sources import gamma_of, image_of, is_gamma, kb_of
 from plogic.scene.readings.unfinished import REASONS
 
@@ -134,7 +134,7 @@ def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
 
 
 def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, options: Mapping[str, Any]) -> Look:
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from plogic.sequence.views.standing import View
 
     picture: NDArray[Any] | None = None if is_gamma(frame) else image_of(frame, options.get("camera"))

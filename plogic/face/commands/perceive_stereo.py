@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.base.stopwatch import Stopwatch
+    from plogic.base.clock import Stopwatch
     from sensing.appearance import Gamma
 
 
@@ -30,9 +30,9 @@ def stereo_command(
     write: Callable[[str], None],
 ) -> int:
     """Read, interpret, write; returns the exit status. Nothing is written where something is wrong with the input."""
+    from plogic.base.clock import Stopwatch
     from plogic.base.jobs import processors
     from plogic.base.remembered import cache_folder
-    from plogic.base.stopwatch import Stopwatch
     from plogic.cycle.delta import Options
     from plogic.facts.interpretation import text_of
     from plogic.run.perceive import Perceiver

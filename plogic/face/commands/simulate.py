@@ -146,7 +146,7 @@ def tell_without_physics(say: Callable[[str], None]) -> None:
 
 
 def _mesh(object_type: ObjectType) -> TexturedMesh:
-    from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.body import read_mesh
 
     if object_type.mesh_file is None:
         raise InputError(f"{object_type.name}: has no mesh, so that it cannot be rendered")

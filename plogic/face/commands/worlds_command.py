@@ -17,9 +17,8 @@ if TYPE_CHECKING:
     from plogic.face.commands.asked import Asked
     from plogic.facts.document import Interpretation, WorldRow
     from plogic.facts.fact_rows import Interval
-    from plogic.facts.situation import Situation
-    from plogic.facts.stopped import Stopped
-    from plogic.logic.served.program_worlds import ProgramRanking
+    from plogic.facts.situation import Situation, Stopped
+    from plogic.logic.served.engine import ProgramRanking
     from plogic.scene.document import ProgramWorldRow, ProgramWorlds, SceneWorlds
     from plogic.scene.worlds.ranked_worlds import Ranking, World
 
@@ -44,8 +43,7 @@ def worlds_command(source: str, number: int, given: Sequence[str], options: Aske
 
 
 def _of_program(source: str, number: int, given: Sequence[str], options: Asked, *, as_json: bool) -> tuple[str, int]:
-    from plogic.logic.served.engine import Limits, Text
-    from plogic.logic.served.program_worlds import program_worlds
+    from plogic.logic.served.engine import Limits, Text, program_worlds
 
     limits = Limits(trust=bool(options.trust))
     text = Text(program_text_of(source), source)
@@ -114,7 +112,7 @@ def _of_scene_text(
 ) -> tuple[str, int]:
     """By the program text, where the evidence speaks of choices that the graph has summed out: then those are told, and no causes."""
     from plogic.logic.safety.atoms import quoted
-    from plogic.logic.served.program_worlds import program_worlds
+    from plogic.logic.served.engine import program_worlds
     from plogic.scene.asking.query import subject_text
     from plogic.scene.readings.unfinished import flagged, proved
 
@@ -144,7 +142,7 @@ def _of_scene(
 ) -> tuple[str, int]:
     from plogic.face.shown import tables
     from plogic.face.shown.tables import text_of_table
-    from plogic.facts.exclusions import exclusion_lines, exclusions
+    from plogic.facts.spatial import exclusion_lines, exclusions
     from plogic.scene.readings.unfinished import flagged, proved, with_notice
     from plogic.scene.worlds.predictions import doubts, said
 

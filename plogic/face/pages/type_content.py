@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kb.shown.learned_summary import learned_summary
+from kb.shown.cautions import learned_summary
 from kb.shown.show import part_of_features, part_rows
 from plogic.face.pages.packed import floats, shorts
 from plogic.face.pages.type_surface import surface_document

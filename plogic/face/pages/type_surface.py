@@ -79,7 +79,7 @@ def surface_document(kind: ObjectType) -> tuple[dict[str, Any] | None, list[str]
 
 def _painted(kind: ObjectType) -> tuple[TexturedMesh | None, list[str]]:
     """The textured mesh, None where there is none or it cannot be read."""
-    from sensing.simulated.meshes import read_mesh
+    from sensing.simulated.body import read_mesh
 
     if kind.mesh_file is None:
         return None, []

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from plogic.face.session.blocks import Block
-    from plogic.facts.situation import Reading
-    from plogic.facts.stopped import Stopped
+    from plogic.facts.situation import Reading, Stopped
     from plogic.scene.asking.query import Subject
 
 EXPLANATIONS = 5
@@ -153,7 +152,7 @@ class Program(Asked):
 
     def worlds(self, n: int = 10, *, given: str | Sequence[str] = (), deadline: float | None = None) -> Worlds:
         """Return the ``n`` most probable worlds, and the interval of the mass of all others. Raises Error as ``query``."""
-        from plogic.logic.served.program_worlds import program_worlds
+        from plogic.logic.served.engine import program_worlds
 
         evidence = literals(given)
         ranking = program_worlds(self.subject, n, given=evidence, limits=self.limits, seconds=deadline)

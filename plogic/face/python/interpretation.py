@@ -213,7 +213,7 @@ class Interpretation(Asked):
     def _worlds_of_text(self, n: int, evidence: tuple[str, ...], deadline: float | None) -> Worlds:
         """By the program text, where the evidence speaks of choices that the graph has summed out; causes are not told then."""
         from plogic.logic.safety.atoms import quoted
-        from plogic.logic.served.program_worlds import program_worlds
+        from plogic.logic.served.engine import program_worlds
         from plogic.scene.asking.query import subject_text
 
         text, names = subject_text(self.subject)

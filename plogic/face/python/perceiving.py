@@ -7,8 +7,8 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, get_args
 
+from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
-from plogic.base.stopwatch import Stopwatch
 from plogic.face.python.interpretation import Interpretation
 from plogic.face.python.knowledge import KnowledgeBase
 from plogic.face.python.pictures import Gamma, Image, camera_for, pixels_of

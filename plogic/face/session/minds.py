@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol
 
-from plogic.logic.served.engine import Limits, Text, ask, through
-from plogic.logic.served.staying_process import Process
+from plogic.logic.served.engine import Limits, Process, Text, ask, through
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

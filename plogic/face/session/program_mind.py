@@ -31,7 +31,7 @@ class ProgramMind(Asked):
 
     def worlds(self, n: int, given: Sequence[str]) -> Ranked:
         """The ``n`` best worlds, grouped by what the program's queries come to. One more is looked for: without it there is no rest."""
-        from plogic.logic.served.program_worlds import program_worlds
+        from plogic.logic.served.engine import program_worlds
 
         ranking = self._through(lambda: program_worlds(self.text, n + 1, given=given, limits=self.limits))
         rows = tuple(World(w.probability, w.holds, None, (w.probability,) * 2, w.choices) for w in ranking.worlds[:n])

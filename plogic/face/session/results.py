@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING
 
 from plogic.face.session.blocks import Column, Lines, Note, Table
 from plogic.face.session.rows import Result, Rows
-from plogic.logic.safety.bindings import bindings
+from plogic.logic.safety.author import bindings
 from plogic.scene.readings.unfinished import notice, proved
 
 if TYPE_CHECKING:
     from plogic.face.session.blocks import Block
-    from plogic.facts.stopped import Stopped
+    from plogic.facts.situation import Stopped
     from plogic.logic.served.engine import Answer
     from plogic.scene.asking.explanations import Account
 

@@ -10,7 +10,7 @@ from plogic.face.session.minds import Asked
 from plogic.face.session.program_mind import clauses_of, rest
 from plogic.face.session.results import World
 from plogic.facts.vocabulary import entries
-from plogic.logic.safety.atoms import quoted
+from plogic.logic.safety.atoms import SPELLINGS, quoted
 from plogic.logic.served.outline import Predicate
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class SceneMind(Asked):
 
     def _worlds_of_text(self, n: int, given: Sequence[str]) -> Ranked:
         """The same by the program text, where the evidence speaks of what the graph has summed out; the causes are not told then."""
-        from plogic.logic.served.program_worlds import program_worlds
+        from plogic.logic.served.engine import program_worlds
         from plogic.scene.asking.query import subject_text
 
         text, table = subject_text(self.situation)
@@ -96,7 +96,8 @@ class SceneMind(Asked):
         layers = self._layers()
         if name.isdecimal() and 0 < int(name) <= len(layers):
             return layers[int(name) - 1]
-        return clauses_of(self.outline(), {"atom": "atom_node", "atom/1": "atom_node/1"}.get(name, name))
+        spelled = {f"{word}{end}": f"{own}{end}" for (word, n), own in SPELLINGS.items() for end in ("", f"/{n}")}
+        return clauses_of(self.outline(), spelled.get(name, name))
 
     def predicates(self) -> tuple[Predicate, ...]:
         """The vocabulary, and what the author's rules add."""

@@ -24,8 +24,7 @@ from plogic.logic.safety.atoms import is_ground, one_line, tokens
 from plogic.scene.readings.unfinished import REASONS, opened, proved, stopped_of
 
 if TYPE_CHECKING:
-    from plogic.facts.situation import Reading
-    from plogic.facts.stopped import Stopped
+    from plogic.facts.situation import Reading, Stopped
     from plogic.logic.served.engine import Answer, Limits
     from plogic.logic.served.outline import Predicate
     from plogic.scene.asking.query import Subject

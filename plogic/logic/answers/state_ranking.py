@@ -4,6 +4,11 @@ A possible world is a total choice. Worlds in which the same query atoms hold ar
 together and the most probable total choice among them: of the choices that the queries and the evidence depend on,
 every other being free. The states of independent factors are merged lazily, the best combinations first, however many
 there are (Lawler, Murty).
+
+A *state* says which of a factor's query atoms hold. The search decides one atom after the other; what it goes by is the
+circuit itself, with the greatest instead of the sum wherever the branches of an OR differ in a query atom. That is
+never less than the weight of any completion, and equal to it once all atoms are decided; so the first complete state
+that comes up is the best (A*).
 """
 
 from __future__ import annotations
@@ -12,23 +17,136 @@ import heapq
 import math
 import time
 from collections import Counter
+from dataclasses import dataclass
+from functools import reduce
+from itertools import combinations
+from operator import and_, or_
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from problog.logic import AnnotatedDisjunction, Clause
 
 from plogic.logic.answers.answer import grouped, prepared
-from plogic.logic.answers.independent_factors import bucket, factors_of
-from plogic.logic.grounding.load import line_of
+from plogic.logic.dnnf.compiled import Circuit, Compiled, Floats, circuit_of
+from plogic.logic.dnnf.nnf import AND, LITERAL, Nnf, nodes_under
+from plogic.logic.grounding.load import Request, line_of
 from plogic.logic.safety.check import heads
 from plogic.logic.safety.mapping import shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from plogic.logic.answers.independent_factors import Factor, State
-    from plogic.logic.dnnf.compiled import Compiled
     from plogic.logic.grounding.ground_program import Literal
-    from plogic.logic.grounding.load import Request
+
+State = tuple[bool, ...]
+"""Whether each of a factor's query atoms holds."""
+STATES_AT_ONCE = 8
+"""Partial states that are taken further together."""
+
+
+def bucket(log_weight: float) -> float:
+    """Log weights in the same bucket, of width 1e-11, count as equal: rounding must not decide the order."""
+    return round(log_weight, 11)
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A part of the circuit that shares no variable with any other.
+
+    ``variables``: the query atoms in it, in the order in which they were asked; ``alone``: log weights of its leaves,
+    ``(leaves,)``; ``total``: log weight of all its states together.
+    """
+
+    variables: tuple[int, ...]
+    circuit: Circuit
+    alone: Floats
+    total: float
+
+    def states(self) -> Iterator[tuple[float, State]]:
+        """All possible states with ln P(state | evidence), non-increasing.
+
+        Ties with true before false, the first atom first.
+        """
+        queue: list[tuple[float, tuple[int, ...], float]] = [(0.0, (), self.total)]  # marks: 0 holds, 1 does not
+        while queue:
+            taken = [heapq.heappop(queue)]
+            if len(taken[0][1]) == len(self.variables):
+                _, marks, value = taken[0]
+                yield value - self.total, tuple(mark == 0 for mark in marks)
+                continue
+            while len(taken) < STATES_AT_ONCE and queue and len(queue[0][1]) < len(self.variables):
+                taken.append(heapq.heappop(queue))
+            further = [(*marks, mark) for _, marks, _ in taken for mark in (0, 1)]
+            for marks, value in zip(further, self._values(further)[-1].tolist(), strict=True):
+                if value > -math.inf:
+                    heapq.heappush(queue, (-bucket(value - self.total), marks, value))
+
+    def best(self, state: State) -> list[int]:
+        """The literals of the most probable completion of a state; what ties goes to the circuit's first branch."""
+        values = self._values([tuple(int(not holds) for holds in state)], most=True)
+        return self.circuit.best(values[:, 0])
+
+    def _values(self, decided: list[tuple[int, ...]], *, most: bool = False) -> Floats:
+        leaves = np.repeat(self.alone[:, np.newaxis], len(decided), axis=1)
+        for column, marks in enumerate(decided):
+            excluded = [-v if mark == 0 else v for v, mark in zip(self.variables, marks, strict=False)]
+            leaves[
+                [self.circuit.place[literal] for literal in excluded if literal in self.circuit.place], column
+            ] = -np.inf
+        return self.circuit.up(leaves, most=most)
+
+
+def factors_of(program: Compiled, atoms: list[int]) -> list[Factor]:
+    """The factors of a program, those without query atoms, too.
+
+    ``atoms``: variables that are open, in the order in which they were asked.
+    """
+    if program.circuit is None:
+        return []
+    nnf, values = program.nnf, program.values([()])[:, 0]
+    weight = dict(zip(program.circuit.literals.tolist(), program.weights.tolist(), strict=True))
+    asked = sum(1 << v for v in atoms)
+    found = []
+    for root in _parts(nnf):
+        variables = tuple(v for v in atoms if nnf.mentions[root] >> v & 1) if nnf.mentions[root] & asked else ()
+        circuit = circuit_of(nnf, root, _decided_apart(nnf, root, variables))
+        alone = np.array([weight[literal] for literal in circuit.literals.tolist()])
+        found.append(Factor(variables, circuit, alone, float(values[program.circuit.number[root]])))
+    return found
+
+
+def _parts(nnf: Nnf) -> list[int]:
+    """The nodes that the root is the conjunction of, none of them a conjunction."""
+    found, stack = [], [nnf.root]
+    while stack:
+        node = stack.pop()
+        if nnf.kinds[node] == AND:
+            stack.extend(reversed(nnf.children[node]))
+        else:
+            found.append(node)
+    return found
+
+
+def _decided_apart(nnf: Nnf, root: int, variables: tuple[int, ...]) -> set[int]:
+    """The ORs any two of whose branches need different values of a query atom: of a state, only one branch has weight."""
+    if not variables:
+        return set()
+    sides = {literal: 1 << (2 * i + side) for i, v in enumerate(variables) for side, literal in enumerate((v, -v))}
+    yes = sum(1 << (2 * i) for i in range(len(variables)))
+    needs: dict[int, int] = {}  # node → the literals of query atoms that hold wherever it does, as bits
+    apart = set()
+    for node in sorted(nodes_under(nnf, root)):
+        below = [needs[child] for child in nnf.children[node]]
+        if nnf.kinds[node] == LITERAL:
+            needs[node] = sides.get(nnf.literals[node], 0)
+        elif nnf.kinds[node] == AND:
+            needs[node] = reduce(or_, below)
+        else:
+            needs[node] = reduce(and_, below)
+            if all((a & yes) & (b >> 1) or (b & yes) & (a >> 1) for a, b in combinations(below, 2)):
+                apart.add(node)
+    return apart
+
 
 Item = tuple[float, tuple["State", ...]]
 """Log weight, and one state of each stream."""
@@ -116,9 +234,9 @@ def ranked(document: dict[str, Any], tell: Callable[[Reply], None] | None = None
     request, program = prepared(document, ask_something=True)
     found = program.ground
     texts = [
-        (text, found.asked[i][1])
+        (text, found.asked[number - 1][1])
         for goals in grouped(request, found, range(1, len(found.asked) + 1))
-        for text, i in _numbered(goals)
+        for text, number in goals
     ]
     worlds = _Worlds(program, texts, _choice_names(request, program))
     rows: list[Reply] = []
@@ -130,10 +248,6 @@ def ranked(document: dict[str, Any], tell: Callable[[Reply], None] | None = None
             tell({"worlds": rows, "log_evidence": log_evidence, "partial": True})
             wait, last = wait * 1.3, time.monotonic()
     return {"worlds": rows, "log_evidence": log_evidence, "all": len(rows) < document["number"]}
-
-
-def _numbered(goals: list[tuple[str, int]]) -> list[tuple[str, int]]:
-    return [(text, number - 1) for text, number in goals]
 
 
 class _Worlds:

@@ -15,13 +15,13 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plogic.logic.grounding.ground_program import TRUE
+from plogic.inference.graph import roots
+from plogic.logic.grounding.ground_program import TRUE, Gate, Ground
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from plogic.logic.dnnf.nnf import Nnf
-    from plogic.logic.grounding.ground_program import Gate, Ground
 
 Clause = tuple[int, ...]
 """Literals of which at least one is true."""
@@ -105,8 +105,7 @@ def add_modules(nnf: Nnf, modules: Modules) -> list[int]:
     for head, inputs in modules.gates.items():
         some, none = _some_none(nnf, inputs)
         yes = nnf.conjunction((nnf.literal(head), some))
-        no = nnf.conjunction((nnf.literal(-head), none))
-        nnf.stand_for(head, yes, no, whole=abs(head) not in inner)
+        nnf.stand_for(head, yes, nnf.conjunction((nnf.literal(-head), none)), whole=abs(head) not in inner)
     return [_some_none(nnf, inputs)[0] for inputs in modules.clauses]
 
 
@@ -291,18 +290,9 @@ class _Watch:
 
 def components(clauses: Sequence[Clause]) -> tuple[tuple[Clause, ...], ...]:
     """The clauses in sets that share no variable, in the order of their first clauses."""
-    parent: dict[int, int] = {}
-
-    def find(v: int) -> int:
-        while parent.setdefault(v, v) != v:
-            parent[v] = parent[parent[v]]
-            v = parent[v]
-        return v
-
-    for clause in clauses:
-        for literal in clause[1:]:
-            parent[find(abs(literal))] = find(abs(clause[0]))
+    joined = [tuple(map(abs, clause)) for clause in clauses]
+    root = roots(1 + max((max(scope) for scope in joined), default=0), joined)
     groups: dict[int, list[Clause]] = {}
-    for clause in clauses:
-        groups.setdefault(find(abs(clause[0])), []).append(clause)
-    return tuple(tuple(group) for group in groups.values())
+    for clause, scope in zip(clauses, joined, strict=True):
+        groups.setdefault(root[scope[0]], []).append(clause)
+    return tuple(map(tuple, groups.values()))

@@ -10,26 +10,19 @@ evidence, plain floats: below 1e-308 they are 0.
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plogic.base.errors import InconsistentError, LimitError
-from plogic.logic.dnnf.cnf import residue
-from plogic.logic.dnnf.compilers import compiled as nnf_of
-from plogic.logic.dnnf.nnf import AND, LITERAL, nodes_under
+from plogic.logic.dnnf.cnf import Residue, residue
+from plogic.logic.dnnf.nnf import AND, LITERAL, Nnf, nodes_under
 from plogic.logic.dnnf.nnf import FALSE as NEVER
 from plogic.logic.dnnf.nnf import TRUE as ALWAYS
-from plogic.logic.grounding.ground_program import FALSE, TRUE
-
-if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Sequence
-
-    from plogic.logic.dnnf.cnf import Residue
-    from plogic.logic.dnnf.nnf import Nnf
-    from plogic.logic.grounding.ground_program import Ground, Literal
+from plogic.logic.dnnf.nnf import compiled as nnf_of
+from plogic.logic.grounding.ground_program import FALSE, TRUE, Ground, Literal
 
 BEST = 3
 """The kind of a gate that takes the greatest of its children."""

@@ -11,15 +11,13 @@ ProbLog grounds; from here on nothing of ProbLog is needed. Vocabulary:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from problog.errors import InconsistentEvidenceError, InvalidValue, ProbLogError
 from problog.formula import LogicDAG, LogicFormula
 from problog.logic import Term
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable
 
 TRUE = 0
 FALSE = None
@@ -28,6 +26,11 @@ Literal = int | None
 SLACK = 1e-10
 """An annotated disjunction whose written probabilities come this near to 1 leaves nothing out (ProbLog's own tolerance
 of rounding)."""
+
+
+def negated(literal: Literal) -> Literal:
+    """The literal that holds exactly where this one does not."""
+    return TRUE if literal is FALSE else FALSE if literal == TRUE else -literal
 
 
 class Gate(NamedTuple):
@@ -135,11 +138,10 @@ def ground_from(
     gates = {
         number[i]: Gate(n.kind, tuple(literal_of(c) for c in n.children))
         for i, n in nodes.items()
-        if isinstance(n, Gate)
+        if isinstance(n, Gate) and n.kind != "free"
     }
     choices = [(number[i], n) for i, n in nodes.items() if isinstance(n, Choice)]
     evidence = tuple(dict.fromkeys(lit for lit in (literal_of(key) for _, key in observed) if lit))
-    gates = {variable: gate for variable, gate in gates.items() if gate.kind != "free"}
     return Ground(
         len(nodes), gates, _alternatives(choices), tuple((name, literal_of(key)) for name, key in asked), evidence
     )

@@ -7,29 +7,23 @@ engine behind the allow-list. Both give the same probabilities; ProbLog's engine
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from problog.errors import ProbLogError
 from problog.logic import Clause, Constant, Not, Term, Var
 
 from plogic.base.errors import NegativeCycleError, NonGroundError, ProgramError, UnknownPredicateError
-from plogic.logic.grounding.ground_program import NamedFormula, ground_from, ground_of
+from plogic.logic.grounding.ground_program import Ground, Literal, NamedFormula, ground_from, ground_of, negated
 from plogic.logic.grounding.grounder import Grounder
 from plogic.logic.grounding.indexed_clauses import UnsupportedError
 from plogic.logic.safety.allowlist import SPECIAL_HEADS
 from plogic.logic.safety.atoms import Names
-from plogic.logic.safety.check import check_goal, check_source, heads, parse
-from plogic.logic.safety.guarded_engine import engine_for
+from plogic.logic.safety.check import Source, check_goal, check_source, heads, parse
+from plogic.logic.safety.guarded_engine import engine_for, told
 from plogic.logic.safety.mapping import mapped, shown
-from plogic.logic.safety.run_mistakes import told
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from plogic.logic.grounding.ground_program import Ground, Literal
-    from plogic.logic.safety.check import Source
 
 MENDED = (NonGroundError, NegativeCycleError, UnknownPredicateError)
 """Mistakes that may stand where the evidence rules a clause out."""
@@ -57,22 +51,21 @@ def request_from(document: dict[str, Any]) -> Request:
     Raises ProgramError.
     """
     atoms = document.get("names")
-    names = None if atoms is None else Names(atoms, {atom: label for label, atom in atoms.items()})
+    names = None if atoms is None else Names.of(atoms)
     trust = bool(document.get("trust", False))
-    read, statements, known = _read(document["texts"], names, trust=trust)
-    sources = list(read)
+    sources, statements, known = read(document["texts"], names, trust=trust)
     texts = document.get("goals", [])
     goals = []
     for i, text in enumerate(texts):
-        sources.append(_parsed(text, f"goal {i}" if len(texts) > 1 else "goal", len(sources)))
-        goal = _goal(sources[-1], names, known, trust=trust)
+        sources.append(parsed(text, f"goal {i}" if len(texts) > 1 else "goal", len(sources) + LIBRARY_FILES))
+        goal = goal_in(sources[-1], names, known, trust=trust)
         head = Term(f"'plogic goal {i}'", *[Var(name) for name in variables(goal)])
         statements.append(Clause(head, goal))
         goals.append((head.with_args(*[None] * head.arity), goal))
     for i, text in enumerate(document.get("given", [])):
-        sources.append(_parsed(text, "given", len(sources)))
+        sources.append(parsed(text, "given", len(sources) + LIBRARY_FILES))
         head = Term(f"'plogic given {i}'")
-        statements += [Clause(head, _goal(sources[-1], names, known, trust=trust)), Term("evidence", head)]
+        statements += [Clause(head, goal_in(sources[-1], names, known, trust=trust)), Term("evidence", head)]
     return Request(tuple(sources), tuple(statements), tuple(goals), names, trust, document.get("folder", "."))
 
 
@@ -85,35 +78,43 @@ def with_something_asked(request: Request) -> Request:
     return replace(request, statements=(*request.statements, *(Term("query", head) for head in labelled)))
 
 
-def _read(
-    texts: Sequence[dict[str, str]], names: Names | None, *, trust: bool
-) -> tuple[tuple[Source, ...], list[Any], frozenset[str]]:
-    """The sources, their statements and the signatures that they define.
+def read(
+    texts: Sequence[dict[str, str]], names: Names | None, *, trust: bool, marked: bool = True
+) -> tuple[list[Source], list[Any], frozenset[str]]:
+    """The sources, their statements and the signatures that they define, none where they are trusted.
 
-    Texts after the first may not add to the first one's predicates.
+    Texts after the first may not add to the first one's predicates. ``marked``: places say in which text they are.
     """
     known: frozenset[str] = frozenset()
-    sources, statements = [], []
+    sources: list[Source] = []
+    statements: list[Any] = []
     for i, item in enumerate(texts):
-        source = parse(item["text"], item["file"], i and i + LIBRARY_FILES)
+        source = parse(item["text"], item["file"], i + LIBRARY_FILES if marked and i else 0)
         known |= frozenset() if trust else check_source(source, known=known, protected=known)
         sources.append(source)
         statements += [mapped(s, names) if names is not None and i else s for s in source.statements]
-    return tuple(sources), statements, known
+    return sources, statements, known
 
 
 LIBRARY_FILES = 1
 """A database's second file is ProbLog's own library; texts after the first come after it."""
 
 
-def _parsed(text: str, file: str, number: int) -> Source:
-    """A goal's text as the source with that number."""
+def parsed(text: str, file: str, identifier: int = 0) -> Source:
+    """A goal's text; ``identifier`` marks its places.
+
+    Raises ProgramError.
+    """
     if not text.strip():
         raise ProgramError("is empty; a goal is one term, like present(h1)", file=file)
-    return parse(text.rstrip().removesuffix(".") + "\n.", file, number + LIBRARY_FILES)
+    return parse(text.rstrip().removesuffix(".") + "\n.", file, identifier)
 
 
-def _goal(source: Source, names: Names | None, known: frozenset[str], *, trust: bool) -> Any:  # noqa: ANN401 - a term of ProbLog's
+def goal_in(source: Source, names: Names | None, known: frozenset[str], *, trust: bool) -> Any:  # noqa: ANN401 - a term of ProbLog's
+    """The goal that a text consists of, with atoms for labels.
+
+    Raises ProgramError where it calls what is not ``known``, unless it is trusted.
+    """
     goal = source.statements[0] if trust and len(source.statements) == 1 else check_goal(source, known)
     return goal if names is None else mapped(goal, names)
 
@@ -123,7 +124,7 @@ def goal_shown(text: str, names: Names | None) -> str | None:
 
     Raises ProgramError.
     """
-    goal = _goal(_parsed(text, "goal", 1), names, frozenset(), trust=True)
+    goal = goal_in(parsed(text, "goal"), names, frozenset(), trust=True)
     return None if variables(goal) else shown(goal, names)
 
 
@@ -199,7 +200,7 @@ def _seen(grounder: Grounder, goal: Any, *, holds: bool) -> list[tuple[Any, Lite
     found = grounder.instances(goal, or_none=True)
     if holds:
         return found or [(goal, None)]
-    return [(name, None if literal == 0 else 0 if literal is None else -literal) for name, literal in found]
+    return [(name, negated(literal)) for name, literal in found]
 
 
 def by_problog(request: Request) -> Ground:

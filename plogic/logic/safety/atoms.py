@@ -31,6 +31,11 @@ class Names:
     atoms: dict[str, str]
     labels: dict[str, str]
 
+    @classmethod
+    def of(cls, atoms: dict[str, str]) -> Names:
+        """The table of these atoms by their labels."""
+        return cls(atoms, {atom: label for label, atom in atoms.items()})
+
     def atom(self, label: str) -> str:
         """The atom of a label; a label that the table does not know is a mistake of ours (KeyError)."""
         return self.atoms[label]

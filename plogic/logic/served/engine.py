@@ -5,6 +5,9 @@ Making the text and running it are two functions; this one runs it. Vocabulary:
 * ``Text``, one piece of program with the file that it came from, ``Text("present(h1).", "scene.pl")``
 * ``Limits``, ``Limits(seconds=60, megabytes=2048, trust=False)``
 * ``Answer``, ``Answer("present(h1)", 0.97, (0.97, 0.97))``
+* ``Process``, one that stays: questions go to it one after another, each with its own limit of time. What runs out of
+  time or is interrupted ends with its process; the next question starts another
+* ``program_worlds``, the ranked possible worlds of any program (``plogic.logic.answers.state_ranking`` answers)
 """
 
 from __future__ import annotations
@@ -12,12 +15,15 @@ from __future__ import annotations
 import contextlib
 import contextvars
 import json
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from plogic.base import errors
-from plogic.base.children import Child, ending_well, python
+from plogic.base.children import Child, ending_well, heard, python
+from plogic.base.errors import LimitError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -167,7 +173,7 @@ _ASKED: contextvars.ContextVar[Callable[[dict[str, Any]], dict[str, Any]] | None
 
 @contextlib.contextmanager
 def through(process: Callable[[dict[str, Any]], dict[str, Any]]) -> Iterator[None]:
-    """Within it every request goes to ``process``, one that stays (``plogic.logic.served.staying_process``), with limits of its own."""
+    """Within it every request goes to ``process``, one that stays (``plogic.logic.served.engine``), with limits of its own."""
     token = _ASKED.set(process)
     try:
         yield
@@ -228,3 +234,110 @@ def _raise(error: dict[str, Any], limits: Limits) -> None:
         places = {key: error[key] for key in ("file", "line", "column") if error.get(key) is not None}
         raise kind(error["reason"], **places)
     raise kind(error["reason"])
+
+
+class Process:
+    """Starts at the first question; ``close`` ends it, as does the end of the program."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self.started = 0
+        self._running: Child | None = None
+
+    def ask(self, request: dict[str, Any]) -> dict[str, Any]:
+        """The reply, which may hold an ``error``; raises LimitError where it takes too long or dies without a word."""
+        running = self._alive()
+        try:
+            reply = read_reply(self._talk(running, json.dumps(request).encode() + b"\n"))
+        except BaseException as error:  # an interruption, too, must leave no process behind that is at work
+            self.close()
+            if isinstance(error, (BrokenPipeError, json.JSONDecodeError)):
+                raise LimitError(
+                    f"the inference stopped without an answer (memory limit {self.limits.megabytes} MB)"
+                ) from None
+            raise
+        if reply.get("error", {}).get("kind") == "LimitError":
+            self.close()
+        return reply
+
+    def close(self) -> None:
+        """End the process, if there is one."""
+        if self._running is not None:
+            self._running.end()
+        self._running = None
+
+    def _alive(self) -> Child:
+        if self._running is None or not self._running.alive():
+            self.close()
+            self._running = Child(python("plogic.logic.served.program_child"), memory=self.limits.megabytes * 2**20)
+            self.started += 1
+        return self._running
+
+    def _talk(self, running: Child, request: bytes) -> bytes:
+        end = monotonic() + self.limits.seconds
+        running.tell(request)
+        pieces: list[bytes] = []
+        while not pieces or not pieces[-1].endswith(b"\n"):
+            if not heard([running], max(0.0, end - monotonic())):
+                raise LimitError(f"the inference took longer than {self.limits.seconds:g} s")
+            pieces.append(running.read())
+            if not pieces[-1]:
+                break
+        return b"".join(pieces)
+
+
+@dataclass(frozen=True)
+class ProgramWorld:
+    r"""The worlds in which ``holds`` are the query atoms that are true, taken together.
+
+    ``choices``: the most probable total choice among them, of the choices that matter: ``("a", "\\+b",
+    "colour(red)")``.
+    """
+
+    probability: float
+    holds: tuple[str, ...]
+    choices: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ProgramRanking:
+    """``unlisted``: an interval that contains the probability of all worlds that are not listed.
+
+    ``log_evidence``: ln P(evidence), None if it is not known yet; ``complete``: as many worlds as were asked for are
+    listed, or all that there are.
+    """
+
+    worlds: tuple[ProgramWorld, ...]
+    unlisted: tuple[float, float]
+    log_evidence: float | None
+    complete: bool
+
+
+def program_worlds(
+    text: Text,
+    n: int = 10,
+    *,
+    given: Sequence[str] = (),
+    goals: Sequence[str] = (),
+    limits: Limits | None = None,
+    seconds: float | None = None,
+    names: Names | None = None,
+) -> ProgramRanking:
+    """The ``n`` most probable worlds given the program's evidence and ``given``, non-increasing.
+
+    Worlds are distinguished by the truth of the ``goals``' instances; without goals, of the program's own query/1; of a
+    program that asks nothing, of all atoms that it gives a probability. Ties (to a relative 1e-11) are in the order in
+    which atoms are asked: a world in which an earlier one holds comes first (among the first thousand of one tie). With
+    ``seconds``, the worlds that are known by then. Raises ProgramError, InconsistentError, LimitError.
+    """
+    request = {**request_of([text], goals, given, names), "task": "worlds", "number": n}
+    if seconds is None:
+        return _ranking(ask(request, limits or Limits()))
+    reply = ask_until({**request, "anytime": True}, limits or Limits(), seconds)
+    return ProgramRanking((), (1.0, 1.0), None, complete=False) if reply is None else _ranking(reply)
+
+
+def _ranking(reply: dict[str, Any]) -> ProgramRanking:
+    worlds = tuple(ProgramWorld(row["p"], tuple(row["holds"]), tuple(row["choices"])) for row in reply["worlds"])
+    unlisted = 0.0 if reply.get("all") else max(0.0, 1.0 - math.fsum(world.probability for world in worlds))
+    return ProgramRanking(worlds, (unlisted, unlisted), reply["log_evidence"], not reply.get("partial", False))

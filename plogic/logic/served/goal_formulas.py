@@ -14,14 +14,13 @@ from problog.logic import AnnotatedDisjunction, Clause, Term
 
 from plogic.logic.answers.answer import grouped
 from plogic.logic.grounding.indexed_clauses import UnsupportedError
-from plogic.logic.grounding.load import by_problog, quickly, request_from, variables
-from plogic.logic.safety.run_mistakes import told
+from plogic.logic.grounding.load import Request, by_problog, quickly, request_from, variables
+from plogic.logic.safety.guarded_engine import told
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from plogic.logic.grounding.ground_program import Alternative, Ground
-    from plogic.logic.grounding.load import Request
     from plogic.logic.safety.atoms import Names
 
 ALLOWED = ("present", "chosen")

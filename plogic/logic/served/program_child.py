@@ -1,9 +1,8 @@
-"""The process that runs programs: reads one request (JSON) from stdin, writes replies (JSON, one a line) to stdout.
+"""The process that runs programs: reads requests from stdin, writes replies to stdout (JSON, one a line), never a traceback.
 
-Never a traceback.
-
-The last line is the reply; lines before it are what was known by then, where the request asks for that (``anytime``).
-Started by ``plogic.logic.served.engine``; its limits are set before anything of the request is looked at.
+The last line that a request gives is its reply; lines before it are what was known by then, where the request asks for
+that (``anytime``). Started by ``plogic.logic.served.engine``, for one request or for a session, so that ProbLog is
+imported once; its limits are set before anything of a request is looked at.
 """
 
 from __future__ import annotations
@@ -18,31 +17,34 @@ from plogic.base.children import begin
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    Tell = Callable[[dict[str, Any]], None]
+
 
 def main() -> None:
-    """Serve one request."""
+    """Serve requests until the input ends."""
     begin()
     answer_to = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # whatever a library prints is no part of the reply
+    os.dup2(2, 1)  # whatever a library prints is no part of a reply
 
     def tell(reply: dict[str, Any]) -> None:
         answer_to.write(json.dumps(reply) + "\n")
         answer_to.flush()
 
     with answer_to:
-        try:
-            reply = reply_to(json.load(sys.stdin), tell)
-        except MemoryError:
-            reply = {"error": {"kind": "LimitError", "reason": "memory"}}
-        tell(reply)
+        for line in sys.stdin:
+            try:
+                reply = reply_to(json.loads(line), tell)
+            except MemoryError:
+                reply = {"error": {"kind": "LimitError", "reason": "memory"}}
+            tell(reply)
 
 
-def reply_to(request: dict[str, Any], tell: Callable[[dict[str, Any]], None] | None = None) -> dict[str, Any]:
+def reply_to(request: dict[str, Any], tell: Tell | None = None) -> dict[str, Any]:
     """The reply to one request, or the error that it came to; ``tell`` gets what is known on the way."""
     from plogic.base.errors import BeliefError, ProgramError
-    from plogic.logic.served.serve import serve
 
     sys.setrecursionlimit(5000)
+    file = request["texts"][0]["file"]
     try:
         return serve(request, tell)
     except ProgramError as error:
@@ -50,20 +52,43 @@ def reply_to(request: dict[str, Any], tell: Callable[[dict[str, Any]], None] | N
         return {"error": {"kind": type(error).__name__, "reason": error.reason, **places}}
     except BeliefError as error:
         return {"error": {"kind": type(error).__name__, "reason": str(error)}}
-    except RecursionError:
-        reason = "the recursion does not end, or terms are nested too deeply"
-        return {"error": {"kind": "ProgramError", "reason": reason, "file": request["texts"][0]["file"]}}
     except MemoryError:
         raise
+    except RecursionError:
+        reason = "the recursion does not end, or terms are nested too deeply"
     except Exception as error:  # noqa: BLE001 - whatever a program makes of ProbLog must not look like a limit
         what = " ".join(f"{type(error).__name__}: {error}".split())[:300]
-        return {
-            "error": {
-                "kind": "ProgramError",
-                "reason": f"the program cannot be run ({what})",
-                "file": request["texts"][0]["file"],
-            }
-        }
+        reason = f"the program cannot be run ({what})"
+    return {"error": {"kind": "ProgramError", "reason": reason, "file": file}}
+
+
+def serve(request: dict[str, Any], tell: Tell | None = None) -> dict[str, Any]:
+    """The reply to a request: ``{"texts": [{"text", "file"}], "goals": [...], "given": [...], "names": {label: atom} | null}`` and a ``task``.
+
+    Without a task: ``{"answers": [[[goal, p], ...], ...]}``, one list of answers per goal; without goals, one list for
+    the program's own query/1. With ``anytime``, ``tell`` gets replies with intervals, ``[goal, low, high]``, before the
+    exact one.
+    """
+    match request.get("task"):
+        case "outline":
+            from plogic.logic.served.outline_reader import outline
+
+            return outline(request)
+        case "worlds":
+            from plogic.logic.answers.state_ranking import ranked
+
+            return ranked(request, tell)
+        case "prove":
+            from plogic.logic.served.prove import prove
+
+            return prove(request)
+        case "formula":
+            from plogic.logic.served.goal_formulas import formulas
+
+            return formulas(request)
+    from plogic.logic.answers.answer import answers_by, answers_to
+
+    return answers_by(request, tell) if request.get("anytime") and tell else {"answers": answers_to(request)}
 
 
 if __name__ == "__main__":

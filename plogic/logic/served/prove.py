@@ -5,36 +5,29 @@ Where a goal names a predicate or a constant that the program does not know, the
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from problog.errors import ProbLogError
-from problog.logic import Term
 
-from plogic.base.errors import ProgramError, UnknownPredicateError
+from plogic.base.errors import UnknownPredicateError
 from plogic.logic.answers.answer import answers_to
+from plogic.logic.grounding.load import goal_in, parsed, read
 from plogic.logic.grounding.load import variables as variables_of
 from plogic.logic.proof.goal_account import Options, account
 from plogic.logic.proof.ground_proofs import Grounding
-from plogic.logic.proof.rewrite import Rewriter, defined_by
+from plogic.logic.proof.rewrite import Rewriter, Rules, defined_by
 from plogic.logic.proof.terms import Ref, Small, is_atom, signature, small, text
-from plogic.logic.safety.check import check_goal, check_source, heads, parse
-from plogic.logic.safety.guarded_engine import engine_for
-from plogic.logic.safety.mapping import mapped
-from plogic.logic.safety.run_mistakes import told
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from plogic.logic.proof.rewrite import Rules
-    from plogic.logic.safety.atoms import Names
+from plogic.logic.safety.atoms import Names
+from plogic.logic.safety.guarded_engine import engine_for, told
 
 MOST_LISTED = 8
 
 
 def unknown_predicate(goal: Any, defined: set[tuple[str, int]]) -> str:  # noqa: ANN401 - a term of ProbLog's
     """``; present/1 is known``, or the closest names."""
-    wanted = next((s for s in _called(goal) if s not in defined), None)
+    wanted = next((s for s in map(signature, _atoms(small(goal, {}))) if s not in defined), None)
     if wanted is None:
         return ""
     arities = sorted(arity for name, arity in defined if name == wanted[0])
@@ -44,16 +37,6 @@ def unknown_predicate(goal: Any, defined: set[tuple[str, int]]) -> str:  # noqa:
     close = get_close_matches(wanted[0], public, n=3, cutoff=0.6)
     names = [f"{name}/{arity}" for name in close for known, arity in sorted(defined) if known == name]
     return f"; the closest that is known: {', '.join(names)}" if names else ""
-
-
-def _called(goal: Any) -> Iterator[tuple[str, int]]:  # noqa: ANN401 - a term of ProbLog's
-    if not isinstance(goal, Term):
-        return
-    if goal.signature in (",/2", ";/2", "\\+/1", "not/1"):
-        for argument in goal.args:
-            yield from _called(argument)
-    else:
-        yield str(goal.functor).strip("'"), goal.arity
 
 
 def unknown_names(goal: Small, rules: Rules, names: Names | None) -> list[str]:
@@ -120,35 +103,22 @@ SEARCH_STEPS = 5_000_000
 """Nodes of the formula that one search may look at: some seconds."""
 
 
-def prove(request: dict[str, Any], names: Names | None) -> dict[str, Any]:
+def prove(request: dict[str, Any]) -> dict[str, Any]:
     """The account of ``plogic.scene.asking.explanations``, as plain data."""
-    trust = bool(request.get("trust"))
-    statements, known = _read(request["texts"], names, trust=trust)
+    trust, atoms = bool(request.get("trust")), request["names"]
+    names = None if atoms is None else Names.of(atoms)
+    _, statements, known = read(request["texts"], names, trust=trust, marked=False)
     goal = _goal(request["goals"][0], "goal", known, statements, names, trust=trust)
     given = [_goal(text, "given", known, statements, names, trust=trust) for text in request["given"]]
     try:
         ground, ask, shown_goal = _ground(statements, goal, given, trust=trust, folder=request.get("folder", "."))
-        options = Options(request.get("most", 5), SEARCH_STEPS, names)
-        reply = account(ground, ask, shown_goal, options)
+        reply = account(ground, ask, shown_goal, Options(request.get("most", 5), SEARCH_STEPS, names))
     except ProbLogError as error:
-        _told_with_place(request, error)
+        answers_to(request)  # raises the error with file and line, where the program as it was written gives it
+        told(error, request["texts"])
     if reply["probability"] == 0.0:
         reply["notes"] += unknown_names(small(goal, {}), ground.rules, names)
     return reply
-
-
-def _read(texts: list[dict[str, str]], names: Names | None, *, trust: bool) -> tuple[list[Any], frozenset[str]]:
-    known: frozenset[str] = frozenset()
-    statements: list[Any] = []
-    for i, item in enumerate(texts):
-        source = parse(item["text"], item["file"])
-        known |= (
-            frozenset(head.signature for statement in source.statements for head in heads(statement))
-            if trust
-            else check_source(source, known=known, protected=known)
-        )
-        statements += [mapped(s, names) if names is not None and i else s for s in source.statements]
-    return statements, known
 
 
 def _goal(
@@ -158,17 +128,14 @@ def _goal(
 
     A predicate that nobody defines is answered with what would be right.
     """
-    if not text.strip():
-        raise ProgramError("is empty; a goal is one term, like present(h1)", file=file)
-    source = parse(text.rstrip().removesuffix(".") + "\n.", file)
+    source = parsed(text, file)
     try:
-        goal = source.statements[0] if trust and len(source.statements) == 1 else check_goal(source, known)
+        return goal_in(source, names, known, trust=trust)
     except UnknownPredicateError as error:
         hint = unknown_predicate(source.statements[0], defined_by(statements))
         raise UnknownPredicateError(
             f"{error.reason}{hint}", file=error.file, line=error.line, column=error.column
         ) from None
-    return goal if names is None else mapped(goal, names)
 
 
 def _ground(
@@ -194,9 +161,3 @@ def _ground(
     ground.add(rewriter.count, clauses)
     ground.prepare()
     return ground, ask, wanted
-
-
-def _told_with_place(request: dict[str, Any], error: ProbLogError) -> None:
-    """The error as the program as it was written gives it, which knows file and line; else as it came."""
-    answers_to(request)
-    told(error, request["texts"])

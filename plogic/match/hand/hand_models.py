@@ -24,7 +24,7 @@ from plogic.match.hand.view_cells import ViewCells, view_cells
 from plogic.match.judged.evidence import sigmas_of
 from plogic.match.judged.expectation import matched, polished, pose_of, settled
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
-from plogic.measures.valuation import compatible, rank
+from plogic.measures.distinctiveness import compatible, rank
 
 if TYPE_CHECKING:
     from collections import Counter

@@ -38,6 +38,8 @@ CELLS = 162
 (12.1° at worst)."""
 DISTANCE = 3.0
 """Nominal distance of a cell's viewpoint, in diameters of the type."""
+RAYS = 1 << 15
+"""The most rays cast at once: what they take of memory stays below 10 MB."""
 
 
 @dataclass(frozen=True)
@@ -132,8 +134,12 @@ def _behind_itself(object_type: ObjectType, viewpoints: Floats, points: Floats, 
     """
     if object_type.surface is None or not object_type.opaque:
         return np.zeros((len(viewpoints), len(points)), dtype=bool)
-    rays = object_type.surface.rays
-    return np.array([rays.blocks(viewpoint, points, 0.004 * diameter) for viewpoint in viewpoints])
+    rays, several = object_type.surface.rays, max(1, RAYS // max(1, len(points)))
+    hidden = [
+        rays.blocks(np.repeat(some, len(points), axis=0), np.tile(points, (len(some), 1)), 0.004 * diameter)
+        for some in np.split(viewpoints, range(several, len(viewpoints), several))
+    ]
+    return np.concatenate(hidden).reshape(len(viewpoints), len(points))
 
 
 ALL = slice(None)

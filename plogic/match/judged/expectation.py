@@ -14,8 +14,7 @@ from scipy.optimize import linear_sum_assignment
 
 from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
-from geometry.poses.refine import refined_poses
-from geometry.poses.refine_sights import Sight, refine_sights
+from geometry.poses.refine import Sight, refine_sights, refined_poses
 from geometry.visibility.rays import behind
 from kb.clouds.lobes import LobeTable, in_lobe
 from plogic.facts.hypothesis import Hypothesis

@@ -25,7 +25,7 @@ from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
 from plogic.match.learned.learned_poses import NOBODY, REFINED, generate, resting
-from plogic.measures.valuation import Kinds, kinds_of, rank_of_kinds
+from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:
     from collections import Counter

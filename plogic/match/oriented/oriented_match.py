@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.poses.refine import Steps, refined_poses
-from geometry.poses.refine_sights import Sight
+from geometry.poses.refine import Sight, Steps, refined_poses
 from geometry.poses.reprojection import WEIGHT, across, ends, reach
 from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.expectation import FEWEST, matched, of_matches, pose_of, with_depths

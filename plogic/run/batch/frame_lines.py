@@ -18,7 +18,7 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
 
-from plogic.facts.stopped import stopped_in
+from plogic.facts.situation import stopped_in
 from plogic.run.batch.frames import digest_of
 from plogic.scene.readings.unfinished import unlisted_beyond
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow, Status, WorldRow
     from plogic.facts.fact_rows import Interval, Pose
-    from plogic.facts.stopped import Stopped
+    from plogic.facts.situation import Stopped
     from plogic.run.batch.frames import Frame, Settings
 
 FORMAT = "frame/1"

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.errors import PlogicError
 from geometry.files.plain_files import fault_of
+from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.base.remembered import cache_folder
-from plogic.base.stopwatch import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.run.batch.frame_lines import Lines
 from plogic.run.batch.frames import camera_of, digest_of, scene_and_image, scene_at

@@ -7,8 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plogic.base.errors import LimitError, ProgramError, SituationError
-from plogic.facts.names import names_of
-from plogic.facts.situation import Situation
+from plogic.facts.situation import Situation, names_of
 from plogic.logic.served.engine import Answer, Limits, Text, run, run_until, unknown
 from plogic.scene.readings.unfinished import opened, stopped_of
 from plogic.scene.text.program_text import program_text

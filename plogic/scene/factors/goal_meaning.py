@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import OutsideError
 from plogic.facts.dependence import Scene, dependence
-from plogic.facts.names import names_of
+from plogic.facts.situation import Situation, names_of
 from plogic.inference.gates import And, Formula, Literal, Not, Or
 from plogic.logic.safety.atoms import own_atom, quoted
 from plogic.logic.safety.author import author_rules
@@ -43,7 +43,6 @@ from plogic.scene.text.rules import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from plogic.facts.situation import Situation
     from plogic.scene.factors.scene_graph import SceneGraph
 
     Key = int | None

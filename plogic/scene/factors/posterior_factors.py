@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.base.bounds import LEAST, bounded
-from plogic.facts.expected import expected
+from plogic.facts.hypothesis import expected
 from plogic.scene.factors.weight_tables import (
     IMPOSSIBLE,
     LONGEST_LIST,

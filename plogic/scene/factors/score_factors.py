@@ -22,7 +22,7 @@ import numpy as np
 
 from plogic.base.bounds import LEAST, alternative
 from plogic.facts.dependence import Dependence, Scene, arranged, dependence, ordered
-from plogic.facts.expected import expected
+from plogic.facts.hypothesis import FeatureFact, Hypothesis, expected
 from plogic.inference.gates import And, Formula, Literal, Not, Or
 from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, Cast, Tables, log, logs_of
 from plogic.scene.readings.world_weights import acceptance, lifted_smoothing, snapped
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.arrays import Floats, Mask
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
 
     Cell = tuple[int, float, bool]
     Chances = NDArray[np.float64]

@@ -12,8 +12,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
-from plogic.facts.situation import Situation
-from plogic.facts.stopped import SEARCH, WORLDS, Stopped
+from plogic.facts.situation import SEARCH, WORLDS, Situation, Stopped
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

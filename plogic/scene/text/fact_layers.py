@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from plogic.base.bounds import bounded
 from plogic.facts.gravity import GROUND, Gravity
-from plogic.facts.pair_facts import both_ways
+from plogic.facts.situation import PairFact, both_ways
 from plogic.facts.spatial import BodyFact, words_of_shared
 from plogic.scene.text.layout import Writer, coordinate, number, quoted
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.facts.situation import PairFact
 
 
 def holds(w: Writer) -> Iterator[str]:

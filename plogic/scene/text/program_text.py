@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 from plogic.base.bounds import alternative, bounded
 from plogic.facts.dependence import Scene, dependence
-from plogic.facts.names import names_of
 from plogic.facts.sanity import check
+from plogic.facts.situation import Situation, names_of
 from plogic.logic.safety.author import author_rules
 from plogic.scene.readings.unfinished import notice
 from plogic.scene.readings.world_weights import group_shares, lifted_smoothing, unmatched
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.situation import Situation
 
 
 def posterior_choices(w: Writer) -> Iterator[str]:

@@ -26,7 +26,7 @@ candidate(H, F) :- in_image(H, F), in_lobe(H, F), \+ own_host_hides(H, F).
 hidden(H, F) :- behind_surface(H, F, G), G \= H, opaque(G), \+ rival(H, G), present(G).
 in_view(H, F) :- candidate(H, F), \+ hidden(H, F).
 """
-"""D7: Expected is ``in_view`` of a hypothesis that is present; stated as a function by ``plogic.facts.expected``."""
+"""D7: Expected is ``in_view`` of a hypothesis that is present; stated as a function by ``plogic.facts.hypothesis``."""
 COMMON = (
     r"""
 % A3: proper parts; belongs(X, H): node X is of the tree of hypothesis H.

@@ -21,8 +21,7 @@ import numpy as np
 
 from geometry.arrays import Floats, frozen
 from kb.clouds.cloud import ObjectType
-from kb.clouds.lobes import Lobe
-from kb.clouds.tree import Branch, build_tree, features_of
+from kb.clouds.lobes import Branch, Lobe, build_tree, features_of
 from kb.surfaces.surface import Surface
 
 if TYPE_CHECKING:

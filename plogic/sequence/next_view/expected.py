@@ -23,7 +23,7 @@ import numpy as np
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import RayMesh, behind
 from kb.clouds.lobes import LobeTable, in_lobe
-from plogic.facts.expected import Seen, expected
+from plogic.facts.hypothesis import Seen, expected
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

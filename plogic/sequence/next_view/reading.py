@@ -18,7 +18,7 @@ from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
 from plogic.facts.document import AssetsRow, CameraRow, Interpretation, Marks, SensingRow, TypeRow, WorldRow
 from plogic.facts.interpretation import interpretation_in, parsed
-from plogic.facts.stopped import stopped_in
+from plogic.facts.situation import Reading, stopped_in
 from plogic.scene.readings.unfinished import marks
 from plogic.sequence.document import Panorama
 from plogic.sequence.next_view.expected import Body, Cloud, Prospect
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from geometry.arrays import Floats
     from plogic.facts.fact_rows import Interval, PairRow, Pose
-    from plogic.facts.situation import Reading
 
 
 SLACK = 0.004

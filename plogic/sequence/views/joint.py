@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.poses.refine_sights import turned_step
+from geometry.poses.refine import turned_step
 from geometry.poses.reprojection import information
 from plogic.base.bounds import LEAST
 from plogic.cycle.delta import Options, delta_of, instances

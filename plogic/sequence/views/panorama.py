@@ -21,10 +21,10 @@ import numpy as np
 
 from geometry.frames import compose, inverse, transform_points
 from geometry.visibility.rays import RayMesh, behind
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.judging import FEWEST
 from plogic.cycle.perception import Seed
-from plogic.facts.stopped import SEARCH, stopped_in
+from plogic.facts.situation import SEARCH, stopped_in
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import evidence, hit_rates
 from plogic.match.judged.rivals import claims, hidden_among

@@ -17,7 +17,7 @@ import numpy as np
 from geometry.arrays import Floats, frozen
 from geometry.errors import GeometryError
 from geometry.frames import inverse, is_rigid, transform_points
-from geometry.poses.refine_sights import Sight, refine_sights
+from geometry.poses.refine import Sight, refine_sights
 from plogic.match.gamma.data import Data, data_of
 from plogic.match.judged.evidence import judged, sigmas
 from plogic.match.judged.expectation import FEWEST

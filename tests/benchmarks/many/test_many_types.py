@@ -1,4 +1,7 @@
-"""The types of ``plogic bench many``: polyhedra with features on their corners and faces, and new prints of learned clouds."""
+"""The types of ``plogic bench many``.
+
+Polyhedra with features on their corners and faces, and new prints of learned clouds.
+"""
 
 from __future__ import annotations
 

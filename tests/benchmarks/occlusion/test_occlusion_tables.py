@@ -1,4 +1,7 @@
-"""The composition table between its bounds: no bodies beyond the models, and bodies for what the models allow (§3.7)."""
+"""The composition table between its bounds.
+
+No bodies beyond the models, and bodies for what the models allow (§3.7).
+"""
 
 from itertools import permutations
 

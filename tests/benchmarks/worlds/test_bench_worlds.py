@@ -1,4 +1,4 @@
-"""``plogic bench worlds``: all sides agree, the claims are computed from what was measured, and times are not judged."""
+"""``plogic bench worlds``: all sides agree, claims are computed from measurements, and times are not judged."""
 
 import json
 from dataclasses import replace
@@ -109,7 +109,10 @@ def test_the_sizes_are_the_issues():
     ids=lambda case: case.family,
 )
 def test_all_sides_agree(case):
-    """Ours on the graph and from the text, both ways of stock ProbLog, and enumeration: marginals and the best worlds."""
+    """Ours on the graph and from the text, both ways of stock ProbLog, and enumeration.
+
+    Marginals and the best worlds.
+    """
     found = measure(case, LIMIT, set())
     assert set(found.differences) == {"ddnnf", "sdd", "text", "enumeration", "enumerated worlds"}
     assert max(found.differences.values()) <= 1e-9

@@ -1,4 +1,7 @@
-"""``kb new`` and ``kb add`` through the console script: what they write, what they say, and that nothing is half-written."""
+"""``kb new`` and ``kb add`` through the console script.
+
+What they write, what they say, and that nothing is half-written.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ from kb.files.read import read_kb
 from kb.files.schema import json_schema
 from kb.files.values import LENGTHS
 from plogic.face.authoring.kb_group import UNITS
-from sensing.simulated.meshes import read_mesh
+from sensing.simulated.body import read_mesh
 
 YCB = Path(__file__).parents[4] / "shared" / "data" / "ycb"
 

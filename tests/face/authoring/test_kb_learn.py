@@ -19,12 +19,12 @@ from geometry.frames import pose_error
 from kb.files.read import read_kb
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn import files_of
-from sensing.simulated.meshes import read_mesh
+from sensing.simulated.body import read_mesh
 from sensing.simulated.stage import MAX_TRIANGLES
 
 FEWER = """\
 import os
-import kb.learning.views as views
+import kb.learning.observations as views
 count = int(os.environ.get("TEST_DIRECTIONS", "26"))
 views.PIXELS, views.DIRECTIONS = (160.0, 115.0, 80.0), count
 """

@@ -1,4 +1,7 @@
-"""What a remembered cloud depends on: every source file that decides it, the libraries, the mesh as it is rendered, the options."""
+"""What a remembered cloud depends on.
+
+Every source file that decides it, the libraries, the mesh as it is rendered, the options.
+"""
 
 from __future__ import annotations
 

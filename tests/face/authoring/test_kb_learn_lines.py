@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kb.files.yaml_text import load
+from kb.files.folder import load
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn_lines import with_entry
 

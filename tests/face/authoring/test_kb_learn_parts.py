@@ -1,4 +1,7 @@
-"""``kb add`` and ``kb learn`` of a mesh of two parts that a quarter turn leaves as it is: both are found, written, shown, and of use."""
+"""``kb add`` and ``kb learn`` of a mesh of two parts that a quarter turn leaves as it is.
+
+Both are found, written, shown, and of use.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +19,8 @@ from twin_cubes import write_twins
 
 from geometry.frames import pose_error
 from kb.files.read import read_kb
-from sensing.simulated.body import Body
+from sensing.simulated.body import Body, read_mesh
 from sensing.simulated.camera import Sensor, render
-from sensing.simulated.meshes import read_mesh
 from sensing.simulated.surroundings import Light, Surroundings
 
 

@@ -1,4 +1,7 @@
-"""Files that are none, names that no file can have, numbers that no float can hold, nesting without end: one plain line each, nothing written."""
+"""Files that are none, names that no file can have, numbers that no float can hold, nesting without end.
+
+One plain line each, nothing written.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""When the clock of ``--deadline`` starts: ``perceive`` and ``batch`` agree that knowledge base, index and detection are outside it."""
+"""When the clock of ``--deadline`` starts.
+
+``perceive`` and ``batch`` agree that knowledge base, index and detection are outside it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""`plogic demo --look-again`: two worlds near even, and a second view, where it was said to tell most, that settles it."""
+"""`plogic demo --look-again`.
+
+Two worlds near even, and a second view, where it was said to tell most, that settles it.
+"""
 
 from __future__ import annotations
 

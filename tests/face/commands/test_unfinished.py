@@ -11,7 +11,7 @@ import pytest
 from console import document, good, plogic
 
 from plogic.facts.interpretation import situation_of, text_of
-from plogic.facts.stopped import SEARCH, WORLDS
+from plogic.facts.situation import SEARCH, WORLDS
 from plogic.scene.readings.unfinished import marked, notice
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 

@@ -1,4 +1,7 @@
-"""The page of an object type in a real browser: its policy refuses nothing, and it shows what the knowledge base says."""
+"""The page of an object type in a real browser.
+
+Its policy refuses nothing, and it shows what the knowledge base says.
+"""
 
 from __future__ import annotations
 

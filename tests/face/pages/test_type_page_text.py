@@ -1,4 +1,7 @@
-"""The page of an object type as text: bytes that repeat, a policy that names its own hashes, data that cannot escape and that stays small."""
+"""The page of an object type as text.
+
+Bytes that repeat, a policy that names its own hashes, data that cannot escape and that stays small.
+"""
 
 from __future__ import annotations
 
@@ -121,7 +124,7 @@ def test_a_feature_with_more_lobes_than_can_be_drawn_ends():
 
 
 def test_the_limits_together_stay_small():
-    """Bytes of a corner (place, texture coordinate), a triangle, a lobe and a feature, as base64, and 300 kB for code and names."""
+    """Bytes of a corner (place, texture coordinate), triangle, lobe and feature, as base64, and 300 kB for the rest."""
     arrays = (
         MOST_TRIANGLES * (20 + 6) + MOST_LOBES * (2 * 2 + 7 * 4) + MOST_FEATURES * (2 * 2 + 4 * 4) + LARGEST_PICTURE
     )

@@ -1,4 +1,7 @@
-"""A photo's interpretation, thousands of keypoints and features that stand for a thousand others: dots instead of marks, nothing covered."""
+"""A photo's interpretation, thousands of keypoints and features that stand for a thousand others.
+
+Dots instead of marks, nothing covered.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,7 @@ PRESS = "const c = document.querySelector('.dots'); c.dispatchEvent(new Keyboard
 
 @pytest.fixture(scope="module")
 def photo(towers):
-    """The towers among 3,000 keypoints of noise, each accepted type with a thousand features more, and one rejected hypothesis."""
+    """The towers among 3,000 keypoints of noise, each type with a thousand features more, one hypothesis rejected."""
     rng = np.random.default_rng(4)
     document = copy.deepcopy(towers)
     uv = rng.uniform(0, 1, (3000, 2)) * [WIDTH, HEIGHT]

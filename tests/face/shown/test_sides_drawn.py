@@ -1,4 +1,7 @@
-"""Sides of edges in the picture and on the page: strokes where they were found, crosses where not, and words that say what they are."""
+"""Sides of edges in the picture and on the page.
+
+Strokes where they were found, crosses where not, and words that say what they are.
+"""
 
 from __future__ import annotations
 

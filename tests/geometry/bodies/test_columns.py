@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.bodies.columns import above, body_of, centre_of_mass, stands, steady
-from geometry.bodies.gap import gap
-from geometry.bodies.overlap import Solid
+from geometry.bodies.overlap import Solid, gap
 from geometry.frames import from_rotation_translation
 
 QUICK = settings(max_examples=40, deadline=None, derandomize=True)

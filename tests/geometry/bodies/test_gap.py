@@ -7,8 +7,7 @@ from geometry_bodies import at, bodies, box, posed, random_rotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geometry.bodies.gap import _followed, distance, gap, nearest_places
-from geometry.bodies.overlap import Solid
+from geometry.bodies.overlap import Solid, _followed, distance, gap, nearest_places
 from geometry.frames import from_rotation_translation, transform_points
 
 QUICK = settings(max_examples=40, deadline=None, derandomize=True)

@@ -1,4 +1,7 @@
-"""Points that may lie anywhere along a line: what of an offset counts, in the pose, in its distance and in its covariance."""
+"""Points that may lie anywhere along a line.
+
+What of an offset counts, in the pose, in its distance and in its covariance.
+"""
 
 import numpy as np
 import pytest
@@ -21,7 +24,7 @@ def ideal(camera, poses, objects):
 
 
 def scene(seed, ways, *, camera=CAMERA, noise=0.0, start=0.03):
-    """Guesses, points, pixels, weights, unit vectors across lines of angles ``ways``, and the true poses, of 3 objects."""
+    """Guesses, points, pixels, weights, unit vectors across lines of angles ``ways``, and true poses, of 3 objects."""
     rng = np.random.default_rng(seed)
     objects = rng.uniform(-0.6, 0.6, (3, COUNT, 3))
     poses = from_rotation_translation(
@@ -34,7 +37,10 @@ def scene(seed, ways, *, camera=CAMERA, noise=0.0, start=0.03):
 
 
 def turned(poses, step):
-    """Poses (B, 4, 4) after a turn by w about their origins, to first order made a rotation again, and a move by v: steps (B, 6)."""
+    """Poses (B, 4, 4) after a turn by w about their origins, to first order made a rotation again, and a move by v.
+
+    Steps (B, 6).
+    """
     result = poses.copy()
     for k, (w, v) in enumerate(zip(step[:, :3], step[:, 3:], strict=True)):
         cross = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
@@ -145,7 +151,10 @@ def by_differences(poses, objects, camera):
 @settings(max_examples=20, deadline=None, derandomize=True)
 @given(SEEDS, st.lists(st.floats(-3.2, 3.2), min_size=1, max_size=COUNT), st.integers(0, COUNT))
 def test_information_is_that_of_a_jacobian_by_differences(seed, ways, points):
-    """The first ``points`` are to be met, the others lie along lines: what counts of them is one number, their offset across."""
+    """The first ``points`` are to be met, the others lie along lines.
+
+    What counts of them is one number, their offset across.
+    """
     _, objects, _, weights, across, poses = scene(seed, ways)
     weights = weights[0] * np.random.default_rng(seed).uniform(0.1, 3.0, COUNT)
     across, pose, some = across[0].copy(), poses[:1], objects[:1]

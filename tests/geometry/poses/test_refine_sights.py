@@ -8,8 +8,7 @@ import pytest
 from geometry.camera import Camera
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, look_at, pose_error, rotation_from_quat_xyzw, transform_points
-from geometry.poses.refine import refine_poses
-from geometry.poses.refine_sights import Sight, refine_sights, turned_step
+from geometry.poses.refine import Sight, refine_poses, refine_sights, turned_step
 
 CAMERA = Camera(
     640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]), np.array([0.1, -0.05, 0.001, 0.002, 0.01])

@@ -1,4 +1,7 @@
-"""SoftPOSIT on random clouds of 1 m, 4 to 9 m away, f = 600 px: what it finds, what it says when it does not, and its laws."""
+"""SoftPOSIT on random clouds of 1 m, 4 to 9 m away, f = 600 px.
+
+What it finds, what it says when it does not, and its laws.
+"""
 
 import numpy as np
 import pytest
@@ -10,7 +13,10 @@ from geometry.poses.softposit import Annealing, random_starts, softposit
 
 
 def from_near(seed, degrees=10.0, *, typed=False, **kwargs):
-    """One start `degrees` and 5 % off: the result, whether it is right, and the share of the true matches that it has."""
+    """One start `degrees` and 5 % off.
+
+    The result, whether it is right, and the share of the true matches that it has.
+    """
     model, xy, pose, equal, truth, rng = scene(seed, **kwargs)
     found = softposit(model, xy, off(pose, rng, degrees, 0.05), allowed=equal if typed else None, annealing=NEAR)
     return found, right(found, pose)[0], (found.matches[0] == truth)[truth >= 0].mean()

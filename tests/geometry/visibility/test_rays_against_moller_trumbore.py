@@ -118,6 +118,14 @@ def test_the_tolerance_excludes_the_surface_at_the_point():
     assert mesh.blocks([0, 0, -5], points, 0.01).tolist() == [False, False, True, True]
 
 
+def test_a_viewpoint_for_each_point_is_each_viewpoint_by_itself():
+    rng = np.random.default_rng(3)
+    mesh, eyes, points = RayMesh(*bodies()[2]), rng.normal(0.0, 4.0, (60, 3)), rng.uniform(-1.0, 1.0, (60, 3))
+    hidden = mesh.blocks(eyes, points, 0.01)
+    assert hidden.tolist() == [mesh.blocks(eye, point[None], 0.01)[0] for eye, point in zip(eyes, points, strict=True)]
+    assert 0.1 < hidden.mean() < 0.9
+
+
 @pytest.mark.parametrize(
     ("vertices", "triangles", "message"),
     [

@@ -1,4 +1,7 @@
-"""RCC-8 of two areas at a tolerance: by hand, jointly exhaustive and pairwise disjoint, converse, and its tolerances (§3.7)."""
+"""RCC-8 of two areas at a tolerance.
+
+By hand, jointly exhaustive and pairwise disjoint, converse, and its tolerances (§3.7).
+"""
 
 import pytest
 import shapely

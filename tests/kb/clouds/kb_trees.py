@@ -3,8 +3,7 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from kb.clouds.lobes import Lobe
-from kb.clouds.tree import Branch
+from kb.clouds.lobes import Branch, Lobe
 
 
 def turn(axis: int, angle: float):

@@ -1,4 +1,4 @@
-"""Learned compounds: kept in the file, read with checks, Feature nodes with Feature parts (A1), given to parts, told in lists."""
+"""Learned compounds: kept in the file, read with checks, Feature nodes with Feature parts (A1), and listed."""
 
 from __future__ import annotations
 
@@ -17,10 +17,9 @@ from test_learned_parts import kind_of, spread_cloud, write
 from kb.clouds.learned import FORMAT, cloud_bytes, numbered, read_cloud
 from kb.clouds.words import worded
 from kb.errors import CloudError
-from kb.files.learned_reading import learned_features, with_compounds
-from kb.files.read import read_kb
-from kb.learning.part_owners import with_parts
-from kb.shown.learned_summary import learned_summary
+from kb.files.read import learned_features, read_kb, with_compounds
+from kb.learning.compounds import with_parts
+from kb.shown.cautions import learned_summary
 from kb.shown.show import check_report, part_rows, tree_document, tree_text
 from plogic.measures.distinctiveness import instance_counts
 

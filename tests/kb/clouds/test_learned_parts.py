@@ -1,4 +1,7 @@
-"""Learned features and the parts of their type: given by the nearest surface, kept in the file, read with checks, told in the program."""
+"""Learned features and the parts of their type.
+
+Given by the nearest surface, kept in the file, read with checks, told in the program.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +20,9 @@ from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.clouds.words import worded, words_bytes
 from kb.errors import CloudError, KBErrors
 from kb.files.read import read_kb
-from kb.learning.part_owners import with_parts
+from kb.learning.compounds import with_parts
 from kb.shown.show import check_report, part_of_features, part_rows, tree_document, tree_text
-from plogic.facts.part_facts import part_facts
+from plogic.facts.hypothesis import part_facts
 
 PARTS = "parts:\n  - {part: lower, at: [0, 0, 0]}\n  - {part: upper, at: [0, 0, 0.12]}\n"
 OBJECT = "object: twins\nmesh: {file: %s, units: m}\n%scloud: {file: cloud.npz}\n"

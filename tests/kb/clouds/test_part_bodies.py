@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kb.clouds.cloud import part_bodies
-from kb.clouds.tree import Branch, build_tree, features_of
+from kb.clouds.lobes import Branch, build_tree, features_of
 from kb.files.folder import shipped
 from kb.files.read import read_kb
 

@@ -12,8 +12,7 @@ from random_cloud import random_cloud, random_words
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
 from kb.files.folder import shipped
-from kb.files.learned_reading import learned_features, learned_lobes
-from kb.files.read import read_kb
+from kb.files.read import learned_features, learned_lobes, read_kb
 
 
 @cache

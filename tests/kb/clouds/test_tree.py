@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from kb_trees import feature, part, seen, trees, turn
 
 from geometry.frames import compose, is_rigid
-from kb.clouds.tree import (
+from kb.clouds.lobes import (
     Branch,
     build_tree,
     features_of,

@@ -1,4 +1,4 @@
-"""Visual words: the nearest against brute force, the same words of the same descriptors, the file, and the words of several clouds together."""
+"""Visual words: the nearest against brute force, determinism, the file, and the words of several clouds together."""
 
 import io
 
@@ -12,7 +12,7 @@ from kb.clouds import words as module
 from kb.clouds.cloud import KEYPOINTS, word_clutter
 from kb.clouds.words import MOST, PER_WORD, Words, learn_words, read_words, worded, words_bytes
 from kb.errors import CloudError
-from kb.files.learned_reading import learned_features, learned_lobes
+from kb.files.read import learned_features, learned_lobes
 
 
 def far(one, other):

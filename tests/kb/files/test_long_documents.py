@@ -1,13 +1,15 @@
-"""A KB's files of tens of thousands of rows, each with a mistake: all are said, at their places, and none costs a walk through the others."""
+"""A KB's files of tens of thousands of rows, each with a mistake.
+
+All are said, at their places, and none costs a walk through the others.
+"""
 
 import pytest
 from small_kb import KB, write_small
 
 from kb.errors import KBErrors
-from kb.files.branches import held, path_to
-from kb.files.mistakes import without
+from kb.files.branches import held, path_to, without
+from kb.files.folder import load
 from kb.files.read import read_kb
-from kb.files.yaml_text import load
 
 MANY = 30_000
 

@@ -34,7 +34,10 @@ def test_left_out_there_is_none(tmp_path):
 
 @pytest.mark.parametrize("text", ["0.1", "0.123456789012345", "5 deg", "180 deg", "12.3 deg"])
 def test_what_is_written_is_read_back(text, tmp_path):
-    """Radians of 15 digits, as all numbers: what is a plain number comes back exactly, and the second writing has the same bytes."""
+    """Radians of 15 digits, as all numbers.
+
+    What is a plain number comes back exactly, and the second writing has the same bytes.
+    """
     kb = read_kb(write_small(tmp_path / "a", kb=with_angle(text)))
     write_kb(kb, tmp_path / "b")
     again = read_kb(tmp_path / "b")

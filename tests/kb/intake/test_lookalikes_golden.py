@@ -1,4 +1,7 @@
-"""The shipped look-alikes are what `python -m benchmarks.author.towers lookalikes` writes: two that differ on one wall, one like neither."""
+"""The shipped look-alikes are what `python -m benchmarks.author.towers lookalikes` writes.
+
+Two that differ on one wall, one like neither.
+"""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The textures that meshes name or carry reach the simulated camera without Pillow, and what cannot be rendered is said in one line."""
+"""Meshes' textures reach the simulated camera without Pillow, and faults are told in one line."""
 
 import sys
 
@@ -9,7 +9,7 @@ from made_meshes import glb_bytes, obj_text, split_box, write_painted
 
 from kb.intake.source import read_source
 from sensing.errors import ImageError, SceneError
-from sensing.simulated.meshes import read_mesh
+from sensing.simulated.body import read_mesh
 
 PAINT = (np.arange(48).reshape(4, 4, 3) * 5).astype(np.uint8)
 PNG, JPEG = (cv2.imencode(kind, PAINT)[1].tobytes() for kind in (".png", ".jpg"))

@@ -1,4 +1,4 @@
-"""Observations of straight edges that nobody saw, and of keypoints beside them, for tests of learning sides of edges."""
+"""Observations of straight edges that nobody saw, and of keypoints near them, for tests of learning sides of edges."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 from random_cloud import unit
 
 from geometry.cones import even_directions
+from kb.learning.again import BYTES, LOOKS
 from kb.learning.observations import Observations
-from kb.learning.sides import BYTES, LOOKS
 
 COUNT, DIAMETER, F_REF = 600, 0.2, 600.0
 PIXEL = DIAMETER / 300.0

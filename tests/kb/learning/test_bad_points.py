@@ -3,7 +3,7 @@
 import pytest
 
 from kb.errors import KBErrors
-from kb.learning.points import MOST, read_points
+from kb.learning.photo import MOST, read_points
 
 ROW = "points: [[1, 2, 3, 4, 5]]\n"
 ONE_OF = "must be one of m, dm, cm, mm, um, km, in, ft, not "

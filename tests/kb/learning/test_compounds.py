@@ -1,4 +1,7 @@
-"""Compounds are formed of what is near, seen from the same side, and found together: what holds of all of them, on made features."""
+"""Compounds are formed of what is near, seen from the same side, and found together.
+
+What holds of all of them, on made features.
+"""
 
 from __future__ import annotations
 

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from made_sides import COUNT, an_edge, towards
 from test_sides_observed import sides
 
-from kb.learning.again import ALIKE, NEAR, SIMILAR, TURNED, differences, keypoints_again, same
+from kb.learning.again import ALIKE, NEAR, SIMILAR, TURNED, differences, keypoints_again, same, sides_again
 from kb.learning.features import _best
-from kb.learning.sides import sides_again
 
 SEEDS = st.integers(0, 9999)
 WIDTHS = st.sampled_from([32, 128, 138])

@@ -1,4 +1,4 @@
-"""A type from one photo: clicked points and their mistakes, the photo on the mesh, features on the faces that it shows and no others."""
+"""A type from one photo: clicked points and their mistakes, the photo on the mesh, features on the shown faces."""
 
 from __future__ import annotations
 
@@ -16,10 +16,9 @@ from geometry.frames import inverse, look_at, transform_points
 from geometry.poses.register import centred_camera
 from kb.errors import IntakeError, KBErrors
 from kb.files.read import read_kb
+from kb.learning.again import INSIDE
 from kb.learning.observations import STEEP
-from kb.learning.photo import on_shown, painted, registered
-from kb.learning.points import read_points
-from kb.learning.sides import INSIDE
+from kb.learning.photo import on_shown, painted, read_points, registered
 from kb.surfaces.surface import surface_from_mesh
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import render
@@ -82,8 +81,8 @@ def in_this_process(done, jobs, _):
 def test_command_learns_what_the_photo_shows(folder, tmp_path, monkeypatch):
     monkeypatch.setattr("plogic.face.authoring.kb_learn_look.afresh", in_this_process)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr("kb.learning.views.DIRECTIONS", 16)
-    monkeypatch.setattr("kb.learning.views.PIXELS", (230.0, 160.0))
+    monkeypatch.setattr("kb.learning.observations.DIRECTIONS", 16)
+    monkeypatch.setattr("kb.learning.observations.PIXELS", (230.0, 160.0))
     monkeypatch.setattr("kb.learning.observations.PIXELS", (230.0, 160.0))
     monkeypatch.setattr("kb.learning.features.PIXELS", (230.0, 160.0))
     kb = tmp_path / "kb"

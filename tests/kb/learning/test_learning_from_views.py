@@ -1,4 +1,7 @@
-"""Learning a painted cube from a few small pictures: what is seen lies on its faces, and its cloud says from where, how often and how large."""
+"""Learning a painted cube from a few small pictures.
+
+What is seen lies on its faces, and its cloud says from where, how often and how large.
+"""
 
 from dataclasses import fields, replace
 
@@ -9,9 +12,8 @@ from painted_cube import CORNER, COUNT, F_REF, PIXELS, SIDE, cloud, cube, facing
 from geometry.cones import even_directions, spacing
 from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of, reaches
-from kb.learning.observations import EDGE, OFTEN, joined
-from kb.learning.views import AWAY, MARGIN, distance, variants
-from sensing.simulated.turntable import turned
+from kb.learning.observations import AWAY, EDGE, MARGIN, OFTEN, distance, joined, variants
+from sensing.simulated.camera import turned
 
 FEW = facing(CORNER, 25.0)
 
@@ -45,7 +47,10 @@ def test_observations_are_unit_and_perpendicular_and_of_the_size_of_things():
 
 
 def test_a_keypoint_is_seen_where_the_same_place_is_seen_in_a_larger_picture():
-    """Places of one spot from pictures of different sizes agree to a part of a pixel: there is no half-pixel bias between levels."""
+    """Places of one spot from pictures of different sizes agree to a part of a pixel.
+
+    There is no half-pixel bias between levels.
+    """
     some = seen()
     groups = [g for g in _places(some, np.arange(len(some))) if len(set(some.level[g].tolist())) == len(PIXELS)]
     assert len(groups) > 20
@@ -87,7 +92,7 @@ def test_the_cloud_is_one_that_can_be_read():
 
 
 def test_a_hit_rate_is_what_was_found_of_the_pictures_that_could_have_shown_it():
-    """Also those of directions within the lobe that saw nothing, and of sizes between the largest and the smallest that did.
+    """Also those of directions within the lobe that saw nothing, and of sizes between the extremes that did.
 
     A lobe that holds fewer directions than a cone of its size holds on average counts as many as that.
     """

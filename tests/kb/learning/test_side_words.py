@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from random_cloud import random_cloud, random_words
 
 from kb.clouds.words import PER_WORD, POINT, SIDE, Words, learn_words, read_words, worded, words_bytes
-from kb.learning.sides import BYTES, LOOKS, descriptors
+from kb.learning.again import BYTES, LOOKS, descriptors
 
 SEEDS = st.integers(0, 9999)
 

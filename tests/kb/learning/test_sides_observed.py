@@ -1,4 +1,7 @@
-"""Sides that come again, stretches of edges, and what is seen of a plain plate from its front: its outline, from within."""
+"""Sides that come again, stretches of edges, and what is seen of a plain plate from its front.
+
+Its outline, from within.
+"""
 
 from __future__ import annotations
 
@@ -15,20 +18,18 @@ from painted_cube import PIXELS, sizes
 from geometry.camera import Camera
 from geometry.frames import look_at
 from kb.clouds.words import COLOURS, SIDE
-from kb.learning.observations import ALWAYS, PICTURES_OF_SIDES, joined, observed
-from kb.learning.sides import (
+from kb.learning.again import (
     ACROSS,
     ALONG,
-    PIXELS_WIDE,
-    SAME_WAY,
     STRETCH,
     TINTED,
     TURNED,
     VARIED,
     WIDE,
-    side_places,
     sides_again,
 )
+from kb.learning.features import PIXELS_WIDE, SAME_WAY, side_places
+from kb.learning.observations import ALWAYS, PICTURES_OF_SIDES, joined, observed
 from sensing.detectors.edge_sides import edge_sides
 from sensing.detectors.keypoint_detector import described
 

@@ -15,7 +15,7 @@ from geometry.cones import even_directions
 from kb.clouds.lobes import in_lobe
 from kb.errors import KBErrors
 from kb.files.read import read_kb
-from kb.shown.learned_summary import MANY, learned_summary
+from kb.shown.cautions import MANY, learned_summary
 from kb.shown.show import check_report, tree_document, tree_text
 from plogic.face.authoring.kb_show import measures_command, show_command
 

@@ -1,4 +1,7 @@
-"""Tables of all data by all data, in blocks of rows: the same answers whatever the blocks, and time is asked for between them."""
+"""Tables of all data by all data, in blocks of rows.
+
+The same answers whatever the blocks, and time is asked for between them.
+"""
 
 from __future__ import annotations
 

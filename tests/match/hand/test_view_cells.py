@@ -51,7 +51,10 @@ def test_cameras_look_back_at_the_centre_with_a_proper_rotation():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_xy_is_the_picture_that_a_camera_takes_from_there(name):
-    """An oracle by the project's own camera, whose focal length is the distance: pixels are metres in the plane through the centre."""
+    """An oracle by the project's own camera, whose focal length is the distance.
+
+    Pixels are metres in the plane through the centre.
+    """
     cells, kind = cells_of(name), towers().type(name)
     distance = DISTANCE * cells.diameter
     camera = Camera(100, 100, np.diag([distance, distance, 1.0]))

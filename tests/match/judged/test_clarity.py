@@ -1,4 +1,4 @@
-"""Evidence of learned types: the share of the measured hit rates that an image keeps, densities against chance, the formula of §8."""
+"""Evidence of learned types: the kept share of the hit rates, densities against chance, the formula of §8."""
 
 from __future__ import annotations
 
@@ -96,7 +96,10 @@ def test_types_written_by_hand_are_as_before():
 
 
 def test_a_match_of_a_keypoint_counts_against_clutter_that_looks_as_right(thing, pose):
-    """No other keypoint looks right here: then against the share of usual clutter that has the angle, the size, and looks so right."""
+    """No other keypoint looks right here.
+
+    Then against the share of usual clutter that has the angle, the size, and looks so right.
+    """
     posed, of = settled(thing, pose, range(20))
     near, usual = match_density(posed, thing.kb), clutter_density(thing.kb, of)
     here = np.maximum(

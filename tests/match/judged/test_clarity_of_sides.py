@@ -1,4 +1,7 @@
-"""Evidence of what is printed and of the sides of edges: each kind is seen as clearly as it is, whatever becomes of the other."""
+"""Evidence of what is printed and of the sides of edges.
+
+Each kind is seen as clearly as it is, whatever becomes of the other.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""How much of an observation sides of edges count: what they share with those beside them is linked less than what keypoints share."""
+"""How much of an observation sides of edges count.
+
+What they share with those beside them is linked less than what keypoints share.
+"""
 
 from __future__ import annotations
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, pose_error, rotation_from_quat_xyzw, transform_points
-from geometry.poses.refine import refine_poses
-from geometry.poses.refine_sights import Sight
+from geometry.poses.refine import Sight, refine_poses
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.expectation import side_sight, with_depths
 from sensing.appearance import Appearance

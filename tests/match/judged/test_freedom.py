@@ -41,7 +41,10 @@ def pixels(at, f):
 
 
 def sampled(at, precision, centre, camera, rng, count=40_000):
-    """Logarithm of the share of poses: the mean of exp(−½ Σ precision · off²) over all of them, by importance sampling."""
+    """Logarithm of the share of poses.
+
+    The mean of exp(−½ Σ precision · off²) over all of them, by importance sampling.
+    """
     slopes, tiny = [], 1e-6
     for axis in range(6):
         two = np.zeros((2, 6))
@@ -62,7 +65,10 @@ def sampled(at, precision, centre, camera, rng, count=40_000):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_share_is_that_of_sampled_poses(seed):
-    """Twenty places, pixels of noise, an object 40 cm wide a metre away: there Laplace's method is exact to a twentieth of a nat."""
+    """Twenty places, pixels of noise, an object 40 cm wide a metre away.
+
+    There Laplace's method is exact to a twentieth of a nat.
+    """
     at, precision, centre = places(seed, 20)
     share = log_share(at, precision, centre, CAMERA)
     assert share == pytest.approx(sampled(at, precision, centre, CAMERA, np.random.default_rng(seed)), abs=0.05)

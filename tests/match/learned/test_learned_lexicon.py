@@ -1,4 +1,7 @@
-"""Which appearances look like which keypoints: with one word as comparing all with all, with a vocabulary those of the nearest words."""
+"""Which appearances look like which keypoints.
+
+With one word as comparing all with all, with a vocabulary those of the nearest words.
+"""
 
 from __future__ import annotations
 
@@ -71,7 +74,7 @@ def rows_of(found):
 
 
 def all_pairs(cloud, data, words=None, most=NTH):
-    """Of each appearance the ``most`` keypoints most like it, ties included, of those that share a word, if they are near."""
+    """Of each appearance the ``most`` keypoints most like it, ties included, that share a word and are near."""
     apart, rows = distances(data.descriptors, cloud.descriptor), {}
     looked = None if words is None else nearest(data.descriptors, words, WORDS)
     for lobe in range(len(cloud.feature)):

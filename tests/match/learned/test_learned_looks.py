@@ -135,7 +135,10 @@ def near(thing, posed):
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(st.integers(0, 9999))
 def test_likeness_is_what_a_loop_counts(seed):
-    """Keypoints that look right around a match, those aside that stand where the match stands: its own edge, seen again."""
+    """Keypoints that look right around a match, those aside that stand where the match stands.
+
+    Its own edge, seen again.
+    """
     thing, posed, data, rng = scene(seed)
     matches = np.where(rng.random(FEATURES) < 0.7, rng.permutation(18)[:FEATURES], -1)
     usual = clutter_density(thing.kb, data)
@@ -158,7 +161,7 @@ def test_likeness_is_what_a_loop_counts(seed):
 
 
 def as_right(thing, data, lobe, match, apart):
-    """Of the most alike keypoints of the whole image, how many beside the match look as right as it, as a share of the most that are known."""
+    """Of the keypoints most like it in the image, the share that looks as right as the match, of the most known."""
     off = np.linalg.norm(thing.cloud.descriptor[lobe].astype(float) - data.descriptors, axis=1) / FARTHEST
     known = [d for d in range(len(off)) if off[d] < 1 and off[d] <= np.sort(off)[NTH - 1]]  # of equals all
     return min(

@@ -39,7 +39,10 @@ def crowd(seed, width=128, seen=6):
 
 
 def weight_of(apart, place):
-    """As the odds that a pair is right: less the farther apart, and the more keypoints look more like the appearance."""
+    """As the odds that a pair is right.
+
+    Less the farther apart, and the more keypoints look more like the appearance.
+    """
     return exp(-0.5 * (max(apart - CLOSE, 0.0) / OFF) ** 2) / (1 + place) ** 1.5
 
 
@@ -85,7 +88,9 @@ def test_pairs_are_the_most_alike_features_of_each_keypoint_with_the_weights_of_
 
 
 def turns_by_loop(weights, uv):
-    """Order of pairs, the weightiest first: in turns the weightiest left, and the weightiest left of the cell whose turn it is.
+    """Order of pairs, the weightiest first.
+
+    In turns the weightiest left, and the weightiest left of the cell whose turn it is.
 
     The cells' turns: first every cell's weightiest, in the order of their weights, then every cell's second, and so on.
     """

@@ -1,4 +1,7 @@
-"""Expected and the one assignment (D7, D8) of a learned type: what the lobes say, expected features first, one to one; then the pose."""
+"""Expected and the one assignment (D7, D8) of a learned type: what the lobes say, expected features first, one to one.
+
+Then the pose.
+"""
 
 from itertools import permutations
 from math import log, pi
@@ -118,7 +121,9 @@ def test_the_assignment_takes_expected_features_first_and_is_the_best(seed):
 
 @pytest.mark.parametrize(("aside", "taken"), [(0.3, 0), (ASIDE + 0.3, -1), (pi, -1)])
 def test_an_expected_feature_takes_only_what_a_lobe_reports_that_holds_the_viewpoint(aside, taken):
-    """Two lobes of one feature, the keypoint looking like the one that does not hold the viewpoint: it is no detection (D8).
+    """Two lobes of one feature, the keypoint looking like the one that does not hold the viewpoint.
+
+    It is no detection (D8).
 
     Where the feature is hidden, and so not expected, any lobe will do whose axis is about where the viewpoint is.
     """

@@ -1,4 +1,7 @@
-"""Sides of edges beside keypoints at a pose: expected where an image has any, matched apart from keypoints, and settled on."""
+"""Sides of edges beside keypoints at a pose.
+
+Expected where an image has any, matched apart from keypoints, and settled on.
+"""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from oriented_scenes import EASY, HARD, a_trial, clouds
 
 from benchmarks.recognition.score import Found, errors_of
 from geometry.frames import is_rigid
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.match.oriented import oriented_search as generate
 from plogic.match.oriented import single_votes
@@ -142,7 +142,10 @@ def steps(gamma, perceiving=None):
 
 
 def test_where_nothing_is_accepted_single_data_vote(monkeypatch):
-    """The heaviest vote of pairs alone is a wrong one in most of these trials: what is found then was found by what was asked later."""
+    """The heaviest vote of pairs alone is a wrong one in most of these trials.
+
+    What is found then was found by what was asked later.
+    """
     monkeypatch.setattr(generate, "USUAL", generate.USUAL._replace(laid=1))
     ready, later = clouds(detector=HARD, appearances=600, looks=20), 0
     hard = Perceiver(ready.kb)

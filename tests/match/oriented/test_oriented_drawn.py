@@ -1,4 +1,7 @@
-"""What Γ says of poses, softly: sights, data and poses one by one are the oracle, and the evidence of the cycle at the noise of the detector."""
+"""What Γ says of poses, softly.
+
+Sights, data and poses one by one are the oracle, and the evidence of the cycle at the noise of the detector.
+"""
 
 from dataclasses import replace
 
@@ -51,7 +54,10 @@ def test_a_pose_shows_what_its_lobes_hold_of_what_cells_beside_it_show(seed):
 
 
 def one_by_one(asked, which, pose, share):
-    """The evidence of one pose, but for its freedom: Σ ln(1 − h + Σ h·N / f), of data each of which serves one sight."""
+    """The evidence of one pose, but for its freedom.
+
+    Σ ln(1 − h + Σ h·N / f), of data each of which serves one sight.
+    """
     index, camera = asked.index.indices[which], asked.data.camera
     middle = transform_points(pose, index.cells.centre[None])[0]
     sigma = max(share * index.cells.diameter * camera.f / middle[2] / DEVIATIONS, asked.noise.pixels)
@@ -148,7 +154,7 @@ def test_climbing_never_makes_a_pose_worse(seed):
 
 
 def test_with_less_and_less_noise_it_leads_home():
-    """From six degrees off: the evidence of the answer, which starts at nothing, over that of where the true pose leads."""
+    """From six degrees off: the evidence of the answer, which starts at nothing, over that from the true pose."""
     reached = []
     for seed in range(10):
         asked, which, pose = posed(seed)
@@ -206,7 +212,10 @@ def test_behind_the_camera_nothing_is_matched():
 
 
 def test_four_right_data_among_wrong_ones_lead_home():
-    """Six data of its own, and beside each second sight one of its type that is off: what draws a pose together leads between; a four does not."""
+    """Six data of its own, and beside each second sight one of its type that is off.
+
+    What draws a pose together leads between; a four does not.
+    """
     index = clouds().rows[0]
     pose = seen_from(index, 30, 0.4)
     features = np.flatnonzero(index.cells.visible[30])[::3][:7]

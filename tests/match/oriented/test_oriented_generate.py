@@ -35,7 +35,10 @@ def alike(one, other, tolerance=1e-6):
 
 
 def test_the_right_pose_comes_first():
-    """Of a hundred features sixteen or so are seen, a pixel off, among 200 data of 30 kinds: within 5 degrees and 5 %, nearly always."""
+    """Of a hundred features sixteen or so are seen, a pixel off, among 200 data of 30 kinds.
+
+    Within 5 degrees and 5 %, nearly always.
+    """
     errors = []
     for seed in range(30):
         _, case, _ = a_trial(clouds(), seed)
@@ -198,7 +201,10 @@ def test_what_accepted_objects_hide_counts_for_nothing():
 
 
 def test_what_is_claimed_is_no_longer_counted():
-    """A search that goes on with some of the data finds what a new one with those alone finds: its own pairs are left out of the votes."""
+    """A search that goes on with some of the data finds what a new one with those alone finds.
+
+    Its own pairs are left out of the votes.
+    """
     assert all(answers(seed) for seed in SEEDS[:3])
     assert len(SEEDS) >= 3
     for seed in SEEDS[:3]:

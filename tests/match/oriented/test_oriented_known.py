@@ -1,4 +1,7 @@
-"""What matches say of a pose where angles count: by sampling of poses, and what the evidence and the program make of it."""
+"""What matches say of a pose where angles count.
+
+By sampling of poses, and what the evidence and the program make of it.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +45,10 @@ def matched(posed):
 
 
 def sampled(posed, data, kb, angles, count=40_000):
-    """Logarithm of the share of poses that fit as well, by importance sampling: places off by so much, and angles, if they count."""
+    """Logarithm of the share of poses that fit as well, by importance sampling.
+
+    Places off by so much, and angles, if they count.
+    """
     found, centre, camera = matched(posed), posed.middle, data.camera
     at, axes, sigma = posed.at[found], posed.axes[found], sigmas(posed, kb)[found]
     facts = known(posed, found, data, kb)
@@ -66,7 +72,10 @@ def sampled(posed, data, kb, angles, count=40_000):
 @pytest.mark.parametrize("detector", [EASY, HARD])
 @pytest.mark.parametrize("seed", range(4))
 def test_angles_narrow_the_poses_that_fit_as_sampling_says(seed, detector):
-    """An angle is taken for the line to a point, which its own place's noise moves as well: so a little less than it says."""
+    """An angle is taken for the line to a point, which its own place's noise moves as well.
+
+    So a little less than it says.
+    """
     posed, data, kb = stood(seed, detector)
     at, precision, middle, across = known(posed, matched(posed), data, kb)
     with_angles, count = log_share(at, precision, middle, data.camera, across), int(matched(posed).sum())

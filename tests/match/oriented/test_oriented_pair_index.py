@@ -33,7 +33,10 @@ def told(kind, cell, ends, diameter):
 
 @cache
 def all_pairs():
-    """(looks, parts of the angles, what is said, the angles) of all neighbours in all cells: equal looks both ways round."""
+    """(looks, parts of the angles, what is said, the angles) of all neighbours in all cells.
+
+    Equal looks both ways round.
+    """
     sights, found = clouds(**SMALL).shared.sights, []
     for kind, cell in np.ndindex(*sights.looks.shape[:2]):
         some = np.flatnonzero(sights.looks[kind, cell] >= 0)

@@ -1,4 +1,7 @@
-"""The index over many types, kept between runs: the same answers from the files as without them, found by content alone."""
+"""The index over many types, kept between runs.
+
+The same answers from the files as without them, found by content alone.
+"""
 
 from dataclasses import replace
 
@@ -6,7 +9,7 @@ import numpy as np
 import pytest
 from oriented_scenes import a_trial, clouds
 
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.match.oriented.oriented_models import MANY, ready
 from plogic.match.oriented.oriented_search import Search

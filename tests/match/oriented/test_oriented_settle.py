@@ -1,4 +1,7 @@
-"""Settling where angles count: what is matched, how much that says, and that angles fix the tilt that places leave open."""
+"""Settling where angles count.
+
+What is matched, how much that says, and that angles fix the tilt that places leave open.
+"""
 
 from dataclasses import replace
 

@@ -1,4 +1,7 @@
-"""Small scenes on which every set of four can be tried: four types of 24 oriented features, one or two objects, ten data of clutter."""
+"""Small scenes on which every set of four can be tried.
+
+Four types of 24 oriented features, one or two objects, ten data of clutter.
+"""
 
 from dataclasses import replace
 from functools import cache
@@ -8,7 +11,7 @@ import numpy as np
 from benchmarks.clutter.scenes import CAMERA, trial
 from benchmarks.clutter.types import Detector, random_types
 from geometry.frames import pose_error
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.run.perceive import Perceiver
 from sensing.appearance import Gamma

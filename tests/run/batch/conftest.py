@@ -10,7 +10,10 @@ import pytest
 
 @pytest.fixture(scope="session")
 def frames(tmp_path_factory):
-    """A folder with ``frames`` in it: five Γ, one of them bad, a picture with its camera, a corrupt one, and one without a camera."""
+    """A folder with ``frames`` in it.
+
+    Five Γ, one of them bad, a picture with its camera, a corrupt one, and one without a camera.
+    """
     from small_frames import CAMERA, gamma, picture
 
     root = tmp_path_factory.mktemp("batch")

@@ -1,4 +1,4 @@
-"""What can go wrong with somebody else's cluster is told in one line and in bounded time, and nothing of ours stays on it."""
+"""Faults of somebody else's cluster are told in one line and in bounded time, and nothing of ours stays on it."""
 
 from __future__ import annotations
 
@@ -195,7 +195,7 @@ def test_a_lost_scheduler_ends_the_run_and_what_is_done_stays(late, frames, tmp_
 
 @contextmanager
 def started(machines, folder, out):
-    """``plogic batch`` over the frames, at the moment at which it waits for the late one and all before it are written."""
+    """Faults of somebody else's cluster are told in one line, in bounded time, and nothing of ours stays on it."""
     command = [str(BIN / "plogic"), "batch", "frames", "--kb", "towers", "--dask", machines.address, "-o", str(out)]
     pipe = subprocess.PIPE
     with subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, start_new_session=True) as child:

@@ -74,7 +74,7 @@ class Lines:
 
 
 def killed_and_gone_on_with(folder, order, kills):
-    """The lines of a run over lost frames that is killed so many answers after its start each time, and the frames that were perceived."""
+    """The lines of a run over lost frames, killed so many answers after its start each time, and perceived frames."""
     frames = [Frame(f"{i}.png", None, "lost", "is ünfit") for i in range(len(order))]
     lines, place, perceived, out = (
         Made(Settings("towers"), {"name": "towers", "digest": "d"}),

@@ -1,4 +1,7 @@
-"""Numbers that no float can hold, nesting without end, links to themselves and pipes in a BOP dataset: one line each, and none taken for absent."""
+"""Numbers that no float can hold, nesting without end, links to themselves and pipes in a BOP dataset.
+
+One line each, and none taken for absent.
+"""
 
 import os
 from pathlib import Path

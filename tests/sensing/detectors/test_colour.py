@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sensing.detectors.keypoint_colours import CELLS, DARK, GAIN, REACH, WIDTH, colours, is_grey
 from sensing.detectors.keypoint_detector import described
+from sensing.detectors.keypoints import CELLS, DARK, GAIN, REACH, WIDTH, colours, is_grey
 from sensing.detectors.regions import regions
 
 RED, GREEN, BLUE, WHITE = (30, 30, 200), (40, 160, 30), (180, 60, 20), (220, 220, 220)
@@ -39,7 +39,10 @@ def test_of_one_colour_every_cell_says_that_colour(colour, scale):
 @settings(max_examples=20, deadline=None, derandomize=True)
 @given(st.integers(0, 999), st.floats(0.0, 6.2), st.floats(4.0, 16.0))
 def test_they_turn_with_the_image(seed, angle, scale):
-    """An image turned by a right angle, and its keypoints with it: nearly the same bytes (smaller pictures are of every other pixel)."""
+    """An image turned by a right angle, and its keypoints with it.
+
+    Nearly the same bytes (smaller pictures are of every other pixel).
+    """
     image = painted(seed)
     u, v = 71.0, 88.0
     turned = np.ascontiguousarray(np.rot90(image, -1))  # clockwise: (u, v) goes to (h - 1 - v, u)

@@ -131,7 +131,10 @@ def test_no_places_have_no_descriptions():
 
 
 def test_a_picture_turned_by_a_quarter_has_the_same_descriptions_turned():
-    """What is described turns with the gradient: the descriptors of a picture on its side are those of the upright one."""
+    """What is described turns with the gradient.
+
+    The descriptors of a picture on its side are those of the upright one.
+    """
     image = texture(121, 121, 4)
     points = edge_points(image, 7, 500)
     middle = np.array([60.0, 60.0])

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kb.learning.features import ALIKE
-from sensing.detectors.keypoint_colours import ratios
 from sensing.detectors.keypoint_detector import described
+from sensing.detectors.keypoints import ratios
 from sensing.detectors.regions import TURNS, regions
 
 YELLOW, RED, BLUE = (30, 190, 220), (30, 30, 200), (190, 70, 20)

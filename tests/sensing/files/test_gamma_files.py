@@ -84,6 +84,12 @@ def test_what_is_written_is_what_is_read(found):
     assert np.array_equal(again.camera.K, CAMERA.K)
 
 
+def test_depths_are_read_as_they_are_written(tmp_path):
+    gamma = Gamma(CAMERA, (Appearance("a1", "corner", (12.0, 20.0), "junction", depth=1.25, depth_sigma=0.01),))
+    write_gamma(gamma, tmp_path / "deep.json")
+    assert read_gamma(tmp_path / "deep.json").appearances == gamma.appearances
+
+
 def test_an_appearance_can_be_told_without_its_descriptor():
     a = Appearance("a1", "sift", (1.0, 2.0), "sift", 0.5, 3.0, 0.25, (0.1, 0.2), bytes(128))
     keys = ["id", "type", "uv", "detector", "angle", "scale", "score", "arms"]

@@ -10,8 +10,7 @@ import pytest
 from geometry.camera import camera_from_dict
 from geometry.frames import inverse, is_rigid, transform_points
 from sensing.errors import SceneError, SensingError
-from sensing.simulated.body import Body, TexturedMesh
-from sensing.simulated.meshes import read_mesh
+from sensing.simulated.body import Body, TexturedMesh, read_mesh
 from sensing.simulated.physics import settle
 from sensing.simulated.scene import box, random_decoy, random_scene, truth_to_dict, wedge, write_scene
 

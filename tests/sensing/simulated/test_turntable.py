@@ -8,7 +8,7 @@ from geometry.cones import even_directions
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import RayMesh
 from sensing.simulated.body import TexturedMesh
-from sensing.simulated.turntable import FINER, extent, turned
+from sensing.simulated.camera import FINER, extent, turned
 
 PIXELS, MARGIN, AWAY = 90.0, 0.125, 5.0
 

@@ -13,10 +13,9 @@ from kb.files.folder import shipped
 from kb.files.read import read_kb
 from plogic.face.commands.simulate import shapes_of
 from sensing.simulated.body import Body
-from sensing.simulated.camera import render, visible_fractions
+from sensing.simulated.camera import render, turned, visible_fractions
 from sensing.simulated.physics import has_physics, physics_version, settle
 from sensing.simulated.scene import box, random_scene
-from sensing.simulated.turntable import turned
 
 physics = pytest.mark.skipif(not has_physics(), reason="pybullet is not installed: there is nothing to compare with")
 

@@ -1,4 +1,7 @@
-"""An unknown object becomes a draft type, which is then perceived: through functions, and through the console script."""
+"""An unknown object becomes a draft type, which is then perceived.
+
+Through functions, and through the console script.
+"""
 
 from __future__ import annotations
 

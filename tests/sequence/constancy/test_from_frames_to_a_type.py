@@ -1,4 +1,7 @@
-"""The third outcome through the console script: frames, what is unknown in them, a type made of it, and the frames explained by it."""
+"""The third outcome through the console script.
+
+Frames, what is unknown in them, a type made of it, and the frames explained by it.
+"""
 
 from __future__ import annotations
 

@@ -28,7 +28,10 @@ SOUTH, SOUTH_TOO, NORTH = camera_at(0.6, -4.0, 1.8), camera_at(-0.3, -4.1, 1.8),
 
 @cache
 def sequence(*places):
-    """An open tower at the origin, which is a blind tower's twin from the south: six of seven features that show are reported, without noise."""
+    """An open tower at the origin, which is a blind tower's twin from the south.
+
+    Six of seven features that show are reported, without noise.
+    """
     from plogic.match.gamma.data import data_of
     from plogic.match.judged.expectation import pose_of
 

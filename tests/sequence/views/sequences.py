@@ -1,4 +1,7 @@
-"""Sequences of synthetic views of the two towers: ``views([0, 40, 0])`` turns the camera about the vertical by so many degrees."""
+"""Sequences of synthetic views of the two towers.
+
+``views([0, 40, 0])`` turns the camera about the vertical by so many degrees.
+"""
 
 from __future__ import annotations
 

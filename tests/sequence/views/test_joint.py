@@ -8,7 +8,7 @@ from sequences import BESIDE, POSTERIOR, turned, view
 from synthetic import perceiver, towers
 
 from geometry.frames import pose_error
-from plogic.base.stopwatch import Stopwatch
+from plogic.base.clock import Stopwatch
 from plogic.match.gamma.data import data_of
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 from plogic.sequence.views.joint import joint

@@ -1,4 +1,4 @@
-"""Hypotheses of two views that are one stand where both views explain them best, and rivals behind an occluder are judged beside it."""
+"""Hypotheses of two views that are one stand where both explain them best; occluded rivals are judged with it."""
 
 from __future__ import annotations
 
@@ -51,7 +51,10 @@ def test_one_view_leaves_hypotheses_where_they_were(perceiver):
 
 
 def test_a_twin_whose_mark_an_occluder_hides_stays_in_question(perceiver):
-    """What the box before it hides is expected of neither twin: both are told, as probable as each other, each at all of its poses."""
+    """What the box before it hides is expected of neither twin.
+
+    Both are told, as probable as each other, each at all of its poses.
+    """
     twins = [scene(perceiver.kb, seed) for seed in (1, 4, 7, 10, 13, 16)]
     begun = next(tour(one, perceiver) for one in twins if one.objects[0].kind.name.startswith("twin"))
     state = begun.state([0])
