@@ -16,13 +16,13 @@ import numpy as np
 
 from plogic.base.bounds import LEAST, alternative, bounded
 from plogic.facts import hypothesis as d7
-from plogic.facts.hypothesis import FeatureFact, Hypothesis
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from geometry.arrays import Floats, Mask
     from plogic.facts.dependence import Scene
+    from plogic.facts.hypothesis import FeatureFact, Hypothesis
 
 
 Present: TypeAlias = "Mapping[str, Mask]"
