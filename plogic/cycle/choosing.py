@@ -8,22 +8,16 @@ the heaviest stable Δi so far is then the answer. Law: more time never makes it
 comes to the same ones first, in the same order.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from plogic.cycle.judging import judge, refusal, rounded
 from plogic.cycle.state import Stable, State, Step, Task, among, free, step_of
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import pose_information
 from plogic.match.judged.rivals import apart_on_screen, hidden_among, moved_apart
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-
 
 HEAVIER = 1e-6
 """By how much a glance must be heavier than what is kept: two that only rounding tells apart are the same, whether
@@ -151,7 +145,7 @@ POLISH = 10.0
 """What refinement beside Δi may add to the evidence of a type that was refined when it was found: one that lacks more
 is not refined."""
 
-Choice: TypeAlias = "Callable[[Task, State, Sequence[Hypothesis]], tuple[Hypothesis, ...]]"
+Choice: TypeAlias = Callable[[Task, State, Sequence[Hypothesis]], tuple[Hypothesis, ...]]
 """Of the state and of judged hypotheses, those that make up Δi from now on.
 
 Those of ``State.accepted``, where nothing changes.

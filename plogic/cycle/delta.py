@@ -6,41 +6,36 @@ hypothesis; parts of one hypothesis are not compared. A part's body is taken alo
 before it is not looked at. The relation of two wholes is in ``relations_of``.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import networkx as nx
 import numpy as np
 
+from geometry.arrays import Floats, Mask
+from geometry.camera import Camera
 from geometry.visibility.occlusion import PosedSurface, drawn, occlusion
+from geometry.visibility.outline import Area
+from geometry.visibility.roc import Roc
+from kb.clouds.cloud import KnowledgeBase
+from kb.surfaces.surface import Surface
 from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.cycle.placing import gravity_of_view, space_of_view
 from plogic.cycle.state import Cycle, Trace
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, part_facts
 from plogic.facts.situation import AppearanceFact, PairFact, Reading, Reconsider, Situation, pair_facts
 from plogic.facts.spatial import Space
+from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import as_fitted, clutter_density, judged
 from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import SHARED_CLAIMS, overlap, reaches_into, shared_claims
+from plogic.match.judged.type_models import TypeModel
 from sensing.uncollected import uncollected
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-
-    from geometry.arrays import Floats, Mask
-    from geometry.camera import Camera
-    from geometry.visibility.outline import Area
-    from geometry.visibility.roc import Roc
-    from kb.clouds.cloud import KnowledgeBase
-    from kb.surfaces.surface import Surface
-    from plogic.match.gamma.data import Data
-    from plogic.match.judged.type_models import TypeModel
-
-    Rated = tuple[Floats, Floats]
-    Fitted = Callable[[Hypothesis, Data, KnowledgeBase, Mask | None], Rated]
+Rated = tuple[Floats, Floats]
+Fitted = Callable[[Hypothesis, Data, KnowledgeBase, Mask | None], Rated]
 
 
 MOST_PART_PAIRS = 400

@@ -3,12 +3,12 @@
 What is not accepted is told from the rivals of Δi: a rival would be accepted in the place of what it conflicts with.
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from geometry.arrays import Floats, Mask
 from plogic.cycle.state import Proposal, State, Step, Task, among, free, step_of
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.evidence import evidence, pose_information
 from plogic.match.judged.evidence import judged as judged_alone
 from plogic.match.judged.expectation import hidden_by
@@ -21,13 +21,6 @@ from plogic.match.judged.rivals import (
     overlap,
     shared_claims,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from geometry.arrays import Floats, Mask
-    from plogic.facts.hypothesis import Hypothesis
-
 
 FEWEST = 4
 """Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8,

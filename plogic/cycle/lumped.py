@@ -10,22 +10,17 @@ A learned compound is told, and counts, once: by the part that stands for it (``
 are told for the data that they explain, and have no dv.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 
+from geometry.arrays import Mask
+from kb.clouds.cloud import KnowledgeBase
+from kb.clouds.lobes import Feature
+from plogic.facts.document import Cells, LeftOut, LookedRow
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
 from plogic.facts.situation import OTHERS
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from geometry.arrays import Mask
-    from kb.clouds.cloud import KnowledgeBase
-    from kb.clouds.lobes import Feature
-    from plogic.facts.document import Cells, LeftOut, LookedRow
 
 Cell = Literal["expected_detected", "expected_missed", "hidden_missed", "hidden_detected"]
 CELLS: dict[str, Cell] = {

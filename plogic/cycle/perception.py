@@ -7,27 +7,22 @@ a search is made only for what it leaves (§1, §7).
 * ``Seed``: a type and the pose that it is expected at, ``Seed(of, camera_from_object)``
 """
 
-from __future__ import annotations
-
 from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from geometry.arrays import Floats
+from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import OutOfTimeError
 from plogic.cycle.choosing import Choice, acceptance, accepted, best_first, chosen, concluded, glance, kept
 from plogic.cycle.judging import compared, judge, judged, left_over, making_way, refusal, set_aside
 from plogic.cycle.state import Cycle, State, Step, Task, Trace, among, considered, free, step_of
 from plogic.cycle.support import supported
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.rivals import hidden_among
 from plogic.match.judged.type_models import Given, TypeModel
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from geometry.arrays import Floats
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.hypothesis import Hypothesis
 
 
 @dataclass(frozen=True)

@@ -11,40 +11,35 @@ only if no pose of those that its matches leave would hold it. Contacts are by p
 ``geometry.bodies.resting`` says what stands in for a scan.
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations, permutations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import shapely
 
+from geometry.arrays import Floats
 from geometry.bodies.columns import STEEP, Body, Contact, above, body_of, stands, steady
 from geometry.bodies.depth import parts_of, penetration
 from geometry.bodies.overlap import Solid, distance, gap, solid_overlap
 from geometry.bodies.resting import Bodies, Shape, Touch, shape_of
+from geometry.camera import Camera
 from geometry.frames import transform_points
 from geometry.poses.refine import turned_step
 from geometry.visibility.occlusion import PosedSurface
 from geometry.visibility.outline import image_area, outline
+from kb.clouds.cloud import KnowledgeBase
+from kb.surfaces.surface import Surface
 from plogic.cycle.support import support_of
 from plogic.facts.gravity import GROUND, Foot, Gravity
+from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.spatial import BodyFact, SharedFact, Space, View
 from plogic.match.judged.evidence import pose_information
 from plogic.match.judged.rivals import solid_of
+from plogic.match.judged.type_models import TypeModel
 from sensing.simulated.physics import NO_PHYSICS, client, has_physics
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from geometry.arrays import Floats
-    from geometry.camera import Camera
-    from kb.clouds.cloud import KnowledgeBase
-    from kb.surfaces.surface import Surface
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.judged.type_models import TypeModel
-
-    Pair = tuple[str, str]
+Pair = tuple[str, str]
 
 
 CONTACT = 0.01

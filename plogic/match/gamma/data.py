@@ -8,27 +8,20 @@ image's centre.
   between them
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
 from geometry.camera import Camera
 from kb.clouds.words import POINT, SIDE, WIDTHS
 from plogic.match.gamma.grid import Grid, grid_of
 from plogic.match.gamma.side_looks import contrasts_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Indices, Mask
-    from sensing.appearance import Appearance
-
+from sensing.appearance import Appearance
 
 ENTRIES = 2**20
 """Entries of a block, one row at least: 8 MB of each array of floats; of the dozen that a search has at a time about
@@ -85,12 +78,12 @@ class Data:
     described: Mask
     sided: Mask
     looks: NDArray[np.uint8]
-    part_of: tuple[Data, Indices] | None = None
+    part_of: "tuple[Data, Indices] | None" = None
     depth: Floats | None = None
     depth_sigma: Floats | None = None
 
     @property
-    def whole(self) -> Data:
+    def whole(self) -> "Data":
         """All of Γ."""
         return self if self.part_of is None else self.part_of[0]
 
@@ -140,7 +133,7 @@ class Data:
         """(256,) density of each contrast among all of Γ's sides of edges."""
         return self.whole.contrasts if self.part_of is not None else contrasts_of(self.looks[self.sided])
 
-    def only(self, keep: Mask) -> Data:
+    def only(self, keep: Mask) -> "Data":
         """The appearances where ``keep`` (A,) holds."""
         index = np.flatnonzero(keep)
         rows = index.tolist()

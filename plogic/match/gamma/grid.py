@@ -6,15 +6,11 @@ Angles are radians, clockwise from +x. Many places are asked of the grid at once
 * ``taken(low, high)``: many ranges of one sorted array at once
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from geometry.arrays import Floats, Indices
+from geometry.arrays import Floats, Indices
 
 
 def wrapped(angle: Floats) -> Floats:

@@ -11,25 +11,17 @@ of thousands at once.
   taken cell by cell; and as no arm refuses a pair, the other anchors' votes choose those that are kept
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Columns, Data, blocks
 from plogic.match.gamma.grid import wrapped
 from plogic.match.hand.view_cells import ViewCells, distance_maps, votes
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Indices, Mask
-
 
 ARM_TOLERANCE = np.radians(16.0)
 """How far an arm may lie from the edge that the nearest cell predicts: half a cell's width plus the detector's

@@ -1,24 +1,18 @@
 """From coarse pairs to refined poses: sets of four, POSIT, then least squares on all inliers (§6.1, §6.3), batched over all candidates."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
 from geometry.poses.posit import posit
 from geometry.poses.refine import Steps, refined_poses
 from plogic.match.gamma.data import Columns, Data, centre_of, project_ideal
+from plogic.match.hand.correspondences import Pairs
 from plogic.match.hand.triples import turn_z_to
 from plogic.match.hand.view_cells import LOOSE, DistanceMaps, ViewCells, seen_cells, sizes
 from plogic.match.judged.expectation import FEWEST
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Indices, Mask
-    from plogic.match.hand.correspondences import Pairs
 
 ROUNDS = ((0.06, 48), (0.035, 32), (0.02, 24), (0.0, 24))
 """Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of

@@ -5,17 +5,20 @@
 * ``HandModels``: all types of this kind
 """
 
-from __future__ import annotations
-
+from collections import Counter
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import log
-from typing import TYPE_CHECKING, ClassVar, Self, TypeVar
+from typing import ClassVar, Self, TypeVar
 
 import cv2
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
 from geometry.bodies.resting import RestingFaces, resting_faces
+from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data, project_ideal
 from plogic.match.hand.correspondences import MOST_PAIRS, feature_links
 from plogic.match.hand.generate import ROBUST, generate
@@ -25,15 +28,6 @@ from plogic.match.judged.evidence import sigmas_of
 from plogic.match.judged.expectation import matched, polished, pose_of, settled
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
 from plogic.measures.distinctiveness import compatible, rank
-
-if TYPE_CHECKING:
-    from collections import Counter
-    from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
-
-    from geometry.arrays import Floats, Indices, Mask
-    from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
-    from plogic.facts.hypothesis import Hypothesis
-
 
 SAME = 1e-3
 """Metres, per metre of the cloud's extent, within which a feature is carried onto another."""

@@ -6,22 +6,16 @@ from the plane to the image, the greater eigenvalue of AᵀA is the squared scal
 tell the slant (Huttenlocher and Ullman 1990).
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices
+from kb.clouds.lobes import Feature
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Columns, Data, blocks, centre_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from geometry.arrays import Floats, Indices
-    from kb.clouds.lobes import Feature
 
 NEIGHBOURS = 8
 """Nearest features, or data, among which the other two of a triple are sought."""

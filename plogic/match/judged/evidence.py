@@ -16,31 +16,25 @@ type's prior, plus its evidence, plus the share.
   ...)``, of what is known
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
+from geometry.camera import Camera
 from geometry.poses.reprojection import WEIGHT, across, ends, information, reach
 from geometry.visibility.outline import outline
+from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
 from plogic.base.bounds import LEAST
 from plogic.base.clock import unhurried
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
 from plogic.match.judged.expectation import FEWEST
 from plogic.match.judged.rivals import distinct
+from plogic.match.judged.type_models import Found, TypeModel
 from plogic.measures.explanatory import explanatory_value
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
-
-    from geometry.arrays import Floats, Indices, Mask
-    from geometry.camera import Camera
-    from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-    from plogic.match.judged.type_models import Found, TypeModel
-
 
 DEPTHS = 4.2
 """Logarithm of the ratio of the farthest to the nearest distance that is believed."""

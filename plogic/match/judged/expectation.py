@@ -4,28 +4,22 @@ Where appearances carry depth (a stereo pair is one notional viewpoint, §3.3), 
 is matched: some are wrong, where a feature was missed in one image and another that looks like it in the other.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from geometry.arrays import Floats, Indices, Mask
 from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
 from geometry.poses.refine import Sight, refine_sights, refined_poses
 from geometry.visibility.rays import behind
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.lobes import LobeTable, in_lobe
+from kb.surfaces.surface import Surface
 from plogic.facts.hypothesis import Hypothesis
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from geometry.arrays import Floats, Indices, Mask
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.surfaces.surface import Surface
-    from plogic.match.gamma.data import Data
+from plogic.match.gamma.data import Data
 
 
 def pose_of(object_type: ObjectType, camera_from_object: Floats, data: Data, kb: KnowledgeBase) -> Hypothesis:

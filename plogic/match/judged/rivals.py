@@ -13,28 +13,22 @@ matches, tells what a move costs.
 * ``moved_apart(posed, information)``: the poses, and which pairs still reach into each other
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
+from geometry.arrays import Floats, Indices, Mask
 from geometry.bodies.overlap import Reach, Solid, reaches, solid_overlap
 from geometry.frames import pose_error
+from kb.clouds.cloud import ObjectType
+from kb.surfaces.surface import Surface
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.expectation import hidden_by
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-
-    from geometry.arrays import Floats, Indices, Mask
-    from kb.clouds.cloud import ObjectType
-    from kb.surfaces.surface import Surface
-    from plogic.facts.hypothesis import Hypothesis
-
 
 SAME_ROTATION, SAME_PLACE = np.radians(6.0), 0.06
 """Two poses of a type nearer than this (radians; share of the distance) are one hypothesis (§8)."""

@@ -9,24 +9,19 @@ has. The methods that have a body here state what most kinds do; a kind that der
 * ``Search``: the search for them in one Γ
 """
 
-from __future__ import annotations
+from collections import Counter
+from collections.abc import Callable, Generator, Mapping, Sequence
+from pathlib import Path
+from typing import ClassVar, NamedTuple, Protocol, TypeAlias
 
-from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol, TypeAlias
-
+from geometry.arrays import Floats, Indices, Mask
+from geometry.bodies.resting import Plane, RestingFaces
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.base.clock import unhurried
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
 
-if TYPE_CHECKING:
-    from collections import Counter
-    from collections.abc import Callable, Generator, Mapping, Sequence
-    from pathlib import Path
-
-    from geometry.arrays import Floats, Indices, Mask
-    from geometry.bodies.resting import Plane, RestingFaces
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-
-Found: TypeAlias = "list[tuple[float, Hypothesis]]"
+Found: TypeAlias = list[tuple[float, Hypothesis]]
 """Hypotheses with their log-likelihood ratios, best first."""
 
 SURE = 5.0

@@ -5,19 +5,24 @@
 * ``searched(search, indices, data, 2)``: what a search finds of each index; copies of this process share the work
 """
 
-from __future__ import annotations
-
+from collections import Counter
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
 from geometry.bodies.resting import Plane, RestingFaces, resting_faces
+from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import POINT, SIDE
 from plogic.base.jobs import each
 from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import polished, settled
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
@@ -26,17 +31,6 @@ from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
 from plogic.match.learned.learned_poses import NOBODY, REFINED, generate, resting
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
-
-if TYPE_CHECKING:
-    from collections import Counter
-    from collections.abc import Callable, Generator, Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Indices, Mask
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learned import LearnedCloud
-    from plogic.match.gamma.data import Data
 
 
 @dataclass(frozen=True, eq=False)

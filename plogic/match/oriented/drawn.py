@@ -16,27 +16,22 @@ ones climbs to neither.
 * ``by_fours(asked, kind, poses, share)``: the poses that come of sets of four
 """
 
-from __future__ import annotations
-
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices
 from geometry.poses.reprojection import information
 from kb.clouds.lobes import GRAIN
 from plogic.match.gamma.data import centre_of, viewpoints_of
 from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.evidence import share_of
 from plogic.match.judged.expectation import AS_GOOD
+from plogic.match.oriented.asked import Asked
 from plogic.match.oriented.oriented_match import Held, Noise, met, refined
+from plogic.match.oriented.pair_index import PairIndex
 from plogic.match.oriented.pair_votes import BENT
-
-if TYPE_CHECKING:
-    from geometry.arrays import Floats, Indices
-    from plogic.match.oriented.asked import Asked
-    from plogic.match.oriented.pair_index import PairIndex
-
 
 NEAR = 3
 """Cells about a viewpoint: what any of them shows is shown, if its lobe holds the viewpoint; what a cell shows, a lobe

@@ -4,25 +4,21 @@ Least squares are on places and angles: an angle tells how a feature is turned i
 of the image plane.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Mask
+from geometry.camera import Camera
 from geometry.poses.refine import Sight, Steps, refined_poses
 from geometry.poses.reprojection import WEIGHT, across, ends, reach
+from kb.clouds.cloud import KnowledgeBase
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
 from plogic.match.gamma.grid import screen_angle, wrapped
+from plogic.match.hand.hand_models import TypeIndex
 from plogic.match.judged.expectation import FEWEST, matched, of_matches, pose_of, with_depths
-
-if TYPE_CHECKING:
-    from geometry.arrays import Floats, Mask
-    from geometry.camera import Camera
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-    from plogic.match.hand.hand_models import TypeIndex
 
 
 class Noise(NamedTuple):

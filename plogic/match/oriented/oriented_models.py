@@ -9,19 +9,24 @@ They are made ready for that together, kept on disk between runs, and mapped fro
 * ``OrientedModels``: all types of this kind
 """
 
-from __future__ import annotations
-
 import hashlib
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from pathlib import Path
+from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Mask
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.base.clock import unhurried
 from plogic.base.remembered import ROOT, arrays_of, source_digest, sources_in
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
 from plogic.match.hand.hand_models import HandModels, TypeIndex, type_index
 from plogic.match.hand.view_cells import ViewCells, remade
 from plogic.match.judged.evidence import evidence, nothing_hidden, verified
@@ -32,18 +37,7 @@ from plogic.match.oriented.oriented_match import Noise, matched_at, polished
 from plogic.match.oriented.oriented_search import Search as TogetherSearch
 from plogic.match.oriented.pair_index import PairIndex, Sights, looks_of, pair_index
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Mapping, Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Mask
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-
-    Arrays = Mapping[str, NDArray[Any]]
+Arrays = Mapping[str, NDArray[Any]]
 
 
 class OrientedIndex(TypeIndex):

@@ -3,26 +3,21 @@
 * ``Search``: that in one Γ, again and again, on what is not claimed yet
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices
 from plogic.match.gamma.data import Columns, Data
 from plogic.match.hand.extend import poses_about
 from plogic.match.judged.rivals import apart
 from plogic.match.oriented.asked import Asked, poses_turned
 from plogic.match.oriented.drawn import by_fours, climbed
+from plogic.match.oriented.pair_index import PairIndex
 from plogic.match.oriented.pair_votes import Raw, Votes, counted, raw_votes
 from plogic.match.oriented.single_votes import FEWEST, single_votes
-
-if TYPE_CHECKING:
-    from geometry.arrays import Floats, Indices
-    from plogic.match.oriented.pair_index import PairIndex
-
 
 ALIKE = float(np.radians(15.0)), 0.08
 """Two poses of a type are alike that differ by less, radians, and share of the distance."""

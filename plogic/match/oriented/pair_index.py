@@ -8,29 +8,22 @@ cell, roll, scale and place at once.
 * ``PairIndex``: E pairs of all types, sorted by key
 """
 
-from __future__ import annotations
-
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
+from kb.clouds.cloud import ObjectType
 from kb.clouds.lobes import in_lobe
 from plogic.base.errors import InputError
 from plogic.match.gamma.data import Columns
 from plogic.match.gamma.grid import part_of_circle, screen_angle, taken
+from plogic.match.hand.hand_models import TypeIndex
 from plogic.match.hand.view_cells import DISTANCE, ViewCells
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Indices, Mask
-    from kb.clouds.cloud import ObjectType
-    from plogic.match.hand.hand_models import TypeIndex
-
 
 NOTHING = -1
 

@@ -4,24 +4,17 @@
 * ``Raw``: those of all pairs, before they are counted
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
 from plogic.match.gamma.data import Columns, Data, centre_of
 from plogic.match.gamma.grid import wrapped
 from plogic.match.hand.view_cells import CELLS
 from plogic.match.learned.agreement import SIZES
 from plogic.match.oriented.pair_index import FINE, PairIndex, said
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Indices, Mask
-
 
 REACH = 45.0
 """Pixels between neighbours in the image."""
@@ -79,7 +72,7 @@ class Raw:
     pair: Indices
     boxes: NDArray[np.uint64]
 
-    def without(self, taken: Mask) -> Raw:
+    def without(self, taken: Mask) -> "Raw":
         """Those of pairs neither datum of which is ``taken`` (A,)."""
         some = np.flatnonzero(~taken[self.pair].any(axis=1))
         return Raw(self.votes.take(some), self.query[some], self.pair[some], self.boxes[:, some])

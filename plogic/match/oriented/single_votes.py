@@ -7,27 +7,21 @@ what these leave open.
 * ``single_votes``: the best poses by this, as ``Votes``
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices
 from plogic.match.gamma.data import Data, centre_of
 from plogic.match.oriented.asked import TypedData, typed_data
+from plogic.match.oriented.oriented_match import Noise
+from plogic.match.oriented.pair_index import PairIndex
 from plogic.match.oriented.pair_votes import BENT, LARGEST, Votes
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Indices
-    from plogic.match.oriented.oriented_match import Noise
-    from plogic.match.oriented.pair_index import PairIndex
-
-    Singles = NDArray[np.float32]
-    Keys = NDArray[np.uint32]
+Singles = NDArray[np.float32]
+Keys = NDArray[np.uint32]
 
 CELL, SCALE, TURNS = 0.15, 0.35, 14
 """Votes are of one place that lie within one box: diameters, logarithm of scale, parts of the circle."""

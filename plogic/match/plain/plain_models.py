@@ -4,15 +4,18 @@ SoftPOSIT takes random starts, for one type: pose and correspondence at once, wh
 looks like it (§6.2).
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
+from geometry.arrays import Floats, Mask
 from geometry.poses.softposit import Annealing, SoftPositResult, random_starts, softposit
+from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import unhurried
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
 from plogic.match.hand.hand_models import HandModels, TypeIndex, type_index
 from plogic.match.judged.evidence import verified
 from plogic.match.judged.expectation import FEWEST
@@ -20,15 +23,6 @@ from plogic.match.judged.type_models import Found, Given, Request, Search, Setup
 from plogic.match.oriented.oriented_models import oriented_index
 from plogic.match.plain import quadruples
 from plogic.match.plain.quadruples import Typed, extended, scene_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Mapping, Sequence
-
-    from geometry.arrays import Floats, Mask
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-
 
 MOST = 128
 """Random starts of a type."""

@@ -10,31 +10,26 @@ poses are extended by the features that they expect: matched with what is near, 
 * ``every(...)``: all sets; ``drawn(...)``: some, at random, where they are too many
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterator
 from itertools import combinations, islice, pairwise, product
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
+from geometry.camera import Camera
 from geometry.frames import inverse
 from geometry.poses.posit import posit
 from geometry.poses.refine import refined_poses
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.base.clock import unhurried
+from plogic.match.gamma.data import Data
+from plogic.match.hand.hand_models import TypeIndex
 from plogic.match.judged.evidence import clutter_density, density
 from plogic.match.judged.expectation import FEWEST
 from plogic.match.judged.rivals import apart
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from geometry.arrays import Floats, Indices, Mask
-    from geometry.camera import Camera
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.match.gamma.data import Data
-    from plogic.match.hand.hand_models import TypeIndex
-
-    Sets = tuple[Indices, Indices]
+Sets = tuple[Indices, Indices]
 
 
 class Typed(NamedTuple):

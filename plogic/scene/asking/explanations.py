@@ -8,18 +8,14 @@ Vocabulary:
 * ``Account``, all that there is to say of one goal
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plogic.base.errors import LimitError
 from plogic.facts.situation import Situation
 from plogic.logic.served.engine import Limits, ask, request_of
 from plogic.scene.asking.query import Subject, subject_text
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 
 @dataclass(frozen=True)
@@ -34,7 +30,7 @@ class Reason:
 
     goal: str
     kind: str
-    children: tuple[Reason, ...] = ()
+    children: "tuple[Reason, ...]" = ()
     probability: float | None = None
 
 

@@ -11,15 +11,17 @@ The same questions as ``plogic.scene.asking.query.answers`` puts to the program 
 what speaks of choices that the graph has summed out is refused (OutsideError), and is for the text.
 """
 
-from __future__ import annotations
-
 import time
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from plogic.base.errors import ProgramError, SituationError
+from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
+from plogic.facts.situation import Situation
 from plogic.inference.gates import Literal, observed, with_formulas
+from plogic.inference.graph import Beliefs, FactorGraph
 from plogic.inference.marginals import Remembered
 from plogic.inference.ranked import best
 from plogic.logic.served.engine import Answer, Limits, Text, in_order
@@ -29,15 +31,8 @@ from plogic.scene.factors.goal_meaning import Meaning, meaning
 from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
 from plogic.scene.worlds.ranked_worlds import Ranking, listed_worlds, ranking_of
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.situation import Situation
-    from plogic.inference.graph import Beliefs, FactorGraph
-
-    Interval = tuple[float, float]
-    Pairs = frozenset[tuple[str, str]]
+Interval = tuple[float, float]
+Pairs = frozenset[tuple[str, str]]
 
 
 class _Posed(NamedTuple):

@@ -8,15 +8,16 @@ makes the hypothesis e^5.9 times likelier; ``Contribution("h1/roof/apex", -1.6)`
 apex should be seen speaks against it. The features of others that it hides count for it: explaining away.
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Mask
 from plogic.facts.dependence import Scene
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.situation import OTHERS, Situation
 from plogic.facts.spatial import words_of_shared
 from plogic.measures.explanatory import case_of
@@ -29,12 +30,6 @@ from plogic.scene.readings.world_weights import (
     p_ev,
     unmatched,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from geometry.arrays import Floats, Mask
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
 
 
 @dataclass(frozen=True)

@@ -1,21 +1,15 @@
 """P(goal): every answer substitution, most probable first (contract, ``plogic query``)."""
 
-from __future__ import annotations
-
 import time
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from plogic.base.errors import LimitError, ProgramError, SituationError
 from plogic.facts.situation import Situation, names_of
+from plogic.logic.safety.atoms import Names
 from plogic.logic.served.engine import Answer, Limits, Text, run, run_until, unknown
 from plogic.scene.readings.unfinished import opened, stopped_of
 from plogic.scene.text.program_text import program_text
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from plogic.logic.safety.atoms import Names
 
 Subject = Situation | Text
 """What is asked: an interpretation's situation, or a program of a user's own."""

@@ -5,21 +5,16 @@ other, compete for one instance or carry something together. Worlds are products
 and explanations of a goal about one part are those of the part alone.
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import networkx as nx
 
 from plogic.facts.gravity import linked
+from plogic.facts.situation import Situation
 from plogic.facts.vocabulary import VOCABULARY
 from plogic.logic.safety.author import load_problog
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from plogic.facts.situation import Situation
 
 WHOSE = {
     "cause/3": (1,),

@@ -6,25 +6,19 @@ Vocabulary: a *piece* is a connected component of the graph; ``Asked`` has solve
 formulas.
 """
 
-from __future__ import annotations
-
 import math
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Sequence
 
 from plogic.base.errors import InconsistentError
+from plogic.facts.situation import Situation
 from plogic.inference.gates import And, Formula, Literal, Not, Or, observed, probability, with_formulas
 from plogic.inference.graph import Beliefs, Factor, FactorGraph, connected
 from plogic.inference.marginals import beliefs
 from plogic.scene.factors.scene_graph import scene_graph
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-
-    from plogic.facts.situation import Situation
-
-    Interval = tuple[float, float]
-    States = dict[int, frozenset[int]]
+Interval = tuple[float, float]
+States = dict[int, frozenset[int]]
 
 
 class Asked:

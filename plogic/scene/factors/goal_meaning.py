@@ -13,10 +13,9 @@ program itself. Vocabulary:
   ``appearances`` as variables
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plogic.base.errors import OutsideError
 from plogic.facts.dependence import Scene, dependence
@@ -25,6 +24,7 @@ from plogic.inference.gates import And, Formula, Literal, Not, Or
 from plogic.logic.safety.atoms import own_atom, quoted
 from plogic.logic.safety.author import author_rules
 from plogic.logic.served.engine import Limits, Text, ask, request_of
+from plogic.scene.factors.scene_graph import SceneGraph
 from plogic.scene.text import fact_layers as facts
 from plogic.scene.text.layout import Writer, block_clauses, ev_facts, possible_causes
 from plogic.scene.text.rules import (
@@ -40,12 +40,7 @@ from plogic.scene.text.rules import (
     vocabulary_rules,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from plogic.scene.factors.scene_graph import SceneGraph
-
-    Key = int | None
+Key = int | None
 
 OUTSIDE = ("hit/2", "pick/2", "luck/2", "ok/2", "joint/3", "agrees/1", "excused/1")
 """Choices that the factor graph has summed out, and what is said in terms of them."""

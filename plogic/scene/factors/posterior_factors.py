@@ -7,13 +7,13 @@ Vocabulary:
 * a *pair* ``(weight of no cause among the claims, weight of exactly one)``
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Mask
 from plogic.base.bounds import LEAST, bounded
 from plogic.facts.hypothesis import expected
 from plogic.scene.factors.weight_tables import (
@@ -29,13 +29,8 @@ from plogic.scene.factors.weight_tables import (
 )
 from plogic.scene.readings.world_weights import DEFAULT_PRIOR, shares_of
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
-
-    from geometry.arrays import Mask
-
-    Pair = tuple[float, float]
-    Scope = tuple[int, ...]
+Pair = tuple[float, float]
+Scope = tuple[int, ...]
 
 Shape = dict[int, range]
 """The variables of a scope, each with what its states add to the number of a row."""

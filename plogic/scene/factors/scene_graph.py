@@ -6,23 +6,17 @@ variables, numbered last. Support is a soft constraint (Σc): a world weighs q, 
 it, for each hypothesis that floats in it.
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from plogic.base.bounds import bounded
 from plogic.facts.gravity import GROUND, Foot, Gravity
+from plogic.facts.situation import Situation
+from plogic.inference.graph import FactorGraph
 from plogic.scene.factors.posterior_factors import Cause, add_posterior
 from plogic.scene.factors.score_factors import add_score
 from plogic.scene.factors.weight_tables import Alternative, Cast, Literal, Tables, cast_of
-
-if TYPE_CHECKING:
-    from collections.abc import Collection
-
-    from plogic.facts.situation import Situation
-    from plogic.inference.graph import FactorGraph
 
 MOST_HOLDERS = 6
 """Variables of holders that one factor looks at; of more, one auxiliary variable says whether any holds."""

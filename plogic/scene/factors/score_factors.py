@@ -14,12 +14,13 @@ present(h) holds iff h is supported and the feature that it picks is concordant,
 over who is present, which the graph takes as gates.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Mask
 from plogic.base.bounds import LEAST, alternative
 from plogic.facts.dependence import Dependence, Scene, arranged, dependence, ordered
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, expected
@@ -27,15 +28,8 @@ from plogic.inference.gates import And, Formula, Literal, Not, Or
 from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, Cast, Tables, log, logs_of
 from plogic.scene.readings.world_weights import acceptance, lifted_smoothing, snapped
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Mask
-
-    Cell = tuple[int, float, bool]
-    Chances = NDArray[np.float64]
+Cell = tuple[int, float, bool]
+Chances = NDArray[np.float64]
 
 
 class Linear(NamedTuple):

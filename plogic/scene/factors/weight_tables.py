@@ -9,25 +9,19 @@ One variable is the alternative of the rivals of one instance (§8). Vocabulary,
   of r
 """
 
-from __future__ import annotations
-
 import functools
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
+from geometry.arrays import Floats
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.facts.situation import Situation
 from plogic.inference.gates import Formula, observed, with_formulas
 from plogic.inference.graph import Factor, FactorGraph
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from geometry.arrays import Floats
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.facts.situation import Situation
-
 
 Literal: TypeAlias = tuple[int, tuple[int, ...]]
 """A variable, and the states of which it is in one."""
@@ -112,7 +106,7 @@ def _apart(situation: Situation, name: str, others: Iterable[str]) -> bool:
     return all(any((name, other) in some or (other, name) in some for some in pairs) for other in others)
 
 
-Table: TypeAlias = "Floats"
+Table: TypeAlias = Floats
 """One axis a variable."""
 
 WIDEST = 16

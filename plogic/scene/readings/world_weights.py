@@ -7,25 +7,19 @@ Vocabulary:
 * ``Cells``: for one feature in every world, whether it is expected and detected, two arrays (M,)
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterable, Mapping
 from functools import reduce
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from geometry.arrays import Floats, Mask
 from plogic.base.bounds import LEAST, alternative, bounded
 from plogic.facts import hypothesis as d7
+from plogic.facts.dependence import Scene
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from geometry.arrays import Floats, Mask
-    from plogic.facts.dependence import Scene
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
-
-
-Present: TypeAlias = "Mapping[str, Mask]"
+Present: TypeAlias = Mapping[str, Mask]
 """In which of M worlds each hypothesis is present, (M,) each."""
 
 

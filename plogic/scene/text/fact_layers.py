@@ -7,22 +7,16 @@ described is a point at its origin. Support: who may hold whom (layer 2), an exc
 and that none floats without one (evidence).
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Iterator
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 from plogic.base.bounds import bounded
 from plogic.facts.gravity import GROUND, Gravity
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.situation import PairFact, both_ways
 from plogic.facts.spatial import BodyFact, words_of_shared
 from plogic.scene.text.layout import Writer, coordinate, number, quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
 
 
 def holds(w: Writer) -> Iterator[str]:

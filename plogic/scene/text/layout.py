@@ -3,23 +3,17 @@
 A *context* is a set of present occluders that change a hypothesis' cells; P(ev) is told in each (§5.5, §8).
 """
 
-from __future__ import annotations
-
 import json
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.arrays import Mask
 from plogic.facts.dependence import MOST_OCCLUDERS, Dependence, Scene
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.logic.safety.atoms import Names
 from plogic.scene.readings.world_weights import acceptance, causes_of, p_ev
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from geometry.arrays import Mask
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.logic.safety.atoms import Names
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,12 @@ deterministic. Layer 3, the choices, depends on the reading. Score: the choices 
 = P(ev). Posterior: which instance is which hypothesis, what hits, what causes what.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from plogic.base.bounds import alternative, bounded
 from plogic.facts.dependence import Scene, dependence
+from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
 from plogic.facts.situation import Situation, names_of
 from plogic.logic.safety.author import author_rules
@@ -33,11 +32,6 @@ from plogic.scene.text.layout import (
     title,
 )
 from plogic.scene.text.rules import defined, fallbacks, rules, vocabulary_rules
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from plogic.facts.hypothesis import Hypothesis
 
 
 def posterior_choices(w: Writer) -> Iterator[str]:

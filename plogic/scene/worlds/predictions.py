@@ -16,22 +16,17 @@ other, and a transparent object hides nothing.
 ...")``
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Mask
 from plogic.facts.dependence import Scene
+from plogic.facts.document import DoubtRow
+from plogic.facts.situation import PairFact, Situation
 from plogic.scene.readings.world_weights import cells, p_ev
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from geometry.arrays import Mask
-    from plogic.facts.document import DoubtRow
-    from plogic.facts.situation import PairFact, Situation
 
 SAME = 1e-9
 """Two values of ev that differ by less are the same: they are sums of the same numbers."""

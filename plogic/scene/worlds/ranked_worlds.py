@@ -18,21 +18,22 @@ candidate feature that is matched to an appearance, with what hides it: ``Claim(
 0b110)``.
 """
 
-from __future__ import annotations
-
 import contextlib
 import heapq
 import math
 import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from plogic.base.bounds import alternative, bounded
 from plogic.base.clock import Clock, OutOfTimeError
 from plogic.base.errors import InconsistentError, LimitError, WidthError
+from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
+from plogic.facts.situation import Situation
 from plogic.inference.gates import Literal, observed
 from plogic.inference.graph import Beliefs, FactorGraph, connected
 from plogic.inference.marginals import beliefs, summed_out
@@ -40,15 +41,9 @@ from plogic.inference.ranked import Ranked
 from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
 from plogic.scene.factors.weight_tables import Cast, cast_of
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.situation import Situation
-
-    Weighed = tuple[float, tuple[int, ...]]
-    Interval = tuple[float, float]
-    Listed = list[tuple[float, tuple[str, ...]]]
+Weighed = tuple[float, tuple[int, ...]]
+Interval = tuple[float, float]
+Listed = list[tuple[float, tuple[str, ...]]]
 
 
 NOISE = "noise"

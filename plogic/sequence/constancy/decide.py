@@ -4,23 +4,17 @@ A datum has one cause. So which tracks there are is decided of all together: by 
 probability of each track in it.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
+from kb.clouds.cloud import Rates
 from plogic.sequence.constancy.result import Constancy, PhysicalFeature, UnknownObject
 from plogic.sequence.constancy.sight_lines import Sights, sights_of
 from plogic.sequence.constancy.tracks import DEPTHS, MIN_PARALLAX, Tracks, tracks_of
 from plogic.sequence.constancy.weights import Hidden, company_of, log_weights, spacing
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from geometry.arrays import Floats, Indices, Mask
-    from kb.clouds.cloud import Rates
-    from plogic.sequence.views.standing import View
+from plogic.sequence.views.standing import View
 
 
 def packing(data: Indices, weight: Floats) -> Indices:

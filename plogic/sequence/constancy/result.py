@@ -11,11 +11,9 @@ of its features, turned as the world is: z up. Each feature is as it was seen: o
 viewpoints from which it was, and a margin. What has not been looked at has no features yet.
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,12 +21,8 @@ from geometry.arrays import Floats, frozen
 from kb.clouds.cloud import ObjectType
 from kb.clouds.lobes import Branch, Lobe, build_tree, features_of
 from kb.surfaces.surface import Surface
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from plogic.sequence.document import ConstancyRow
-    from plogic.sequence.views.standing import View
+from plogic.sequence.document import ConstancyRow
+from plogic.sequence.views.standing import View
 
 
 @dataclass(frozen=True, eq=False)

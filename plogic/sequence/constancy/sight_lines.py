@@ -5,24 +5,18 @@ most, -1 for none; ``Places``, of T tracks: the most likely place of each, its c
 an *observation* is one datum of one track; there are O of them, those of a track together.
 """
 
-from __future__ import annotations
-
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
 from geometry.frames import inverse
+from kb.clouds.cloud import Rates
 from plogic.match.gamma.data import Columns
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from geometry.arrays import Floats, Indices, Mask
-    from kb.clouds.cloud import Rates
-    from plogic.sequence.views.standing import View
-    from sensing.appearance import Appearance
-
+from plogic.sequence.views.standing import View
+from sensing.appearance import Appearance
 
 HIT = 0.8
 """Chance that a feature is detected, where the KB states none (as ``kb.yaml`` has it)."""

@@ -3,20 +3,14 @@
 Vocabulary: ``Tracks``, T candidates with their appearance types and places.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
 from plogic.match.gamma.data import Columns
 from plogic.sequence.constancy.sight_lines import Places, Sights, places_of
-
-if TYPE_CHECKING:
-    from geometry.arrays import Floats, Indices, Mask
-
 
 MIN_PARALLAX = float(np.radians(2.0))
 """Between two lines of sight to a place: with less, views cannot tell how far away it is, and so not that it is one

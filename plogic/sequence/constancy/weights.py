@@ -10,24 +10,18 @@ The integral is Laplace's: p(X̂) (2π)^{3/2} |C|^{1/2} Π N(u_i; û_i(X̂), σ�
 covariance.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
 from plogic.match.gamma.grid import screen_angle, wrapped
+from plogic.sequence.constancy.sight_lines import Sights
 from plogic.sequence.constancy.tracks import DEPTHS, Tracks
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from geometry.arrays import Floats, Indices, Mask
-    from plogic.sequence.constancy.sight_lines import Sights
-
-
-Hidden: TypeAlias = "Callable[[str, Floats], Mask]"
+Hidden: TypeAlias = Callable[[str, Floats], Mask]
 """Which places (N, 3) m, world, the bodies that are known hide from a view, by its id: a mask (N,)."""
 
 NEIGHBOURS = 3

@@ -13,23 +13,18 @@ The *reference* frame is any one in which bodies and candidate cameras are both 
 world's.
 """
 
-from __future__ import annotations
-
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
+from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import RayMesh, behind
 from kb.clouds.lobes import LobeTable, in_lobe
 from plogic.facts.hypothesis import Seen, expected
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from geometry.arrays import Floats, Indices, Mask
-    from geometry.camera import Camera
 
 
 @dataclass(frozen=True, eq=False)

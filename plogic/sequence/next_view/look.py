@@ -10,27 +10,21 @@ over samples, the same for all candidates as far as they go, until its standard 
   reasons)``
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
+from geometry.camera import Camera
 from plogic.base.errors import ProgramError, SituationError
+from plogic.facts.situation import Situation
 from plogic.logic.safety.atoms import quoted
+from plogic.logic.served.engine import Answer
 from plogic.scene.asking.live import LiveScene
 from plogic.scene.asking.query import answers
 from plogic.sequence.next_view.expected import Prospect, Sightings, Sites, sightings, sites
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from geometry.arrays import Floats, Indices, Mask
-    from geometry.camera import Camera
-    from plogic.facts.situation import Situation
-    from plogic.logic.served.engine import Answer
-    from plogic.sequence.next_view.moves import Candidate
-
+from plogic.sequence.next_view.moves import Candidate
 
 OUTCOMES = 200_000
 """Joint outcomes times worlds that are enumerated."""

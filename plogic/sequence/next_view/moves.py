@@ -3,23 +3,16 @@
 * ``Candidate``: a camera's pose by name, ``Candidate("ring 90°", reference_from_camera)``
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
+from typing import Literal, NotRequired, TypedDict
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats
 from geometry.frames import inverse, look_at, transform_points
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats
-    from plogic.sequence.next_view.expected import Prospect
-
+from plogic.sequence.next_view.expected import Prospect
 
 RING = 12
 """Places of a ring, the present one among them."""

@@ -4,12 +4,13 @@ The worlds of a panorama are those of all views, told from where the last one st
 interpretation of any view that had it in Δh.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, TypedDict, cast
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypedDict, cast
 
 import numpy as np
 
+from geometry.arrays import Floats
 from geometry.errors import GeometryError
 from geometry.frames import inverse, is_rigid
 from geometry.visibility.rays import RayMesh
@@ -17,19 +18,12 @@ from kb.clouds.lobes import LobeTable
 from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
 from plogic.facts.document import AssetsRow, CameraRow, Interpretation, Marks, SensingRow, TypeRow, WorldRow
+from plogic.facts.fact_rows import Interval, PairRow, Pose
 from plogic.facts.interpretation import interpretation_in, parsed
 from plogic.facts.situation import Reading, stopped_in
 from plogic.scene.readings.unfinished import marks
 from plogic.sequence.document import Panorama
 from plogic.sequence.next_view.expected import Body, Cloud, Prospect
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from geometry.arrays import Floats
-    from plogic.facts.fact_rows import Interval, PairRow, Pose
-
 
 SLACK = 0.004
 """Share of a body's diameter that the surface must be met before a feature to hide it, as where it was perceived."""
@@ -37,7 +31,7 @@ AGAIN = "says nothing of how its types are seen, as older ones do: perceive agai
 
 
 def prospect_of(
-    document: Interpretation | LastView, worlds: Sequence[tuple[float, Sequence[str]]] | None = None
+    document: "Interpretation | LastView", worlds: Sequence[tuple[float, Sequence[str]]] | None = None
 ) -> Prospect:
     """The prospect of an ``interpretation/1``, in the present camera's frame.
 
@@ -56,7 +50,7 @@ def prospect_of(
         raise InterpretationError(f"types, sensing or assets: not complete: {what}") from error
 
 
-def _prospect(document: Interpretation | LastView, worlds: Sequence[tuple[float, Sequence[str]]]) -> Prospect:
+def _prospect(document: "Interpretation | LastView", worlds: Sequence[tuple[float, Sequence[str]]]) -> Prospect:
     used = {name for _, members in worlds for name in members}
     rows = [h for h in document["hypotheses"] if h["id"] in used]
     clouds = {name: _cloud(name, document) for name in sorted({h["type"] for h in rows})}
@@ -80,7 +74,7 @@ def _prospect(document: Interpretation | LastView, worlds: Sequence[tuple[float,
     )
 
 
-def _cloud(name: str, document: Interpretation | LastView) -> Cloud:
+def _cloud(name: str, document: "Interpretation | LastView") -> Cloud:
     table, mesh = document["types"][name], document["assets"].get("meshes", {}).get(name)
     at = np.array([row[2:5] for row in table["features"]], dtype=float).reshape(-1, 3)
     rays = None if mesh is None else RayMesh(np.array(mesh["vertices"], dtype=float), np.array(mesh["triangles"]))
