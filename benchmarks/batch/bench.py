@@ -81,21 +81,15 @@ def run(*, seed: int, quick: bool = False, as_json: bool = False, say: Say, **_:
 
 def one_at_a_time(folder: Path, say: Say) -> Done:
     """Each frame by what ``plogic perceive`` runs, in this process; its ``lines`` are the interpretations."""
-    from plogic.face.commands.perceive_command import perceive_command
-    from plogic.run.batch.frames import camera_of
-    from plogic.run.batch.inputs import frames_of
+    from plogic.face.commands.perceive import perceive_command
+    from plogic.face.shown.options import Perceiving
+    from plogic.run.batch.frames import camera_of, frames_of
 
     clocks, texts = Clocks(), list[str]()
     frames = frames_of([str(folder / "frames")], ())
     for i, frame in enumerate(frames, 1):
-        options = {
-            "camera": camera_of(frame, None),
-            "reading": "score",
-            "reconsider": "to_B",
-            "smoothing": 0.0,
-            "generator": "index",
-        }
-        perceive_command(frame.input, KB, "-", options, say=lambda _: None, write=texts.append)
+        options = Perceiving(KB, camera=camera_of(frame, None))
+        perceive_command([frame.input], options, say=lambda _: None, write=texts.append)
         if i % 100 == 0:
             say(f"one at a time: {i} of {len(frames)}")
     return Done("perceive, one at a time", len(frames), *clocks.read(), [text.encode() for text in texts])

@@ -143,12 +143,16 @@ def names_of(situation: Situation) -> Names:
     """The table of one situation: deterministic, in the order in which the names appear there."""
     wanted = list(_labels(situation))
     taken = {label for label, _ in wanted if own_atom(label)}
-    fresh = {kind: (atom for i in count(1) if (atom := f"{kind}{i}") not in taken) for kind in "fn"}
+    fresh = {kind: _fresh(kind, taken) for kind in "fn"}
     atoms: dict[str, str] = {}
     for label, kind in wanted:
         if label not in atoms:
             atoms[label] = label if own_atom(label) else next(fresh[kind])
     return Names.of(atoms)
+
+
+def _fresh(kind: str, taken: set[str]) -> Iterator[str]:
+    return (atom for i in count(1) if (atom := f"{kind}{i}") not in taken)
 
 
 def _labels(situation: Situation) -> Iterator[tuple[str, str]]:

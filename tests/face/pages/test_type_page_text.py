@@ -16,9 +16,15 @@ from page_checks import check_harmless, check_policy, data_text, element
 from random_cloud import random_cloud
 
 from kb.files.read import read_kb
-from plogic.face.pages.type_content import MOST_FEATURES, MOST_LOBES, chosen, type_document
-from plogic.face.pages.type_page import type_page
-from plogic.face.pages.type_surface import LARGEST_PICTURE, MOST_TRIANGLES
+from plogic.face.pages.type_content import (
+    LARGEST_PICTURE,
+    MOST_FEATURES,
+    MOST_LOBES,
+    MOST_TRIANGLES,
+    chosen,
+    type_document,
+    type_page,
+)
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 
 SMALL = 3_000_000

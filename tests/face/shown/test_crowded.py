@@ -12,7 +12,7 @@ import pytest
 from page_checks import COUNT, complaints, shown_as
 from towers_scene import HEIGHT, WIDTH
 
-from plogic.face.pages.report import page
+from plogic.face.pages.one_file import page
 from plogic.face.shown.overlay import PALETTE, bgr, crowded, overlay
 
 INK = """const c = document.querySelector('.dots'); const p = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
