@@ -28,7 +28,7 @@ from plogic.sequence.views.panorama import Panorama, constancy_of
 if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.sequence.constancy.result import Constancy
-    from plogic.sequence.views.standing import View
+    from plogic.sequence.constancy.sight_lines import View
 
 FIRST_SEED, TURNS = 79_000, (0.0, 12.0, 24.0)
 """The seed of the first scene; degrees round the vertical through the world's origin from which it is looked at."""

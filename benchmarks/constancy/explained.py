@@ -13,7 +13,7 @@ from plogic.sequence.views.panorama import Body
 if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.document import Interpretation
-    from plogic.sequence.views.standing import View
+    from plogic.sequence.constancy.sight_lines import View
 
 
 def unexplained_of(document: Interpretation) -> tuple[str, ...]:

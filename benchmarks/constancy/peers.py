@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import Rates
-    from plogic.sequence.constancy.sight_lines import Sights
-    from plogic.sequence.views.standing import View
+    from plogic.sequence.constancy.sight_lines import Sights, View
 
 NEAR = 9.0
 """Variances within which a datum is near an epipolar line."""

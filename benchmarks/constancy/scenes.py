@@ -29,7 +29,7 @@ from geometry.frames import (
     transform_points,
 )
 from plogic.match.gamma.grid import screen_angle
-from plogic.sequence.views.standing import View
+from plogic.sequence.constancy.sight_lines import View
 from sensing.appearance import Appearance, Gamma
 
 if TYPE_CHECKING:

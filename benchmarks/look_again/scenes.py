@@ -23,7 +23,7 @@ from benchmarks.many.placing import meet
 from geometry.frames import inverse, look_at, transform_points
 from geometry.visibility.rays import behind
 from plogic.match.gamma.grid import screen_angle
-from plogic.sequence.views.standing import View
+from plogic.sequence.constancy.sight_lines import View
 from sensing.appearance import Appearance, Gamma
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from benchmarks.many.score import depth
 from plogic.cycle.delta import Options
 from plogic.match.judged.rivals import DEEP
 from plogic.run.perceive import Perceiver
+from plogic.sequence.constancy.sight_lines import View
 from plogic.sequence.views.panorama import Panorama, panorama_document
-from plogic.sequence.views.standing import View
 
 
 def deepest(document, kb, frame="T_camera_object"):

@@ -127,8 +127,9 @@ def _look(name: str, robot: Robot, perceiver: Perceiver) -> _Look:
     from plogic.match.gamma.data import data_of
     from plogic.run.document import document_of
     from plogic.run.perceive import ranked
+    from plogic.sequence.constancy.sight_lines import View
     from plogic.sequence.views.joint import Found
-    from plogic.sequence.views.standing import Seen, View
+    from plogic.sequence.views.standing import Seen
     from sensing.detectors.detector import detect
 
     kb, image = perceiver.kb, robot.look().image

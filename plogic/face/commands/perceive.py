@@ -204,8 +204,8 @@ def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Sa
 
     Where a frame cannot be read, what was made of those before it is written first.
     """
+    from plogic.sequence.constancy.sight_lines import View
     from plogic.sequence.views.panorama import Panorama, ahead, panorama_document
-    from plogic.sequence.views.standing import View
 
     for key in ("report", "picture", "timings"):
         if getattr(options, key):
@@ -277,7 +277,7 @@ def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
 
 
 def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, camera: str | None) -> Look:
-    from plogic.sequence.views.standing import View
+    from plogic.sequence.constancy.sight_lines import View
 
     picture = None if is_gamma(frame) else image_of(frame, camera)
     gamma, image = gamma_of(frame, picture, camera, panorama.perceiver.kb, Stopwatch())

@@ -11,10 +11,9 @@ import numpy as np
 from geometry.arrays import Floats, Indices, Mask
 from kb.clouds.cloud import Rates
 from plogic.sequence.constancy.result import Constancy, PhysicalFeature, UnknownObject
-from plogic.sequence.constancy.sight_lines import Sights, sights_of
+from plogic.sequence.constancy.sight_lines import Sights, View, sights_of
 from plogic.sequence.constancy.tracks import DEPTHS, MIN_PARALLAX, Tracks, tracks_of
 from plogic.sequence.constancy.weights import Hidden, company_of, log_weights, spacing
-from plogic.sequence.views.standing import View
 
 
 def packing(data: Indices, weight: Floats) -> Indices:

@@ -21,8 +21,8 @@ from geometry.arrays import Floats, frozen
 from kb.clouds.cloud import ObjectType
 from kb.clouds.lobes import Branch, Lobe, build_tree, features_of
 from kb.surfaces.surface import Surface
+from plogic.sequence.constancy.sight_lines import View
 from plogic.sequence.document import ConstancyRow
-from plogic.sequence.views.standing import View
 
 
 @dataclass(frozen=True, eq=False)

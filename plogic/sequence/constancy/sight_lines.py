@@ -1,8 +1,9 @@
 """The unexplained data of a sequence as arrays, lines of sight from known places; and where tracks of them triangulate to.
 
-Vocabulary: a ``Sights`` holds V views of at most N data each; a *track* is a row (V,) of indices, one datum a view at
-most, -1 for none; ``Places``, of T tracks: the most likely place of each, its covariance, and how well it fits. Inside,
-an *observation* is one datum of one track; there are O of them, those of a track together.
+Vocabulary: a ``View`` is one image, ``View("v1", Gamma(...), world_from_camera)``; a ``Sights`` holds V views of at
+most N data each; a *track* is a row (V,) of indices, one datum a view at most, -1 for none; ``Places``, of T tracks:
+the most likely place of each, its covariance, and how well it fits. Inside, an *observation* is one datum of one track;
+there are O of them, those of a track together.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,17 +12,38 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Floats, Indices, Mask
-from geometry.frames import inverse
+from geometry.arrays import Floats, Indices, Mask, frozen
+from geometry.errors import GeometryError
+from geometry.frames import inverse, is_rigid
 from kb.clouds.cloud import Rates
 from plogic.match.gamma.data import Columns
-from plogic.sequence.views.standing import View
-from sensing.appearance import Appearance
+from sensing.appearance import Appearance, Gamma
 
 HIT = 0.8
 """Chance that a feature is detected, where the KB states none (as ``kb.yaml`` has it)."""
 CLUTTER = 1.0
 """Data of clutter an image, of an appearance type of which the KB states none (as the engine has it)."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """One image of a sequence: ``id`` ('v1'), its Γ, and where its camera stood: ``world_from_camera`` (4, 4), metres, world z up."""
+
+    id: str
+    gamma: Gamma
+    world_from_camera: Floats
+
+    def __post_init__(self) -> None:
+        """Keep a read-only pose, and Γ in its order. Raises GeometryError where the pose is not rigid."""
+        if not is_rigid(self.world_from_camera):
+            raise GeometryError(f"{self.id}: T_world_camera must be a rotation and a translation")
+        object.__setattr__(self, "world_from_camera", frozen(self.world_from_camera))
+        object.__setattr__(self, "gamma", self.gamma.in_order())
+
+    @property
+    def camera_from_world(self) -> Floats:
+        """The inverse (4, 4)."""
+        return inverse(self.world_from_camera)
 
 
 @dataclass(frozen=True, eq=False)

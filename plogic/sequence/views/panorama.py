@@ -32,7 +32,7 @@ from plogic.scene.readings.unfinished import OPEN, marks
 from plogic.sequence.constancy.decide import unknown_objects
 from plogic.sequence.constancy.result import Constancy, constancy_document
 from plogic.sequence.views.joint import Joint, joint
-from plogic.sequence.views.standing import Seen, Standing, View, seen_alone, standing_of
+from plogic.sequence.views.standing import Seen, Standing, seen_alone, standing_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
     from plogic.sequence import document
+    from plogic.sequence.constancy.sight_lines import View
     from plogic.sequence.constancy.weights import Hidden
     from plogic.sequence.document import AheadRow, ExpectedRow, Joined, ObjectRow, StandingRow, ViewRow
 

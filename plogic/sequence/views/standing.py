@@ -1,6 +1,5 @@
 """A hypothesis where it stands in the world, and as one image of a sequence, or both of a stereo pair, show it.
 
-* ``View``: one image of a sequence, ``View("v1", Gamma(...), world_from_camera)``
 * ``Standing``: ``Standing(index, world_from_object)``
 * ``Seen``: a view with its Γ as arrays
 
@@ -14,18 +13,18 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Floats, frozen
-from geometry.errors import GeometryError
-from geometry.frames import inverse, is_rigid, transform_points
+from geometry.frames import inverse, transform_points
 from geometry.poses.refine import Sight, refine_sights
 from plogic.match.gamma.data import Data, data_of
 from plogic.match.judged.evidence import judged, sigmas
 from plogic.match.judged.expectation import FEWEST
 from plogic.match.judged.rivals import claims, excludes, hidden_among, same_place
+from plogic.sequence.constancy.sight_lines import View
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from geometry.arrays import Floats
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from plogic.cycle.state import Cycle
     from plogic.facts.hypothesis import Hypothesis
@@ -33,27 +32,6 @@ if TYPE_CHECKING:
     from plogic.run.perceive import Perceiver
     from sensing.appearance import Gamma
     from sensing.files.stereo import Pair
-
-
-@dataclass(frozen=True, eq=False)
-class View:
-    """One image of a sequence: ``id`` ('v1'), its Γ, and where its camera stood: ``world_from_camera`` (4, 4), metres, world z up."""
-
-    id: str
-    gamma: Gamma
-    world_from_camera: Floats
-
-    def __post_init__(self) -> None:
-        """Keep a read-only pose, and Γ in its order. Raises GeometryError where the pose is not rigid."""
-        if not is_rigid(self.world_from_camera):
-            raise GeometryError(f"{self.id}: T_world_camera must be a rotation and a translation")
-        object.__setattr__(self, "world_from_camera", frozen(self.world_from_camera))
-        object.__setattr__(self, "gamma", self.gamma.in_order())
-
-    @property
-    def camera_from_world(self) -> Floats:
-        """The inverse (4, 4)."""
-        return inverse(self.world_from_camera)
 
 
 class Seen(NamedTuple):

@@ -13,10 +13,9 @@ from moved_views import CAMERA, RATES, all_of, ring, views_of
 
 from geometry.frames import inverse, transform_points
 from plogic.match.gamma.grid import screen_angle
-from plogic.sequence.constancy.sight_lines import sights_of
+from plogic.sequence.constancy.sight_lines import View, sights_of
 from plogic.sequence.constancy.tracks import DEPTHS, tracks_of
 from plogic.sequence.constancy.weights import HALF_ANGLES, log_pattern, log_turns, log_weights
-from plogic.sequence.views.standing import View
 from sensing.appearance import Gamma
 
 
