@@ -60,8 +60,7 @@ def acceptance(hypothesis: Hypothesis) -> Step:
 
 def stable(task: Task, of: tuple[Hypothesis, ...], steps: tuple[Step, ...] = ()) -> Stable:
     """What is left of these when they are kept apart (A4) and reconsidered."""
-    start = Stable(of, of, (), steps)
-    return reconsidered(task, separated(task, start))
+    return reconsidered(task, separated(task, Stable(of, of, (), steps)))
 
 
 def separated(task: Task, start: Stable) -> Stable:
@@ -97,8 +96,7 @@ def reconsidered(task: Task, start: Stable) -> Stable:
     while True:
         again = []
         for k, hypothesis in enumerate(some):
-            beside = [*some[:k], *some[k + 1 :]]
-            new = _again(task, hypothesis, beside)
+            new = _again(task, hypothesis, [*some[:k], *some[k + 1 :]])
             again.append(new)
             why = f"ev {rounded(new.ev)} alone, {rounded(new.ev_reconsidered)} beside the others"
             steps.append(step_of("reconsider", why, new))

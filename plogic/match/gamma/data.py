@@ -173,8 +173,7 @@ def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138)
     ``width``: bytes of those descriptors that the KB's words are made of; colours count where all have them.
     """
     uv = np.array([a.uv for a in appearances], dtype=float).reshape(-1, 2)
-    most = max((len(a.arms) for a in appearances), default=0)
-    arms = np.full((len(appearances), most), np.nan)
+    arms = np.full((len(appearances), max((len(a.arms) for a in appearances), default=0)), np.nan)
     for row, appearance in zip(arms, appearances, strict=True):
         row[: len(appearance.arms)] = appearance.arms
     angle = np.array([np.nan if a.angle is None else a.angle for a in appearances], dtype=float)

@@ -21,8 +21,7 @@ def wrapped(angle: Floats) -> Floats:
 def screen_angle(direction: Floats, at: Floats) -> Floats:
     """Angle on the screen, radians clockwise from +x, of a direction (…, 3) in space at a place (…, 3), both in the camera's frame."""
     du = direction[..., 0] * at[..., 2] - at[..., 0] * direction[..., 2]
-    dv = direction[..., 1] * at[..., 2] - at[..., 1] * direction[..., 2]
-    return np.asarray(np.arctan2(dv, du))
+    return np.asarray(np.arctan2(direction[..., 1] * at[..., 2] - at[..., 1] * direction[..., 2], du))
 
 
 def part_of_circle(angle: Floats, parts: int) -> Indices:
@@ -33,8 +32,7 @@ def part_of_circle(angle: Floats, parts: int) -> Indices:
 def taken(low: Indices, high: Indices) -> tuple[Indices, Indices]:
     """Rows and positions, row by row, of the half-open ranges ``low`` to ``high`` (Q, R)."""
     count = (high - low).ravel()
-    ends = np.cumsum(count)
-    at = np.arange(count.sum()) + np.repeat(low.ravel() - ends + count, count)
+    at = np.arange(count.sum()) + np.repeat(low.ravel() - np.cumsum(count) + count, count)
     return np.repeat(np.arange(len(low)), (high - low).sum(axis=1)), at
 
 

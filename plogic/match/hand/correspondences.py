@@ -108,8 +108,7 @@ def _links_from(junctions: Indices, data: Data, check: Callable[[], None]) -> Da
         off = np.abs(wrapped(angle - data.arms[junctions, k : k + 1]))
         rows, columns = np.nonzero((off < POINTING) & apart)
         order = np.lexsort((length[rows, columns], rows))
-        nth = np.arange(len(rows)) - np.searchsorted(rows, rows)
-        near = order[nth < ALONG_ONE_ARM]
+        near = order[(np.arange(len(rows)) - np.searchsorted(rows, rows)) < ALONG_ONE_ARM]
         pairs |= set(zip(rows[near].tolist(), columns[near].tolist(), strict=True))
     index = np.array(sorted(pairs), dtype=np.intp).reshape(-1, 2)
     row, second = index[:, 0], index[:, 1]
@@ -185,8 +184,7 @@ def _agreement(
         there = (bins[:, k] >= 0).astype(np.uint64)
         hits += ((words >> shift[column]) & there[column]).astype(np.int8)
     number = (bins >= 0).sum(axis=1)
-    needed = np.maximum(np.minimum(number, 2), np.ceil(0.6 * number)).astype(np.int8)
-    return hits, hits >= needed[column]
+    return hits, hits >= np.maximum(np.minimum(number, 2), np.ceil(0.6 * number)).astype(np.int8)[column]
 
 
 def _bins(angles: Floats) -> NDArray[np.int64]:

@@ -173,8 +173,7 @@ def _nearest(shown: _Shown, maps: DistanceMaps, tolerance: Floats) -> Indices:
     matches = np.where(wanted, datum, -1)
     order = np.argsort(np.where(wanted, distance, np.inf), axis=1, kind="stable")
     ranked = np.take_along_axis(matches, order, axis=1)
-    first = _first_of_each(ranked)
-    np.put_along_axis(matches, order, np.where(first, ranked, -1), axis=1)
+    np.put_along_axis(matches, order, np.where(_first_of_each(ranked), ranked, -1), axis=1)
     return matches
 
 

@@ -77,8 +77,7 @@ def _from_pairs(index: TypeIndex, allowed: Mask, maps: DistanceMaps, data: Data,
     coarse = _pairs(index, allowed, data, check)
     check()
     worth = votes(coarse, index.cells, maps, index.weights, data, index.anchors)
-    best = np.sort(np.argsort(-worth, kind="stable")[:VOTED])
-    return coarse_poses(coarse.take(best), index.cells, data)
+    return coarse_poses(coarse.take(np.sort(np.argsort(-worth, kind="stable")[:VOTED])), index.cells, data)
 
 
 def _from_triples(index: TypeIndex, allowed: Mask, maps: DistanceMaps, data: Data, check: Callable[[], None]) -> Floats:

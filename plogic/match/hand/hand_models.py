@@ -41,8 +41,7 @@ def permutations(points: Floats, symmetries: Floats) -> Indices:
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 1.0
     rows = []
     for motion in symmetries:
-        moved = points @ motion[:3, :3].T + motion[:3, 3]
-        gap = np.linalg.norm(moved[:, None] - points[None], axis=2)
+        gap = np.linalg.norm((points @ motion[:3, :3].T + motion[:3, 3])[:, None] - points[None], axis=2)
         if (gap.min(axis=1, initial=np.inf) < SAME * extent).all():
             rows.append(gap.argmin(axis=1))
     return np.array(rows, dtype=np.intp).reshape(-1, len(points))

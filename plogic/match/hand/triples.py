@@ -212,5 +212,4 @@ def _slants(scale: Floats, gram: Floats) -> Floats:
     """(N, 2) third row of the rotation's first two columns, up to sign: from AᵀA = s² (1 − r rᵀ)."""
     rest = np.eye(2)[None] - gram / (scale**2)[:, None, None]
     size = np.sqrt(np.maximum(rest[:, [0, 1], [0, 1]], 0.0))
-    sign = np.where(rest[:, 0, 1] < 0.0, -1.0, 1.0)
-    return np.stack([size[:, 0], sign * size[:, 1]], axis=1)
+    return np.stack([size[:, 0], np.where(rest[:, 0, 1] < 0.0, -1.0, 1.0) * size[:, 1]], axis=1)

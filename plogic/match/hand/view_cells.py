@@ -261,8 +261,7 @@ def votes(
     """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight."""
     value = (cells.visible * weights).astype(np.float32)[:, features]
     distance = maps.seen_at(places_of(pairs, cells, data, features), features)[0].astype(np.float32)
-    tolerance = (LOOSE * cells.diameter * pairs.scale).astype(np.float32)[:, None]
-    near = np.maximum(0.0, 1.0 - distance / tolerance)
+    near = np.maximum(0.0, 1.0 - distance / (LOOSE * cells.diameter * pairs.scale).astype(np.float32)[:, None])
     whole = np.maximum(value.sum(axis=1), 1e-12)
     return np.asarray((value[pairs.cell] * near).sum(axis=1) / whole[pairs.cell], dtype=float)
 
@@ -306,8 +305,7 @@ def pose_votes(
     most = value.sum(axis=1)
     distance, covered = maps.seen_at(places, features)
     value = value * ~covered
-    loose = (LOOSE * sizes(poses, cells, data.camera.f)).astype(np.float32)
-    share = distance / loose[:, None]
+    share = distance / (LOOSE * sizes(poses, cells, data.camera.f)).astype(np.float32)[:, None]
     near = 0.5 * np.maximum(0.0, 1.0 - share) + 0.5 * np.maximum(0.0, 1.0 - SHARP * share)
     whole = np.maximum(np.maximum(value.sum(axis=1), LEAST_OPEN * most), 1e-12)
     return np.asarray((value * near).sum(axis=1) / whole)

@@ -131,8 +131,7 @@ def votes(found: Agreement, pairs: Pairs) -> Floats:
 def greatest(owner: Indices, worth: Floats) -> Indices:
     """Indices, increasing, of the one of greatest worth (N,) of each owner (N,), of equals the first."""
     order = np.lexsort((-worth, owner))
-    first = np.append(True, owner[order[1:]] != owner[order[:-1]])[: len(order)]
-    return np.sort(order[first])
+    return np.sort(order[np.append(True, owner[order[1:]] != owner[order[:-1]])[: len(order)]])
 
 
 @dataclass(frozen=True)

@@ -278,8 +278,7 @@ def turns(index: LearnedIndex, pairs: Pairs, data: Data) -> Floats:
     up /= np.linalg.norm(up, axis=1, keepdims=True)
     camera = np.stack([back, up, np.cross(back, up)], axis=2)
     axis, own_up = cloud.axis[pairs.lobe], cloud.up[pairs.lobe]
-    own = np.stack([axis, own_up, np.cross(axis, own_up)], axis=2)
-    return np.asarray(camera @ np.swapaxes(own, 1, 2))
+    return np.asarray(camera @ np.swapaxes(np.stack([axis, own_up, np.cross(axis, own_up)], axis=2), 1, 2))
 
 
 def plausible(index: LearnedIndex, poses: Floats) -> Mask:

@@ -105,8 +105,7 @@ def matched(
         if len(data.ids)
         else posed.residual
     )
-    used = expected & (matches >= 0)
-    sigma = np.hypot(blur(residual[used & (reach <= tolerance)]), spread)
+    sigma = np.hypot(blur(residual[(expected & (matches >= 0)) & (reach <= tolerance)]), spread)
     like = likeness(index, posed, about, matches, data, kb)
     posed = replace(
         posed,

@@ -71,8 +71,7 @@ def generate(
 
 def clear_of(taken: Floats, index: LearnedIndex, poses: Floats) -> Mask:
     """(H,) which poses (H, 4, 4) may keep out of bodies that are there already (N, 4), as far as their inner radii tell (A4)."""
-    middles = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
-    apart = np.linalg.norm(middles[:, None] - taken[:, :3], axis=2)
+    apart = np.linalg.norm((poses[:, :3, :3] @ index.centre + poses[:, :3, 3])[:, None] - taken[:, :3], axis=2)
     return np.asarray((apart > taken[:, 3] + index.inner_radius).all(axis=1))
 
 
@@ -216,6 +215,5 @@ def set_down(index: LearnedIndex, pairs: Pairs, plane: Plane, data: Data) -> Flo
 
 def _least_turns(start: Floats, end: Floats) -> Floats:
     """(N, 3, 3) the least rotations of unit vectors (N, 3) to another (3,), which is opposite to none."""
-    axis = np.cross(start, end)
-    across = np.cross(np.eye(3), axis[:, None, :])
+    across = np.cross(np.eye(3), np.cross(start, end)[:, None, :])
     return np.asarray(np.eye(3) + across + across @ across / (1.0 + start @ end)[:, None, None])

@@ -187,8 +187,7 @@ def side_matches(
         / (2.0 * ALONG)
         / usual[place]
     )
-    worth = np.log(rare) - 0.5 * (mine.off / NEARER) ** 2
-    chosen = _one_to_one(feature[place], datum, worth)
+    chosen = _one_to_one(feature[place], datum, np.log(rare) - 0.5 * (mine.off / NEARER) ** 2)
     of = place[chosen]
     many = len(of) >= max(FEW_SIDES, MANY * len(np.unique(feature)))
     pattern = share_elsewhere(posed.uv[feature[of]], angle[of], index.looks[lobes[of]], data) if many else 0.0

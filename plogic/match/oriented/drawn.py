@@ -58,8 +58,7 @@ def shown(index: PairIndex, kind: Indices, poses: Floats) -> Shown:
     seen = np.zeros((len(kind), lobes.feature.shape[1]), bool)
     for one in np.unique(kind):
         rows, count = np.flatnonzero(kind == one), lobes.own[one]
-        visible = index.cells[one].visible[cells[rows]].any(axis=1)
-        seen[rows, :count] = visible[:, lobes.feature[one, :count]]
+        seen[rows, :count] = index.cells[one].visible[cells[rows]].any(axis=1)[:, lobes.feature[one, :count]]
     pose, lobe = np.nonzero(seen)
     own = kind[pose], lobe
     feature = lobes.feature[own]

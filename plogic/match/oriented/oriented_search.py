@@ -174,8 +174,7 @@ def _proposals(asked: Asked, votes: Votes, width: Width) -> list[Proposal]:
     if width.fours:
         found = _with_fours(asked, found, width.fours)
     sure = found.take(found.likely > FEWEST - 1)
-    rows = zip(sure.kind.tolist(), sure.poses, sure.worth.tolist(), strict=True)
-    return [Proposal(*row) for row in rows]
+    return [Proposal(*row) for row in zip(sure.kind.tolist(), sure.poses, sure.worth.tolist(), strict=True)]
 
 
 def _climbed(asked: Asked, kind: Indices, poses: Floats, each: Round) -> _Posed:

@@ -145,8 +145,7 @@ def counted(raw: Raw) -> Votes:
 
 def _fit(off: NDArray[np.uint8], sigma: float) -> Indices:
     """(N,) weights of votes the angles (N, 2) of which are off by so many ``FINE``ths of the circle: by a normal density, at least 1."""
-    steps = np.arange(FINE // 2 + 1) * (2.0 * np.pi / FINE)
-    bell = np.exp(-0.5 * (steps / np.hypot(sigma, BENT)) ** 2)
+    bell = np.exp(-0.5 * ((np.arange(FINE // 2 + 1) * (2.0 * np.pi / FINE)) / np.hypot(sigma, BENT)) ** 2)
     return np.asarray(np.maximum(1, np.rint(WHOLE * bell[off[:, 0]] * bell[off[:, 1]])).astype(np.intp))
 
 

@@ -156,8 +156,7 @@ def _boxed(matches: _Matches, size: float, offset: float) -> tuple[Indices, Indi
     place = (keys * _SPREAD) >> np.uint32(32 - _BITS)
     rows = np.flatnonzero((np.bincount(place, minlength=1 << _BITS) >= FEWEST)[place])
     rows = rows[np.argsort(keys[rows], kind="stable")]
-    first = np.flatnonzero(np.diff(keys[rows].astype(np.int64), prepend=-1))
-    count = np.diff(first, append=len(rows))
+    count = np.diff(np.flatnonzero(np.diff(keys[rows].astype(np.int64), prepend=-1)), append=len(rows))
     full = count >= FEWEST
     rows, count = rows[np.repeat(full, count)], count[full]
     return rows, np.cumsum(count) - count

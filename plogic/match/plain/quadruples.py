@@ -66,8 +66,7 @@ def off(poses: Floats, pairs: Typed, uv: Floats, camera: Camera) -> Floats:
     Infinite behind the camera.
     """
     at = np.einsum("nij,fj->nfi", poses[:, :3, :3], pairs.points) + poses[:, None, :3, 3]
-    depth = np.where(at[..., 2] > 0.0, at[..., 2], np.nan)
-    shown = camera.to_pixels(at[..., :2] / depth[..., None])
+    shown = camera.to_pixels(at[..., :2] / np.where(at[..., 2] > 0.0, at[..., 2], np.nan)[..., None])
     return np.nan_to_num(np.linalg.norm(shown[:, pairs.feature] - uv[pairs.datum], axis=2), nan=np.inf)
 
 
@@ -129,8 +128,7 @@ def extended(scene: Scene, poses: Floats, most: int) -> list[Floats]:
     """At most so many refined poses (4, 4), no two alike, by their evidence, the best first."""
     for wider in WIDENED:
         poses = np.array([_refined(scene, pose, wider) for pose in poses]).reshape(-1, 4, 4)
-    values = worth(scene, poses, WIDENED[-1])
-    return [poses[i] for i in best(scene, poses, values, most)]
+    return [poses[i] for i in best(scene, poses, worth(scene, poses, WIDENED[-1]), most)]
 
 
 def _refined(scene: Scene, pose: Floats, wider: float) -> Floats:

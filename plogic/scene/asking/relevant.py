@@ -74,8 +74,7 @@ def _of_atom(atom: Any, ids: set[str]) -> set[str] | None:  # noqa: ANN401 - a t
     if not places or not all(place.is_ground() for place in places):
         return None
     labels = [label_of(part) for place in places for part in _inside(place)]
-    found = {label.split("/")[0] for label in labels if label is not None} & ids
-    return found or None
+    return ({label.split("/")[0] for label in labels if label is not None} & ids) or None
 
 
 def _inside(term: Any) -> Iterator[Any]:  # noqa: ANN401 - a term of ProbLog's
@@ -95,8 +94,7 @@ def _together(situation: Situation, named: set[str]) -> set[str]:
         links.add_edges_from((h.id, other) for f in h.features for other in f.hidden_by)
         links.add_edges_from((h.id, f"datum {f.match}") for f in h.features if f.match is not None)
     start = {name if name in ids else f"datum {name}" for name in named}
-    parts = [part for part in nx.connected_components(links) if not start.isdisjoint(part)]
-    return set().union(*parts) & ids
+    return set().union(*[part for part in nx.connected_components(links) if not start.isdisjoint(part)]) & ids
 
 
 def _part(situation: Situation, kept: set[str], named: set[str]) -> Situation:

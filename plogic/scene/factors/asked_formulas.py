@@ -42,8 +42,7 @@ class Asked:
         states = conjunction(formula, self.graph.cards)
         if states is not None:
             return self._conjunction(states)
-        touched = sorted({self._of[literal.variable] for literal in literals(formula)})
-        graph, number = self._part(touched)
+        graph, number = self._part(sorted({self._of[literal.variable] for literal in literals(formula)}))
         more, (literal,) = with_formulas(graph, (renumbered(formula, number),))
         return probability(self.solve(more), literal)
 

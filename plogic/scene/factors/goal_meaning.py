@@ -73,8 +73,7 @@ def _lines(w: Writer) -> Iterator[str]:
     yield from _score(w) if score else _posterior(w)
     yield from (f"{s.split('/')[0]}({', '.join('_' * int(s[-1]))}) :- fail." for s in OUTSIDE)
     yield fallbacks()
-    reassigned = score and situation.reconsider == "reassign"
-    yield from (COMMON, FOUND_REASSIGN if reassigned else FOUND, VIOLATED)
+    yield from (COMMON, FOUND_REASSIGN if (score and situation.reconsider == "reassign") else FOUND, VIOLATED)
     yield from vocabulary_rules(situation.reading)
     yield from author_rules(situation.rules, w.names, defined())
 

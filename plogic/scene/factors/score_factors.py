@@ -130,8 +130,7 @@ def _in_view(cast: Cast, h: Hypothesis, f: FeatureFact) -> Formula:
     """D7, given that ``h`` is in the world."""
     if not h.expects(f):
         return Or(())
-    hiders = cast.literals(cast.hiders(h, f))
-    return Not(Or(tuple(Literal(v, frozenset(states)) for v, states in hiders)))
+    return Not(Or(tuple(Literal(v, frozenset(states)) for v, states in cast.literals(cast.hiders(h, f)))))
 
 
 def _robbed(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:

@@ -64,8 +64,7 @@ def quoted(label: str) -> str:
 def disjunction(heads: list[tuple[float, str]], per_line: int = 3) -> str:
     """An annotated disjunction: ``0.5::a; 0.5::b.``, a few heads a line."""
     written = [f"{number(p)}::{head}" for p, head in heads]
-    lines = ["; ".join(written[i : i + per_line]) for i in range(0, len(written), per_line)]
-    return ";\n  ".join(lines) + "."
+    return ";\n  ".join(["; ".join(written[i : i + per_line]) for i in range(0, len(written), per_line)]) + "."
 
 
 def title(number_of_layer: int, meaning: str) -> str:

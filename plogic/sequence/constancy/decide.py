@@ -52,8 +52,7 @@ def probabilities(data: Indices, weight: Floats, chosen: Indices) -> Floats:
     for t in chosen.tolist():
         shared = (own == t).sum(axis=1)
         rivals = np.flatnonzero((shared > 0) & (np.arange(len(data)) != t))
-        logs = weight[rivals] - (cost[rivals] - weight[t])
-        every = np.concatenate([[weight[t], 0.0], logs])
+        every = np.concatenate([[weight[t], 0.0], weight[rivals] - (cost[rivals] - weight[t])])
         every = np.exp(every - float(every.max()))
         answers.append((every[0] + every[2:][shared[rivals] > 1].sum()) / every.sum())
     return np.array(answers)
@@ -198,8 +197,7 @@ def tellable(sights: Sights, v: int, hidden: Hidden | None) -> Mask:
     """
     count = len(sights.ids[v])
     depths = np.geomspace(*DEPTHS, STEPS)
-    rays = np.column_stack([sights.xy[v, :count], np.ones(count)])
-    points = (rays[:, None] * depths[:, None]).reshape(-1, 3)
+    points = (np.column_stack([sights.xy[v, :count], np.ones(count)])[:, None] * depths[:, None]).reshape(-1, 3)
     frame = np.linalg.inv(sights.camera_from_world[v])
     world = points @ frame[:3, :3].T + frame[:3, 3]
     told = sights.in_image(world)

@@ -199,8 +199,7 @@ def draft_body(features: Sequence[SeenFeature], centroid: Floats) -> Surface | N
 
 def _thickness(at: Floats) -> float:
     """The extent (N, 3) along the thinnest axis, as a share of that along the longest."""
-    axes = np.linalg.svd(at - at.mean(axis=0), full_matrices=False)[2]
-    extents = np.ptp(at @ axes.T, axis=0)
+    extents = np.ptp(at @ np.linalg.svd(at - at.mean(axis=0), full_matrices=False)[2].T, axis=0)
     return float(extents.min() / max(extents.max(), 1e-12))
 
 

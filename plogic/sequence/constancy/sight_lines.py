@@ -73,8 +73,7 @@ class Sights:
 
     def seen(self, tracks: Indices) -> Floats:
         """(T, V, 2) ideal places of the tracks' data, NaN where a view has none."""
-        places = self.xy[np.arange(len(self.views)), tracks]
-        return np.where(tracks[..., None] >= 0, places, np.nan)
+        return np.where(tracks[..., None] >= 0, self.xy[np.arange(len(self.views)), tracks], np.nan)
 
     def in_image(self, world: Floats) -> Mask:
         """(T, V) whether the places (T, 3) m lie in each view's image."""
@@ -225,8 +224,7 @@ def _linear(sights: Sights, observed: _Observed) -> Floats:
 def _solved(matrix: Floats, right: Floats) -> Floats:
     """(T, 3) the solutions; a hair on the diagonal keeps singular systems finite, ``good`` tells them later."""
     size = np.trace(matrix, axis1=1, axis2=2)[:, None, None]
-    solution = np.linalg.solve(matrix + np.eye(3) * (1e-12 * size + 1e-30), right[..., None])
-    return np.asarray(solution[..., 0])
+    return np.asarray(np.linalg.solve(matrix + np.eye(3) * (1e-12 * size + 1e-30), right[..., None])[..., 0])
 
 
 def _normal(observed: _Observed, residual: Floats, jacobian: Floats) -> tuple[Floats, Floats]:

@@ -193,9 +193,8 @@ def _turns(sights: Sights, at: Floats, angles: Floats, sigma: float) -> Floats:
     for v in range(len(sights.views)):
         there = np.flatnonzero(np.isfinite(angles[:, v]) & (first != v))
         seen = screen_angle(directions[there] @ R[v].T, (at[there] @ R[v].T + t[v])[:, None])
-        off = wrapped(seen - angles[there, v, None])
         # Both angles are noisy: the variance is twice sigma², times 2π.
-        right = np.exp(-0.25 * (off / sigma) ** 2) * np.sqrt(np.pi) / sigma
+        right = np.exp(-0.25 * (wrapped(seen - angles[there, v, None]) / sigma) ** 2) * np.sqrt(np.pi) / sigma
         total[there] += np.log(STRAY + (1.0 - STRAY) * right)
     share = np.sin(theta) / np.sin(theta).sum()
     return np.asarray(

@@ -123,8 +123,7 @@ def _left(told: _Told, which: int, count: int, rng: np.random.Generator) -> Floa
 
 def each_site(probability: Floats, report: Floats, answers: Floats | None = None) -> Floats:
     """(S,) what each site alone would tell, bits."""
-    given = np.eye(len(probability)) if answers is None else answers
-    joint = probability[:, None] * given
+    joint = probability[:, None] * (np.eye(len(probability)) if answers is None else answers)
     mass = joint.sum(axis=0)
     by_answer = (joint / np.where(mass > 0.0, mass, 1.0)).T @ report
     return np.maximum(_flip(probability @ report) - mass @ _flip(by_answer), 0.0)

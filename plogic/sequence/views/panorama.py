@@ -164,8 +164,7 @@ class Panorama:
     def _speaks(self, known: Known, cycle: Cycle, seen: Seen) -> float:
         """The log-likelihood ratio of one object in one view, where what was accepted there hides what it hides."""
         posed = seen_alone(known.standing, seen, self.perceiver.kb)
-        hidden = hidden_among(posed, cycle.accepted)
-        return evidence(posed, seen.data, self.perceiver.kb, hidden).ratio
+        return evidence(posed, seen.data, self.perceiver.kb, hidden_among(posed, cycle.accepted)).ratio
 
     def _remember(self, cycle: Cycle, view: View, in_view: Sequence[str]) -> None:
         """Judge what is known and what is new in all views together, and keep what is probable."""
