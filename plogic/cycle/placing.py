@@ -31,9 +31,8 @@ from geometry.visibility.outline import image_area, outline
 from kb.clouds.cloud import KnowledgeBase
 from kb.surfaces.surface import Surface
 from plogic.cycle.support import support_of
-from plogic.facts.gravity import GROUND, Foot, Gravity
 from plogic.facts.hypothesis import Hypothesis
-from plogic.facts.spatial import BodyFact, SharedFact, Space, View
+from plogic.facts.spatial import GROUND, BodyFact, Foot, Gravity, SharedFact, Space, View
 from plogic.match.judged.evidence import pose_information
 from plogic.match.judged.rivals import solid_of
 from plogic.match.judged.type_models import TypeModel

@@ -15,6 +15,7 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plogic.base.walk import by_key
 from plogic.inference.graph import roots
 from plogic.logic.grounding.ground_program import TRUE, Gate, Ground
 
@@ -292,7 +293,4 @@ def components(clauses: Sequence[Clause]) -> tuple[tuple[Clause, ...], ...]:
     """The clauses in sets that share no variable, in the order of their first clauses."""
     joined = [tuple(map(abs, clause)) for clause in clauses]
     root = roots(1 + max((max(scope) for scope in joined), default=0), joined)
-    groups: dict[int, list[Clause]] = {}
-    for clause, scope in zip(clauses, joined, strict=True):
-        groups.setdefault(root[scope[0]], []).append(clause)
-    return tuple(map(tuple, groups.values()))
+    return tuple(map(tuple, by_key(zip((root[scope[0]] for scope in joined), clauses, strict=True)).values()))

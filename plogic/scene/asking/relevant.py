@@ -11,8 +11,8 @@ from typing import Any
 
 import networkx as nx
 
-from plogic.facts.gravity import linked
 from plogic.facts.situation import Situation
+from plogic.facts.spatial import linked
 from plogic.facts.vocabulary import VOCABULARY
 from plogic.logic.safety.author import load_problog
 

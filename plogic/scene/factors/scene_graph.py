@@ -11,8 +11,8 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from plogic.base.bounds import bounded
-from plogic.facts.gravity import GROUND, Foot, Gravity
 from plogic.facts.situation import Situation
+from plogic.facts.spatial import GROUND, Foot, Gravity
 from plogic.inference.graph import FactorGraph
 from plogic.scene.factors.posterior_factors import Cause, add_posterior
 from plogic.scene.factors.score_factors import add_score

@@ -12,10 +12,9 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from plogic.base.bounds import bounded
-from plogic.facts.gravity import GROUND, Gravity
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.situation import PairFact, both_ways
-from plogic.facts.spatial import BodyFact, words_of_shared
+from plogic.facts.spatial import GROUND, BodyFact, Gravity, words_of_shared
 from plogic.scene.text.layout import Writer, coordinate, number, quoted
 
 

@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 
     from geometry.arrays import Floats, Mask
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.gravity import Gravity
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.facts.situation import Situation
+    from plogic.facts.spatial import Gravity
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import TypeModel
     from plogic.run.perceive import Perceiver
