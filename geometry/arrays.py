@@ -9,6 +9,7 @@ from geometry.errors import GeometryError
 
 Floats = NDArray[np.float64]  # any shape, double precision
 Ints = NDArray[np.int64]  # any shape
+Indices = NDArray[np.intp]  # any shape, what numpy takes as an index
 Mask = NDArray[np.bool_]  # any shape
 Bytes = NDArray[np.uint8]  # any shape: pixels, descriptors
 

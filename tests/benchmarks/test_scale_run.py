@@ -16,7 +16,7 @@ from benchmarks.clutter.types import EASY
 from benchmarks.scale.bench import Plan, run
 from benchmarks.scale.types import bodies, first, made_ready
 from benchmarks.scale.votes import capped, entries, falsely_accepted, seen, standing, under_cap, with_more
-from plogic.match.gamma.screen_angles import part_of_circle
+from plogic.match.gamma.grid import part_of_circle
 
 LOOKS = 10
 """So few that each of the types has them all."""

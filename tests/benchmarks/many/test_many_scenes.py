@@ -17,7 +17,7 @@ from benchmarks.many.scenes import NOISE, scene, seen
 from benchmarks.many.types import DETECTOR, LOOKS, frequencies, polyhedron, with_rates
 from geometry.frames import from_rotation_translation, transform_points
 from geometry.visibility.occlusion import PosedSurface, visible_fraction
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.run.perceive import Perceiver
 from sensing.appearance import Gamma
 
