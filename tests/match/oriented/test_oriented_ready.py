@@ -12,8 +12,8 @@ from oriented_scenes import a_trial, clouds
 
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
+from plogic.match.oriented.oriented_models import MANY, ready
 from plogic.match.oriented.oriented_search import Search
-from plogic.match.oriented.ready import MANY, ready
 from plogic.run.perceive import Perceiver
 
 LITTLE = {"count": MANY, "features": 12, "looks": 12}
