@@ -9,7 +9,7 @@
   nothing holds floats, and that is improbable. ``Situation.gravity`` is None where nobody said that gravity holds.
 
 Everything here is plain data, of metres, in the camera frame but for the heights of feet; ``plogic.cycle.placing`` and
-``plogic.cycle.holding`` make it by geometry, and it comes back from ``interpretation.json``.
+``plogic.cycle.placing`` make it by geometry, and it comes back from ``interpretation.json``.
 
 ``exclusions``, ``exclusion_lines`` and ``apart_of`` tell, in numbers and in words, which hypotheses A4 keeps out of each
 other's worlds: the volume that they share, and how deep.
