@@ -73,12 +73,14 @@ def content_of(path: Path | str, most: int, error: Callable[[str], Exception]) -
     """
     try:
         with nullcontext(sys.stdin.buffer) if str(path) == "-" else Path(path).open("rb") as file:
-            data = file.read(most + 1)
+            data = bytearray()
+            while len(data) <= most and (more := file.read(1 << 20)):
+                data += more
     except OSError as fault:
         raise error(f"{path}: cannot be read: {fault.strerror}") from None
     if len(data) > most:
         raise error(f"{name_of(path)}: is larger than the {most} bytes that are read")
-    return data
+    return bytes(data)
 
 
 def name_of(path: Path | str) -> str:
