@@ -10,14 +10,12 @@ from typing import Any
 import click
 
 from plogic.face.authoring.kb_group import kb
-from plogic.face.commands.batch import batch
-from plogic.face.commands.bop import bop
-from plogic.face.commands.measures import measures
-from plogic.face.commands.next_view import next_view
-from plogic.face.commands.simulate import BOP, BOP_IMAGES, ROBOT
+from plogic.face.commands.clicked import batch, bop, measures, next_view
 from plogic.face.shown.options import (
     AS_JSON,
     BEST_BY,
+    BOP,
+    BOP_IMAGES,
     CAMERA,
     DEADLINE,
     FIRST_READING,
@@ -28,11 +26,16 @@ from plogic.face.shown.options import (
     READING,
     READINGS,
     RECONSIDER,
+    ROBOT,
     SEED,
     SMOOTHING,
     SOURCE,
     TRUST,
+    Asking,
     Number,
+    Perceiving,
+    emit,
+    say,
 )
 
 SIZED = "scale", "panorama", "stereo", "constancy", "look-again", "occlusion"
@@ -64,11 +67,11 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: b
 
         if reading == "score":
             raise click.UsageError("--look-again: is in the posterior reading; leave --reading out")
-        _out(run_look_again(out or Path("out/look-again"), seed, say=_say, as_json=as_json))
+        emit(run_look_again(out or Path("out/look-again"), seed, say=say, as_json=as_json))
     else:
         from plogic.face.commands.demo import run_demo
 
-        _out(run_demo(out or Path("out/demo"), seed, reading or "score", say=_say, as_json=as_json))
+        emit(run_demo(out or Path("out/demo"), seed, reading or "score", say=say, as_json=as_json))
 
 
 @cli.command()
@@ -96,23 +99,15 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: b
     "--picture", type=click.Path(path_type=Path), help="Also write the picture with the hypotheses over it (PNG)."
 )
 @click.option("--timings", type=click.Path(path_type=Path), help="Write the seconds of each stage as JSON.")
-def perceive(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) -> None:
+def perceive(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:
     """Interpret INPUT, an image or a Γ file (`-` is a Γ on stdin), with a knowledge base.
 
     Several, from a camera whose places are known (--poses, or T_world_camera in each Γ), are views of one world: they
     give a panorama.
     """
-    if options["stereo"] is not None:
-        from plogic.face.commands.perceive_stereo import stereo_command
+    from plogic.face.commands.perceive import perceive_command
 
-        sys.exit(stereo_command(inputs, kb_folder, out, options, say=_say, write=_out))
-    if len(inputs) == 1 and options["poses"] is None:
-        from plogic.face.commands.perceive_command import perceive_command
-
-        sys.exit(perceive_command(inputs[0], kb_folder, out, options, say=_say, write=_out))
-    from plogic.face.commands.perceive_sequence import sequence_command
-
-    sys.exit(sequence_command(inputs, kb_folder, out, options, say=_say, write=_out))
+    sys.exit(perceive_command(inputs, Perceiving(kb_folder, **options), say=say, write=emit))
 
 
 @cli.command()
@@ -125,12 +120,11 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, out: str, **options: Any) 
 @AS_JSON
 def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """List the possible worlds, most probable first, with the mass that is not listed."""
-    from plogic.face.commands.asked import Asked
-    from plogic.face.commands.worlds_command import worlds_command
+    from plogic.face.commands.asking import worlds_command
 
     _warn(source, trust=options["trust"])
-    text, status = worlds_command(source, number, given, Asked(**options), as_json=as_json)
-    _out(text)
+    text, status = worlds_command(source, number, given, Asking(**options), as_json=as_json)
+    emit(text)
     sys.exit(status)
 
 
@@ -145,12 +139,11 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
 @AS_JSON
 def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """Give P(goal) with every answer substitution, most probable first; without a goal, the program's own queries."""
-    from plogic.face.commands.asked import Asked
-    from plogic.face.commands.query_command import query_command
+    from plogic.face.commands.asking import query_command
 
     _warn(source, trust=options["trust"])
-    text, status = query_command(source, goal, given, Asked(**options), as_json=as_json)
-    _out(text)
+    text, status = query_command(source, goal, given, Asking(**options), as_json=as_json)
+    emit(text)
     sys.exit(status)
 
 
@@ -166,11 +159,10 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 @AS_JSON
 def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, as_json: bool, **options: Any) -> None:
     """Say why, and why not: ranked explanations of the goal as trees down to the data."""
-    from plogic.face.commands.asked import Asked
-    from plogic.face.commands.explain import explain_command
+    from plogic.face.commands.asking import explain_command
 
     _warn(source, trust=options["trust"])
-    _out(explain_command(source, goal, given, number, Asked(**options), as_json=as_json))
+    emit(explain_command(source, goal, given, number, Asking(**options), as_json=as_json))
 
 
 @cli.command()
@@ -179,10 +171,9 @@ def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, 
 @TRUST
 def shell(source: str, **options: Any) -> None:
     """Ask, observe, predict, rank worlds and ask why, at a prompt or from lines on stdin."""
-    from plogic.face.commands.asked import Asked
-    from plogic.face.commands.shell import shell_command
+    from plogic.face.commands.asking import shell_command
 
-    sys.exit(shell_command(source, Asked(**options), write=_out, say=_say))
+    sys.exit(shell_command(source, Asking(**options), write=emit, say=say))
 
 
 @cli.command()
@@ -193,7 +184,7 @@ def program(interpretation: str, reading: Any, as_json: bool) -> None:
     """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
     from plogic.face.commands.program import program_command
 
-    _out(program_command(interpretation, reading, as_json=as_json))
+    emit(program_command(interpretation, reading, as_json=as_json))
 
 
 @cli.command()
@@ -203,7 +194,7 @@ def report(interpretation: str, out: str) -> None:
     """Write one self-contained HTML page that works offline."""
     from plogic.face.commands.program import report_command
 
-    report_command(interpretation, out, say=_say, write=_out)
+    report_command(interpretation, out, say=say, write=emit)
 
 
 @cli.command()
@@ -230,9 +221,9 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **o
     """Render a physically settled scene with its ground truth."""
     from plogic.face.commands.simulate import simulate_command, tell_without_physics
 
-    tell_without_physics(_say)
+    tell_without_physics(say)
     simulate_command(kb_folder, number, decoys, seed, out, **options)
-    _say(f"wrote {out}")
+    say(f"wrote {out}")
 
 
 @cli.command()
@@ -271,9 +262,9 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
     others |= dict.fromkeys(SIZED, sized)
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
     text, met = import_module(f"benchmarks.{name.replace('-', '_')}.bench").run(
-        seed=seed, **options, as_json=as_json, say=_say
+        seed=seed, **options, as_json=as_json, say=say
     )
-    _out(text)
+    emit(text)
     sys.exit(0 if met else 1)
 
 
@@ -291,15 +282,7 @@ def _warn(source: str, *, trust: bool) -> None:
     if trust and is_program(source):
         from plogic.logic.safety.allowlist import TRUSTED
 
-        _say(TRUSTED)
-
-
-def _out(text: str) -> None:
-    sys.stdout.write(text if text.endswith("\n") else text + "\n")
-
-
-def _say(text: str) -> None:
-    sys.stderr.write(text + "\n")
+        say(TRUSTED)
 
 
 def main() -> None:
@@ -315,7 +298,7 @@ def main() -> None:
     except Exception as error:
         if os.environ.get("PLOGIC_TRACEBACK"):
             raise
-        _say("\n".join(f"plogic: {line}" for line in _told(error)))
+        say("\n".join(f"plogic: {line}" for line in _told(error)))
         sys.exit(1)
 
 

@@ -1,4 +1,4 @@
-"""Constancy from pixels: three rendered views of the two towers, with a knowledge base that has both, and with one that has t2 alone.
+"""Constancy from pixels: three rendered views of the two towers, by a knowledge base of both, and by one of t2 alone.
 
     python benchmarks/constancy_pixels.py [SCENES]
 

@@ -83,7 +83,10 @@ def look(seen: Seen, index: LearnedIndex, pose: Floats, data: Data, kb: Knowledg
 def _off(
     index: LearnedIndex, posed: Hypothesis, data: Data, lobe: NDArray[np.intp], datum: NDArray[np.intp]
 ) -> tuple[Floats, Floats]:
-    """(N,) radians, and logarithm of a ratio of sizes, by which keypoints differ from what the pose makes of appearances."""
+    """(7, N) ``turned, colours, contrast, mean, varied, usual, fit`` of sides of edges, matched or around.
+
+    They face about right and have any colours.
+    """
     at = posed.at[index.cloud.feature[lobe]]
     grown = np.log(index.cloud.size[lobe] * data.camera.f / np.maximum(at[:, 2], 1e-6) / data.scale[datum])
     turn = screen_angle(index.cloud.up[lobe] @ posed.camera_from_object[:3, :3].T, at)
@@ -124,7 +127,9 @@ def _chance(index: LearnedIndex, posed: Hypothesis, data: Data, kb: KnowledgeBas
 
 
 def _sides(index: LearnedIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase, *, true: bool) -> Floats:
-    """(7, N) ``turned, colours, contrast, mean, varied, usual, fit`` of sides of edges that face about right, matched or around, of any colours.
+    """(7, N) ``turned, colours, contrast, mean, varied, usual, fit`` of sides of edges, matched or around.
+
+    They face about right and have any colours.
 
     ``mean`` and ``varied`` are the contrast of the appearance and its standard deviation, ``usual`` the density of the
     one seen among the image's edges, ``fit`` what ``looks_fit`` makes of it all; of several appearances of a match the
@@ -188,7 +193,10 @@ def _linked(posed: Hypothesis, kb: KnowledgeBase, *, true: bool) -> Floats:
 
 
 def _closeness(uv: Floats, turn: Floats, one: NDArray[np.intp], other: NDArray[np.intp]) -> Floats:
-    """(N,) in (0, 1] of pairs of features at uv (F, 2) pixels, across whose edges is turn (F,): what ``crowding.shares`` has before ``LINKED``."""
+    """(N,) in (0, 1] of pairs of features at uv (F, 2) pixels, with turn (F,) across their edges.
+
+    ``crowding.shares`` has it before ``LINKED``.
+    """
     apart, bent = uv[other] - uv[one], (turn[other] - turn[one] + np.pi / 2) % np.pi - np.pi / 2
     mean, square = turn[one] + bent / 2.0, (apart**2).sum(axis=1)
     across = apart[:, 0] * np.cos(mean) + apart[:, 1] * np.sin(mean)

@@ -111,7 +111,7 @@ def shown(kb: KnowledgeBase, first: int, last: int) -> Iterator[Case]:
 
 
 def aside(index: LearnedIndex, truth: Truth, case: Case, rng: np.random.Generator) -> list[Floats]:
-    """Wrong poses (4, 4): as far away as it is, turned in the image, where nothing of the type is nearer than its own diameter."""
+    """Wrong poses (4, 4), as far away, turned in the image, where nothing of the type is nearer than its diameter."""
     camera, z = case.camera, truth.camera_from_object[2, 3]
     there = np.array(
         [transform_points(t.camera_from_object, index.centre[None])[0] for t in case.truths if t.type == truth.type]
@@ -133,7 +133,9 @@ def aside(index: LearnedIndex, truth: Truth, case: Case, rng: np.random.Generato
 
 
 def fitted(own: Callable[[float], Floats], other: Floats, now: float, wild: float) -> tuple[float, float, float]:
-    """Of N values the likeliest spread, the likeliest share of them that is as ``other`` (N,), and nats a value that ``now`` and ``wild`` lose.
+    """Of N values the likeliest spread and the likeliest share of them that is as ``other`` (N,).
+
+    And nats a value that ``now`` and ``wild`` lose.
 
     ``own``: spread to densities (N,). NaN where there are too few.
     """

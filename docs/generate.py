@@ -109,7 +109,7 @@ def _printed(command: str, folder: Path) -> str:
 
 
 def occlusion(bench: Path) -> None:
-    """Write docs/occlusion.md and the composition table beside it, from what ``plogic bench occlusion --json`` printed."""
+    """The ``gamma/1`` document: features in a lobe and not behind the box, moved by noise, ordered by place."""
     from benchmarks.occlusion import page as of_occlusion
     from benchmarks.occlusion.bench import MOTIONS
     from benchmarks.occlusion.neighbours import MOVED

@@ -32,7 +32,7 @@ CLUTTER = [("corner", (101.0, 388.0)), ("corner", (522.0, 66.0)), ("sticker", (7
 
 
 def gamma() -> dict[str, object]:
-    """The ``gamma/1`` document: features that are in a lobe and not behind the box itself, moved by noise, ordered by place."""
+    """The ``gamma/1`` document: features in a lobe and not behind the box itself, moved by noise, ordered by place."""
     box = read_kb(shipped("first")).types[0]
     at = transform_points(CAMERA_FROM_BOX, np.array([feature.at for feature in box.features]))
     seen = feature_in_lobe(box.lobes, np.array([VIEWPOINT]))[0] & ~behind(at, box.surface.rays, CAMERA_FROM_BOX, 0.001)

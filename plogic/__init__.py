@@ -38,12 +38,13 @@ __all__ = [
 
 if TYPE_CHECKING:
     from geometry.errors import PlogicError as Error
-    from plogic.face.python.asking import Explanation, Program, Session
+    from plogic.face.python.asking import Explanation, Program
     from plogic.face.python.interpretation import Hypotheses, Hypothesis, Interpretation, Relation, Relations
     from plogic.face.python.knowledge import KnowledgeBase
     from plogic.face.python.measures import Measures
     from plogic.face.python.perceiving import detect, perceive
     from plogic.face.python.pictures import Camera, Gamma
+    from plogic.face.python.sessions import Session
     from plogic.face.session.results import AnswerRow, Answers, Predictions, World, Worlds
     from plogic.run.measured import Measure
     from sensing.appearance import Appearance
@@ -66,7 +67,7 @@ else:
         "Program": "plogic.face.python.asking",
         "Relation": "plogic.face.python.interpretation",
         "Relations": "plogic.face.python.interpretation",
-        "Session": "plogic.face.python.asking",
+        "Session": "plogic.face.python.sessions",
         "World": "plogic.face.session.results",
         "Worlds": "plogic.face.session.results",
         "detect": "plogic.face.python.perceiving",

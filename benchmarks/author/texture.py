@@ -85,7 +85,7 @@ def _even(pixels: int) -> int:
 
 
 def _cell(corners: Floats, windows: Sequence[Window]) -> tuple[Image, Floats]:
-    """The levels (h, w) of one face, 0 the wall and LEVELS − 1 a window, and its corners (n, 2) as x, y pixels, y down."""
+    """The levels (h, w) of one face, 0 wall and LEVELS − 1 window, and its corners (n, 2): x, y in pixels, y down."""
     across, up, _ = frame(corners)
     plane = np.stack([across, -up], axis=1)  # object frame to x right, y down, m
     flat = (corners - corners[0]) @ plane

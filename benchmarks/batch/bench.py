@@ -1,4 +1,4 @@
-"""``plogic bench batch``: a thousand frames one at a time, by two processes, by a Dask cluster, and by a run that is killed and resumed.
+"""``plogic bench batch``: a thousand frames one at a time, by two processes, by a Dask cluster, and killed and resumed.
 
 The interpretations must be the same bytes as those of ``plogic perceive``, and two processes must be nearly twice as
 fast as one.
@@ -81,21 +81,15 @@ def run(*, seed: int, quick: bool = False, as_json: bool = False, say: Say, **_:
 
 def one_at_a_time(folder: Path, say: Say) -> Done:
     """Each frame by what ``plogic perceive`` runs, in this process; its ``lines`` are the interpretations."""
-    from plogic.face.commands.perceive_command import perceive_command
-    from plogic.run.batch.frames import camera_of
-    from plogic.run.batch.inputs import frames_of
+    from plogic.face.commands.perceive import perceive_command
+    from plogic.face.shown.options import Perceiving
+    from plogic.run.batch.frames import camera_of, frames_of
 
     clocks, texts = Clocks(), list[str]()
     frames = frames_of([str(folder / "frames")], ())
     for i, frame in enumerate(frames, 1):
-        options = {
-            "camera": camera_of(frame, None),
-            "reading": "score",
-            "reconsider": "to_B",
-            "smoothing": 0.0,
-            "generator": "index",
-        }
-        perceive_command(frame.input, KB, "-", options, say=lambda _: None, write=texts.append)
+        options = Perceiving(KB, camera=camera_of(frame, None))
+        perceive_command([frame.input], options, say=lambda _: None, write=texts.append)
         if i % 100 == 0:
             say(f"one at a time: {i} of {len(frames)}")
     return Done("perceive, one at a time", len(frames), *clocks.read(), [text.encode() for text in texts])
@@ -173,7 +167,7 @@ def _done(folder: Path, name: str, out: str, clocks: Clocks, say: Say) -> Done:
 
 
 def differing(alone: Sequence[bytes], lines: Sequence[bytes]) -> int:
-    """Lines that do not hold the very bytes of the interpretation that ``plogic perceive`` wrote, and lines too many or too few."""
+    """Lines that differ from the interpretation that ``plogic perceive`` wrote, and lines too many or too few."""
     ends = (b'"interpretation":' + text.removesuffix(b"\n") + b"}\n" for text in alone)
     return abs(len(alone) - len(lines)) + sum(not line.endswith(end) for end, line in zip(ends, lines, strict=False))
 

@@ -1,4 +1,6 @@
-"""``plogic bench box``: a real cookie box, learned from one photo, found in twenty frames of a hand-held video, against hand-marked corners.
+"""``plogic bench box``: a real cookie box in twenty frames of a hand-held video.
+
+It is learned from one photo and judged against hand-marked corners.
 
 The data is that of ``../shared/data`` (its README says whose), the clicked points and the marked corners of
 ``tests/scenes/box``; where either is absent the benchmark says so and fails. ``--quick`` leaves the ten YCB types out
@@ -147,7 +149,7 @@ def seen(
 
 
 def drawn(kb: KnowledgeBase, frame: str) -> bytes:
-    """A JPEG: what is expected of the box in a frame, found and missed, at the right focal length and at the wrong one beside it."""
+    """A JPEG: the box's expected features in a frame, found and missed, at the right and at a wrong focal length."""
     import cv2
 
     from geometry.camera import centred_camera

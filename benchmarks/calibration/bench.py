@@ -76,7 +76,7 @@ def forecasts(world: World, seed: int, plan: Plan, say: Callable[[str], None]) -
 
 
 def learned_on(world: World, seeds: range) -> KnowledgeBase:
-    """Σ with hit rates, clutter and priors from the scenes of these seeds, by what ``plogic kb learn-rates`` learns them with."""
+    """Σ with hit rates, clutter and priors that ``plogic kb learn-rates`` learns from the scenes of these seeds."""
     from plogic.match.gamma.data import data_of
     from plogic.rates.estimates import counted, learned
     from plogic.rates.scene_records import record_in

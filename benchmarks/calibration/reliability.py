@@ -60,7 +60,7 @@ class Bin:
 
 @dataclass(frozen=True)
 class Parts:
-    """Brier score = ``reliability`` − ``resolution`` + ``uncertainty``, where all forecasts of a bin are alike (Murphy)."""
+    """Brier score = ``reliability`` − ``resolution`` + ``uncertainty``, where a bin's forecasts are alike (Murphy)."""
 
     reliability: float
     resolution: float
@@ -128,7 +128,7 @@ def parts(p: ArrayLike, y: ArrayLike, bins: int = BINS) -> Parts:
 def bootstrap_interval(
     statistic: Statistic, p: ArrayLike, y: ArrayLike, scene: ArrayLike, *, seed: int = 0, resamples: int = RESAMPLES
 ) -> tuple[float, float]:
-    """The percentile interval of ``LEVEL`` of a statistic, over scenes drawn anew with replacement, stretched to hold the estimate itself.
+    """The percentile interval of ``LEVEL`` of a statistic, over scenes drawn anew, stretched to hold the estimate.
 
     ``scene`` (N,) tells the scene of each forecast: those of one scene depend on each other, so they are drawn
     together. Drawing anew adds noise, which raises an ECE; so its upper end is cautious.

@@ -100,7 +100,7 @@ def _family(body: ObjectType, names: Sequence[str], rng: np.random.Generator) ->
 
 
 def scene(world: World, seed: int) -> CalibrationScene:
-    """The scene of a seed: objects that share no volume, what the detector reports of them, and clutter, in random order."""
+    """The scene of a seed: objects that share no volume, their detected features, and clutter, in random order."""
     rng = np.random.default_rng([seed, SCENES])
     placed = _placed(world.kb, rng)
     shown = [in_view(world.kb, one, placed) for one in placed]
@@ -131,7 +131,7 @@ def _placed(kb: KnowledgeBase, rng: np.random.Generator) -> list[Placed]:
 
 
 def in_view(kb: KnowledgeBase, one: Placed, placed: Sequence[Placed]) -> tuple[Flags, float]:
-    """(F,) the features that the camera sees of one object among others, and their share of those that it would see of it alone."""
+    """(F,) the features that the camera sees of one object among others, and their share of those seen of it alone."""
     kind, pose = one
     alone, at = visible(kind, pose, kb.f_ref), transform_points(pose, kind.lobes.at)
     hidden = np.zeros(len(at), bool)

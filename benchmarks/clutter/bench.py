@@ -1,4 +1,4 @@
-"""``plogic bench clutter``: one object of a hundred types, or of a thousand, among a thousand appearances, beside peers in the same run.
+"""``plogic bench clutter``: one object of up to a thousand types among a thousand appearances, beside peers.
 
 A third of the trials are of types made of what was learned from the YCB meshes; where these are not there those trials
 are left out, and the table says so. ``--quick``: ten trials a row, peers asked in three of them, one row less.

@@ -56,7 +56,7 @@ its matches. A start of 5 degrees and 2 or 5 % lies on the bar itself."""
 
 @dataclass(frozen=True)
 class Refined:
-    """Who came how from a start ``turned`` (degrees) and ``moved`` (share of the distance) to a pose that is right or not."""
+    """Results from a start ``turned`` (degrees) and ``moved`` (share of the distance) to a right or wrong pose."""
 
     case: Case
     turned: float
@@ -88,7 +88,7 @@ def near(case: Case, posed: Trial, perceiver: Perceiver, rng: np.random.Generato
 
 
 def begun(posed: Trial, turned: float, moved: float, rng: np.random.Generator) -> Floats:
-    """The true pose (4, 4), turned by ``turned`` degrees about the object's middle and moved by ``moved`` of its distance."""
+    """A better `camera_from_object` than `pose` (4, 4) of `points` (N, 3) m, some seen at `xy` (M, 2) = x/z, y/z."""
     truth, middle = posed.truth.camera_from_object, posed.truth.centre
     axis, way = (arrow / np.linalg.norm(arrow) for arrow in rng.normal(size=(2, 3)))
     half = np.radians(turned) / 2.0
@@ -180,7 +180,7 @@ def softposit_near(
     noise: float = 0.5,
     pixel: float = 1 / 600,
 ) -> SoftPositResult:
-    """A better `camera_from_object` than `pose` (4, 4) of `points` (N, 3) m, some of which are seen among `xy` (M, 2) = x/z, y/z.
+    """A better `camera_from_object` than `pose` (4, 4) of `points` (N, 3) m, some seen among `xy` (M, 2) = x/z, y/z.
 
     `off`: about how many pixels off the points are at the start; beta begins at 1 / off^2, for a smaller one forgets
     the pose that it is given.

@@ -58,7 +58,10 @@ def lo_ransac(kb: KnowledgeBase, gamma: Gamma, budget_seconds: float) -> Answer 
 def estimated(
     pairs: Typed, uv: Floats, camera: Camera, kb: KnowledgeBase, iterations: int, seed: int = 0
 ) -> tuple[Floats, Indices, float]:
-    """Of one type ``camera_from_object`` (4, 4), the pairs (N,) that agree with it, and poselib's score, less for better; ``uv`` (A, 2) ideal px."""
+    """Of one type ``camera_from_object`` (4, 4), the pairs (N,) that agree with it, and poselib's score.
+
+    A lower score is better; ``uv`` (A, 2) ideal px.
+    """
     poselib: Any = import_module("poselib")
     options = {"max_iterations": iterations, "min_iterations": min(iterations, 100), "success_prob": SURE, "seed": seed}
     options["max_reproj_error"] = kb.rates.match_tolerance

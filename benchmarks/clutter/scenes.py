@@ -42,7 +42,7 @@ ROUNDS = 12
 
 @dataclass(frozen=True)
 class Case:
-    """How well the features are seen, of how many types, of how many appearance types, with how many features each, in how large a Γ."""
+    """How well features are seen, of how many types and appearance types, with how many features, in how large a Γ."""
 
     detector: Detector
     types: int
@@ -77,7 +77,7 @@ class Trial:
 def trial(
     kind: ObjectType, kb: KnowledgeBase, detector: Detector, rng: np.random.Generator, appearances: int = APPEARANCES
 ) -> Trial:
-    """One object of a type that has a surface, somewhere in the image, and clutter to make up the number of appearances."""
+    """One object of a type that has a surface, somewhere in the image, and clutter up to the number of appearances."""
     pose = random_pose(kind, rng)
     at = transform_points(pose, kind.lobes.at)
     seen = np.flatnonzero(visible(kind, pose, kb.f_ref) & (rng.random(len(at)) < detector.hit))

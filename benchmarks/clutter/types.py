@@ -89,7 +89,7 @@ def type_names(count: int) -> tuple[str, ...]:
 def knowledge_base(
     types: Sequence[ObjectType], names: tuple[str, ...], detector: Detector, appearances: int = APPEARANCES
 ) -> KnowledgeBase:
-    """Σ of these types for images of so many appearances, with the statistics of the detector, as they would be learned from such images."""
+    """Σ of these types for images of so many appearances, with the detector's statistics learned from such images."""
     rates = Rates(
         hit=dict.fromkeys(names, detector.hit),
         clutter=dict.fromkeys(names, appearances / len(names)),
@@ -175,7 +175,7 @@ def _frame(z: Floats, towards: Floats) -> Floats:
 def made(
     name: str, surface: Surface | None, at: Floats, frames: Floats, looks: Sequence[str], half_angle: Floats
 ) -> ObjectType:
-    """A type of N features: places (N, 3), object_from_feature (N, 3, 3), appearance types, half angles (N,) of the lobes.
+    """A type of N features: places (N, 3), object_from_feature (N, 3, 3), appearance types, half angles (N,) of lobes.
 
     What a feature looks like is its own type as well.
     """

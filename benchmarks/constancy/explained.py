@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def unexplained_of(document: Interpretation) -> tuple[str, ...]:
-    """Return the ids, in the order of Γ, of the appearances of an ``interpretation/1`` that nothing accepted causes in its most probable world.
+    """Return the ids of the appearances that nothing accepted causes in the most probable world, in the order of Γ.
 
     A cause is a feature, "h1/roof/apex", of a hypothesis whose status is accepted; anything else leaves its datum
     unexplained.

@@ -56,7 +56,7 @@ class _Draft:
     def feature(
         self, h: str, match: str | None, *, good: bool = True, candidate: bool = True, hidden_by: Iterable[str] = ()
     ) -> None:
-        """One more feature: a match of a right hypothesis lies within the noise, of a wrong one anywhere within the tolerance."""
+        """Return the ids of the appearances that nothing accepted causes in the most probable world, in Γ's order."""
         kind, hit, dv = self.random.choices(KINDS, weights=(1, 4, 4))[0]
         residual = None if match is None else self._residual(good=good)
         self.features[h].append(

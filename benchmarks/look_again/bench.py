@@ -47,7 +47,7 @@ def run(
 
 
 def counted(seed: int, scenes: int, say: Callable[[str], None]) -> list[Counted]:
-    """So many scenes of which the first view leaves the true world less probable than ``SURE``, and the views that each policy needs."""
+    """So many scenes whose first view leaves the true world less probable than ``SURE``, and views per policy."""
     from plogic.run.perceive import Perceiver
 
     kb = look_alikes(seed)

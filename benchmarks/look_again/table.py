@@ -22,7 +22,7 @@ leaves it below that. {MOST_VIEWS} views are the most: where they do not do, {MO
 
 @dataclass(frozen=True)
 class Counted:
-    """One scene: its sort, the true world's probability after the first view, the views needed by each policy, and the scenes tried so far."""
+    """One scene: its sort, the true world's probability after the first view, views per policy, and scenes tried."""
 
     sort: str
     first: float

@@ -1,4 +1,4 @@
-"""``plogic bench many``: scenes of five to ten objects, partly one behind another, of a knowledge base of fifty types, beside a peer; and of more.
+"""``plogic bench many``: scenes of five to ten objects, partly occluded, of fifty types and more, beside a peer.
 
 Half of the types are polyhedra, half are made of what was learned from the YCB meshes; where these are not there all
 are polyhedra, and the text says so. ``--quick``: few scenes.

@@ -46,7 +46,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Totals:
-    """Over some scenes: who must be found, accepted objects, how many of these are right and how many only askew, reach in m, seconds a scene."""
+    """Over some scenes: objects to be found; accepted, right and askew ones; reach in m; seconds a scene."""
 
     seen: tuple[Seen, ...]
     accepted: int

@@ -151,7 +151,7 @@ def _part(kind: ObjectType, first: int) -> ObjectType:
 
 
 def reprinted(kind: ObjectType, suffix: str, names: Sequence[str], rng: np.random.Generator) -> ObjectType:
-    """A new print: the second ``FEATURES`` features where there are so many, looks exchanged, each turned about its lobe's axis."""
+    """A new print: the second ``FEATURES`` features, if so many, exchanged looks, each turned about its lobe's axis."""
     part = _part(kind, FEATURES if len(kind.features) >= 2 * FEATURES else 0)
     other = dict(zip(names, rng.permutation(names).tolist(), strict=True))
     frames = body_frames(np.array([f.rotation[:, 2] for f in part.features]), rng)

@@ -38,7 +38,7 @@ MOVED = tuple(kind for kind in KINDS if kind != "convex")
 
 
 def neighbours(count: int, seed: int, kinds: Sequence[str] = MOVED) -> Neighbours:
-    """The ordered pairs of neighbours, both ways and for both orders of the bodies, of ``count`` motions of each kind of pair."""
+    """The ordered pairs of neighbours, both ways and for both orders of the bodies, of ``count`` motions of each."""
     found: set[tuple[Roc, Roc]] = set()
     for kind in kinds:
         rng = np.random.default_rng([seed, 7, KINDS.index(kind)])

@@ -126,7 +126,7 @@ def _holds(triple: Triple, by_terms: Mapping[Terms, list[Arrangement]]) -> bool:
 
 
 def built(one: Arrangement, triple: Triple) -> Grids:
-    """The bodies 1, 2, 3 that stand in the relations of the ``triple``, one grid (1, U, V, 8), over an arrangement that has its terms.
+    """The bodies 1, 2, 3 in the relations of the ``triple``, one grid (1, U, V, 8), over an arrangement with its terms.
 
     In each cell all the orders occur that do not contradict the triple: where some choice of orders builds it, this one
     does.

@@ -47,7 +47,7 @@ FIRST_SEED = 30_000
 
 @dataclass(frozen=True)
 class Outcome:
-    """One sequence: per tower that the first frame told rightly, whether it came back under its name, and stands right; what the last frame took."""
+    """One sequence: towers of the first frame that came back under their names and stand right; the last's times."""
 
     seed: int
     told: int
@@ -101,7 +101,7 @@ def one_sequence(kb: KnowledgeBase, perceiver: Perceiver, seed: int, kind: str) 
 
 
 def elsewhere(scene: Scene, degrees: float, rng: np.random.Generator) -> Scene:
-    """The same scene from a camera turned about the vertical by so much, and moved and turned a little, with noise of its own."""
+    """The same scene from a camera turned about the vertical by so much, and moved a little, with noise of its own."""
     pose = scene.camera.world_from_camera
     if pose is None:
         raise ValueError("a scene's camera has a place")

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """One case, what ours found and in how many seconds, what the peer came to at every setting, and its seconds of one setting, by what it sees."""
+    """One case: our answer and its seconds, the peer's at every setting, and its seconds of one setting by input."""
 
     case: Case
     found: tuple[Found, ...]

@@ -155,7 +155,7 @@ def settings(seen: Sequence[str] = SEEN) -> Iterator[Setting]:
 
 
 def _sorted(cloud: Learned) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float64]]:
-    """Descriptors (L, 128) in the order of their features, the first row (G,) of each feature that has any, and its place (G, 3)."""
+    """Descriptors (L, 128) in the order of features, each described feature's first row (G,) and place (G, 3)."""
     order = np.argsort(cloud.feature, kind="stable")
     which, first = np.unique(np.asarray(cloud.feature)[order], return_index=True)
     return np.asarray(cloud.descriptor[:, :WIDTH], np.float32)[order], first, np.asarray(cloud.at, np.float64)[which]

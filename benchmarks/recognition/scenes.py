@@ -44,7 +44,7 @@ NEAR = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One picture: its seed, how hard it was made, whether it holds none of the types, the file, the camera without a pose, the truth."""
+    """(S, 4, 4) the half turns about the axes of the smallest box around points (V, 3) that map all onto others."""
 
     seed: int
     hard: float
@@ -110,7 +110,7 @@ def middle(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def half_turns(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(S, 4, 4) those half turns about the axes of the smallest box around points (V, 3) that bring all to where there are others."""
+    """(S, 4, 4) the half turns about the axes of the smallest box around points (V, 3) that bring all onto others."""
     import trimesh
     from scipy.spatial import cKDTree
 

@@ -63,7 +63,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Tally:
-    """Counts: true objects that count, those of them found, those with the right pose, false acceptances, found ones that need not be."""
+    """Counts: true objects that count, those found, those with the right pose, false acceptances, other found ones."""
 
     there: int = 0
     found: int = 0
@@ -132,7 +132,7 @@ def matched(found: Sequence[Found], truths: Sequence[Truth], camera: Camera) -> 
 
 
 def errors_of(found: Found, truth: Truth) -> tuple[float, float]:
-    """Rotation in radians, and translation of the object's centre as a share of its distance, up to the true one's symmetries."""
+    """Rotation in radians, and translation of the centre as a share of its distance, up to the true symmetries."""
     object_from_centred = np.eye(4)
     object_from_centred[:3, 3] = truth.centre
     symmetries = None

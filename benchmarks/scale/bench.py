@@ -1,4 +1,4 @@
-"""``plogic bench scale``: bytes and microseconds a type and a frame, how many types the index carries, and what a million would need.
+"""``plogic bench scale``: bytes and microseconds a type and a frame, and the need of a million types.
 
 Every figure of docs/scale.md. ``--quick``: up to a hundred types, few trials.
 """

@@ -32,7 +32,9 @@ class Need:
 def need(
     types: int, frames: float, of_type: float, growth: tuple[float, float], memory: float, most: float = TYPES
 ) -> Need:
-    """Of ``frames`` an hour that are searched for so many types, ``of_type`` bytes each, in indices of ``most`` types, on machines of ``memory`` GB.
+    """The need of ``frames`` an hour that are searched for so many types, ``of_type`` bytes each.
+
+    Indices hold ``most`` types, on machines of ``memory`` GB.
 
     ``growth``: seconds that a frame takes in an index without types, and for each type of it. A machine holds one index
     or several.

@@ -42,7 +42,10 @@ class Standing:
     types: int
 
     def before(self, types: int) -> tuple[float, float]:
-        """How many votes weigh more than the right one, and how many as much, to be expected of so many types in all."""
+        """The expected number of votes that weigh more than the right one, and of those that weigh as much.
+
+        Of so many types in all.
+        """
         share = (types - 1) / self.types if self.types else 0.0
         level = float(self.others[self.right : self.right + 1].sum())
         return self.above + share * float(self.others[self.right + 1 :].sum()), self.level + share * level

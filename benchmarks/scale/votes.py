@@ -74,7 +74,7 @@ class Capped(PairIndex):
 
 
 class Stages(NamedTuple):
-    """Seconds of the processor: of attention, of votes, of laying and refining, and of the rest of the cycle, later rounds included."""
+    """Seconds of the processor: of attention, of votes, of laying and refining, and of the rest of the cycle."""
 
     attention: float
     votes: float
@@ -83,7 +83,7 @@ class Stages(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What came of one trial: whether a right vote was laid, whether the object was found, how many others were accepted.
+    """The result of one trial: whether a right vote was laid, whether the object was found, how many others accepted.
 
     ``place``: which share of the types attention put before the right one.
     """

@@ -41,7 +41,10 @@ SMALLER = 0.5
 
 @dataclass(frozen=True)
 class Outcome:
-    """One trial: how far the pose of one image and of the pair is off, radians and share of the distance, None where the type is not accepted."""
+    """One trial: errors of the pose of one image and of the pair, radians and share of the distance.
+
+    None where the type is not accepted.
+    """
 
     mono: tuple[float, float] | None
     pair: tuple[float, float] | None

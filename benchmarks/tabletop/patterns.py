@@ -185,7 +185,7 @@ def write(
     thickness: int,
     ink: NDArray[np.float64],
 ) -> None:
-    """Write ``text`` in a box ``size`` (width, height) with its upper left corner ``at`` (x, y), cut off at the box's right side."""
+    """Write ``text`` in a box ``size`` (width, height) with its upper left corner ``at`` (x, y), cut at the right."""
     import cv2
 
     base = cv2.getTextSize(text, font, 1.0, thickness)[0]
@@ -269,7 +269,7 @@ def printed_can(radius: float, height: float, rng: np.random.Generator) -> Textu
 
 
 def _face(corners: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.uint8]:
-    """(CELL, CELL, 3) the label of a face (4, 3), drawn in its own proportions, so that its letters are not stretched."""
+    """(CELL, CELL, 3) the label of a face (4, 3), drawn in its own proportions: its letters are not stretched."""
     import cv2
 
     across, up = np.linalg.norm(corners[1] - corners[0]), np.linalg.norm(corners[3] - corners[0])

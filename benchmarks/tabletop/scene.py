@@ -1,4 +1,4 @@
-"""Table-top scenes: three to five textured things of 5 to 25 cm that physics has put down, as an RGB-D camera sees them.
+"""Table-top scenes: three to five textured things of 5 to 25 cm, put down by physics, as an RGB-D camera sees them.
 
 * ``recognition_scene([("cracker", mesh), ...], seed=5000, hard=0.5)``
 
@@ -83,7 +83,9 @@ def recognition_scene(
     empty: bool = False,
     hard: float = 0.5,
 ) -> TabletopScene:
-    """From ``bodies[0]`` to ``bodies[1]`` of the shapes and up to two packages of no type (in ``empty`` scenes two to four, and no shape).
+    """From ``bodies[0]`` to ``bodies[1]`` of the shapes and up to two packages of no type.
+
+    ``empty`` scenes have two to four packages, and no shape.
 
     ``hard`` in [0, 1]: from a good camera in good light to noise, blur, over-exposure and a lamp of any colour. Every
     shape is in view whole, 60 to 200 pixels long, 0.5 to 1.2 m away. The same arguments give the same scene.
@@ -286,7 +288,7 @@ def _beside(
 
 
 def _standing(mesh: TexturedMesh, rng: np.random.Generator, at: NDArray[np.float64]) -> NDArray[np.float64]:
-    """World pose with one of the six sides below, turned about the vertical by chance, its box's middle over ``at`` (2,)."""
+    """World pose on one of the six sides, turned about the vertical by chance, its box's middle over ``at`` (2,)."""
     from scipy.spatial.transform import Rotation
 
     down = Rotation.identity()

@@ -1,4 +1,4 @@
-"""``plogic bench towers``: random scenes of the two towers and of decoys, judged against the simulator's ground truth."""
+"""``plogic bench towers``: random scenes of the two towers and of decoys, judged against the simulator's truth."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def _relation_right(
     document: Interpretation,
     scene: Scene,
 ) -> bool:
-    """Whether the most probable relation of the two reported towers is the one of the true poses, by outlines and depth."""
+    """Whether the most probable relation of the reported towers is that of the true poses, by outlines and depth."""
     from geometry.visibility.occlusion import PosedSurface, occlusion
     from plogic.facts.situation import pair_facts
 

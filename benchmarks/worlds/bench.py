@@ -1,4 +1,4 @@
-"""``plogic bench worlds``: exact inference over program families, beside stock ProbLog in the same run, held to independent oracles.
+"""``plogic bench worlds``: exact inference over program families, beside stock ProbLog and independent oracles.
 
 Vocabulary: a ``Case`` is one situation of a family; a ``Measured`` is what all sides made of it.
 """
@@ -116,7 +116,7 @@ def _stock(case: Case, text: str, knowledge: Knowledge, limit: float, failed: se
 
 
 def _differences(case: Case, mine: OurRun, stock: tuple[StockRun, ...]) -> dict[str, float]:
-    """The largest difference of a marginal from each of ProbLog's ways, from the program text by ours, and from the oracles."""
+    """The largest difference of a marginal from ProbLog's ways, from the program text by ours, and from the oracles."""
     found: dict[str, float] = {
         s.knowledge: _largest(mine.answers, _by_hypothesis(case, s.answers)) for s in stock if s.answers
     }

@@ -51,7 +51,7 @@ def simulated(perceiver: Perceiver, number: int, seed: int) -> Situation:
 
 
 def photographed(perceiver: Perceiver, objects: int, most: int, seed: int) -> Situation:
-    """One photograph of the types in turn, with a decoy, and its Δh of at most ``most`` hypotheses before any is accepted or rejected."""
+    """One photograph of the types in turn, with a decoy, and its Δh of at most ``most`` unaccepted hypotheses."""
     from plogic.cycle.delta import Options, unpruned
     from plogic.match.gamma.data import data_of
     from sensing.detectors.detector import detect

@@ -7,19 +7,14 @@ impossible.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+from collections.abc import Sequence
 
 LEAST = 1e-8
 
 
 def bounded(p: float) -> float:
     """``p`` itself if it is 0, 1 or at least ``LEAST`` away from both; else the nearest such value."""
-    if p <= 0.0 or p >= 1.0:
-        return min(max(p, 0.0), 1.0)
-    return min(max(p, LEAST), 1.0 - LEAST)
+    return min(max(p, 0.0), 1.0) if p <= 0.0 or p >= 1.0 else min(max(p, LEAST), 1.0 - LEAST)
 
 
 def alternative(weights: Sequence[float]) -> list[float]:

@@ -25,14 +25,11 @@ import sys
 import tempfile
 import threading
 import weakref
-from multiprocessing import get_context
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from threading import Thread
 from time import monotonic, sleep, time
-from typing import TYPE_CHECKING, Any, Self
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Self
 
 PREFIX = "plogic-child-"
 LOCK = ".lock"
@@ -207,6 +204,8 @@ class Copy:
     """
 
     def __init__(self, work: Callable[..., object], *arguments: object) -> None:
+        from multiprocessing import get_context
+
         self._lent, parent, used = lend(None), os.getpid(), _size()
         context = get_context("fork")
         memory = self._lent and used + self._lent

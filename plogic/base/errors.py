@@ -29,12 +29,16 @@ class BeliefError(PlogicError):
     """Anything of this package."""
 
 
-class SituationError(BeliefError):
-    """A situation contradicts itself: each of ``mistakes`` names the hypothesis or appearance, the rule and the value."""
+class _ManyMistakesError(BeliefError):
+    """Several ``mistakes``, a line each."""
 
     def __init__(self, *mistakes: str) -> None:
         super().__init__(told(mistakes))
         self.mistakes = mistakes
+
+
+class SituationError(_ManyMistakesError):
+    """A situation contradicts itself: each of ``mistakes`` names the hypothesis or appearance, the rule and the value."""
 
 
 class TooManyHypothesesError(SituationError):
@@ -49,12 +53,8 @@ class InputError(BeliefError):
     """A command's input cannot be used: the message names the file, what is wrong and what would be right."""
 
 
-class InterpretationError(BeliefError):
+class InterpretationError(_ManyMistakesError):
     """A file is no complete ``interpretation/1``: each of ``mistakes`` names the file, the key and the value."""
-
-    def __init__(self, *mistakes: str) -> None:
-        super().__init__(told(mistakes))
-        self.mistakes = mistakes
 
 
 class InconsistentError(BeliefError):

@@ -42,9 +42,7 @@ class ChildDiedError(Exception):
 def processors() -> int:
     """How many to use: as ``OMP_NUM_THREADS`` says, which other packages heed as well, or else as many as the process may use."""
     stated = os.environ.get("OMP_NUM_THREADS", "")
-    if stated.isdecimal() and int(stated) > 0:
-        return int(stated)
-    return len(os.sched_getaffinity(0))
+    return int(stated) if stated.isdecimal() and int(stated) > 0 else len(os.sched_getaffinity(0))
 
 
 def each(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -> Generator[Result]:
@@ -164,8 +162,7 @@ def afresh(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -
             worker.take(next(left, None))
         for wanted in range(len(jobs)):
             while wanted not in results:
-                busy = [worker.child for worker in workers if worker.job is not None]
-                speaking = heard(busy, None)
+                speaking = heard([worker.child for worker in workers if worker.job is not None], None)
                 for worker in workers:
                     if worker.child in speaking and (answer := worker.answer()) is not None:
                         results[answer[0]] = answer[1]

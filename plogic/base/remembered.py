@@ -20,19 +20,16 @@ import os
 import re
 import shutil
 import tempfile
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from time import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from zlib import crc32
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
-
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 FOLDERS, BYTES = 8, 2 << 30
 """So many folders are kept at most, of so many bytes together; one always is."""
@@ -40,64 +37,49 @@ ABANDONED = 86400.0
 """Seconds after which nobody writes any more what was begun."""
 FILES = 1024
 """So many files are kept at most, of ``BYTES`` together; one always is."""
-_KEY = re.compile("[0-9a-f]{64}")
-_FILE, _BEGUN_FILE = re.compile(r"[0-9a-f]{64}\.npz"), re.compile(r"\.[0-9a-f]{64}\.npz\.[a-z0-9_]{8}")
-_BEGUN = re.compile(r"\.[0-9a-f]{64}-[a-z0-9_]{8}")
+_NAME = "[0-9a-f]{64}"
+_BEGUN = "[a-z0-9_]{8}"
 
 
 def forget_beside(place: Path, folders: int = FOLDERS, most: int = BYTES) -> None:
-    """Delete those siblings of a folder that were used least lately, beyond what is kept.
-
-    And what was begun and abandoned.
+    """Delete those siblings of a folder that were used least lately, beyond what is kept, and what was begun and abandoned.
 
     Nothing else is touched: no file, and no folder of another name.
     """
-    try:
-        beside = {
-            path: path.stat().st_mtime for path in place.parent.iterdir() if path.is_dir() and not path.is_symlink()
-        }
-    except OSError:  # another process forgets at the same time
-        return
-    total = 0
-    for rank, path in enumerate(
-        sorted((path for path in beside if _KEY.fullmatch(path.name)), key=lambda path: (path != place, -beside[path]))
-    ):
-        total += _bytes(path)
-        if rank and (rank >= folders or total > most):
-            discard(path)
-    for path, written in beside.items():
-        if _BEGUN.fullmatch(path.name) and time() - written > ABANDONED:
-            shutil.rmtree(path, ignore_errors=True)
+    _forget(place, Path.is_dir, _NAME, rf"\.{_NAME}-{_BEGUN}", folders, most)
 
 
 def forget_files_beside(place: Path, files: int = FILES, most: int = BYTES) -> None:
     """As ``forget_beside``, of files; no folder and no file of another name is touched."""
+    _forget(place, Path.is_file, rf"{_NAME}\.npz", rf"\.{_NAME}\.npz\.{_BEGUN}", files, most)
+
+
+def _forget(place: Path, is_one: Callable[[Path], bool], name: str, begun: str, count: int, most: int) -> None:
     try:
-        beside = {path: path.stat() for path in place.parent.iterdir() if path.is_file() and not path.is_symlink()}
+        beside = {path: path.stat() for path in place.parent.iterdir() if is_one(path) and not path.is_symlink()}
     except OSError:  # another process forgets at the same time
         return
     total = 0
-    named = (path for path in beside if _FILE.fullmatch(path.name))
+    named = (path for path in beside if re.fullmatch(name, path.name))
     for rank, path in enumerate(sorted(named, key=lambda path: (path != place, -beside[path].st_mtime))):
-        total += beside[path].st_size
-        if rank and (rank >= files or total > most):
-            _unlink(path)
+        total += _bytes(path)
+        if rank and (rank >= count or total > most):
+            discard(path)
     for path, found in beside.items():
-        if _BEGUN_FILE.fullmatch(path.name) and time() - found.st_mtime > ABANDONED:
-            _unlink(path)
-
-
-def _unlink(path: Path) -> None:
-    with suppress(OSError):  # another process was first, or nobody may
-        path.unlink()
+        if re.fullmatch(begun, path.name) and time() - found.st_mtime > ABANDONED:
+            shutil.rmtree(path, ignore_errors=True)  # a folder
+            discard(path)  # a file
 
 
 def discard(place: Path) -> None:
-    """Delete what is at a place, if anything.
+    """Delete what is at a place, if anything and if that can be done.
 
-    It is moved away first, so that nobody finds half of it, and nobody's new one is hit.
+    A folder is moved away first, so that nobody finds half of it, and nobody's new one is hit.
     """
-    with suppress(OSError):
+    with suppress(OSError):  # another process was first, or nobody may
+        if not place.is_dir():
+            place.unlink()
+            return
         aside = Path(tempfile.mkdtemp(prefix=f".{place.name}-", dir=place.parent))
         try:
             place.rename(aside / place.name)
@@ -105,9 +87,9 @@ def discard(place: Path) -> None:
             shutil.rmtree(aside, ignore_errors=True)
 
 
-def _bytes(folder: Path) -> int:
+def _bytes(place: Path) -> int:
     try:
-        return sum(file.stat().st_size for file in folder.iterdir())
+        return sum(file.stat().st_size for file in (place.iterdir() if place.is_dir() else [place]))
     except OSError:
         return 0
 

@@ -12,11 +12,12 @@ Why this and no library: docs/dependencies.md.
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
+from itertools import islice
 from reprlib import repr as repr_of
 from types import NoneType, UnionType
 from typing import (
-    TYPE_CHECKING,
     Annotated,
     Any,
     Literal,
@@ -29,11 +30,10 @@ from typing import (
     is_typeddict,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
 Mistake = tuple[tuple[str | int, ...], str]
 """The place, from the outside in, and what is wrong there."""
+Check = Callable[[object], Sequence[Mistake]]
+"""A function from a value to its mistakes."""
 MOST = 1000
 """Mistakes of one list or table after which nobody looks further."""
 LARGEST = sys.float_info.max
@@ -81,7 +81,7 @@ def mistakes(value: object, shape: object) -> list[str]:
 
 
 @cache
-def check_of(shape: Any) -> Callable[[object], Sequence[Mistake]]:  # noqa: ANN401 - a type
+def check_of(shape: Any) -> Check:  # noqa: ANN401 - a type
     """The check of a type: a function from a value to its mistakes."""
     if get_origin(shape) is NotRequired:
         return check_of(get_args(shape)[0])
@@ -94,7 +94,7 @@ def check_of(shape: Any) -> Callable[[object], Sequence[Mistake]]:  # noqa: ANN4
     return _bounded(of, tuple(bounds), next((b for b in bounds if type(b) is Size), ANY_SIZE))
 
 
-def _bounded(of: Any, bounds: tuple[object, ...], size: Size) -> Callable[[object], Sequence[Mistake]]:  # noqa: ANN401 - a type
+def _bounded(of: Any, bounds: tuple[object, ...], size: Size) -> Check:  # noqa: ANN401 - a type
     origin, args = get_origin(of), get_args(of)
     if origin is list:
         return _list(check_of(args[0]), size)
@@ -104,19 +104,12 @@ def _bounded(of: Any, bounds: tuple[object, ...], size: Size) -> Callable[[objec
         return _one_of(args)
     if origin in (Union, UnionType):
         return _any_of(args, bounds)
-    return _plain(of, bounds, size)
+    if of is float or of is int:
+        return _number(next((b for b in bounds if isinstance(b, Range)), ANY_NUMBER), whole=of is int)
+    return _text(size) if of is str else _truth if of is bool else _nothing
 
 
-def _plain(shape: object, bounds: Sequence[object], size: Size) -> Callable[[object], Sequence[Mistake]]:
-    if shape is float or shape is int:
-        span = next((b for b in bounds if isinstance(b, Range)), ANY_NUMBER)
-        return _number(span, whole=shape is int)
-    if shape is str:
-        return _text(size)
-    return _truth if shape is bool else _nothing
-
-
-def _number(span: Range, *, whole: bool) -> Callable[[object], Sequence[Mistake]]:
+def _number(span: Range, *, whole: bool) -> Check:
     low, high, kind = span.low, span.high, "whole number" if whole else "number"
     within = "" if span == ANY_NUMBER else f" from {low} to {high}" if high < LARGEST else f" from {low}"
 
@@ -129,15 +122,13 @@ def _number(span: Range, *, whole: bool) -> Callable[[object], Sequence[Mistake]
     return check
 
 
-def _text(size: Size) -> Callable[[object], Sequence[Mistake]]:
+def _text(size: Size) -> Check:
     least, most, said = size.ends()
 
     def check(value: object) -> Sequence[Mistake]:
         if type(value) is not str:
             return [((), f"{shown(value)} is no text")]
-        if least <= len(value) <= most:
-            return NONE
-        return [((), f"a text of {len(value)} characters, and not of {said}")]
+        return NONE if least <= len(value) <= most else [((), f"a text of {len(value)} characters, and not of {said}")]
 
     return check
 
@@ -150,7 +141,7 @@ def _nothing(value: object) -> Sequence[Mistake]:
     return NONE if value is None else [((), f"{shown(value)} is not null")]
 
 
-def _one_of(allowed: tuple[object, ...]) -> Callable[[object], Sequence[Mistake]]:
+def _one_of(allowed: tuple[object, ...]) -> Check:
     said = (
         f"should be one of {', '.join(str(each) for each in allowed if each != '')}"
         if len(allowed) > 1
@@ -164,7 +155,13 @@ def _one_of(allowed: tuple[object, ...]) -> Callable[[object], Sequence[Mistake]
     return check
 
 
-def _list(inner: Callable[[object], Sequence[Mistake]], size: Size) -> Callable[[object], Sequence[Mistake]]:
+def _inside(inner: Check, elements: Iterable[tuple[str | int, object]]) -> Sequence[Mistake]:
+    """The first mistakes of what a list or a table of names holds."""
+    found = (((key, *place), what) for key, element in elements for place, what in inner(element))
+    return list(islice(found, MOST))
+
+
+def _list(inner: Check, size: Size) -> Check:
     least, most, said = size.ends()
 
     def check(value: object) -> Sequence[Mistake]:
@@ -172,31 +169,21 @@ def _list(inner: Callable[[object], Sequence[Mistake]], size: Size) -> Callable[
             return [((), f"{shown(value)} is no list")]
         if not least <= len(value) <= most:
             return [((), f"a list of {len(value)}, and not of {said}")]
-        found: list[Mistake] = []
-        for i, element in enumerate(value):
-            wrong = inner(element)
-            if wrong and len(found) < MOST:
-                found += [((i, *place), what) for place, what in wrong]
-        return found or NONE
+        return _inside(inner, enumerate(value)) if any(map(inner, value)) else NONE
 
     return check
 
 
-def _row(inner: tuple[Callable[[object], Sequence[Mistake]], ...]) -> Callable[[object], Sequence[Mistake]]:
+def _row(inner: tuple[Check, ...]) -> Check:
     def check(value: object) -> Sequence[Mistake]:
         if type(value) is not list or len(value) != len(inner):
             return [((), f"{shown(value)} is no list of {len(inner)}")]
-        found: list[Mistake] = []
-        for i, one in enumerate(inner):
-            wrong = one(value[i])
-            if wrong:
-                found += [((i, *place), what) for place, what in wrong]
-        return found or NONE
+        return [((i, *place), what) for i, one in enumerate(inner) for place, what in one(value[i])]
 
     return check
 
 
-def _names(inner: Callable[[object], Sequence[Mistake]], size: Size) -> Callable[[object], Sequence[Mistake]]:
+def _names(inner: Check, size: Size) -> Check:
     least, most, said = size.ends()
 
     def check(value: object) -> Sequence[Mistake]:
@@ -204,17 +191,13 @@ def _names(inner: Callable[[object], Sequence[Mistake]], size: Size) -> Callable
             return [((), f"{shown(value)} is no object")]
         if not least <= len(value) <= most:
             return [((), f"an object of {len(value)} keys, and not of {said}")]
-        found: list[Mistake] = []
-        for key, element in value.items():
-            wrong = inner(element)
-            if wrong and len(found) < MOST:
-                found += [((_name(key), *place), what) for place, what in wrong]
-        return found
+        named = ((_name(key), element) for key, element in value.items())
+        return _inside(inner, named) if any(map(inner, value.values())) else NONE
 
     return check
 
 
-def _table(shape: Any) -> Callable[[object], Sequence[Mistake]]:  # noqa: ANN401 - a TypedDict
+def _table(shape: Any) -> Check:  # noqa: ANN401 - a TypedDict
     checks = {key: check_of(of) for key, of in shape.__annotations__.items()}
     required = shape.__required_keys__
 
@@ -225,25 +208,20 @@ def _table(shape: Any) -> Callable[[object], Sequence[Mistake]]:  # noqa: ANN401
         if not value.keys() >= required:
             found += [((key,), "is missing") for key in checks if key in required and key not in value]
         for key, element in value.items():
-            one = checks.get(key)
-            if one is None:
+            if key not in checks:
                 found.append(((_name(key),), "unknown key"))
-                continue
-            wrong = one(element)
-            if wrong:
+            elif wrong := checks[key](element):
                 found += [((key, *place), what) for place, what in wrong]
         return found or NONE
 
     return check
 
 
-def _any_of(options: tuple[Any, ...], bounds: Sequence[object]) -> Callable[[object], Sequence[Mistake]]:
+def _any_of(options: tuple[Any, ...], bounds: Sequence[object]) -> Check:
     """Of null and one type, or of tables that a key with one text tells apart."""
     rest = tuple(o for o in options if o is not NoneType)
-    if all(is_typeddict(o) for o in rest) and len(rest) > 1:
-        return _tagged(rest)
     if len(rest) > 1:
-        return _first_of(tuple(check_of(o) for o in options))
+        return _tagged(rest) if all(map(is_typeddict, rest)) else _first_of(tuple(map(check_of, options)))
     inner = check_of(Annotated.__class_getitem__((rest[0], *bounds)) if bounds else rest[0])  # type: ignore[attr-defined]
 
     def check(value: object) -> Sequence[Mistake]:
@@ -252,14 +230,14 @@ def _any_of(options: tuple[Any, ...], bounds: Sequence[object]) -> Callable[[obj
     return check
 
 
-def _first_of(checks: tuple[Callable[[object], Sequence[Mistake]], ...]) -> Callable[[object], Sequence[Mistake]]:
+def _first_of(checks: tuple[Check, ...]) -> Check:
     def check(value: object) -> Sequence[Mistake]:
         return NONE if any(not one(value) for one in checks) else checks[0](value)
 
     return check
 
 
-def _tagged(tables: tuple[Any, ...]) -> Callable[[object], Sequence[Mistake]]:
+def _tagged(tables: tuple[Any, ...]) -> Check:
     hints = [table.__annotations__ for table in tables]
     tag = next(key for key in hints[0] if all(get_origin(h.get(key)) is Literal for h in hints))
     checks = {text: check_of(table) for table, h in zip(tables, hints, strict=True) for text in get_args(h[tag])}

@@ -1,4 +1,4 @@
-"""Who may hold whom, by geometry (``plogic.facts.gravity``): where bodies of Δh begin, and which touches which from above, as far as poses are known.
+"""Who may hold whom, by geometry (``plogic.facts.spatial``): where bodies of Δh begin, and which touches which from above, as far as poses are known.
 
 Tolerances are stated, in favour of what stands. Each body gives way by half of what ``on`` allows a pair
 (``plogic.cycle.placing.CONTACT``), or by three standard deviations of its pose at that place and in that direction,
@@ -19,7 +19,7 @@ from geometry.bodies.resting import Bodies, shape_of
 from geometry.frames import transform_points
 from geometry.poses.refine import turned_step
 from plogic.cycle.placing import CONTACT, MOST, ROUND
-from plogic.facts.gravity import GROUND, Foot, Gravity
+from plogic.facts.spatial import GROUND, Foot, Gravity
 from plogic.match.judged.disjoint import pose_information
 from plogic.match.judged.rivals import solid_of
 from sensing.simulated.physics import NO_PHYSICS, client, has_physics

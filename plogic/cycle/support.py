@@ -1,4 +1,4 @@
-"""Propose poses on the plane that accepted objects stand on, where gravity holds (its constraint: ``plogic.facts.gravity``).
+"""Propose poses on the plane that accepted objects stand on, where gravity holds (its constraint: ``plogic.facts.spatial``).
 
 What two accepted objects or more stand on is one plane. What else stands there is then looked for on it alone, with far
 fewer ways to stand than a free body has poses; what leans, hangs or lies on something else is found as before, by the

@@ -11,11 +11,14 @@ Structure only, no numbers. Vocabulary:
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from graphlib import CycleError, TopologicalSorter
 from typing import TYPE_CHECKING
 
 from plogic.base.errors import TooManyHypothesesError
+from plogic.base.walk import by_key
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -48,12 +51,8 @@ class Scene:
     @cached_property
     def claimants(self) -> dict[str, list[tuple[Hypothesis, FeatureFact]]]:
         """Appearance id → the candidate features that are matched to it, in the order of Δh."""
-        found: dict[str, list[tuple[Hypothesis, FeatureFact]]] = {}
-        for h in self.situation.hypotheses:
-            for f in h.features:
-                if f.match is not None and h.expects(f):
-                    found.setdefault(f.match, []).append((h, f))
-        return found
+        features = ((h, f) for h in self.situation.hypotheses for f in h.features)
+        return by_key((f.match, (h, f)) for h, f in features if f.match is not None and h.expects(f))
 
     def rival(self, x: str, y: str) -> bool:
         """Whether the two never hide each other (§4.1)."""
@@ -144,19 +143,14 @@ def _blocks(of: dict[str, tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
 
 def _settled(of: dict[str, tuple[str, ...]]) -> set[str]:
     """Those who depend on no cycle: nobody, or only such."""
-    waiting: dict[str, int] = {}
-    users: dict[str, list[str]] = {}
-    for h, gs in of.items():
-        waiting[h] = len(gs)
-        for g in gs:
-            users.setdefault(g, []).append(h)
-    ready = [h for h, gs in of.items() if not gs]
-    while ready:
-        for h in users.get(ready.pop(), ()):
-            waiting[h] -= 1
-            if not waiting[h]:
-                ready.append(h)
-    return {h for h, count in waiting.items() if not count}
+    sorter = TopologicalSorter(of)
+    with suppress(CycleError):  # it gives what comes before the cycles all the same
+        sorter.prepare()
+    settled: set[str] = set()
+    while ready := sorter.get_ready():
+        settled.update(ready)
+        sorter.done(*ready)
+    return settled
 
 
 def _components(of: dict[str, list[str]]) -> list[tuple[str, ...]]:

@@ -68,38 +68,35 @@ class StandsKey(TypedDict):
     stands_for: NotRequired[Count]
 
 
-class FeatureRow(StandsKey):
-    """One feature of a hypothesis of Δh; ``expected``, ``detected`` and ``case`` beside Δi."""
+class SeenRow(StandsKey):
+    """What is told of any feature; ``case`` beside Δi."""
 
     id: Name
     type: Name
-    at: Point3
     uv: Point2
-    dv: Positive
     in_image: bool
     in_lobe: bool
     self_hidden: bool
     hidden_by: list[Name]
     match: Name | None
+    case: NotRequired[Case | None]
+
+
+class FeatureRow(SeenRow):
+    """One feature of a hypothesis of Δh; ``expected`` and ``detected`` beside Δi."""
+
+    at: Point3
+    dv: Positive
     residual: float | None
     density: Positive
     hit_rate: Chance
     expected: NotRequired[bool]
     detected: NotRequired[bool]
-    case: NotRequired[Case | None]
 
 
-class LookedRow(TypedDict):
+class LookedRow(SeenRow):
     """One feature of a rejected hypothesis: to be looked at, nothing is computed from it."""
 
-    id: Name
-    type: Name
-    uv: Point2
-    in_image: bool
-    in_lobe: bool
-    self_hidden: bool
-    hidden_by: list[Name]
-    match: Name | None
     expected: bool
     detected: bool
     at: NotRequired[Point3]
@@ -107,8 +104,6 @@ class LookedRow(TypedDict):
     residual: NotRequired[float | None]
     density: NotRequired[Positive]
     hit_rate: NotRequired[Chance]
-    stands_for: NotRequired[Count]
-    case: NotRequired[Case | None]
 
 
 class PartRow(TypedDict):
@@ -152,16 +147,21 @@ class Verdict(TypedDict):
     interval: NotRequired[Interval]
 
 
-class HypothesisFacts(TypedDict):
-    """One hypothesis of Δh, without its verdict."""
+class PosedRow(TypedDict):
+    """What is told of any hypothesis, tried or of Δh."""
 
     id: Name
     type: Name
     T_camera_object: Pose
     opaque: bool
+    parts: list[PartRow]
+
+
+class HypothesisFacts(PosedRow):
+    """One hypothesis of Δh, without its verdict."""
+
     group: Name
     features: list[FeatureRow]
-    parts: list[PartRow]
 
 
 class ApartKey(TypedDict):
@@ -177,16 +177,11 @@ class HypothesisRow(HypothesisFacts, Verdict, ApartKey):
     status: Status
 
 
-class RejectedRow(Verdict):
+class RejectedRow(PosedRow, Verdict):
     """One hypothesis that was tried and dropped: told, and no part of Δh."""
 
-    id: Name
-    type: Name
-    T_camera_object: Pose
-    opaque: bool
     group: None
     features: list[LookedRow]
-    parts: list[PartRow]
     label: NotRequired[Name]
     status: Literal["rejected"]
 

@@ -115,7 +115,7 @@ class SpaceRow(TypedDict):
 
 
 class GravityRow(TypedDict):
-    """``plogic.facts.gravity.Gravity`` without its facts."""
+    """``plogic.facts.spatial.Gravity`` without its facts."""
 
     unknown_support: Chance
     ground: float | None

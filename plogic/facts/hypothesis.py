@@ -51,21 +51,12 @@ class _OneSeen(Protocol):
     def self_hidden(self) -> bool: ...
 
 
-class _AllSeen(Protocol):
-    @property
-    def in_image(self) -> Flags: ...
-    @property
-    def in_lobe(self) -> Flags: ...
-    @property
-    def self_hidden(self) -> Flags: ...
-
-
 @overload
 def expected(seen: _OneSeen, opaque: bool) -> bool: ...  # noqa: FBT001 - a truth value of D7
 @overload
 def expected(seen: _OneSeen, opaque: bool, hidden: Flags) -> Flags: ...  # noqa: FBT001
 @overload
-def expected(seen: _AllSeen, opaque: bool, hidden: Flags | bool = False) -> Flags: ...  # noqa: FBT001, FBT002
+def expected(seen: Seen | Hypothesis, opaque: bool, hidden: Flags | bool = False) -> Flags: ...  # noqa: FBT001, FBT002
 
 
 def expected(seen: Any, opaque: bool, hidden: Any = False) -> Any:  # noqa: FBT001, FBT002
@@ -300,9 +291,9 @@ VERDICT = "worth", "surplus", "ev", "ev_reconsidered", "status", "why"
 def part_facts(object_type: ObjectType) -> tuple[PartFact, ...]:
     """A fact for every part and feature below the maximal object, in the tree's order."""
     tree = object_type.tree
-    facts = []
-    for node, attributes in tree.nodes(data=True):
-        if node and attributes["kind"] != "appearance":
-            (parent,) = tree.predecessors(node)
-            facts.append(PartFact(node, parent, attributes["kind"], attributes["type"]))
-    return tuple(facts)
+    return tuple(
+        PartFact(node, parent, attributes["kind"], attributes["type"])
+        for node, attributes in tree.nodes(data=True)
+        if node and attributes["kind"] != "appearance"
+        for parent in tree.predecessors(node)
+    )

@@ -16,11 +16,10 @@ from geometry.files.plain_files import json_of
 from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
 from plogic.facts.document import Case, FeatureRow, HypothesisFacts, HypothesisRow, Interpretation, StandsKey
-from plogic.facts.gravity import gravity_facts, gravity_of
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
 from plogic.facts.sanity import faults
 from plogic.facts.situation import AppearanceFact, PairFact, Situation, stopped_in
-from plogic.facts.spatial import overlap_document, space_of
+from plogic.facts.spatial import gravity_facts, gravity_of, overlap_document, space_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -39,10 +38,17 @@ def facts_of(situation: Situation) -> list[Fact]:
     facts += [{"fact": "rival", "args": list(pair)} for pair in sorted(situation.rivals)]
     facts += [{"fact": "exclusive", "args": list(pair)} for pair in sorted(situation.exclusive)]
     facts += gravity_facts(situation.gravity)
-    facts += [_relation_document(r) for r in situation.relations]
-    facts += [_part_relation_document(r) for r in situation.part_relations]
-    for h in situation.hypotheses:
-        facts += [{"fact": "behind", "args": [f"{h.id}/{f.id}", other]} for f in h.features for other in f.hidden_by]
+    facts += [{"fact": "relation", "relation": r.relation, "args": [r.x, r.y], **_roc(r)} for r in situation.relations]
+    facts += [
+        {"fact": "part_relation", "relation": r.relation, "args": [r.x, r.y], **_roc(r), "parts": list(r.parts)}
+        for r in situation.part_relations
+    ]
+    facts += [
+        {"fact": "behind", "args": [f"{h.id}/{f.id}", other]}
+        for h in situation.hypotheses
+        for f in h.features
+        for other in f.hidden_by
+    ]
     return facts
 
 
@@ -73,14 +79,8 @@ def situation_of(document: Interpretation) -> Situation:
     )
 
 
-def _relation_document(r: PairFact) -> RelationFact:
-    row: RelationFact = {"fact": "relation", "relation": r.relation, "args": [r.x, r.y]}
-    return {**row, "roc": r.roc} if r.roc else row
-
-
-def _part_relation_document(r: PairFact) -> PartRelationFact:
-    roc: RocKey = {"roc": r.roc} if r.roc else {}
-    return {"fact": "part_relation", "relation": r.relation, "args": [r.x, r.y], **roc, "parts": list(r.parts)}
+def _roc(r: PairFact) -> RocKey:
+    return {"roc": r.roc} if r.roc else {}
 
 
 def _relation(fact: RelationFact) -> PairFact:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from geometry.visibility.roc import ROC20, coarse
 from plogic.base.errors import SituationError
-from plogic.facts.gravity import GROUND, Gravity
+from plogic.facts.spatial import GROUND, Gravity
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

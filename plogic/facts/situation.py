@@ -16,6 +16,7 @@ comes back. ``pair_facts`` gives a relation of ROC-20 as facts of the ordered pa
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import count
 from typing import TYPE_CHECKING, Literal
 
 from geometry.visibility.roc import ROC20, Roc, coarse, coarse_converse, converse
@@ -23,11 +24,11 @@ from plogic.facts.spatial import Space
 from plogic.logic.safety.atoms import Names, own_atom
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     from plogic.facts.document import Marks
-    from plogic.facts.gravity import Gravity
     from plogic.facts.hypothesis import Hypothesis
+    from plogic.facts.spatial import Gravity
 
 Reading = Literal["score", "posterior"]
 Reconsider = Literal["to_B", "drop", "reassign"]
@@ -142,42 +143,27 @@ def names_of(situation: Situation) -> Names:
     """The table of one situation: deterministic, in the order in which the names appear there."""
     wanted = list(_labels(situation))
     taken = {label for label, _ in wanted if own_atom(label)}
+    fresh = {kind: _fresh(kind, taken) for kind in "fn"}
     atoms: dict[str, str] = {}
-    counters = {"f": 0, "n": 0}
     for label, kind in wanted:
         if label not in atoms:
-            atoms[label] = label if own_atom(label) else _fresh(kind, counters, taken)
+            atoms[label] = label if own_atom(label) else next(fresh[kind])
     return Names.of(atoms)
 
 
-def _fresh(kind: str, counters: dict[str, int], taken: set[str]) -> str:
-    while True:
-        counters[kind] += 1
-        atom = f"{kind}{counters[kind]}"
-        if atom not in taken:
-            return atom
+def _fresh(kind: str, taken: set[str]) -> Iterator[str]:
+    return (atom for i in count(1) if (atom := f"{kind}{i}") not in taken)
 
 
 def _labels(situation: Situation) -> Iterator[tuple[str, str]]:
     for hypothesis in situation.hypotheses:
         yield from ((label, "n") for label in (hypothesis.id, hypothesis.type, hypothesis.group))
-        yield from _inner_labels(hypothesis)
+        inner = [(part.id, part.type) for part in hypothesis.parts]
+        for name, kind in inner + [(feature.id, feature.type) for feature in hypothesis.features]:
+            yield from ((name, "f"), (kind, "n"))
     for appearance in situation.appearances:
         yield from ((label, "n") for label in (appearance.id, appearance.type))
     for table in (situation.dv, situation.rank, situation.priors):
         yield from ((label, "n") for label in table)
     for fact in (*situation.relations, *situation.part_relations):
-        yield from _each((fact.relation, *both_ways(fact)))
-
-
-def _inner_labels(hypothesis: Hypothesis) -> Iterator[tuple[str, str]]:
-    for part in hypothesis.parts:
-        yield part.id, "f"
-        yield part.type, "n"
-    for feature in hypothesis.features:
-        yield feature.id, "f"
-        yield feature.type, "n"
-
-
-def _each(labels: Iterable[str]) -> Iterator[tuple[str, str]]:
-    yield from ((label, "n") for label in labels)
+        yield from ((label, "n") for label in (fact.relation, *both_ways(fact)))

@@ -247,8 +247,7 @@ def _open_by_state(nodes: list[Node], place: int, card: int) -> tuple[NDArray[np
             settled[states[place]] += bound
         else:
             free += bound
-    others = np.array([settled[:s].sum() + settled[s + 1 :].sum() for s in range(card)])
-    return settled + free, others + free
+    return settled + free, np.array([settled[:s].sum() + settled[s + 1 :].sum() for s in range(card)]) + free
 
 
 def glanced(part: Part, sequence: Sequence[int], bits: float, clock: Clock) -> Beliefs:

@@ -23,6 +23,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from plogic.base.walk import by_key
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -115,7 +117,7 @@ def _product(tables: list[NDArray[np.float64]], constants: list[float]) -> NDArr
 
 
 def _pieces(cards: Sequence[int], joined: dict[tuple[int, ...], NDArray[np.float64]]) -> list[Part]:
-    root = _roots(len(cards), joined)
+    root = roots(len(cards), joined)
     members: dict[int, list[int]] = {}
     local = [0] * len(cards)
     for v, card in enumerate(cards):
@@ -131,13 +133,11 @@ def _pieces(cards: Sequence[int], joined: dict[tuple[int, ...], NDArray[np.float
 
 def connected(graph: FactorGraph) -> list[tuple[int, ...]]:
     """The variables of each connected piece, increasing, those of card 1 too; the pieces by their least variable."""
-    found: dict[int, list[int]] = {}
-    for v, root in enumerate(_roots(len(graph.cards), (factor.scope for factor in graph.factors))):
-        found.setdefault(root, []).append(v)
-    return [tuple(piece) for piece in found.values()]
+    root = roots(len(graph.cards), (factor.scope for factor in graph.factors))
+    return list(map(tuple, by_key(zip(root, range(len(root)), strict=True)).values()))
 
 
-def _roots(count: int, scopes: Iterable[tuple[int, ...]]) -> list[int]:
+def roots(count: int, scopes: Iterable[tuple[int, ...]]) -> list[int]:
     """Per variable, the least variable of its connected piece."""
     root = list(range(count))
     for scope in scopes:

@@ -198,7 +198,11 @@ def _cases(part: Part, order: Order, width: float, clock: Clock) -> Beliefs:
     if clock.end is None:
         cut = cutset(part, order, width, EFFORT, clock)
         if cut is None or cut.work(part.cards) > EFFORT:
-            raise WidthError(_hopeless(part, order, width))
+            raise WidthError(
+                f"{len(part.cards)} variables hang together so closely that exact sums need tables of {order.width:.1f} bits "
+                f"(the limit is {width:g}), and more than 2^{EFFORT:g} cells case by case; with a deadline (seconds) the answer is "
+                f"intervals"
+            )
         return conditioned(part, cut, PRUNE, clock)
     budget = _bits(clock.left() / 2)
     bits = min(width, BUCKET, max(PRUNE, budget - 14.0))
@@ -206,13 +210,6 @@ def _cases(part: Part, order: Order, width: float, clock: Clock) -> Beliefs:
     if cut and not _fair(cut.work(part.cards), math.prod(part.cards[v] for v in cut.fixed) * len(cut.buckets), clock):
         cut = cutset(part, order, min(width, max(6.0, budget - 8.0)), MOST_CUT_BITS, clock) or cut
     return conditioned(part, cut, bits, clock) if cut else glanced(part, order.sequence, bits, clock)
-
-
-def _hopeless(part: Part, order: Order, width: float) -> str:
-    return (
-        f"{len(part.cards)} variables hang together so closely that exact sums need tables of {order.width:.1f} bits "
-        f"(the limit is {width:g}), and more than 2^{EFFORT:g} cells case by case; with a deadline (seconds) the answer is intervals"
-    )
 
 
 WIDTH = 20.0  # bits: tables of 2^20 doubles are 8 MB

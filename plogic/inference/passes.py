@@ -125,8 +125,7 @@ def _log(entering: Sequence[Message], shape: Sequence[int], rows: int) -> tuple[
 def _plain(
     entering: Sequence[Message], shape: Sequence[int], rows: int, spread: float
 ) -> tuple[Weighed, Message, float] | None:
-    table = _product([message.plain() for message in entering], shape)
-    weights = table.reshape(rows, -1)
+    weights = _product([message.plain() for message in entering], shape).reshape(rows, -1)
     totals = row_sums(weights)
     top = float(totals.max())
     if top == 0.0:
@@ -303,8 +302,7 @@ class _Passes:
             self.find(stretch, check)
             for number in reversed(stretch):
                 check()
-                table = self._believed(number, handed.pop(number, _WHOLE))
-                self.tell(number, table, beliefs, handed)
+                self.tell(number, self._believed(number, handed.pop(number, _WHOLE)), beliefs, handed)
         return tuple(beliefs)
 
     def tell(

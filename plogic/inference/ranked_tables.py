@@ -84,8 +84,7 @@ def _scaled(
     cuts: Sequence[int],
 ) -> tuple[Table, int, int]:
     """(all costs, the impossible cost, the shift), in as many digits as the range leaves room for."""
-    ranges = np.maximum.reduceat(np.where(below < np.inf, below, 0.0), cuts[:-1])
-    span = sum(ranges.tolist())
+    span = sum(np.maximum.reduceat(np.where(below < np.inf, below, 0.0), cuts[:-1]).tolist())
     digits = DIGITS if span < 2.0 ** (COST_BITS - DIGITS) else COST_BITS - 1 - math.ceil(math.log2(span))
     if digits >= FEWEST_DIGITS:
         return (

@@ -83,9 +83,8 @@ def best_substitution(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) 
 
     if allowed.size == 0:
         return {}
-    loss = np.where(allowed, -weights[:, None] - 1e-12, 0.0)
     rows, columns = linear_sum_assignment(
-        loss
+        np.where(allowed, -weights[:, None] - 1e-12, 0.0)
     )  # with maximize=True SciPy makes a copy, and ends the process where there is no room for it
     return {int(f): int(a) for f, a in zip(rows, columns, strict=True) if allowed[f, a]}
 

@@ -14,16 +14,13 @@ Vocabulary:
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, log
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 Case = Literal["A", "B", "C", "D"]
 
@@ -65,9 +62,7 @@ def explanatory_value(support: Mapping[str, Cells], dv: Mapping[str, float]) -> 
     """
     concordant = sum(dv[name] * (cells.A + cells.B) for name, cells in support.items())
     discordant = sum(dv[name] * (cells.C + cells.D) for name, cells in support.items())
-    if concordant + discordant <= 0.0:
-        return None
-    return (concordant - discordant) / (concordant + discordant)
+    return None if concordant + discordant <= 0.0 else (concordant - discordant) / (concordant + discordant)
 
 
 def probability_of_ev(ev: float) -> float:

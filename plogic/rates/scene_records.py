@@ -6,7 +6,6 @@ A scene is a folder with ``truth.json`` and one of ``interpretation.json``, ``ga
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geometry.files.plain_files import JsonError, json_of
 from plogic.base.errors import InputError
 from plogic.match.gamma.data import Data, data_of
 from plogic.match.judged.alike import same_place
@@ -57,13 +57,9 @@ class Truth:
 def read_truth(path: Path) -> Truth:
     """Read a truth file; raises InputError that names the file, the key and what would be right."""
     try:
-        if path.stat().st_size > LARGEST:
-            raise InputError(f"{path}: is larger than the {LARGEST} bytes that a truth file may have")
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except ValueError as error:
-        raise InputError(f"{path}: is no JSON: {error}") from None
+        data = json_of(path, LARGEST, "it should hold where objects stand")
+    except JsonError as error:
+        raise InputError(str(error)) from None
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise InputError(f"{path}: format: should be {FORMAT!r}")
     complete, objects = data.get("complete", True), data.get("objects")
@@ -169,9 +165,7 @@ def found_in(folder: Path, kb: KnowledgeBase) -> Found:
         raise InputError(
             f"{folder}: holds no picture and no Γ: one of {', '.join(SOURCES)} is needed beside truth.json"
         )
-    if path.name == "interpretation.json":
-        return _interpreted(path, kb)
-    return Found(_gamma(path, folder, kb), None)
+    return _interpreted(path, kb) if path.name == "interpretation.json" else Found(_gamma(path, folder, kb), None)
 
 
 def _interpreted(path: Path, kb: KnowledgeBase) -> Found:
@@ -181,8 +175,7 @@ def _interpreted(path: Path, kb: KnowledgeBase) -> Found:
     document = read_interpretation(str(path))
     plain = [{key: value for key, value in a.items() if key != "clutter"} for a in document["appearances"]]
     source = {"format": "gamma/1", "camera": document["camera"], "appearances": plain}
-    gamma = gamma_from_dict(source, str(path), kb.appearance_types)
-    return Found(gamma, accepted_in(document))
+    return Found(gamma_from_dict(source, str(path), kb.appearance_types), accepted_in(document))
 
 
 def accepted_in(document: Interpretation) -> tuple[tuple[str, NDArray[np.float64]], ...]:
@@ -246,8 +239,7 @@ def _looked(
         if other is not one and other.object_type.opaque:
             hidden |= hidden_by(one, other)
     types = [frozenset(a.type for a in f.appearances) for f in one.object_type.seen_features]
-    found = matched(one, data, compatible(types, data.types), kb.rates.match_tolerance, hidden=hidden)
-    return found, hidden
+    return matched(one, data, compatible(types, data.types), kb.rates.match_tolerance, hidden=hidden), hidden
 
 
 def _slot(one: Hypothesis, hidden: NDArray[np.bool_], data: Data, kb: KnowledgeBase, *, present: bool | None) -> Slot:

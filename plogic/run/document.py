@@ -15,10 +15,9 @@ import numpy as np
 from geometry.camera import camera_to_dict
 from plogic.cycle.lumped import left_out, looked_at, support_document, told, told_as
 from plogic.facts.dependence import Scene
-from plogic.facts.gravity import gravity_document
 from plogic.facts.interpretation import FORMAT, facts_of, hypothesis_document
 from plogic.facts.situation import OTHERS
-from plogic.facts.spatial import apart_of, space_document
+from plogic.facts.spatial import apart_of, gravity_document, space_document
 from plogic.match.judged.outline_rings import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev

@@ -4,7 +4,6 @@ Vocabulary, each with an example value:
 
 * ``Measure``: one hypothesis, ``Measure("h1", "t1", "accepted", ev=0.88, ..., posterior=0.97)``
 * ``Distinctive``: one feature type, ``Distinctive("apex", over_types=0.99, over_instances=0.98)``
-* ``Measures``: both tables
 """
 
 from __future__ import annotations
@@ -71,16 +70,12 @@ class Distinctive:
     over_instances: float | None
 
 
-@dataclass(frozen=True)
-class Measures:
-    """A row for each hypothesis of Δh, and for each feature type."""
+def measured(document: Interpretation) -> tuple[tuple[Measure, ...], tuple[Distinctive, ...]]:
+    """A row for each hypothesis of an interpretation, and one for each feature type.
 
-    hypotheses: tuple[Measure, ...]
-    features: tuple[Distinctive, ...]
-
-
-def measured(document: Interpretation) -> Measures:
-    """The measures of an interpretation. Raises SituationError where the posterior cannot be computed exactly."""
+    Raises:
+        SituationError: the posterior cannot be computed exactly.
+    """
     situation = situation_of(document)
     status = {h["id"]: h["status"] for h in document["hypotheses"]}
     believed = frozenset(name for name, said in status.items() if said == "accepted")
@@ -111,7 +106,7 @@ def measured(document: Interpretation) -> Measures:
         Distinctive(name, value, None if over_delta is None else over_delta[name])
         for name, value in situation.dv.items()
     ]
-    return Measures(tuple(rows), tuple(features))
+    return tuple(rows), tuple(features)
 
 
 def dv_over_instances(believed: Sequence[Hypothesis], dv: Mapping[str, float]) -> dict[str, float] | None:

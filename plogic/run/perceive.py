@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InconsistentError, InputError
+from plogic.base.jobs import processors
+from plogic.base.remembered import cache_folder
 from plogic.cycle.attention import attend
 from plogic.cycle.delta import Delta, Options, delta_of
 from plogic.cycle.perception import perceive
@@ -154,6 +156,11 @@ class Perceiver:
             task = Task(data, self.kb, self.models, self.dv, options.end, self.processes)
             cycle = perceive(task, attention, seeds, usual)
         return data, cycle
+
+
+def perceiver_of(kb: KnowledgeBase, generator: str = FAST, processes: int | None = None) -> Perceiver:
+    """A perceiver whose index is kept between runs, with as many processes as this machine can lend where no number is said."""
+    return Perceiver(kb, cache_folder("indices"), processors() if processes is None else processes, generator)
 
 
 def ranked(delta: Delta, trace: list[StepRow], seconds: float | None = None) -> tuple[Delta, Ranking]:

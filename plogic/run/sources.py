@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.files.plain_files import is_there
 from plogic.base.errors import InputError
+from plogic.logic.served.engine import Text
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.base.clock import Stopwatch
     from plogic.facts.situation import Reading, Situation
-    from plogic.logic.served.engine import Text
     from plogic.scene.asking.query import Subject
     from sensing.appearance import Gamma
 
@@ -46,13 +46,16 @@ def gamma_of(
         return read_gamma(source, kb.appearance_types), None
     from geometry.files.camera_files import read_camera
 
-    camera = read_camera(str(camera_file))
+    camera = sized(read_camera(str(camera_file)), picture, str(camera_file), source)
+    return detected(picture, camera, kb, clock), picture
+
+
+def sized(camera: Camera, picture: NDArray[Any], named: str, source: str) -> Camera:
+    """The camera itself. Raises InputError where the picture (H, W, 3), from ``source``, is of another size."""
     height, width = picture.shape[:2]
     if (camera.width, camera.height) != (width, height):
-        raise InputError(
-            f"{camera_file}: the camera is {camera.width}x{camera.height}, but {source} is {width}x{height}"
-        )
-    return detected(picture, camera, kb, clock), picture
+        raise InputError(f"{named}: the camera is {camera.width}x{camera.height}, but {source} is {width}x{height}")
+    return camera
 
 
 def detected(picture: NDArray[Any], camera: Camera, kb: KnowledgeBase, clock: Stopwatch) -> Gamma:
@@ -126,13 +129,9 @@ def situation_from(source: str, reading: Reading | None = None) -> Situation:
 
 def subject_of(source: str, reading: Reading | None) -> Subject:
     """A situation, or program text, as ``answers`` and ``explain`` take them."""
-    from plogic.logic.served.engine import Text
-
     return Text(program_text_of(source), source) if is_program(source) else situation_from(source, reading)
 
 
 def rules_from(path: str | None) -> Text | None:
     """A file of a user's own rules."""
-    from plogic.logic.served.engine import Text
-
     return None if path is None else Text(program_text_of(path), path)

@@ -1,4 +1,4 @@
-"""The four laws of children: they die with their parent, share its memory, may be raced and cancelled, and sweep their scratch."""
+"""The four laws of children: they die with their parent, share its memory, may be raced, and sweep their scratch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Arrays kept in folders: what is not as it was written is made anew, what is used least goes, and nobody else's is touched."""
+"""Arrays kept in folders: a changed one is made anew, the least used goes, and nobody else's is touched."""
 
 import os
 import shutil

@@ -14,8 +14,7 @@ from kb.files.folder import shipped
 from kb.files.read import read_kb
 from plogic.facts.interpretation import text_of
 from plogic.run.batch.frame_lines import Lines
-from plogic.run.batch.frames import Frame, Settings
-from plogic.run.batch.inputs import frames_of
+from plogic.run.batch.frames import Frame, Settings, frames_of
 
 
 @pytest.fixture(scope="module")

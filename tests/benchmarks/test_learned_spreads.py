@@ -1,4 +1,4 @@
-"""The fits of ``benchmarks/learned_spreads.py`` find again what was put in, and the benchmark's own scenes are refused."""
+"""The fits of ``benchmarks/learned_spreads.py`` find their true values, and the benchmark's own scenes are refused."""
 
 import argparse
 import importlib.util

@@ -1,4 +1,4 @@
-"""`plogic bench look-again`: its scenes hide what would tell, its policies go where they say, and a few scenes run whole."""
+"""`plogic bench look-again`: its scenes hide the difference, its policies go where they say, a few scenes run whole."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Table-top scenes: patterns, the sensor, pictures by rays against projected points, and scenes that are as they were asked for."""
+"""Table-top scenes: patterns, the sensor, pictures by rays against projected points, and scenes as asked for."""
 
 from __future__ import annotations
 

@@ -142,7 +142,10 @@ def test_what_poses_may_be_off_only_adds_to_who_may_hold(seed):
 
 
 def test_depth_that_is_little_known_lets_a_cube_rest_that_seems_to_stand_beside_its_post():
-    """A level camera along y: 3 cm behind a post in depth, at its height, which a deviation of 1.5 cm of depth allows, and one of 1 mm does not."""
+    """A level camera along y: 3 cm behind a post in depth.
+
+    A deviation of 1.5 cm of depth allows that, one of 1 mm does not.
+    """
     post = laid("post", brick(0.05, 0.05, 0.3), (0, 0, 0.15))
     cube = laid("cube", CUBE, (0, 0.105, 0.35))
     assert rests_of([cube, post]) == ()

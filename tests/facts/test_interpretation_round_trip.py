@@ -13,8 +13,8 @@ from synthetic import belief_at, cycle_of, data, one_before_the_other, perceiver
 
 from plogic.base.errors import InterpretationError
 from plogic.cycle.delta import Options, delta_of
-from plogic.face.commands.asked import Asked
-from plogic.face.commands.worlds_command import worlds_command
+from plogic.face.commands.asking import worlds_command
+from plogic.face.shown.options import Asking
 from plogic.facts.interpretation import interpretation_in, read_interpretation, situation_of, text_of
 from plogic.measures.explanatory import Cells, case_of, explanatory_value, reconsidered
 from plogic.run.document import document_of, relation_probabilities
@@ -39,7 +39,7 @@ def written(parts, options):
     return delta, ranking, json.loads(text_of(document))
 
 
-ASKED = Asked()
+ASKED = Asking()
 ALL = [
     Options(reading=r, reconsider=m, smoothing=s)
     for r in ("score", "posterior")

@@ -97,7 +97,7 @@ def run():
 
 
 def end(status):
-    """Do what Python does at the end, but for taking the imported modules apart, which takes longer than most commands."""
+    """End the process without taking the imported modules apart, which takes longer than most commands."""
     threading._shutdown()
     atexit._run_exitfuncs()
     with suppress(OSError, ValueError):  # a command may have closed them

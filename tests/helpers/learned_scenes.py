@@ -111,7 +111,7 @@ def with_sides(cloud, features, looks=(90, 140, 95, 135, 150), varied=0):
 
 
 def pose_before(rng, distance=0.8, tilt=0.2):
-    """camera_from_object of a camera that looks down the object's z axis from so far, tilted a little, turned anyhow."""
+    """Random clouds whose data have angles, ready for the search over all types, and exact pictures of them."""
     direction = unit(np.array([0.0, 0, 1]) + tilt * rng.normal(size=3))
     right = unit(np.cross(-direction, rng.normal(size=3)))
     R = np.stack([right, np.cross(-direction, right), -direction])

@@ -55,7 +55,10 @@ def write_painted(folder, *, picture=True):
 
 
 def glb_bytes(pictures, materials):
-    """The split cube as GLB: its triangles shared by ``materials``, each the number of its one of ``pictures`` (image files' bytes) or None."""
+    """The split cube as GLB: its triangles shared by ``materials``.
+
+    Each is the number of its one of ``pictures`` (image files' bytes) or None.
+    """
     vertices, triangles, uv = split_box()
     chunks = [vertices.astype("<f4").tobytes(), np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1).astype("<f4").tobytes()]
     chunks += [part.astype("<u4").tobytes() for part in np.split(triangles, len(materials))]

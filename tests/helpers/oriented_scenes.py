@@ -1,4 +1,4 @@
-"""Random clouds whose data have angles, made ready for the search over all types at once, and exact pictures of them without pixels."""
+"""Random clouds whose data have angles, ready for the search over all types at once, and exact pictures of them."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ def with_other_look(kind, name):
 
 
 def seen_from(index, cell, roll=0.0):
-    """camera_from_object (4, 4) of a camera at a cell's very viewpoint that looks at the middle, rolled clockwise on the screen, radians."""
+    """camera_from_object (4, 4) of a camera at a cell's viewpoint, looking at the middle, rolled clockwise, radians."""
     R = about_z(roll) @ index.cells.cell_from_object[cell]
     viewpoint = index.cells.centre + DISTANCE * index.cells.diameter * index.cells.directions[cell]
     return from_rotation_translation(R, -R @ viewpoint)

@@ -166,7 +166,7 @@ def picture(poses, seed=0, noise=3.5):
 
 
 def pose_towards(direction, distance, roll=0.0, aside=(0.0, 0.0)):
-    """camera_from_cube of a camera in this direction from the cube's middle, turned about its axis, the cube ``aside`` (m) of it."""
+    """camera_from_cube of a camera in this direction from the cube's middle, turned about its axis, ``aside`` (m)."""
     direction = np.asarray(direction, float) / np.linalg.norm(direction)
     pose = look_at(distance * direction, np.zeros(3))
     c, s = np.cos(roll), np.sin(roll)

@@ -45,7 +45,7 @@ def perceiver():
 
 @dataclass(frozen=True)
 class Shot:
-    """A Γ, and the truth: ``causes`` appearance id → "t1/body/corner_0" for what is no clutter, ``visible`` names in the same way."""
+    """A Γ, and the truth: ``causes`` appearance id → "t1/body/corner_0" without clutter, ``visible`` names alike."""
 
     gamma: Gamma
     poses: dict[str, np.ndarray]
@@ -54,7 +54,7 @@ class Shot:
 
 
 def camera_pose(rng, distance=(3.0, 9.0), target=MIDDLE):
-    """camera_from_world of a camera that looks down at the middle of a tower from anywhere around it, a little tilted."""
+    """camera_from_world of a camera that looks down at the middle of a tower from anywhere around it, tilted a bit."""
     eye = target + rng.uniform(*distance) * direction(rng.uniform(0, 2 * np.pi), np.radians(rng.uniform(8, 45)))
     return look_at(eye, target + rng.uniform(-0.2, 0.2, 3), (rng.normal(0, 0.05), rng.normal(0, 0.05), 1.0))
 

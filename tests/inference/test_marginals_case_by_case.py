@@ -1,4 +1,4 @@
-"""Past the width guard: cases of a cutset agree with the enumeration, and intervals contain the exact values whenever the clock stops them."""
+"""Past the width guard: cases of a cutset agree with enumeration, and intervals hold the exact values at every stop."""
 
 import math
 

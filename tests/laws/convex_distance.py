@@ -14,7 +14,7 @@ one."""
 
 
 def distances(bodies):
-    """Of each two bodies (vertices (V, 3) m of a convex surface, pose (4, 4)) their distance in metres, negative where one reaches into the other."""
+    """Of each two bodies (vertices (V, 3) m of a convex surface, pose (4, 4)) their distance, m, negative inside."""
     world = pybullet.connect(pybullet.DIRECT)
     try:
         made = [_made(world, *body) for body in bodies]

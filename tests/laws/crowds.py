@@ -14,7 +14,7 @@ TYPES = ("t1", "t2", "A Box")
 
 
 def crowd(count, seed, reading="posterior", mode="to_B", **changes):
-    """Near neighbours share appearances, hide each other's features (front to back), rival, overlap or exclude each other."""
+    """Near neighbours share appearances, hide each other's features (front to back), rival, overlap or exclude."""
     rng = np.random.default_rng(seed)
     names = [f"h{i:02d}" for i in range(count)]
     members = [

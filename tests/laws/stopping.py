@@ -1,4 +1,4 @@
-"""Deadlines without a clock: inference stops at its n-th look at the time, and tables past a small width go the way of wide ones."""
+"""Deadlines without a clock: inference stops at its n-th look at the time, and small tables go the way of wide ones."""
 
 from __future__ import annotations
 

@@ -154,7 +154,7 @@ def test_programs_whatever_was_told_when_the_deadline_came(drawn, patience):
 
 
 def slowly_told(text, patience):
-    """What ``answers_by`` tells, where the compiler is ready after so many looks at the bounds (or after a moment, if they are done)."""
+    """The answers of ``answers_by`` where the compiler is ready after so many looks at the bounds (or soon after)."""
     ready, told, looks = Event(), [], []
     exactly, refine = anytime.compiled, anytime.Bounds.refine
 

@@ -1,4 +1,4 @@
-"""What was accepted and does not hold beside the others releases its data (§7), and they are searched again, without it."""
+"""Accepted hypotheses that do not hold release their data (§7), which are searched again without them."""
 
 from __future__ import annotations
 

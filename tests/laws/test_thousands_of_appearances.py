@@ -1,4 +1,4 @@
-"""Thousands of appearances in one piece neither underflow nor raise, and weigh what sums of logarithms say (§8, trap g)."""
+"""Thousands of appearances in one piece neither underflow nor raise; they weigh as sums of logarithms say (§8, g)."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def scene(ratios, reading="posterior"):
 
 
 def log_weights(ratios):
-    """Present (h1, h2, h3) → ln of the weight over that of the empty world, by the closed form of §8, a sum of logarithms."""
+    """Present (h1, h2, h3) → ln of the weight over the empty world's, by the closed form of §8, a sum of logarithms."""
     size = (COUNT + SHARED) // 2
     found = {}
     for one, two, three in np.ndindex(2, 2, 2):

@@ -82,7 +82,7 @@ def test_the_explanations_are_the_minimal_sets_of_choices_that_entail_the_goal(c
         return
     expected = {choices: p for choices, p in expected.items() if p > 1e-13}
     teller = accountant(text, f"a{goal}", given_goals, 1000)
-    chances = teller.numbers.probabilities(teller.numbers.literals)[:-1]
+    chances = teller.numbers.compiled.probabilities(teller.numbers.literals)[:-1]
     found, stopped = teller.why(chances) if wanted else teller.search(None, wanted=False)
     assert not stopped
     assert {written(f): math.exp(f.log_given) for f in found} == pytest.approx(expected, abs=1e-9)
@@ -96,7 +96,7 @@ def test_the_first_k_are_the_k_best(clauses, goal, k):
     text = "\n".join(clause.text() for clause in clauses)
     best = sorted(explanations(clauses, goal, wanted=True, evidence=()).values(), reverse=True)[:k]
     teller = accountant(text, f"a{goal}", [], k)
-    found, _ = teller.why(teller.numbers.probabilities(teller.numbers.literals)[:-1])
+    found, _ = teller.why(teller.numbers.compiled.probabilities(teller.numbers.literals)[:-1])
     assert [math.exp(f.log_given) for f in found] == pytest.approx(best, abs=1e-9)
 
 
@@ -106,7 +106,7 @@ def test_what_all_explanations_cover_is_the_goal(clauses, goal):
     text = "\n".join(clause.text() for clause in clauses)
     truth = math.fsum(p for p, _, true in worlds(clauses) if goal in true)
     teller = accountant(text, f"a{goal}", [], 1000)
-    chances = teller.numbers.probabilities(teller.numbers.literals)
+    chances = teller.numbers.compiled.probabilities(teller.numbers.literals)
     assert chances[-1] == pytest.approx(truth, abs=1e-9)
     covered = teller.covered(teller.why(chances[:-1])[0], chances[-1])
     assert covered["listed"] == pytest.approx([truth, truth], abs=1e-9)
@@ -118,7 +118,7 @@ def test_what_all_explanations_cover_is_the_goal(clauses, goal):
 def test_every_tree_ends_in_the_choices_of_its_explanation(clauses, goal, wanted):
     text = "\n".join(clause.text() for clause in clauses)
     teller = accountant(text, f"a{goal}", [], 3)
-    chances = teller.numbers.probabilities(teller.numbers.literals)[:-1]
+    chances = teller.numbers.compiled.probabilities(teller.numbers.literals)[:-1]
     found, _ = teller.why(chances) if wanted else teller.search(None, wanted=False)
     expected = explanations(clauses, goal, wanted=wanted, evidence=())
     assert bool(found) == any(p > 1e-13 for p in expected.values())

@@ -1,4 +1,4 @@
-"""The process of a session: the same answers as a fresh one each time, one start for many questions, nothing left behind."""
+"""The process of a session: answers as of a fresh one, one start for many questions, nothing left behind."""
 
 from __future__ import annotations
 

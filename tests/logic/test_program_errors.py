@@ -1,4 +1,4 @@
-"""Mistakes in programs: each is told with file, line and column, a cycle is spelt out, and all of a kind come at once."""
+"""Mistakes in programs: each is told with file, line and column, a cycle is spelt out, all of a kind come at once."""
 
 from __future__ import annotations
 

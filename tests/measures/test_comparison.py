@@ -1,4 +1,4 @@
-"""ev against Shanahan's value against the posterior on the same scenes, with the laws of §5.7, §3.8 and §8, and the two dv."""
+"""ev against Shanahan's value and the posterior on the same scenes, with the laws of §5.7, §3.8, §8, and the two dv."""
 
 from __future__ import annotations
 

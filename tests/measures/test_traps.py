@@ -171,7 +171,7 @@ def test_c_smoothing_never_touches_the_measure(hiding):
 
 
 def test_d_the_empty_world_loses_where_data_want_an_explanation(hiding):
-    """The posterior makes unexplained data pay, so that however small the prior of a tower, the empty world is no refuge."""
+    """The posterior makes unexplained data pay: however small a tower's prior, the empty world is no refuge."""
     shot, cycle = hiding
     for prior in (0.5, 1e-3, 1e-6):
         ranking = ranked_worlds(situation_of(shot, cycle, "posterior", priors={"t1": prior, "t2": prior}))

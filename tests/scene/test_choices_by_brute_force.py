@@ -41,7 +41,7 @@ def normalised(weights):
 
 
 def score_by_choices(subject):
-    """Sum over all picks: a hypothesis is present iff what it picks is concordant, its occluders having been decided before."""
+    """Sum over all picks: a hypothesis is present iff its pick is concordant, its occluders decided before."""
     scene = Scene(subject)
     order = front_to_back(dependence(scene))
     picks = {h.id: [(f, f.dv) for f in h.features if f.in_image and f.dv > 0] for h in subject.hypotheses}

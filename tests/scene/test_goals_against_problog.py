@@ -1,4 +1,4 @@
-"""Goals of the vocabulary on the scene's graph have the probabilities that stock ProbLog gives them in the program text (§8)."""
+"""Goals of the vocabulary on the scene's graph have the probabilities of stock ProbLog for the program text (§8)."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ GOLDEN = Path(__file__).parent / "golden"
 
 
 def small(reading="score", mode="to_B"):
-    """Every kind of line once: a name that needs an atom, occlusion, a rival, an overlap, a shared appearance, an undefined ev."""
+    """Every kind of line once: a name that needs an atom, occlusion, rival, overlap, shared datum, undefined ev."""
     front = hypothesis(
         "h1",
         [

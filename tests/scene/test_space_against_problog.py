@@ -1,4 +1,4 @@
-"""The vocabulary of space: the graph's answers are those of stock ProbLog on the program text, its laws, and rules of an author's over it."""
+"""The vocabulary of space: answers of stock ProbLog on the program text, its laws, and an author's rules over it."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ def logit(p):
 
 
 def test_a_rivals_that_share_an_appearance_have_exactly_one_cause_each():
-    """Both may be present in the posterior, but an appearance is never explained twice, nor is a second detector free."""
+    """Both may be present in the posterior, but an appearance is explained once, and no second detector is free."""
     pair = [hypothesis(name, [feature("x", match="a")]) for name in ("h1", "h2")]
     subject = situation(pair, "posterior")
     theirs = stock(

@@ -185,7 +185,7 @@ def kb_assimilate(panorama: str, unknown: str, kb_folder: str, name: str, as_jso
     Its features stand where they were triangulated, with lobes about the viewpoints from which they were seen.
     Where they span a volume, its mesh is a hull of them.
     """
-    from plogic.face.authoring.kb_assimilate import assimilate_command
+    from plogic.face.authoring.kb_types import assimilate_command
 
     _out(assimilate_command(panorama, unknown, kb_folder, name, as_json=as_json))
 

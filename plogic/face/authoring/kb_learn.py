@@ -5,21 +5,34 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from geometry.cones import even_directions
+from kb.clouds.learned import LearnedCloud, cloud_bytes
+from kb.clouds.words import Words, worded, words_bytes
+from kb.files.folder import load
+from kb.learning.compounds import with_parts
+from kb.learning.observations import AWAY, MARGIN, PIXELS, Observations, joined, observed
+from kb.learning.symmetry_trials import DIRECTIONS, Trial, entries, judged, trials
 from plogic.base.errors import InputError
+from plogic.face.authoring.kb_learn_look import learned_of
+from plogic.face.authoring.kb_types import check_own, type_folders, with_entry
+from plogic.face.shown.tables import plain_table
 from plogic.run.sources import kb_of
+from sensing.detectors.keypoint_detector import described
+from sensing.errors import SensingError
+from sensing.files.whole_files import write_files
+from sensing.simulated.body import read_mesh
+from sensing.simulated.camera import turned
+from sensing.simulated.stage import MAX_TRIANGLES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
     from pathlib import Path
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learned import LearnedCloud
-    from kb.clouds.words import Words
-    from kb.learning.observations import Observations
-    from kb.learning.symmetry_trials import Trial
     from sensing.detectors.keypoints import Keypoints
 
 
@@ -30,12 +43,6 @@ def learn_command(
     kb_folder: str, names: Sequence[str], options: Mapping[str, Any], *, say: Callable[[str], None]
 ) -> str:
     """Learn the types that are named, or all that have a texture and no features; ``options``: detector, jobs, seed, as_json."""
-    from kb.clouds.words import worded
-    from kb.learning.compounds import with_parts
-    from plogic.face.authoring.kb_learn_cache import learned_of
-    from plogic.face.authoring.kb_types import check_own, type_folders
-    from sensing.files.whole_files import write_files
-
     kb = kb_of(kb_folder)
     folder = check_own(kb_folder)
     chosen = _chosen(kb, names)
@@ -58,8 +65,6 @@ def learn_command(
 
 def _text(title: str, rows: list[dict[str, Any]]) -> str:
     """For people: a table of the types, and a line on each symmetry that holds or may hold."""
-    from plogic.face.shown.tables import plain_table
-
     table = plain_table(title, [{name: value for name, value in row.items() if name != "symmetries"} for row in rows])
     return "\n".join(
         [table.rstrip("\n"), *(line for row in rows for line in symmetry_lines(row["type"], row["symmetries"]))]
@@ -88,10 +93,6 @@ def _chosen(kb: KnowledgeBase, names: Sequence[str]) -> list[ObjectType]:
 
 def _fault(kind: ObjectType) -> str | None:
     """Why a type cannot be learned."""
-    from sensing.errors import SensingError
-    from sensing.simulated.body import read_mesh
-    from sensing.simulated.stage import MAX_TRIANGLES
-
     if kind.features and kind.learned is None:
         return BY_HAND
     if kind.mesh_file is None:
@@ -121,8 +122,6 @@ def check_detector(kb_folder: str, kb: KnowledgeBase, detector: str, fresh: Iter
 
 def row_of(name: str, cloud: LearnedCloud) -> dict[str, Any]:
     """What is printed of a type that was learned."""
-    import numpy as np
-
     return {
         "type": name,
         "features": len(cloud.at),
@@ -139,10 +138,6 @@ def files_of(folder: Path, words: Words, clouds: Mapping[str, LearnedCloud]) -> 
     Raises:
         InputError: two types name one file for their clouds, or a YAML file is written so that no line can be added.
     """
-    from kb.clouds.learned import cloud_bytes
-    from kb.clouds.words import words_bytes
-    from plogic.face.authoring.kb_types import type_folders
-
     files = _named(folder / "kb.yaml", "words", words_bytes(words))
     for name, place in type_folders(folder).items():
         if name in clouds:
@@ -158,9 +153,6 @@ def files_of(folder: Path, words: Words, clouds: Mapping[str, LearnedCloud]) -> 
 
 def _named(file: Path, key: str, data: bytes) -> dict[Path, bytes]:
     """The data under the name that a YAML file gives them; where it gives none, under the usual one, and the file with a line that does."""
-    from kb.files.folder import load
-    from plogic.face.authoring.kb_learn_lines import with_entry
-
     content = file.read_bytes()
     entry = load(str(file), content).data.get(key)
     if entry:
@@ -175,9 +167,6 @@ def symmetries_of(
     kind: ObjectType, cloud: LearnedCloud, options: Mapping[str, Any], say: Callable[[str], None]
 ) -> list[Trial]:
     """A trial for each turn of the type's shape; new pictures of it are taken where the cloud alone does not rule all of them out."""
-    from geometry.cones import even_directions
-    from kb.learning.symmetry_trials import DIRECTIONS, judged, trials
-
     if kind.surface is None:
         return []
     cloud = cloud.keypoints
@@ -191,11 +180,6 @@ def symmetries_of(
 def _new_pictures(kind: ObjectType, options: Mapping[str, Any], directions: NDArray[np.float64]) -> Observations:
     """What the detector sees from directions that the cloud was not learned from, with other noise."""
     import cv2
-
-    from kb.learning.observations import AWAY, MARGIN, PIXELS, joined, observed
-    from sensing.detectors.keypoint_detector import described
-    from sensing.simulated.body import read_mesh
-    from sensing.simulated.camera import turned
 
     assert kind.mesh_file is not None  # noqa: S101 - it was learned from it
     threads = cv2.getNumThreads()
@@ -213,8 +197,6 @@ def _new_pictures(kind: ObjectType, options: Mapping[str, Any], directions: NDAr
 
 def stated(file: Path) -> bool:
     """Whether an object.yaml says what the symmetries are, be it that there are none."""
-    from kb.files.folder import load
-
     data = load(str(file), file.read_bytes()).data
     return isinstance(data, dict) and "symmetries" in data
 
@@ -225,9 +207,6 @@ def written(files: dict[Path, bytes], found: Mapping[Path, Sequence[Trial]]) -> 
     Raises:
         InputError: a YAML file is written so that no line can be added; with what to write into it.
     """
-    from kb.learning.symmetry_trials import entries
-    from plogic.face.authoring.kb_learn_lines import with_entry
-
     more = {}
     for file, tried in found.items():
         listed = entries(tried)

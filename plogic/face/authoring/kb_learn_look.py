@@ -5,13 +5,31 @@ All that decides a cloud is here or imported from here (``kb_learn_cache``).
 
 from __future__ import annotations
 
+import hashlib
+import os
 import sys
-from contextlib import closing
+from contextlib import closing, suppress
 from functools import partial
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
+from geometry.cones import even_directions
+from kb.clouds.learned import LearnedCloud, cloud_bytes, read_cloud
+from kb.errors import CloudError
+from kb.learning.features import cloud_of
+from kb.learning.observations import AWAY, DIRECTIONS, MARGIN, PIXELS, Observations, joined, observed
+from kb.learning.photo import PaintedMesh, on_shown
+from kb.shown.cautions import compound_sizes, compounds_text
 from plogic.base.errors import InputError
 from plogic.base.jobs import ChildDiedError, afresh
+from plogic.base.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
+from sensing.detectors.edge_sides import edge_sides
+from sensing.detectors.keypoint_detector import described
+from sensing.errors import SensingError
+from sensing.files.whole_files import write_whole
+from sensing.simulated.body import read_mesh
+from sensing.simulated.camera import extent, turned
+from sensing.simulated.physics import physics_version
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -20,10 +38,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learned import LearnedCloud
-    from kb.learning.observations import Observations
-    from kb.learning.photo import PaintedMesh
     from sensing.detectors.keypoints import Keypoints
+    from sensing.simulated.body import TexturedMesh
+
 
 CHUNK = 20
 """Directions that a process renders at a time."""
@@ -42,13 +59,6 @@ def looked(
         InputError: nothing of it comes again from view to view, or a process died. SensingError: the mesh cannot be
         drawn.
     """
-    from kb.learning.features import cloud_of
-    from kb.learning.observations import DIRECTIONS, joined
-    from kb.learning.photo import on_shown
-    from kb.shown.cautions import compound_sizes, compounds_text
-    from sensing.simulated.body import read_mesh
-    from sensing.simulated.camera import extent
-
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
     task = (str(kind.mesh_file), kind.mesh_scale, options["detector"], options["seed"])
     whole = joined(_seen(kind.name, task, DIRECTIONS, options["jobs"]))
@@ -87,13 +97,6 @@ def _look(task: tuple[str, float, str, int], part: range) -> list[Observations]:
     """In a process of its own: render from some directions, and look."""
     import cv2
 
-    from geometry.cones import even_directions
-    from kb.learning.observations import AWAY, DIRECTIONS, MARGIN, PIXELS, observed
-    from sensing.detectors.edge_sides import edge_sides
-    from sensing.detectors.keypoint_detector import described
-    from sensing.simulated.body import read_mesh
-    from sensing.simulated.camera import turned
-
     cv2.setNumThreads(1)
     file, scale, detector, seed = task
 
@@ -110,3 +113,64 @@ def _progress(text: str) -> None:
     if sys.stderr.isatty():
         sys.stderr.write(f"\r{text}\033[K")
         sys.stderr.flush()
+
+
+DECIDES = "plogic/face/authoring/kb_learn_look.py"
+"""What makes a cloud, with all that it imports."""
+LIBRARIES = ("numpy", "scipy", "embreex", "trimesh")
+"""They read, render and compute. OpenCV, which detects, and pybullet, which draws where it is installed, come under several names."""
+
+
+def learned_of(
+    kind: ObjectType,
+    kb: KnowledgeBase,
+    options: Mapping[str, Any],
+    say: Callable[[str], None],
+    painted: PaintedMesh | None = None,
+) -> LearnedCloud:
+    """The cloud of a type from the cache, or learned and put there; raises as ``looked`` does."""
+    assert kind.mesh_file is not None  # noqa: S101 - the caller looked
+    folder = cache_folder("clouds")
+    if folder is None:
+        say(
+            f"{kind.name}: is not remembered for the next time: there is no home folder; XDG_CACHE_HOME may name another"
+        )
+        return read_cloud(cloud_bytes(looked(kind, kb, options, say, painted)))
+    how = (kb.f_ref, options["detector"], options["seed"], painted is not None)
+    place = folder / f"{key_of(read_mesh(kind.mesh_file, kind.mesh_scale), how)}.npz"
+    try:
+        remembered = _kept(place.read_bytes())
+    except (OSError, CloudError):
+        content = cloud_bytes(looked(kind, kb, options, say, painted))
+        try:
+            place.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(place, content)
+            forget_files_beside(place)
+        except (OSError, SensingError) as error:
+            say(f"{kind.name}: is not remembered for the next time: {error}")
+        return read_cloud(content)  # in the file's precision, as it will come the next time: equal hit rates stay equal
+    with suppress(OSError):  # who may only read it uses it all the same
+        os.utime(place)
+    say(f"{kind.name}: was learned before ({place})")
+    return remembered
+
+
+def _kept(content: bytes) -> LearnedCloud:
+    """The cloud of a file; raises CloudError where it is not what was written: an archive's own checksums are of its arrays, not of their names."""
+    cloud = read_cloud(content)
+    if cloud_bytes(cloud) != content:
+        raise CloudError("is not what was written")
+    return cloud
+
+
+def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:
+    """SHA-256 over a mesh with its paint, ``how`` it is learned, the source that learns, and the versions of the libraries."""
+    import cv2
+
+    total = hashlib.sha256(
+        repr((how, cv2.__version__, physics_version(), [version(name) for name in LIBRARIES])).encode()
+    )
+    total.update(source_digest(ROOT, sources(ROOT, DECIDES)))
+    for array in (mesh.vertices, mesh.triangles, mesh.uv, mesh.texture):
+        total.update(b"-" if array is None else repr(array.shape).encode() + array.tobytes())
+    return total.hexdigest()

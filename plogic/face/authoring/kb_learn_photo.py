@@ -8,8 +8,26 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from geometry.camera import camera_to_dict
+from geometry.files.camera_files import read_camera
+from kb.clouds.words import worded
+from kb.files.folder import load
+from kb.intake.new_type import NewType, check_name, new_type
+from kb.intake.source import png, read_source
+from kb.learning.compounds import with_parts
+from kb.learning.photo import PaintedMesh, painted, read_points, registered
 from plogic.base.errors import InputError
+from plogic.face.authoring.kb_learn import BY_HAND, check_detector, files_of, row_of
+from plogic.face.authoring.kb_learn_look import learned_of
+from plogic.face.authoring.kb_types import check_own, check_places, new_command, type_folders, with_entry, write_types
+from plogic.face.shown.tables import plain_table
 from plogic.run.sources import kb_of
+from sensing.files.images import read_image
+from sensing.files.whole_files import write_files
+from sensing.simulated.body import read_mesh
+from sensing.simulated.stage import MAX_TRIANGLES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -17,8 +35,6 @@ if TYPE_CHECKING:
     from geometry.poses.register import Registration
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from kb.clouds.learned import LearnedCloud
-    from kb.intake.new_type import NewType
-    from kb.learning.photo import PaintedMesh
 
 BY_PHOTO = "# painted with a photo by plogic kb learn --photo\n"
 """The first line of a material that may be replaced by a better photo's."""
@@ -59,9 +75,6 @@ def learn_photo_command(
 
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
     """
-    from kb.learning.compounds import with_parts
-    from plogic.face.authoring.kb_learn_cache import learned_of
-
     kb, new, kind = _the_type(kb_folder, names, sources, options["detector"], say)
     found, mesh = _registered(kind, sources)
     say(_told(kind, found, mesh))
@@ -78,9 +91,6 @@ def _the_type(
     kb_folder: str, names: Sequence[str], sources: Sources, detector: str, say: Callable[[str], None]
 ) -> tuple[KnowledgeBase, NewType | None, ObjectType]:
     """The KB, the new type's files where it is new, and the type with its surface."""
-    from plogic.face.authoring.kb_learn import check_detector
-    from plogic.face.authoring.kb_types import check_own, type_folders
-
     if len(names) != 1:
         raise InputError(f"--photo: name the one type that it shows, not {len(names)}")
     kb = kb_of(kb_folder)
@@ -99,9 +109,6 @@ def _the_type(
 
 def _fault(kind: ObjectType, folder: Path) -> str | None:
     """Why a type, described in ``folder``, cannot be learned from a photo."""
-    from plogic.face.authoring.kb_learn import BY_HAND
-    from sensing.simulated.body import read_mesh
-
     if kind.surface is None or kind.mesh_file is None:
         return "has no mesh to lay the photo on"
     if kind.features and kind.learned is None:
@@ -115,9 +122,6 @@ def _fault(kind: ObjectType, folder: Path) -> str | None:
 
 
 def _new(kb_folder: Path, name: str, sources: Sources) -> tuple[NewType, ObjectType]:
-    from kb.intake.new_type import check_name, new_type
-    from kb.intake.source import read_source
-    from plogic.face.authoring.kb_types import check_places, new_command
 
     if sources.mesh is None:
         raise InputError(f"{name}: no such object type; add it with plogic kb add, or give --mesh and --units")
@@ -139,10 +143,6 @@ def _new(kb_folder: Path, name: str, sources: Sources) -> tuple[NewType, ObjectT
 
 
 def _registered(kind: ObjectType, sources: Sources) -> tuple[Registration, PaintedMesh]:
-    from geometry.files.camera_files import read_camera
-    from kb.learning.photo import painted, read_points, registered
-    from sensing.files.images import read_image
-    from sensing.simulated.stage import MAX_TRIANGLES
 
     assert kind.surface is not None  # noqa: S101 - _fault looked
     points = read_points(sources.points)
@@ -167,7 +167,6 @@ def _told(kind: ObjectType, found: Registration, mesh: PaintedMesh) -> str:
 
 
 def _share(mesh: PaintedMesh) -> float:
-    import numpy as np
 
     corners = mesh.vertices[mesh.triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
@@ -176,8 +175,6 @@ def _share(mesh: PaintedMesh) -> float:
 
 def _paint_files(mesh: PaintedMesh, photo: str, metres_per_unit: float) -> dict[str, bytes]:
     """The textured mesh in the unit of the type's own, its material and its picture."""
-    from kb.intake.source import png
-
     lines = ["mtllib textured.mtl", "usemtl painted"]
     lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in (mesh.vertices / metres_per_unit).tolist()]
     lines += [f"vt {u:.7g} {v:.7g}" for u, v in mesh.uv.tolist()]
@@ -191,13 +188,6 @@ def _write(
     kb_folder: Path, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearnedCloud, seed: int
 ) -> int:
     """Everything, and how many words there are now."""
-    from kb.clouds.words import worded
-    from kb.files.folder import load
-    from plogic.face.authoring.kb_learn import files_of
-    from plogic.face.authoring.kb_learn_lines import with_entry
-    from plogic.face.authoring.kb_types import type_folders, write_types
-    from sensing.files.whole_files import write_files
-
     clouds = {kind.name: kind.learned for kind in kb_of(str(kb_folder)).types if kind.learned is not None} | {
         name: cloud
     }
@@ -224,9 +214,6 @@ def _answer(
     *,
     as_json: bool,
 ) -> str:
-    from geometry.camera import camera_to_dict
-    from plogic.face.authoring.kb_learn import row_of
-    from plogic.face.shown.tables import plain_table
 
     row = row_of(kind.name, cloud) | {
         "shown": round(_share(mesh), 3),

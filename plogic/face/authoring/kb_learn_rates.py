@@ -5,14 +5,22 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from geometry.errors import PlogicError
+from kb.clouds.cloud import Counts, KnowledgeBase, Rates
+from kb.files.write import rounded, with_rates
 from plogic.base.errors import InputError
+from plogic.face.authoring.kb_types import check_own
+from plogic.face.shown.tables import plain_table
+from plogic.rates.estimates import added, counted, expected_counts, learned, open_slots, without
+from plogic.rates.scene_records import Record, record_of, scene_folders
+from plogic.run.perceive import perceiver_of
+from plogic.run.sources import kb_of
+from sensing.files.whole_files import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from kb.clouds.cloud import Counts, KnowledgeBase, Rates
-    from plogic.rates.scene_records import Record
 
 KINDS = ("hit", "clutter", "prior")
 """Rates that are learned: the fields that ``Rates`` and ``Counts`` have in common."""
@@ -22,12 +30,6 @@ def learn_rates_command(
     scenes: Sequence[str], kb_folder: str, options: dict[str, Any], *, say: Callable[[str], None], as_json: bool
 ) -> str:
     """Learn, and write unless ``dry_run``. ``options``: dry_run, add (to the counts that the KB has)."""
-    from kb.clouds.cloud import Counts
-    from plogic.face.authoring.kb_types import check_own
-    from plogic.rates.estimates import added, counted, expected_counts, learned, open_slots, without
-    from plogic.rates.scene_records import scene_folders
-    from plogic.run.sources import kb_of
-
     kb = kb_of(kb_folder)
     file = None if options["dry_run"] else check_own(kb_folder) / "kb.yaml"
     records = _records(scene_folders(scenes), kb, say)
@@ -46,13 +48,7 @@ def learn_rates_command(
 
 def _records(folders: Sequence[Path], kb: KnowledgeBase, say: Callable[[str], None]) -> list[Record]:
     """Every scene's record; what is wrong with any of them is told at once."""
-    from geometry.errors import PlogicError
-    from plogic.base.jobs import processors
-    from plogic.base.remembered import cache_folder
-    from plogic.rates.scene_records import record_of
-    from plogic.run.perceive import Perceiver
-
-    perceiver = Perceiver(kb, cache_folder("indices"), processors())
+    perceiver = perceiver_of(kb)
     records, wrong = [], []
     for i, folder in enumerate(folders, start=1):
         try:
@@ -66,14 +62,11 @@ def _records(folders: Sequence[Path], kb: KnowledgeBase, say: Callable[[str], No
 
 
 def _write(file: Path, rates: Rates) -> None:
-    from kb.files.write import with_rates
-    from sensing.files.whole_files import write_whole
 
     write_whole(file, with_rates(file.read_text(encoding="utf-8"), rates).encode())
 
 
 def _rows(kb: KnowledgeBase, rates: Rates, counts: Counts) -> list[dict[str, Any]]:
-    from kb.files.write import rounded
 
     return [
         {
@@ -90,7 +83,6 @@ def _rows(kb: KnowledgeBase, rates: Rates, counts: Counts) -> list[dict[str, Any
 
 
 def _table(kb: KnowledgeBase, rates: Rates, counts: Counts) -> str:
-    from plogic.face.shown.tables import plain_table
 
     return plain_table(f"rates of {kb.name}", _rows(kb, rates, counts))
 

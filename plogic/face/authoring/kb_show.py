@@ -7,7 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from kb.files.schema import json_schema
+from kb.shown.show import check_report, tree_document, tree_text
 from plogic.base.errors import InputError
+from plogic.face.shown.tables import plain_table
+from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
@@ -18,8 +22,6 @@ if TYPE_CHECKING:
 
 def check_command(folder: str, *, as_json: bool) -> str:
     """Read the KB; every mistake is raised at once. The text says what was read, and warns of what matters."""
-    from kb.shown.show import check_report
-
     kb = kb_of(folder)
     lines = check_report(kb)
     if as_json:
@@ -32,8 +34,6 @@ def check_command(folder: str, *, as_json: bool) -> str:
 
 def show_command(folder: str, name: str | None = None, *, as_json: bool) -> str:
     """The trees, of one type where it is named; the counts and dv, which are about all types."""
-    from kb.shown.show import tree_document, tree_text
-
     kb = kb_of(folder)
     shown = kb if name is None else replace(kb, types=(type_of(kb, name),))
     if as_json:
@@ -43,9 +43,6 @@ def show_command(folder: str, name: str | None = None, *, as_json: bool) -> str:
 
 def measures_command(folder: str, gamma: str | None, *, as_json: bool) -> str:
     """|S(F)|, P(dv), dv; with a Γ, every type's rank and what decides ties."""
-    from plogic.face.shown.tables import plain_table
-    from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
-
     kb = kb_of(folder)
     counts = instance_counts(kb.types)
     dv, share = distinctiveness(counts), probability_of_distinctiveness(counts)
@@ -87,8 +84,6 @@ def _ranks(kb: KnowledgeBase, gamma: str, dv: dict[str, float]) -> list[dict[str
 
 def schema_command(which: Literal["kb", "object"]) -> str:
     """JSON Schema of a KB's file."""
-    from kb.files.schema import json_schema
-
     return json.dumps(json_schema(which), indent=1)
 
 
@@ -96,7 +91,7 @@ def page_command(
     folder: str, name: str | None, out: str, *, say: Callable[[str], None], write: Callable[[str], None]
 ) -> None:
     """Write the page of a type, the KB's only one where none is named; `-` is stdout. Raises InputError."""
-    from plogic.face.pages.type_page import type_page
+    from plogic.face.pages.type_content import type_page
     from sensing.files.whole_files import write_whole
 
     kb = kb_of(folder)

@@ -5,16 +5,30 @@ from __future__ import annotations
 import json
 import os.path
 import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
+
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
+from kb.files.folder import MAX_BYTES, load
+from kb.files.write import obj_text, object_text
+from kb.intake.bop_models import bop_models, bop_symmetries
+from kb.intake.new_type import EDITOR_LINE, NewType, check_name, new_kb_files, new_type, schema_files
+from kb.intake.robots import merged, sdf_visuals, urdf_visuals
+from kb.intake.source import read_source
+from kb.shown.cautions import FIXING_A_POSE
 from plogic.base.errors import InputError
+from plogic.run.sources import kb_of
+from plogic.sequence.constancy.draft import draft_type
+from plogic.sequence.constancy.panorama_reading import unknown_of
+from sensing.files.whole_files import write_folder, write_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from kb.intake.new_type import NewType
+    from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from plogic.sequence.constancy.result import SeenFeature
 
 
 def check_kb(folder: Path) -> None:
@@ -51,8 +65,6 @@ def check_places(folder: Path, names: Sequence[str]) -> None:
 
 def type_folders(folder: Path) -> dict[str, Path]:
     """Where each type of a KB's folder is described, by the name that its object.yaml states; what cannot be read is left out."""
-    from kb.files.folder import MAX_BYTES, load
-
     found: dict[str, Path] = {}
     if fault_of(folder / "objects") != IS_FOLDER:
         return found
@@ -69,9 +81,6 @@ def write_types(folder: Path, types: Sequence[NewType], *, new: bool = False) ->
 
     Raises IntakeError, SensingError.
     """
-    from kb.intake.new_type import schema_files
-    from sensing.files.whole_files import write_folder, write_whole
-
     if new:
         new_command(folder, None)
     for kind in types:
@@ -94,9 +103,6 @@ def told(folder: Path, types: Sequence[NewType], what: str, *, new: bool, as_jso
 
 def new_command(folder: Path, name: str | None) -> str:
     """Write a new knowledge base, whole or not at all, and never over anything. Raises IntakeError, SensingError."""
-    from kb.intake.new_type import new_kb_files
-    from sensing.files.whole_files import write_folder
-
     write_folder(folder, new_kb_files(name or Path(os.path.realpath(folder)).name))
     (folder / "objects").mkdir()
     return f"wrote {folder}: kb.yaml, rules.pl, their schemas and objects/\nnext: plogic kb add NAME --mesh FILE --units m|cm|mm --kb {folder}"
@@ -107,9 +113,6 @@ def add_command(name: str, mesh: Path, units: str | None, folder: Path, *, as_js
 
     Raises IntakeError, InputError, SensingError.
     """
-    from kb.intake.new_type import check_name, new_type
-    from kb.intake.source import read_source
-
     fresh = is_new(folder)
     check_name(name)
     check_places(folder, [name])
@@ -138,9 +141,6 @@ def import_command(source: Path, folder: Path, units: str | None, *, as_json: bo
 
 def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
     """One type of one description, its meshes merged in the zero pose. URDF and SDF are in metres."""
-    from kb.intake.new_type import new_type
-    from kb.intake.robots import merged, sdf_visuals, urdf_visuals
-
     readers = {".urdf": urdf_visuals, ".sdf": sdf_visuals, ".world": sdf_visuals}
     reader = readers.get(path.suffix.lower())
     if reader is None:
@@ -154,9 +154,6 @@ def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
 
 
 def _of_bop(models: Path, folder: Path, units: str | None) -> list[NewType]:
-    from kb.intake.bop_models import bop_models, bop_symmetries
-    from kb.intake.new_type import new_type
-    from kb.intake.source import read_source
 
     unit = units or "mm"
     rows = bop_models(models)
@@ -165,3 +162,128 @@ def _of_bop(models: Path, folder: Path, units: str | None) -> list[NewType]:
     return [
         new_type(name, read_source(path), unit, path, turns) for (name, path, _), turns in zip(rows, known, strict=True)
     ]
+
+
+def with_entry(file: Path, content: bytes, key: str, value: Mapping[str, str] | Sequence[Mapping[str, Any]]) -> bytes:
+    """The content of a file that was read as a mapping, with ``value`` under ``key``: in the place of what is there, or at the end.
+
+    A list of mappings is written in one line, as a mapping is.
+
+    Raises:
+        InputError: it is written in a form that cannot be changed so, such as an anchor or a flow; with what to write
+        into it.
+    """
+    document = load(str(file), content)
+    if document.data.get(key) == value:
+        return content
+    text = content.decode("utf-8-sig")
+    entry = _flow(value) if isinstance(value, Mapping) else "[" + ", ".join(_flow(item) for item in value) + "]"
+    node = next((item for name, item in getattr(document.root, "value", ()) if name.value == key), None)
+    changed = (f"{text.rstrip()}\n{key}: {entry}\n" if node is None else _replaced(text, node, entry)).encode()
+    again = load(str(file), changed)
+    if again.mistakes or again.data != document.data | {
+        key: dict(value) if isinstance(value, Mapping) else [dict(item) for item in value]
+    }:
+        raise InputError(
+            f"{file}: cannot be changed as it is written: write this into it, and try again: {key}: {entry}"
+        )
+    return changed
+
+
+def _flow(value: Mapping[str, Any]) -> str:
+    return "{" + ", ".join(f"{name}: {json.dumps(item, ensure_ascii=False)}" for name, item in value.items()) + "}"
+
+
+def _replaced(text: str, node: Node, entry: str) -> str:
+    """The text with an entry in the place of a node; the comments that follow it stay."""
+    start, end = node.start_mark, _last(node).end_mark
+    lines = [*text.splitlines(keepends=True), ""]
+    before = "".join(lines[: start.line]) + lines[start.line][: start.column]
+    after = "".join([lines[end.line][end.column :], *lines[end.line + 1 :]])
+    gap = "" if before.endswith((" ", "\n")) else " "
+    return before + gap + entry + ("\n" if end.column == 0 else "") + after
+
+
+def _last(node: Node) -> Node:
+    """The node that a node's text ends with: in block style a parent ends where the next key begins, comments included."""
+    while isinstance(node, MappingNode | SequenceNode) and node.value and not node.flow_style:
+        node = node.value[-1][1] if isinstance(node, MappingNode) else node.value[-1]
+    return node
+
+
+def assimilate_command(panorama: str, unknown: str, kb_folder: str, name: str, *, as_json: bool) -> str:
+    """Write the type's folder, whole or not at all, and never over another; the text says what the draft has and what it has not.
+
+    Raises InputError, IntakeError, KBError, SensingError.
+    """
+    kb = kb_of(kb_folder)
+    folder = check_own(kb_folder)
+    check_name(name)
+    check_places(folder, [name])
+    features = unknown_of(panorama, unknown)
+    _check_features(features, kb, panorama, unknown)
+    new = draft_files(name, features, kb, f"{unknown} of {panorama}")
+    write_types(folder, [new])
+    where = folder / "objects" / name
+    if as_json:
+        return json.dumps(
+            {"format": "kb_assimilate/1", "kb": str(folder), "type": new.document | {"notes": list(new.notes)}}
+        )
+    return "\n".join([*new.lines, *(f"  note: {note}" for note in new.notes), f"wrote {where}"])
+
+
+def _check_features(features: Sequence[SeenFeature], kb: KnowledgeBase, panorama: str, unknown: str) -> None:
+    """Raise InputError where no pose could be taken from the draft, or the KB has not its appearance types."""
+    if len(features) < FIXING_A_POSE:
+        raise InputError(
+            f"{panorama}: {unknown} has {len(features)} features, and a pose is taken from {FIXING_A_POSE}: look at it again from elsewhere"
+        )
+    strange = sorted({feature.type for feature in features} - set(kb.appearance_types))
+    if strange:
+        raise InputError(
+            f"{panorama}: {', '.join(strange)[:200]}: no appearance types of {kb.name}; add them to kb.yaml"
+        )
+
+
+def draft_files(name: str, features: Sequence[SeenFeature], kb: KnowledgeBase, origin: str) -> NewType:
+    """The draft's files, and what is told of it."""
+    kind = draft_type(name, features, kb.f_ref)
+    comment = "".join(sign if " " <= sign <= "~" else "?" for sign in origin)
+    lines = [f"# A draft, made from {comment[:200]}: features where they were seen, lobes from where they were."]
+    lines += (
+        ["# The body is the convex hull of the features, made smaller until it hides nothing that was seen."]
+        if kind.surface
+        else []
+    )
+    text = EDITOR_LINE + "\n".join(lines) + "\n" + object_text(kind, "mesh.obj" if kind.surface else None)
+    files = {"object.yaml": text.encode()} | ({"mesh.obj": obj_text(kind.surface).encode()} if kind.surface else {})
+    document = _document(kind)
+    return NewType(name, files, document, tuple(_lines(document)), tuple(_notes(document)))
+
+
+def _document(kind: ObjectType) -> dict[str, Any]:
+
+    at = np.array([feature.at for feature in kind.features])
+    types = sorted({feature.type for feature in kind.features})
+    return {
+        "type": kind.name,
+        "features": len(kind.features),
+        "feature_types": {name: sum(feature.type == name for feature in kind.features) for name in types},
+        "extent_m": np.ptp(at, axis=0).tolist(),
+        "mesh": "hull" if kind.surface is not None else None,
+        "opaque": kind.opaque,
+    }
+
+
+def _lines(document: dict[str, Any]) -> list[str]:
+    sides = " x ".join(f"{side:.4g}" for side in document["extent_m"])
+    counts = ", ".join(f"{count} {name}" for name, count in document["feature_types"].items())
+    return [f"{document['type']}: a draft of {document['features']} features, {sides} m", f"  {counts}"]
+
+
+def _notes(document: dict[str, Any]) -> list[str]:
+    body = "the mesh is a hull of the features: a draft; replace it with the real one" if document["mesh"] else NO_BODY
+    return [body, "it has features only where it was looked at; symmetries and parts are for you to say"]
+
+
+NO_BODY = "there is no mesh, so that it hides nothing and may share space with others: its features span no volume that leaves all seen that was"

@@ -6,54 +6,23 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from plogic.face.shown.options import AS_JSON, KB
-
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.face.shown.options import Scoring
     from plogic.run.bop.dataset import Dataset
-    from plogic.run.bop.dataset_run import Look, Run
     from plogic.run.bop.recalls import Recalls, Scores
+    from plogic.run.bop.results_file import Look, Run
 
 NOTE = "AR_VSD is not computed: the mean of the two is not the challenge's AR, and is not to be compared with one"
-
-
-@click.command(context_settings={"help_option_names": ["-h", "--help"]})
-@click.argument("dataset", metavar="DATASET")
-@KB
-@click.option(
-    "-o", "--out", required=True, help="Results file (CSV) to write; `-` is stdout, and scores then go to stderr."
-)
-@click.option(
-    "--ids", type=click.Path(), help='BOP numbers of the types as JSON, {"003_cracker_box": 2}; obj_000002 needs none.'
-)
-@click.option(
-    "--times",
-    "timed",
-    is_flag=True,
-    help="Write each image's seconds; else -1, so that the same input gives the same bytes.",
-)
-@AS_JSON
-def bop(dataset: str, kb_folder: str, out: str, ids: str | None, timed: bool, as_json: bool) -> None:  # noqa: FBT001 - click's flags
-    """Perceive every image of a BOP dataset, write the challenge's results file, and score it where there is ground truth.
-
-    DATASET is a dataset's folder, one of its splits, or one scene. A name by the challenge's convention is
-    METHOD_DATASET-SPLIT.csv.
-    """
-    options = {"ids": ids, "timed": timed, "as_json": as_json}
-    text = bop_command(dataset, kb_folder, out, options, say=lambda line: click.echo(line, err=True), write=click.echo)
-    if text:
-        click.echo(text)
 
 
 def bop_command(
     folder: str,
     kb_folder: str,
     out: str,
-    options: Mapping[str, Any],
+    options: Scoring,
     *,
     say: Callable[[str], None],
     write: Callable[[str], None],
@@ -65,38 +34,34 @@ def bop_command(
         PlogicError: What is wrong with the dataset, the KB or the places, before any work; nothing is written then.
     """
     from plogic.base.errors import InputError
-    from plogic.run.bop.dataset_run import run
-    from plogic.run.bop.folders import open_dataset
-    from plogic.run.bop.results_file import results_text
+    from plogic.face.shown.options import written
+    from plogic.run.bop.dataset import open_dataset
+    from plogic.run.bop.results_file import results_text, run
     from plogic.run.sources import kb_of
-    from sensing.files.whole_files import check_places, write_whole
+    from sensing.files.whole_files import check_places
 
-    if out == "-" and options["as_json"]:
+    if out == "-" and options.as_json:
         raise InputError("-o -: the results and --json cannot both be on stdout")
     if out != "-":
         check_places([Path(out)])
     dataset = open_dataset(folder)
     kb = kb_of(kb_folder)
-    ids = _ids(kb, options["ids"], dataset, say)
-    done = run(dataset, look or look_of(kb), ids, say, timed=options["timed"])
+    ids = _ids(kb, options.ids, dataset, say)
+    done = run(dataset, look or look_of(kb), ids, say, timed=options.timed)
     if not done.cameras:
         raise InputError("\n".join([f"{folder}: none of its {done.frames} images could be perceived", *done.wrong[:3]]))
     scores, why = _scored(dataset, done, say)
+    written(results_text(done.estimates), out, say=say, write=write)
     if out == "-":
-        write(results_text(done.estimates).removesuffix("\n"))
         say(_text(scores, why))
         return ""
-    write_whole(Path(out), results_text(done.estimates).encode())
-    say(f"wrote {out}")
-    return json.dumps(_document(out, done, scores, why), indent=1) if options["as_json"] else _text(scores, why)
+    return json.dumps(_document(out, done, scores, why), indent=1) if options.as_json else _text(scores, why)
 
 
 def look_of(kb: KnowledgeBase) -> Look:
     """The KB's own perceiver: what it accepts, scored by its probability. Raises InputError where no detector reports a type of the KB."""
     from plogic.base.errors import InputError
-    from plogic.base.jobs import processors
-    from plogic.base.remembered import cache_folder
-    from plogic.run.perceive import Perceiver
+    from plogic.run.perceive import perceiver_of
     from plogic.run.sources import detectable
     from sensing.detectors.detector import detect
 
@@ -104,7 +69,7 @@ def look_of(kb: KnowledgeBase) -> Look:
         raise InputError(
             f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types[:8])})"
         )
-    perceiver = Perceiver(kb, cache_folder("indices"), processors())
+    perceiver = perceiver_of(kb)
 
     def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
         accepted = perceiver.accepted(detect(image, camera, kb.sought, kb.words))
@@ -131,10 +96,9 @@ def _ids(kb: KnowledgeBase, path: str | None, dataset: Dataset, say: Callable[[s
 def _scored(dataset: Dataset, done: Run, say: Callable[[str], None]) -> tuple[Scores | None, str]:
     """The scores, or None and why there are none."""
     from plogic.base.errors import InputError
-    from plogic.run.bop.dataset_run import views_of
-    from plogic.run.bop.matching import targets_of
     from plogic.run.bop.models import read_models
-    from plogic.run.bop.recalls import score
+    from plogic.run.bop.recalls import score, targets_of
+    from plogic.run.bop.results_file import views_of
 
     views, wrong = views_of(dataset, done)
     for line in wrong:

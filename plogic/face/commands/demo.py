@@ -9,7 +9,7 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import InputError
-from plogic.face.commands.perceive_command import picture_of
+from plogic.face.commands.perceive import picture_of
 from plogic.face.commands.simulate import shapes_of, tell_without_physics
 from plogic.face.shown import tables
 from plogic.face.shown.tables import text_of_table
@@ -78,7 +78,7 @@ def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], Non
 
 def _results(document: Interpretation, image: NDArray[Any], prefix: str) -> dict[str, bytes]:
     """The files of one reading."""
-    from plogic.face.pages.report import page
+    from plogic.face.pages.one_file import page
     from plogic.facts.interpretation import situation_of, text_of
     from plogic.scene.text.program_text import program_text, query_lines
 

@@ -71,7 +71,8 @@ class _Look(NamedTuple):
 def run_look_again(out: Path, seed: int, *, say: Callable[[str], None], as_json: bool = False) -> str:
     """Look, ask where to look next, go there, look again; write the folder ``out`` and return the text to print."""
     check_folder(out)
-    from plogic.face.commands.next_view import Moves, looked, table_of
+    from plogic.face.commands.next_view import looked, table_of
+    from plogic.face.shown.options import Moves
     from plogic.run.perceive import Perceiver
     from sensing.simulated.robot import Robot
     from sensing.simulated.scene import random_scene

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import json
-import sys
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NotRequired, TypedDict, cast
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict, cast
 
-import click
-
-from plogic.face.shown.options import AS_JSON, INTERPRETATION, READING, SEED, Number
 from plogic.facts.document import Marks
 
 if TYPE_CHECKING:
@@ -20,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from geometry.camera import Camera
+    from plogic.face.shown.options import Moves
     from plogic.facts.document import Interpretation
     from plogic.facts.fact_rows import Interval, Pose
     from plogic.facts.situation import Reading, Situation
@@ -33,61 +29,6 @@ if TYPE_CHECKING:
 
 LISTED_WORLDS = 100
 """Worlds that are taken in the other reading: as many as an interpretation lists."""
-
-
-@dataclass(frozen=True)
-class Moves:
-    """``about``: the goal that should become certain; where the camera may go, one of ``ring`` m, ``within`` m and a file of ``moves``.
-
-    ``reading``: the other one of the same Δh, None for its own.
-    """
-
-    about: str | None = None
-    ring: float | None = None
-    moves: Path | None = None
-    within: float | None = None
-    reading: Reading | None = None
-
-
-@click.command(name="next-view", context_settings={"help_option_names": ["-h", "--help"]})
-@INTERPRETATION
-@click.option(
-    "--about",
-    metavar="GOAL",
-    help="What should become certain, as `plogic query` takes it (default: which world it is).",
-)
-@click.option(
-    "--ring",
-    type=Number(0.0, min_open=True),
-    metavar="METRES",
-    help="Radius of the ring around the scene (default: the present one).",
-)
-@click.option("--moves", type=click.Path(path_type=Path), help="Candidates of your own: a moves/1 or poses/1 file.")
-@click.option(
-    "--within",
-    type=Number(0.0, min_open=True),
-    metavar="METRES",
-    help="All of a grid within this distance, turned to the scene.",
-)
-@click.option(
-    "-n", "number", type=click.IntRange(1), default=5, show_default=True, help="Candidates to list, the best first."
-)
-@READING
-@click.option("--seed", type=SEED, default=0, show_default=True)
-@AS_JSON
-def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **options: Any) -> None:  # noqa: ANN401 - click's
-    """Say where to look next: the camera moves that would tell most, with their expected gains in bits, and why.
-
-    INTERPRETATION is that of one image, or a sequence's panorama/1: what all its views leave open, from where the last
-    one stood.
-
-    Without --ring, --moves or --within the candidates are a ring of eleven places around the scene at the present
-    height and distance.
-    """
-    if sum(options[name] is not None for name in ("ring", "moves", "within")) > 1:
-        raise click.UsageError("--ring, --moves and --within exclude one another")
-    text = next_view_command(interpretation, number, seed, Moves(**options), as_json=as_json)
-    sys.stdout.write(text if text.endswith("\n") else text + "\n")
 
 
 def next_view_command(source: str, number: int, seed: int, options: Moves, *, as_json: bool) -> str:

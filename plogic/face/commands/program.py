@@ -1,12 +1,15 @@
-"""``plogic program`` and ``plogic report``: an interpretation as program text and as a page."""
+"""``plogic program``, ``report`` and ``measures``: an interpretation as program text, as a page and as tables."""
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
+from plogic.face.shown.options import written
+from plogic.facts.interpretation import read_interpretation
 from plogic.run.sources import situation_from
+from plogic.scene.readings.unfinished import marks, with_notice
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -16,7 +19,6 @@ if TYPE_CHECKING:
 
 def program_command(interpretation: str, reading: Reading | None, *, as_json: bool = False) -> str:
     """The ProbLog text with its queries."""
-    from plogic.scene.readings.unfinished import marks
     from plogic.scene.text.program_text import program_text, query_lines
 
     situation = situation_from(interpretation, reading)
@@ -27,13 +29,18 @@ def program_command(interpretation: str, reading: Reading | None, *, as_json: bo
 
 def report_command(interpretation: str, out: str, *, say: Callable[[str], None], write: Callable[[str], None]) -> None:
     """Write the page; `-` is stdout."""
-    from plogic.face.pages.report import page
-    from plogic.facts.interpretation import read_interpretation
-    from sensing.files.whole_files import write_whole
+    from plogic.face.pages.one_file import page
 
-    text = page(read_interpretation(interpretation))
-    if out == "-":
-        write(text)
-        return
-    write_whole(Path(out), text.encode())
-    say(f"wrote {out}")
+    written(page(read_interpretation(interpretation)), out, say=say, write=write)
+
+
+def measures_command(source: str, *, as_json: bool) -> str:
+    """The document ``measures/1``, or both tables. Raises InterpretationError, SituationError."""
+    from plogic.face.python.measures import measures_of
+    from plogic.facts.situation import stopped_in
+
+    document = read_interpretation(source)
+    found, stopped = measures_of(document), stopped_in(document)
+    if as_json:
+        return json.dumps({"format": "measures/1", **asdict(found), **marks(stopped)})
+    return with_notice(str(found), stopped)

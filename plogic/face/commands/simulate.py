@@ -8,8 +8,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from plogic.base.errors import InputError
 from plogic.run.sources import kb_of
 
@@ -21,19 +19,6 @@ if TYPE_CHECKING:
     from sensing.simulated.scene import Scene
 
 
-BOP = click.option("--bop", type=click.Path(path_type=Path), help="New folder for scenes as a BOP dataset as well.")
-BOP_IMAGES = click.option(
-    "--bop-images",
-    type=click.IntRange(1, 1000),
-    default=1,
-    show_default=True,
-    help="Its images: scenes of this seed and the next.",
-)
-ROBOT = click.option(
-    "--robot",
-    metavar="MOVES.json|ring:N",
-    help="Look again from elsewhere: a moves/1 or poses/1 file, or N places around; frames and poses.json.",
-)
 RING = "ring:"
 MOST_VIEWS = 360
 """Of a ring."""

@@ -15,10 +15,17 @@ from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING
 
-from plogic.face.pages.page_errors import PageError
+from plogic.base.errors import BeliefError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from plogic.facts.document import Interpretation
+
+
+class PageError(BeliefError):
+    """The document cannot be put into a page; the message says why."""
+
 
 KIT = "kit"
 """The folder of what every page shares."""
@@ -82,3 +89,34 @@ def _script(parts: PageParts) -> str:
 
 def _asset(folder: str, name: str) -> str:
     return (files(__package__) / "assets" / folder / name).read_text(encoding="utf-8")
+
+
+PARTS = PageParts(
+    folder="report",
+    scripts=(
+        "model.js",
+        "sides.js",
+        "signs.js",
+        "dots.js",
+        "picture.js",
+        "panels.js",
+        "scene.js",
+        "webgl.js",
+        "canvas.js",
+        "stage.js",
+    ),
+    first="worlds",
+    unscripted="The numbers are also in the interpretation's JSON, at the end of this file.",
+)
+
+
+def page(document: Interpretation) -> str:
+    """Return the report of an ``interpretation/1`` document as one self-contained HTML page.
+
+    The same document gives the same bytes. Keys that are missing leave their section empty.
+
+    Raises:
+        PageError: the document holds NaN, an infinity or a value that is no JSON.
+    """
+    accepted = [h.get("label") or h["type"] for h in document.get("hypotheses", []) if h["status"] == "accepted"]
+    return one_file(PARTS, ", ".join(accepted) or "nothing known", document)

@@ -1,4 +1,4 @@
-"""Questions that an interpretation and a program answer alike, and a session about either."""
+"""Questions that an interpretation and a program answer alike, and a program of one's own."""
 
 from __future__ import annotations
 
@@ -7,29 +7,31 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
 from plogic.base.errors import LimitError
-from plogic.face.session import session
 from plogic.face.session.account_text import account_text
-from plogic.face.session.blocks import Lines
-from plogic.face.session.results import Answers, World, Worlds
-from plogic.face.session.rows import Result
+from plogic.face.session.blocks import Block, Lines, Result
+from plogic.face.session.minds import ranked
+from plogic.face.session.results import Answers, Worlds
 from plogic.logic.served.engine import TOO_DEEP, Limits, Text
+from plogic.run.sources import program_text_of, rules_from
 from plogic.scene.asking.explanations import Account, Reason, explain, present
+from plogic.scene.asking.query import Subject, answers, answers_until
 from plogic.scene.readings.unfinished import stopped_of, with_notice
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from plogic.face.session.blocks import Block
-    from plogic.facts.situation import Reading, Stopped
-    from plogic.scene.asking.query import Subject
+    from plogic.facts.situation import Stopped
 
 EXPLANATIONS = 5
 """Explanations of each kind, where no number is asked for."""
 
 
 class Asked:
-    """Anything that can be asked: the verbs ``query`` and ``explain``."""
+    """Anything that can be asked: the verbs ``query``, ``explain`` and ``worlds``."""
+
+    trust: bool = False
+    """Whether programs and rules may read files and run Python."""
 
     @property
     def subject(self) -> Subject:
@@ -39,7 +41,7 @@ class Asked:
     @property
     def limits(self) -> Limits:
         """The wall time and memory that one question may take."""
-        return Limits()
+        return Limits(trust=self.trust)
 
     def query(
         self,
@@ -61,9 +63,6 @@ class Asked:
         Raises:
             Error: naming file, line and column where the goal or the program cannot be used.
         """
-        from plogic.run.sources import rules_from
-        from plogic.scene.asking.query import answers, answers_until
-
         subject, evidence = self.subject, literals(given)
         goal = goal if goal is not None or isinstance(subject, Text) else "present(H)"
         own = rules_from(None if rules is None else str(rules))
@@ -72,6 +71,19 @@ class Asked:
         else:
             found, exact = answers_until(subject, goal, seconds=deadline, given=evidence, rules=own, limits=self.limits)
         return Answers(goal, tuple(found), stopped_of(subject), exact)
+
+    def worlds(self, n: int = 10, *, given: str | Sequence[str] = (), deadline: float | None = None) -> Worlds:
+        """Return the ``n`` most probable possible worlds, and the interval of the mass of all others.
+
+        Args:
+            n: how many.
+            given: literals that are observed.
+            deadline: seconds, after which probabilities are intervals that contain the exact ones.
+
+        Raises:
+            Error: where evidence cannot be used or leaves no world.
+        """
+        return ranked(self.subject, n, literals(given), self.limits, deadline)[0]
 
     def explain(self, goal: str, *, given: str | Sequence[str] = (), n: int | None = None) -> Explanation:
         """Say why the goal holds, and why not; printed, it is the text of ``plogic explain``.
@@ -136,28 +148,12 @@ class Program(Asked):
     @classmethod
     def load(cls, path: str | Path, *, trust: bool = False) -> Self:
         """Read a program's file. Raises Error where it cannot be read."""
-        from plogic.run.sources import program_text_of
-
         return cls(program_text_of(str(path)), str(path), trust=trust)
 
     @property
     def subject(self) -> Text:
         """The text with its file."""
         return Text(self.text, self.file)
-
-    @property
-    def limits(self) -> Limits:
-        """The limits of one question, with the trust."""
-        return Limits(trust=self.trust)
-
-    def worlds(self, n: int = 10, *, given: str | Sequence[str] = (), deadline: float | None = None) -> Worlds:
-        """Return the ``n`` most probable worlds, and the interval of the mass of all others. Raises Error as ``query``."""
-        from plogic.logic.served.engine import program_worlds
-
-        evidence = literals(given)
-        ranking = program_worlds(self.subject, n, given=evidence, limits=self.limits, seconds=deadline)
-        rows = tuple(World(w.probability, w.holds, None, (w.probability,) * 2, w.choices) for w in ranking.worlds)
-        return Worlds(rows, ranking.unlisted, evidence, None, complete=ranking.complete)
 
     def __str__(self) -> str:
         return self.text
@@ -170,25 +166,6 @@ class Program(Asked):
 
     def __hash__(self) -> int:
         return hash(self.text)
-
-
-class Session(session.Session):
-    """A session about an interpretation or a program: what is observed stays, and is taken back."""
-
-    def __init__(self, about: Asked) -> None:
-        """Begin with nothing observed."""
-        super().__init__(about.subject, limits=about.limits)
-
-    @classmethod
-    def open(cls, path: str | Path, *, reading: Reading | None = None, trust: bool = False) -> Self:
-        """Begin a session about an ``interpretation.json`` or a program's file. Raises Error where it cannot be read."""
-        from plogic.face.python.interpretation import Interpretation
-        from plogic.run.sources import is_program
-
-        if is_program(str(path)):
-            return cls(Program.load(path, trust=trust))
-        found = Interpretation.load(path)
-        return cls(found if reading is None else found.read_as(reading))
 
 
 def literals(given: str | Sequence[str]) -> tuple[str, ...]:

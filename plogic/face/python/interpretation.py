@@ -3,32 +3,32 @@
 from __future__ import annotations
 
 import base64
-import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Self, get_args
 
 import numpy as np
 
-from plogic.base.errors import InputError, OutsideError
-from plogic.face.python.asking import Asked, Program, literals
-from plogic.face.session.blocks import Column, Table, html_of, text_of
+from plogic.base.errors import InputError
+from plogic.face.python.asking import Asked, Program
+from plogic.face.session.blocks import Block, Column, Rows, Table, html_of, text_of
 from plogic.face.session.results import World, Worlds
-from plogic.face.session.rows import Rows
-from plogic.facts.situation import Reading
+from plogic.face.shown.figures import chance, interval, signed
+from plogic.facts import document as rows
+from plogic.facts import interpretation
+from plogic.facts.situation import Reading, Situation
+from plogic.run.sources import is_program
+from plogic.scene.text.program_text import program_text, query_lines
+from sensing.files.whole_files import write_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
     from plogic.face.python.measures import Measures
     from plogic.face.python.pictures import Camera
-    from plogic.face.session.blocks import Block
-    from plogic.facts import document as rows
-    from plogic.facts.situation import Situation
-    from plogic.scene.worlds.ranked_worlds import Ranking
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +70,6 @@ class Hypotheses(Rows[Hypothesis]):
 
     def blocks(self) -> tuple[Block, ...]:
         """One table."""
-        from plogic.face.shown.tables import chance, signed
-
         columns = (
             Column("hypothesis"),
             Column("status"),
@@ -106,8 +104,6 @@ class Relations(Rows[Relation]):
 
     def blocks(self) -> tuple[Block, ...]:
         """One table."""
-        from plogic.face.shown.tables import interval
-
         columns = (Column("probability", right=True), Column("relation"))
         rows = tuple((interval(*r.interval), f"{r.relation}({', '.join(r.args)})") for r in self.relations)
         return (Table("relations", columns, rows),)
@@ -132,9 +128,7 @@ class Interpretation(Asked):
     @classmethod
     def load(cls, path: str | Path) -> Self:
         """Read an ``interpretation.json``. Raises Error where it is none."""
-        from plogic.facts.interpretation import read_interpretation
-
-        return cls(read_interpretation(path))
+        return cls(interpretation.read_interpretation(path))
 
     @property
     def document(self) -> rows.Interpretation:
@@ -183,58 +177,7 @@ class Interpretation(Asked):
     @cached_property
     def subject(self) -> Situation:
         """The typed situation that questions are put to."""
-        from plogic.facts.interpretation import situation_of
-
-        return situation_of(self._document)
-
-    def worlds(self, n: int = 10, *, given: str | Sequence[str] = (), deadline: float | None = None) -> Worlds:
-        """Return the ``n`` most probable possible worlds, and the interval of the mass of all others.
-
-        Args:
-            n: how many.
-            given: literals that are observed.
-            deadline: seconds, after which probabilities are intervals that contain the exact ones.
-
-        Raises:
-            Error: where evidence cannot be used or leaves no world.
-        """
-        evidence = literals(given)
-        try:
-            ranking = _ranking(self.subject, n, evidence, deadline)
-        except OutsideError:
-            return self._worlds_of_text(n, evidence, deadline)
-        return self._worlds(
-            tuple(World(w.probability, w.present, w.causes, w.interval) for w in ranking.worlds),
-            ranking.unlisted,
-            evidence,
-            complete=ranking.exact,
-        )
-
-    def _worlds_of_text(self, n: int, evidence: tuple[str, ...], deadline: float | None) -> Worlds:
-        """By the program text, where the evidence speaks of choices that the graph has summed out; causes are not told then."""
-        from plogic.logic.safety.atoms import quoted
-        from plogic.logic.served.engine import program_worlds
-        from plogic.scene.asking.query import subject_text
-
-        text, names = subject_text(self.subject)
-        found = program_worlds(text, n, given=evidence, goals=("present(H)",), seconds=deadline, names=names)
-        ids = {f"present({quoted(h.id)})": h.id for h in self.subject.hypotheses}
-        rows = tuple(
-            World(w.probability, tuple(ids[goal] for goal in w.holds), None, (w.probability,) * 2, w.choices)
-            for w in found.worlds
-        )
-        return self._worlds(rows, found.unlisted, evidence, complete=found.complete)
-
-    def _worlds(
-        self, rows: tuple[World, ...], unlisted: tuple[float, float], evidence: tuple[str, ...], *, complete: bool
-    ) -> Worlds:
-        """With what is proved of a search that was stopped."""
-        from plogic.scene.readings.unfinished import proved
-
-        stopped = self.subject.stopped
-        rows = tuple(replace(row, interval=proved(stopped, row.interval)) for row in rows)
-        types = {h.id: h.type for h in self.subject.hypotheses}
-        return Worlds(rows, proved(stopped, unlisted), evidence, types, stopped, complete)
+        return interpretation.situation_of(self._document)
 
     def measures(self) -> Measures:
         """Return ev in each mode, Shanahan's value, the posterior, dv and rank: a row each hypothesis that is not rejected."""
@@ -244,8 +187,6 @@ class Interpretation(Asked):
 
     def program(self) -> Program:
         """Return the ProbLog program with its queries: it runs unchanged in a stock ``problog``, with the same numbers."""
-        from plogic.scene.text.program_text import program_text, query_lines
-
         return Program(program_text(self.subject) + "\n" + query_lines(self.subject), "interpretation.pl")
 
     def picture(self) -> Picture:
@@ -266,18 +207,14 @@ class Interpretation(Asked):
 
     def report(self, path: str | Path) -> Path:
         """Write one self-contained page that works offline, and return its path."""
-        from plogic.face.pages.report import page
-        from sensing.files.whole_files import write_whole
+        from plogic.face.pages.one_file import page
 
         write_whole(Path(path), page(self._document).encode())
         return Path(path)
 
     def save(self, path: str | Path) -> Path:
         """Write an ``interpretation.json``, whole or not at all, and return its path."""
-        from plogic.facts.interpretation import text_of
-        from sensing.files.whole_files import write_whole
-
-        write_whole(Path(path), text_of(self._document).encode())
+        write_whole(Path(path), interpretation.text_of(self._document).encode())
         return Path(path)
 
     def blocks(self) -> tuple[Block, ...]:
@@ -308,24 +245,6 @@ class Interpretation(Asked):
         return hash((self.reading, tuple(h["id"] for h in self._document["hypotheses"])))
 
 
-def _ranking(situation: Situation, n: int, given: Sequence[str], seconds: float | None) -> Ranking:
-    """With a deadline, grounding the evidence included; what it takes then is left of the time."""
-    from plogic.scene.asking.live import LiveScene
-    from plogic.scene.worlds.ranked_worlds import ranked_worlds
-
-    if not given:
-        return ranked_worlds(situation, n, seconds=seconds)
-    end = None if seconds is None else time.monotonic() + seconds
-    scene = LiveScene(situation)
-    for goal in given:
-        scene.observe(goal, seconds=_left(end))
-    return scene.worlds(n, seconds=_left(end))
-
-
-def _left(end: float | None) -> float | None:
-    return None if end is None else max(end - time.monotonic(), 0.0)
-
-
 def _hypothesis(row: rows.HypothesisRow | rows.RejectedRow) -> Hypothesis:
     return Hypothesis(
         row["id"],
@@ -349,3 +268,17 @@ def _interval(row: rows.Verdict | rows.WorldRow | rows.RelationRow) -> tuple[flo
 def _plain(h: Hypothesis) -> tuple[object, ...]:
     rest = {name: value for name, value in vars(h).items() if name != "T_camera_object"}
     return h.T_camera_object.tolist(), rest
+
+
+def opened(path: str | Path, reading: Reading | None = None, *, trust: bool = False) -> Asked:
+    """Return what a file holds: a program, or an interpretation, in the other reading where one is named.
+
+    Raises:
+        Error: where it cannot be read.
+    """
+    if is_program(str(path)):
+        return Program.load(path, trust=trust)
+    found = Interpretation.load(path)
+    found = found if reading is None else found.read_as(reading)
+    found.trust = trust
+    return found

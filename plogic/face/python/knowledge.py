@@ -10,12 +10,12 @@ from threading import Lock, active_count
 from typing import TYPE_CHECKING, Self
 
 from plogic.base.errors import InputError
-from plogic.face.session.blocks import Column, Table, html_of, text_of
+from plogic.face.session.blocks import Block, Column, Table, html_of, text_of
+from plogic.run.perceive import Perceiver, perceiver_of
+from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase as Sigma
-    from plogic.face.session.blocks import Block
-    from plogic.run.perceive import Perceiver
 
 MOST_KEPT = 8
 """Knowledge bases that a process keeps of those which other processes sent it."""
@@ -33,8 +33,6 @@ class KnowledgeBase:
         Raises:
             Error: telling every mistake of the folder, with file, line and column.
         """
-        from plogic.run.sources import kb_of
-
         self._sigma: Sigma = kb_of(str(folder))
         here = Path(folder)
         self._folder = os.path.abspath(here) if here.exists() else str(folder)  # noqa: PTH100 - links stay as they are
@@ -78,16 +76,10 @@ class KnowledgeBase:
 
     def perceiver(self, generator: str = "index") -> Perceiver:
         """Return what interprets images, made at the first call. Raises InputError where there is no such generator."""
-        from plogic.base.jobs import processors
-        from plogic.base.remembered import cache_folder
-        from plogic.run.perceive import Perceiver
-
         with self._lock:
             if generator not in self._perceivers:
                 alone = parent_process() is None and active_count() == 1
-                self._perceivers[generator] = Perceiver(
-                    self._sigma, cache_folder("indices"), processors() if alone else 1, generator
-                )
+                self._perceivers[generator] = perceiver_of(self._sigma, generator, None if alone else 1)
             return self._perceivers[generator]
 
     def blocks(self) -> tuple[Block, ...]:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plogic.face.session.blocks import Column, Table
-from plogic.face.session.rows import Rows
-from plogic.face.shown.tables import chance, signed
+from plogic.face.session.blocks import Block, Column, Rows, Table
+from plogic.face.shown.figures import chance, signed
 from plogic.run.measured import Distinctive, Measure, measured
 
 if TYPE_CHECKING:
-    from plogic.face.session.blocks import Block
     from plogic.facts.document import Interpretation
 
 TITLES = {
@@ -56,8 +54,7 @@ class Measures(Rows[Measure]):
 
 def measures_of(document: Interpretation) -> Measures:
     """Return the measures of an interpretation. Raises SituationError where the posterior cannot be computed exactly."""
-    found = measured(document)
-    return Measures(*(getattr(found, field.name) for field in fields(found)))
+    return Measures(*measured(document))
 
 
 def _cell(h: Measure, name: str) -> str:

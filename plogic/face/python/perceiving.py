@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, get_args
 
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
+from plogic.cycle.delta import Options
 from plogic.face.python.interpretation import Interpretation
 from plogic.face.python.knowledge import KnowledgeBase
 from plogic.face.python.pictures import Gamma, Image, camera_for, pixels_of
 from plogic.facts.situation import Reading, Reconsider
 from plogic.run.sources import detected, is_gamma
 from sensing import appearance
+from sensing.files.gamma_files import gamma_from_dict, gamma_to_dict, read_gamma
 
 if TYPE_CHECKING:
     import numpy as np
@@ -65,7 +67,6 @@ def perceive(
         Error: where any of these cannot be used.
     """
     _check(reading, reconsider, smoothing, deadline)
-    from plogic.cycle.delta import Options
 
     kb = _kb(kb)
     gamma, image = _gamma(source, kb, camera)
@@ -83,8 +84,6 @@ def _gamma(
     source: Image | appearance.Gamma, kb: KnowledgeBase, camera: Camera | str | Path | None
 ) -> tuple[appearance.Gamma, NDArray[np.uint8] | None]:
     """Γ, and the image where there is one."""
-    from sensing.files.gamma_files import gamma_from_dict, gamma_to_dict, read_gamma
-
     if isinstance(source, appearance.Gamma):
         gamma_from_dict(gamma_to_dict(source), "gamma", kb.appearance_types)  # raises with every mistake
         return source, None

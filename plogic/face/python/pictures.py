@@ -10,9 +10,10 @@ import numpy as np
 
 from geometry import camera as geometry_camera
 from geometry.errors import CameraError
+from geometry.files.camera_files import read_camera
 from plogic.base.errors import InputError
-from plogic.face.session.blocks import Column, Table
-from plogic.face.session.rows import Rows
+from plogic.face.session.blocks import Block, Column, Rows, Table
+from plogic.run.sources import sized
 from sensing import appearance as sensing_appearance
 from sensing.appearance import Appearance
 from sensing.errors import ImageError
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from plogic.face.session.blocks import Block
 
 Image = str | Path | np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
 """An image: its file, or its pixels (H, W, 3) uint8, blue first."""
@@ -58,8 +58,6 @@ class Camera(geometry_camera.Camera):
         Raises:
             Error: with the file, the key or the line, and what is wrong.
         """
-        from geometry.files.camera_files import read_camera
-
         return cls.of(read_camera(path, frame, size=size))
 
     @classmethod
@@ -169,8 +167,4 @@ def camera_for(
             f"{source}: an image needs its camera: give a Camera or its file (ours, ROS, OpenCV, BOP or COLMAP)"
         )
     found = Camera.load(camera) if isinstance(camera, (str, Path)) else camera
-    height, width = pixels.shape[:2]
-    if (found.width, found.height) != (width, height):
-        name = str(camera) if isinstance(camera, (str, Path)) else "camera"
-        raise InputError(f"{name}: the camera is {found.width}x{found.height}, but {source} is {width}x{height}")
-    return found
+    return sized(found, pixels, str(camera) if isinstance(camera, (str, Path)) else "camera", source)

@@ -16,13 +16,13 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from plogic.face.session.blocks import Column, Lines, Note, Table
-from plogic.face.session.rows import Result, Rows
+from plogic.face.session.account_text import account_text
+from plogic.face.session.blocks import Block, Column, Lines, Note, Result, Rows, Table
+from plogic.face.shown.figures import NONE, chance, interval
 from plogic.logic.safety.author import bindings
 from plogic.scene.readings.unfinished import notice, proved
 
 if TYPE_CHECKING:
-    from plogic.face.session.blocks import Block
     from plogic.facts.situation import Stopped
     from plogic.logic.served.engine import Answer
     from plogic.scene.asking.explanations import Account
@@ -135,8 +135,6 @@ class Observed(Result):
 
     def blocks(self) -> tuple[Block, ...]:
         """One sentence."""
-        from plogic.face.shown.tables import chance
-
         if self.literal in self.observed:
             return (Note(f"{self.literal} is observed already"),)
         beside = (
@@ -203,8 +201,6 @@ class Worlds(Rows[World]):
 
     def blocks(self) -> tuple[Block, ...]:
         """The table of ``plogic worlds``."""
-        from plogic.face.shown.tables import interval
-
         scene = self.types is not None
         more = (
             (Column("explained", right=True), Column("noise", right=True))
@@ -241,8 +237,6 @@ class Explained(Result):
 
     def blocks(self) -> tuple[Block, ...]:
         """The probability, then a tree for every explanation, or the condition that fails."""
-        from plogic.face.session.account_text import account_text
-
         account = _against(self.account) if self.against else _for(self.account)
         hidden = self.brief and bool(account.summary) and bool(account.why or account.why_not)
         if hidden:
@@ -335,8 +329,6 @@ def _against(account: Account) -> Account:
 
 def _chances(answer: Answer, stopped: Stopped) -> tuple[str, ...]:
     """Its probability, or within what bounds it is known; of what is unfinished both."""
-    from plogic.face.shown.tables import chance, interval
-
     return (chance(answer.probability), interval(*answer.interval)) if stopped else (interval(*answer.interval),)
 
 
@@ -354,8 +346,6 @@ def _given(observed: tuple[str, ...]) -> str:
 
 
 def _world(rank: int, row: World, stopped: Stopped, types: dict[str, str] | None) -> tuple[str, ...]:
-    from plogic.face.shown.tables import NONE, interval
-
     within = (interval(*proved(stopped, row.interval)),) if stopped else ()
     names = row.present if types is None else tuple(f"{types[h]} {h}" for h in row.present)
     shown = (

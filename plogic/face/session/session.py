@@ -18,14 +18,17 @@ from typing import TYPE_CHECKING, Self, TypeVar
 
 from plogic.base.errors import InconsistentError, InputError, ProgramError
 from plogic.face.session import results
+from plogic.face.session.blocks import Result
+from plogic.face.session.lines import replayed
 from plogic.face.session.minds import mind_of
-from plogic.face.session.rows import Result
 from plogic.logic.safety.atoms import is_ground, one_line, tokens
+from plogic.logic.served.engine import Answer, Limits
+from plogic.run.sources import program_text_of
 from plogic.scene.readings.unfinished import REASONS, opened, proved, stopped_of
+from sensing.files.whole_files import write_whole
 
 if TYPE_CHECKING:
-    from plogic.facts.situation import Reading, Stopped
-    from plogic.logic.served.engine import Answer, Limits
+    from plogic.facts.situation import Stopped
     from plogic.logic.served.outline import Predicate
     from plogic.scene.asking.query import Subject
 
@@ -47,17 +50,6 @@ class Session:
         self._observed: tuple[str, ...] = ()
         self._lines: tuple[str, ...] = ()
         self._known: dict[tuple[str | None, tuple[str, ...]], tuple[Answer, ...]] = {}
-
-    @classmethod
-    def open(cls, path: str | Path, *, reading: Reading | None = None, trust: bool = False) -> Self:
-        """A session about an ``interpretation.json`` or a program's file; raises InputError, InterpretationError.
-
-        ``trust`` lets a program of one's own run Python and read files.
-        """
-        from plogic.logic.served.engine import Limits
-        from plogic.run.sources import subject_of
-
-        return cls(subject_of(str(path), reading), limits=Limits(trust=trust))
 
     def __enter__(self) -> Self:
         return self
@@ -169,8 +161,6 @@ class Session:
 
         Raises InputError for a file that is there and no saved session, and for a line that cannot be written as one.
         """
-        from sensing.files.whole_files import write_whole
-
         path = Path(path).expanduser()
         broken = next((line for line in self._lines if not line.isprintable()), None)
         if broken is not None:
@@ -184,9 +174,6 @@ class Session:
 
     def load(self, path: str | Path) -> results.Replayed:
         """Do the lines of a saved session; the first that fails is told with its number (InputError), and those before it stay done."""
-        from plogic.face.session.replay import replayed
-        from plogic.run.sources import program_text_of
-
         path = Path(path).expanduser()
         return replayed(self, str(path), program_text_of(str(path)))
 
@@ -245,8 +232,6 @@ class Session:
 
 def _beside(now: tuple[Answer, ...], before: tuple[Answer, ...], stopped: Stopped) -> tuple[results.Prediction, ...]:
     """Each answer of either, with a probability of 0 where it is none."""
-    from plogic.logic.served.engine import Answer
-
     none = proved(stopped, (0.0, 0.0))
     current = {answer.goal: answer for answer in now}
     earlier = {answer.goal: answer for answer in before}

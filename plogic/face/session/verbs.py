@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from plogic.base.errors import InputError, UnknownPredicateError
+from plogic.face.session.results import Help
 from plogic.logic.safety.atoms import OPERATORS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from plogic.face.session.rows import Result
+    from plogic.face.session.blocks import Result
     from plogic.face.session.session import Session
 
 Takes = Literal["goal", "observed", "number", "predicate", "file", "verb", "nothing"]
@@ -145,8 +146,6 @@ def perform(session: Session, line: str) -> Result | None:
 
 def helped(session: Session, topic: str) -> Result:
     """The table of verbs; or what one verb, or a predicate that can be asked for, means. Raises InputError where it is neither."""
-    from plogic.face.session.results import Help
-
     if not topic:
         return Help("verbs (a line without one is `ask`)", tuple((verb.usage, verb.meaning) for verb in VERBS))
     name = SYNONYMS.get(topic, topic)

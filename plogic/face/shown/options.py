@@ -1,11 +1,19 @@
-"""Options and arguments that several commands share."""
+"""Options and arguments of commands, what carries them to the functions that do the work, and where these write."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from plogic.facts.situation import Reading, Reconsider
 
 READINGS = click.Choice(["score", "posterior"])
 SEED = click.IntRange(0)
@@ -66,3 +74,123 @@ DEADLINE = click.option(
     type=Number(0.0, min_open=True),
     help="Seconds; then every answer is an interval that contains the exact one (exit 3).",
 )
+BOP = click.option("--bop", type=click.Path(path_type=Path), help="New folder for scenes as a BOP dataset as well.")
+BOP_IMAGES = click.option(
+    "--bop-images",
+    type=click.IntRange(1, 1000),
+    default=1,
+    show_default=True,
+    help="Its images: scenes of this seed and the next.",
+)
+ROBOT = click.option(
+    "--robot",
+    metavar="MOVES.json|ring:N",
+    help="Look again from elsewhere: a moves/1 or poses/1 file, or N places around; frames and poses.json.",
+)
+
+
+@dataclass(frozen=True)
+class Asking:
+    """How an interpretation or a program is asked.
+
+    ``reading``: the other one of the same Δh, None for its own; ``deadline`` in seconds; ``rules``: a file of a user's
+    own; ``trust`` lifts the allow-list of a program.
+    """
+
+    reading: Reading | None = None
+    deadline: float | None = None
+    trust: bool = False
+    rules: str | None = None
+
+
+@dataclass(frozen=True)
+class Perceiving:
+    """How ``plogic perceive`` interprets its inputs with ``kb``, and the files that it writes.
+
+    ``camera``: of pictures; ``poses``: where it stood for each of several frames; ``stereo``: the calibration of a pair;
+    ``deadline`` in seconds; ``out`` is stdout where it is ``-``.
+    """
+
+    kb: str
+    out: str = "-"
+    camera: str | None = None
+    poses: str | None = None
+    stereo: str | None = None
+    reading: Reading = "score"
+    reconsider: Reconsider = "to_B"
+    smoothing: float = 0.0
+    generator: str = "index"
+    deadline: float | None = None
+    report: Path | None = None
+    picture: Path | None = None
+    timings: Path | None = None
+
+
+@dataclass(frozen=True)
+class Moves:
+    """``about``: the goal that should become certain; where the camera may go, one of ``ring`` m, ``within`` m and a file of ``moves``.
+
+    ``reading``: the other one of the same Δh, None for its own.
+    """
+
+    about: str | None = None
+    ring: float | None = None
+    moves: Path | None = None
+    within: float | None = None
+    reading: Reading | None = None
+
+
+@dataclass(frozen=True)
+class Batching:
+    """How ``plogic batch`` works through its frames, and where their lines go.
+
+    ``out``: a file, ``-`` for stdout; ``order``: ``input`` or ``done``; ``jobs``: processes of this machine, None for one
+    a core; ``dask``: the address of a cluster that works instead; ``timeout``: seconds that a frame may take.
+    """
+
+    out: str = "-"
+    resume: bool = False
+    order: str = "input"
+    jobs: int | None = None
+    dask: str | None = None
+    timeout: float | None = None
+
+
+@dataclass(frozen=True)
+class Scoring:
+    """How ``plogic bop`` answers: the file with BOP's ``ids`` of types, whether images are ``timed``, text or JSON."""
+
+    ids: str | None = None
+    timed: bool = False
+    as_json: bool = False
+
+
+@dataclass(frozen=True)
+class Learning:
+    """How ``plogic kb learn`` looks: the ``detector``, how many processes render, and the seed of the noise."""
+
+    detector: str = "sift"
+    jobs: int = 2
+    seed: int = 0
+    as_json: bool = False
+
+
+def emit(text: str) -> None:
+    """Write a text to stdout, with an end of line."""
+    sys.stdout.write(text if text.endswith("\n") else text + "\n")
+
+
+def say(text: str) -> None:
+    """Write a line to stderr."""
+    sys.stderr.write(text + "\n")
+
+
+def written(text: str, place: str, *, say: Callable[[str], None], write: Callable[[str], None]) -> None:
+    """Write a text into a file, whole or not at all, and say so; where the place is ``-``, hand it to ``write``."""
+    from sensing.files.whole_files import write_whole
+
+    if place == "-":
+        write(text)
+        return
+    write_whole(Path(place), text.encode())
+    say(f"wrote {place}")

@@ -5,16 +5,18 @@ from __future__ import annotations
 import io
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich import box
+from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from plogic.face.shown.figures import NONE, chance, interval, signed
 from plogic.scene.readings.unfinished import unlisted_beyond
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from plogic.facts.document import Cells, Interpretation
     from plogic.scene.document import Answers
@@ -22,23 +24,6 @@ if TYPE_CHECKING:
 
 CELLS = ("expected_detected", "expected_missed", "hidden_missed", "hidden_detected")
 """The four cases in the paper's column order: A, C, B, D."""
-NONE = "–"
-
-
-def chance(p: float | None) -> str:
-    """Return a probability to three places; what rounds to 0 or 1 without being it says so."""
-    if p is None:
-        return NONE
-    if 0 < p < 0.0005:
-        return "<0.001"
-    return (
-        ">0.999" if 0.9995 < p < 1 else f"{float(f'{p:.12g}'):.3f}"
-    )  # so that noise in the last digits decides no tie
-
-
-def signed(value: float | None) -> str:
-    """Return an explanatory value to two places, or a dash where it is undefined."""
-    return NONE if value is None else f"{value:+.2f}"
 
 
 def worlds(document: Interpretation, limit: int = 10) -> Table:
@@ -68,11 +53,6 @@ def worlds(document: Interpretation, limit: int = 10) -> Table:
     if high > 0:
         table.add_row("", *[""] * bounded, interval(low, high), Text("not listed", style="dim"), "", "")
     return table
-
-
-def interval(low: float, high: float) -> str:
-    """Return one probability, or both bounds where they print differently."""
-    return chance(low) if chance(low) == chance(high) else f"{chance(low)}..{chance(high)}"
 
 
 def answers(document: Answers) -> Table:
@@ -132,8 +112,6 @@ WIDTH = 118
 
 def text_of_table(table: Table) -> str:
     """A table as the text to write; colours and emphasis only on a terminal, and not where NO_COLOR is set."""
-    from rich.console import Console
-
     terminal = sys.stdout.isatty()
     buffer = io.StringIO()
     width = None if terminal else WIDTH
@@ -142,13 +120,19 @@ def text_of_table(table: Table) -> str:
     return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines())
 
 
-def plain_table(title: str, rows: Sequence[dict[str, Any]]) -> str:
-    """Rows of one shape as a table, numbers to the right."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
-
+def light_table(title: str, right: Iterable[str], left: Iterable[str]) -> Table:
+    """An empty table whose first columns stand to the right, as numbers do."""
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    for name in right:
+        table.add_column(name, justify="right")
+    for name in left:
+        table.add_column(name)
+    return table
+
+
+def plain_table(title: str, rows: Sequence[Mapping[str, object]]) -> str:
+    """Rows of one shape as a table, numbers to the right."""
+    table = light_table(title, (), ())
     for name, value in rows[0].items() if rows else []:
         table.add_column(name, justify="right" if isinstance(value, (int, float)) else "left")
     for row in rows:

@@ -321,8 +321,7 @@ def answers_by(document: dict[str, Any], tell: Callable[[dict[str, Any]], None])
         )
 
     partly([(0.0, 1.0)] * len(found.asked))
-    program = _meanwhile(found, partly)
-    values = program.probabilities([literal for _, literal in found.asked])
+    values = _meanwhile(found, partly).probabilities([literal for _, literal in found.asked])
     return {"answers": [[[goal, p] for goal, p in goals] for goals in grouped(request, found, values)]}
 
 

@@ -234,9 +234,9 @@ def ranked(document: dict[str, Any], tell: Callable[[Reply], None] | None = None
     request, program = prepared(document, ask_something=True)
     found = program.ground
     texts = [
-        (text, found.asked[i][1])
+        (text, found.asked[number - 1][1])
         for goals in grouped(request, found, range(1, len(found.asked) + 1))
-        for text, i in _numbered(goals)
+        for text, number in goals
     ]
     worlds = _Worlds(program, texts, _choice_names(request, program))
     rows: list[Reply] = []
@@ -248,10 +248,6 @@ def ranked(document: dict[str, Any], tell: Callable[[Reply], None] | None = None
             tell({"worlds": rows, "log_evidence": log_evidence, "partial": True})
             wait, last = wait * 1.3, time.monotonic()
     return {"worlds": rows, "log_evidence": log_evidence, "all": len(rows) < document["number"]}
-
-
-def _numbered(goals: list[tuple[str, int]]) -> list[tuple[str, int]]:
-    return [(text, number - 1) for text, number in goals]
 
 
 class _Worlds:

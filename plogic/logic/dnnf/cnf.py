@@ -15,6 +15,8 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plogic.base.walk import by_key
+from plogic.inference.graph import roots
 from plogic.logic.grounding.ground_program import TRUE, Gate, Ground
 
 if TYPE_CHECKING:
@@ -104,8 +106,7 @@ def add_modules(nnf: Nnf, modules: Modules) -> list[int]:
     for head, inputs in modules.gates.items():
         some, none = _some_none(nnf, inputs)
         yes = nnf.conjunction((nnf.literal(head), some))
-        no = nnf.conjunction((nnf.literal(-head), none))
-        nnf.stand_for(head, yes, no, whole=abs(head) not in inner)
+        nnf.stand_for(head, yes, nnf.conjunction((nnf.literal(-head), none)), whole=abs(head) not in inner)
     return [_some_none(nnf, inputs)[0] for inputs in modules.clauses]
 
 
@@ -290,18 +291,6 @@ class _Watch:
 
 def components(clauses: Sequence[Clause]) -> tuple[tuple[Clause, ...], ...]:
     """The clauses in sets that share no variable, in the order of their first clauses."""
-    parent: dict[int, int] = {}
-
-    def find(v: int) -> int:
-        while parent.setdefault(v, v) != v:
-            parent[v] = parent[parent[v]]
-            v = parent[v]
-        return v
-
-    for clause in clauses:
-        for literal in clause[1:]:
-            parent[find(abs(literal))] = find(abs(clause[0]))
-    groups: dict[int, list[Clause]] = {}
-    for clause in clauses:
-        groups.setdefault(find(abs(clause[0])), []).append(clause)
-    return tuple(tuple(group) for group in groups.values())
+    joined = [tuple(map(abs, clause)) for clause in clauses]
+    root = roots(1 + max((max(scope) for scope in joined), default=0), joined)
+    return tuple(map(tuple, by_key(zip((root[scope[0]] for scope in joined), clauses, strict=True)).values()))

@@ -12,23 +12,21 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import reduce
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import problog
 
 from plogic.base.children import Child
 from plogic.base.errors import LimitError
+from plogic.base.walk import reached
 from plogic.inference.order import members
 from plogic.logic.dnnf.cnf import Clause, Residue, add_modules
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 LITERAL, AND, OR = 0, 1, 2
 TRUE, FALSE = 0, 1
@@ -77,13 +75,13 @@ class Nnf:
         if len(kept) < 2:
             return kept[0] if kept else FALSE
         all_mentioned = reduce(or_, (self.mentions[child] for child in kept))
-        smooth = tuple(self._smoothed(child, all_mentioned & ~self.mentions[child]) for child in kept)
-        return self._add(OR, smooth, all_mentioned)
-
-    def _smoothed(self, child: int, missing: int) -> int:
-        if not missing:
-            return child
-        return self.conjunction((child, *self.frees(missing)))
+        smooth = (
+            self.conjunction((child, *self.frees(missing)))
+            if (missing := all_mentioned & ~self.mentions[child])
+            else child
+            for child in kept
+        )
+        return self._add(OR, tuple(smooth), all_mentioned)
 
     def stand_for(self, literal: int, yes: int, no: int, *, whole: bool) -> None:
         """Let ``yes`` stand for a literal and ``no`` for its negation.
@@ -121,12 +119,7 @@ class Nnf:
 
 def nodes_under(nnf: Nnf, root: int) -> set[int]:
     """A node and all nodes below it."""
-    reached, stack = {root}, [root]
-    while stack:
-        new = {child for child in nnf.children[stack.pop()] if child not in reached}
-        reached |= new
-        stack.extend(new)
-    return reached
+    return set(reached([root], nnf.children.__getitem__))
 
 
 RUNS = 2
@@ -189,17 +182,17 @@ def _dimacs(bundle: list[tuple[Clause, ...]]) -> str:
 
 def _dsharp(bundles: list[list[tuple[Clause, ...]]]) -> list[str | None]:
     """What dsharp makes of each bundle, some at the same time; None where it fails."""
+    command = [_binary(), "-Fnnf", RESULT, "-smoothNNF", "-disableAllLits", PROGRAM]
+    texts = [_dimacs(bundle).encode("ascii") for bundle in bundles]
     found: list[str | None] = []
-    for start in range(0, len(bundles), RUNS):
+    for start in range(0, len(texts), RUNS):
         with ExitStack() as stack:
-            runs = [stack.enter_context(_started(bundle)) for bundle in bundles[start : start + RUNS]]
+            runs = [
+                stack.enter_context(Child(command, told=b"", files={PROGRAM: text}, foreign=True))
+                for text in texts[start : start + RUNS]
+            ]
             found += [_finished(run) for run in runs]
     return found
-
-
-def _started(bundle: list[tuple[Clause, ...]]) -> Child:
-    command = [_binary(), "-Fnnf", RESULT, "-smoothNNF", "-disableAllLits", PROGRAM]
-    return Child(command, told=b"", files={PROGRAM: _dimacs(bundle).encode("ascii")}, foreign=True)
 
 
 def _binary() -> str:

@@ -11,15 +11,15 @@ ProbLog grounds; from here on nothing of ProbLog is needed. Vocabulary:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from problog.errors import InconsistentEvidenceError, InvalidValue, ProbLogError
 from problog.formula import LogicDAG, LogicFormula
 from problog.logic import Term
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable
+from plogic.base.walk import by_key
 
 TRUE = 0
 FALSE = None
@@ -28,6 +28,11 @@ Literal = int | None
 SLACK = 1e-10
 """An annotated disjunction whose written probabilities come this near to 1 leaves nothing out (ProbLog's own tolerance
 of rounding)."""
+
+
+def negated(literal: Literal) -> Literal:
+    """The literal that holds exactly where this one does not."""
+    return TRUE if literal is FALSE else FALSE if literal == TRUE else -literal
 
 
 class Gate(NamedTuple):
@@ -135,11 +140,10 @@ def ground_from(
     gates = {
         number[i]: Gate(n.kind, tuple(literal_of(c) for c in n.children))
         for i, n in nodes.items()
-        if isinstance(n, Gate)
+        if isinstance(n, Gate) and n.kind != "free"
     }
     choices = [(number[i], n) for i, n in nodes.items() if isinstance(n, Choice)]
     evidence = tuple(dict.fromkeys(lit for lit in (literal_of(key) for _, key in observed) if lit))
-    gates = {variable: gate for variable, gate in gates.items() if gate.kind != "free"}
     return Ground(
         len(nodes), gates, _alternatives(choices), tuple((name, literal_of(key)) for name, key in asked), evidence
     )
@@ -205,10 +209,7 @@ def _placed(name: Any, content: Any, database: Any) -> Any:  # noqa: ANN401 - Pr
 
 
 def _alternatives(choices: list[tuple[int, Choice]]) -> tuple[Alternative, ...]:
-    groups: dict[Any, list[tuple[int, Choice]]] = {}
-    for variable, choice in choices:
-        groups.setdefault(choice.group, []).append((variable, choice))
-    return tuple(_alternative(members) for members in groups.values())
+    return tuple(map(_alternative, by_key((choice.group, (variable, choice)) for variable, choice in choices).values()))
 
 
 def _alternative(members: list[tuple[int, Choice]]) -> Alternative:

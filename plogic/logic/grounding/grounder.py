@@ -10,13 +10,14 @@ acyclic, since children come first.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from problog.errors import ProbLogError
 from problog.logic import And, Constant, Not, Or, Term, Var
 
-from plogic.logic.grounding.ground_program import Choice, Gate, Literal, Node
+from plogic.logic.grounding.ground_program import Choice, Gate, Literal, Node, negated
 from plogic.logic.grounding.indexed_clauses import (
     Goal,
     Reader,
@@ -27,9 +28,6 @@ from plogic.logic.grounding.indexed_clauses import (
     Variables,
     is_ground,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterator
 
 
 @dataclass
@@ -54,8 +52,7 @@ class Formula:
         """Or of literals and constants."""
         if 0 in literals:
             return 0
-        kept = tuple(dict.fromkeys(literal for literal in literals if literal is not None))
-        return self._gate("or", kept)
+        return self._gate("or", tuple(dict.fromkeys(literal for literal in literals if literal is not None)))
 
     def _gate(self, kind: str, children: tuple[int, ...]) -> Literal:
         if len(children) < 2:
@@ -109,8 +106,7 @@ class Grounder:
             raise UnsupportedError
         variables = Variables()
         arguments = tuple(variables.number("_") if a is None else self.reader.small(a, variables) for a in goal.args)
-        signature = (self.reader.spelled(goal.functor), goal.arity)
-        answers = self.solve(signature, _canonical(arguments))
+        answers = self.solve((self.reader.spelled(goal.functor), goal.arity), _canonical(arguments))
         if not variables.count:
             return [(goal, answers[0][1] if answers else None)]
         fitting = [answer for answer in answers if _fits(arguments, answer[0], [None] * variables.count)]
@@ -200,8 +196,7 @@ class Grounder:
 
     def _denied(self, goals: tuple[Goal, ...], environment: Environment) -> Literal:
         ways = tuple(self.formula.conjunction(literals) for _, literals in self.prove(goals, environment.copy(), ()))
-        literal = self.formula.disjunction(ways)
-        return 0 if literal is None else None if literal == 0 else -literal
+        return negated(self.formula.disjunction(ways))
 
     def _tested(self, functor: str, arguments: tuple[Small, ...], environment: Environment) -> Iterator[Environment]:
         """The environment, with what the test binds, if it holds.

@@ -6,13 +6,11 @@ A small term is an atom (text), a variable (an int, its number in the clause), a
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Not, Or, Term, Var
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
 
 Small = Any
 """str | int | tuple[str | Small, ...]"""

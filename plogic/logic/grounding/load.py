@@ -7,15 +7,16 @@ engine behind the allow-list. Both give the same probabilities; ProbLog's engine
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from problog.errors import ProbLogError
 from problog.logic import Clause, Constant, Not, Term, Var
 
 from plogic.base.errors import NegativeCycleError, NonGroundError, ProgramError, UnknownPredicateError
-from plogic.logic.grounding.ground_program import Ground, Literal, NamedFormula, ground_from, ground_of
+from plogic.logic.grounding.ground_program import Ground, Literal, NamedFormula, ground_from, ground_of, negated
 from plogic.logic.grounding.grounder import Grounder
 from plogic.logic.grounding.indexed_clauses import UnsupportedError
 from plogic.logic.safety.allowlist import SPECIAL_HEADS
@@ -23,10 +24,6 @@ from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.check import Source, check_goal, check_source, heads, parse
 from plogic.logic.safety.guarded_engine import engine_for, told
 from plogic.logic.safety.mapping import mapped, shown
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 MENDED = (NonGroundError, NegativeCycleError, UnknownPredicateError)
 """Mistakes that may stand where the evidence rules a clause out."""
@@ -203,7 +200,7 @@ def _seen(grounder: Grounder, goal: Any, *, holds: bool) -> list[tuple[Any, Lite
     found = grounder.instances(goal, or_none=True)
     if holds:
         return found or [(goal, None)]
-    return [(name, None if literal == 0 else 0 if literal is None else -literal) for name, literal in found]
+    return [(name, negated(literal)) for name, literal in found]
 
 
 def by_problog(request: Request) -> Ground:

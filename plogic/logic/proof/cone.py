@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from plogic.base.walk import reached
 from plogic.logic.grounding.ground_program import SLACK, Gate, Ground, Literal
 
 if TYPE_CHECKING:
@@ -116,16 +117,13 @@ class Cone:
     leaves: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        under: set[int] = set()
-        stack = [abs(self.root)] if self.root else []
-        while stack:
-            node = stack.pop()
-            if node not in under:
-                under.add(node)
-                gate = self.ground.gates.get(node)
-                stack.extend(abs(child) for child in (gate.children if gate else ()) if child)
-        self.gates = [(v, self.ground.gates[v]) for v in sorted(under) if v in self.ground.gates]
-        self.leaves = [v for v in sorted(under) if v in self.atoms]
+        def children(node: int) -> list[int]:
+            gate = self.ground.gates.get(node)
+            return [abs(child) for child in gate.children if child] if gate else []
+
+        under = sorted(reached([abs(self.root)] if self.root else [], children))
+        self.gates = [(v, self.ground.gates[v]) for v in under if v in self.ground.gates]
+        self.leaves = [v for v in under if v in self.atoms]
 
     def values(self, allowed: Allowed) -> Values:
         """Every node's value in all worlds that the choices still allow; None where they differ, or may."""
@@ -138,10 +136,6 @@ class Cone:
         for v, gate in self.gates:
             values[v] = _gate(gate, values)
         return values
-
-    def root_value(self, allowed: Allowed) -> bool | None:
-        """The root's."""
-        return value_of(self.root, self.values(allowed))
 
     def counterexample(self, allowed: Allowed, wanted: bool) -> Allowed | None:  # noqa: FBT001 - a truth value
         """An implicant of "root = wanted" that agrees with what is allowed; None where no world does.
@@ -175,8 +169,7 @@ class Cone:
             child = next(c for c in self.ground.gates[node].children if c and value_of(c, values) is None)
             node, want = abs(child), want == (child > 0)
         choice, head = self.atoms[node]
-        may = allowed.get(choice, choice.domain)
-        with_it, without = frozenset((head,)), may - {head}
+        with_it, without = frozenset((head,)), allowed.get(choice, choice.domain) - {head}
         return (choice, with_it, without) if want else (choice, without, with_it)
 
     def _reasons(self, values: Values) -> Allowed:
@@ -186,19 +179,16 @@ class Cone:
         """
         needed: Allowed = {}
         seen: set[int] = set()
-        stack = [abs(self.root)] if self.root else []
-        while stack:
-            node = stack.pop()
-            if node in seen:
-                continue
-            seen.add(node)
+
+        def following(node: int) -> list[int]:
             gate = self.ground.gates.get(node)
-            if gate is None:
+            return [abs(child) for child in _deciding(gate, values, seen)] if gate else []
+
+        for node in reached([abs(self.root)] if self.root else [], following, seen):
+            if node not in self.ground.gates:
                 choice, head = self.atoms[node]
                 may = frozenset((head,)) if values[node] else choice.domain - {head}
                 needed[choice] = needed.get(choice, choice.domain) & may
-            else:
-                stack.extend(abs(child) for child in _deciding(gate, values, seen))
         return needed
 
     def _weakened(self, implicant: Allowed, wanted: bool) -> Allowed:  # noqa: FBT001
@@ -206,7 +196,7 @@ class Cone:
         result = dict(implicant)
         for choice in sorted(implicant, key=lambda c: c.order):
             without = {c: may for c, may in result.items() if c is not choice}
-            if self.root_value(without) == wanted:
+            if value_of(self.root, self.values(without)) == wanted:
                 result = without
         return result
 

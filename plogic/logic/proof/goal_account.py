@@ -68,8 +68,7 @@ class Search:
         heap: list[Entry] = [(0.0, 0, (), 0.0, {})]
         seen: set[frozenset[tuple[Choice, int]]] = {frozenset()}
         while heap:
-            entry = heapq.heappop(heap)
-            _, _, _, p, selection = entry
+            _, _, _, p, selection = heapq.heappop(heap)
             self.bound = math.exp(p)
             if any(smaller.items() <= selection.items() for smaller in self.found):
                 continue
@@ -98,24 +97,19 @@ class Search:
         return term
 
     def _is_minimal(self, selection: Selection) -> bool:
-        for choice in selection:
-            smaller = {c: taken for c, taken in selection.items() if c != choice}
-            if self._open_term(smaller) is None:
-                return False
-        return True
+        smaller = ({c: taken for c, taken in selection.items() if c != choice} for choice in selection)
+        return all(self._open_term(less) is not None for less in smaller)
 
     def _wider(self, selection: Selection, term: Allowed, seen: set[frozenset[tuple[Choice, int]]]) -> Iterator[Entry]:
         """The selection with each choice that contradicts the term."""
-        made: list[Selection] = []
-        for choice, allowed in sorted(term.items(), key=lambda item: item[0].order):
-            if choice in selection:
-                continue
-            for head in sorted(choice.domain - allowed):
-                wider = {**selection, choice: head}
-                key = key_of(wider)
-                if key not in seen:
-                    seen.add(key)
-                    made.append(wider)
+        wider_ones = [
+            {**selection, choice: head}
+            for choice, allowed in sorted(term.items(), key=lambda item: item[0].order)
+            if choice not in selection
+            for head in sorted(choice.domain - allowed)
+        ]
+        made = [wider for wider in wider_ones if key_of(wider) not in seen]
+        seen.update(map(key_of, made))
         for wider, p in zip(made, self.log_given(made), strict=True):
             if p == -math.inf:
                 self.pruned += 1
@@ -235,9 +229,8 @@ def account(ground: Grounding, ask: Small, goal: Small, options: Options) -> Dat
     """The reply of ``plogic.logic.served.prove``. Raises InconsistentError, LimitError, and what ProbLog raises."""
     instances = ground.ask(ask)
     asked = Asked(goal, ask, instances, ground.exists(ask))
-    steps = Steps(options.steps)
-    numbers = numbers_of(ground, [*(key for _, key in instances), asked.any], steps)
-    *chances, total = numbers.probabilities(numbers.literals)
+    numbers = numbers_of(ground, [*(key for _, key in instances), asked.any], Steps(options.steps))
+    *chances, total = numbers.compiled.probabilities(numbers.literals)
     teller = Accountant(ground, asked, numbers, options)
     (why, cut), (why_not, cut_not) = teller.why(chances), teller.search(None, wanted=False)
     reply: Data = {

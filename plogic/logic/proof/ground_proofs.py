@@ -14,6 +14,7 @@ from problog.formula import LogicFormula
 from problog.logic import Term
 
 from plogic.base.errors import ProgramError
+from plogic.base.walk import reached
 from plogic.logic.grounding.ground_program import share_of
 from plogic.logic.proof.cone import NONE_TAKEN, Choice
 from plogic.logic.proof.terms import (
@@ -71,14 +72,16 @@ class Grounding:
 
     def under(self, keys: Iterable[Key]) -> set[int]:
         """The nodes that these depend on."""
-        found: set[int] = set()
-        stack = [abs(key) for key in keys if key]
-        while stack:
-            node = stack.pop()
-            if node not in found:
-                found.add(node)
-                stack.extend(abs(child) for child in getattr(self.formula.get_node(node), "children", ()) if child)
-        return found
+        return set(
+            reached(
+                (abs(key) for key in keys if key),
+                lambda node: [abs(child) for child in self.children(node) if child],
+            )
+        )
+
+    def children(self, node: int) -> tuple[Key, ...]:
+        """The children of a gate; an atom has none."""
+        return tuple(getattr(self.formula.get_node(node), "children", ()))
 
     def ask(self, goal: Small) -> list[tuple[Small, Key]]:
         """Each instance of the goal that is true in some world, with its node; raises what ProbLog raises."""
@@ -88,8 +91,7 @@ class Grounding:
         return self.asked[known]
 
     def _ask(self, goal: Small) -> list[tuple[Small, Key]]:
-        arguments = [problog_term(a) if is_ground(a) else None for a in goal[1:]]
-        query = Term(goal[0], *arguments)
+        query = Term(goal[0], *[problog_term(a) if is_ground(a) else None for a in goal[1:]])
         _, results = self.engine._ground(self.database, query, self.formula, silent_fail=False)  # noqa: SLF001 - the engine's only door to nodes
         found: dict[Small, list[Key]] = {}
         for values, key in results:
@@ -118,11 +120,12 @@ class Grounding:
     def choice(self, node: int) -> tuple[Choice, int] | None:
         """The choice that an atom of the formula belongs to, and which of its heads it is.
 
-        None of the rest of a disjunction.
+        None of the rest of a disjunction, and of a gate.
         """
         if node not in self.choices:
             content = self.formula.get_node(node)
-            self.choices[node] = None if content.is_extra else self.choice_of(content.identifier)
+            is_choice = type(content).__name__ == "atom" and not content.is_extra
+            self.choices[node] = self.choice_of(content.identifier) if is_choice else None
         return self.choices[node]
 
     def choice_of(self, identifier: Any) -> tuple[Choice, int]:  # noqa: ANN401 - ProbLog's
@@ -172,7 +175,9 @@ def choice_literal(ground: Grounding, choice: Choice, taken: int) -> Small:
     A clause with conditions is shown with them.
     """
     rule = ground.rules.by_number[choice.rule]
-    body = _shown_body(rule, choice)
+    body = body_goal(rule)
+    if body is not None:
+        body = resolved(body, dict(zip(rule.variables, choice.values, strict=False)))
     if taken != NONE_TAKEN:
         return choice.heads[taken] if body is None or _tells(ground, rule, taken) else (":-", choice.heads[taken], body)
     if all(_tells(ground, rule, i) for i in range(len(rule.heads))):
@@ -189,11 +194,6 @@ def _tells(ground: Grounding, rule: Rule, head: int) -> bool:
         return False
     wanted = fresh(rule.heads[head])
     return sum(unify(other.heads[i], wanted, {}) for other, i in ground.rules.matching(wanted)) == 1
-
-
-def _shown_body(rule: Rule, choice: Choice) -> Small | None:
-    body = body_goal(rule)
-    return None if body is None else resolved(body, dict(zip(rule.variables, choice.values, strict=False)))
 
 
 def body_goal(rule: Rule) -> Small | None:

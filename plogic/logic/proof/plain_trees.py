@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from math import prod
 from typing import TYPE_CHECKING, Any
 
+from plogic.logic.grounding.ground_program import negated
 from plogic.logic.proof.ground_proofs import Grounding, Key, Tree, body_goal
 from plogic.logic.proof.relevant_evidence import numbers_of
 from plogic.logic.proof.terms import LETTERS, Bindings, Small, fresh, is_ground, refs, resolved, signature, text, unify
@@ -74,18 +75,14 @@ class Looking:
         found: list[Candidate] = []
         for rule, index in self.ground.rules.matching(wanted):
             bindings: Bindings = {}
-            if not unify(rule.heads[index], wanted, bindings):
-                continue
-            if not rule.literals:
-                found.append(Candidate(resolved(wanted, bindings), rule, index, []))
-                continue
-            ways = list(self._ways(rule, bindings, depth, (*above, goal)))
-            found += [Candidate(resolved(wanted, bound), rule, index, conditions) for bound, conditions in ways]
+            if unify(rule.heads[index], wanted, bindings):
+                ways = self._ways(rule, bindings, depth, (*above, goal))
+                found += [Candidate(resolved(wanted, bound), rule, index, conditions) for bound, conditions in ways]
         return found
 
     def _ways(
         self, rule: Rule, bindings: Bindings, depth: int, above: tuple[Small, ...]
-    ) -> Iterator[tuple[Bindings, list[Condition]]]:
+    ) -> list[tuple[Bindings, list[Condition]]]:
         """Ways through a body from left to right, a condition that fails leaving its variables unbound."""
         partial: list[tuple[Bindings, list[Condition]]] = [(bindings, [])]
         for literal in rule.literals:
@@ -96,7 +93,7 @@ class Looking:
             ]
             self.skipped += max(0, len(partial) - INSTANCES) if depth == 0 else 0
             partial = sorted(partial, key=lambda way: sum(_fails(c) for c in way[1]))[:INSTANCES]
-        yield from partial
+        return partial
 
     def _next(
         self, literal: Literal, bound: Bindings, done: list[Condition], depth: int, above: tuple[Small, ...]
@@ -118,7 +115,7 @@ class Looking:
         if literal.kind == "not":
             key = self.ground.exists(ask)
             below = self._below(ask, depth, above) if key is not None else []
-            return [(bound, Condition(("\\+", goal), _negated(key), is_negated=True, below=below))]
+            return [(bound, Condition(("\\+", goal), negated(key), is_negated=True, below=below))]
         found = self.ground.tested(ask)
         if found is None:
             return [(bound, Condition(goal, None, is_open=True))]
@@ -140,9 +137,7 @@ class Looking:
         return further, Condition(goal, None if is_open else key, is_open=is_open, below=below)
 
     def _below(self, goal: Small, depth: int, above: tuple[Small, ...]) -> list[Candidate]:
-        if depth >= DEEPEST or self.left <= 0 or goal in above:
-            return []
-        return self.candidates(goal, depth + 1, above)
+        return [] if depth >= DEEPEST or self.left <= 0 or goal in above else self.candidates(goal, depth + 1, above)
 
 
 def conditions(candidates: list[Candidate]) -> Iterator[Condition]:
@@ -151,10 +146,6 @@ def conditions(candidates: list[Candidate]) -> Iterator[Condition]:
         for condition in candidate.conditions:
             yield condition
             yield from conditions(condition.below)
-
-
-def _negated(key: Key) -> Key:
-    return 0 if key is None else None if key == 0 else -key
 
 
 def _fails(condition: Condition) -> bool:
@@ -202,15 +193,16 @@ def missed(ground: Grounding, goal: Small, ask: Small, steps: Steps) -> tuple[li
     candidates = [c for c in found if c.conditions or c.rule is None or not c.rule.is_certain]
     listed = list(conditions(candidates))
     numbers = numbers_of(ground, [c.key for c in listed], steps)
-    chances = {id(c): p for c, p in zip(listed, numbers.probabilities(numbers.literals), strict=True)}
+    chances = {id(c): p for c, p in zip(listed, numbers.compiled.probabilities(numbers.literals), strict=True)}
     literal = {id(c): lit for c, lit in zip(listed, numbers.literals, strict=True)}
     joint = numbers.joint([[literal[id(x)] for x in c.conditions] for c in candidates])
-    misses: list[tuple[int, float, float, int, Miss]] = []
-    for candidate, p in zip(candidates, joint, strict=True):
-        failed, product = lacking(candidate, lambda c: chances[id(c)])
-        misses.append((failed, -p, product, len(misses), Miss(candidate, failed, p, chances)))
+    lacks = [lacking(candidate, lambda c: chances[id(c)]) for candidate in candidates]
+    misses = [
+        ((failed, -p, product), Miss(candidate, failed, p, chances))
+        for candidate, p, (failed, product) in zip(candidates, joint, lacks, strict=True)
+    ]
     notes = [f"{looking.skipped} further instances of rules were not looked at"] if looking.skipped else []
-    return [miss for *_, miss in sorted(misses, key=lambda m: m[:4])], notes
+    return [miss for _, miss in sorted(misses, key=lambda m: m[0])], notes
 
 
 def miss_data(miss: Miss, names: Names | None) -> Data:
@@ -237,17 +229,12 @@ def rule_text(rule: Rule, index: int, names: Names | None) -> str:
     return f"{chance}{shown}{others}" + ("" if body is None else f" :- {text(resolved(body, letters), names)}")
 
 
-def _kind(condition: Condition, p: float) -> str:
-    if condition.is_open:
-        return "open"
-    return "fails" if p <= 0 else "holds" if p >= 1 - CERTAIN else "possible"
-
-
 def _condition(condition: Condition, chances: dict[int, float], names: Names | None) -> Data:
     p = chances[id(condition)]
-    kind = _kind(condition, p)
-    below = _below(condition, chances, names) if p < TOLD_BELOW and not condition.is_open else []
-    return _node(text(condition.goal, names), kind, below, None if condition.is_open else p)
+    if condition.is_open:
+        return _node(text(condition.goal, names), "open", [])
+    kind = "fails" if p <= 0 else "holds" if p >= 1 - CERTAIN else "possible"
+    return _node(text(condition.goal, names), kind, _below(condition, chances, names) if p < TOLD_BELOW else [], p)
 
 
 def _below(condition: Condition, chances: dict[int, float], names: Names | None) -> list[Data]:
@@ -258,15 +245,13 @@ def _below(condition: Condition, chances: dict[int, float], names: Names | None)
     if not condition.below:
         return []
     order = [(lacking(c, lambda x: chances[id(x)]), i, c) for i, c in enumerate(condition.below)]
-    nearest = min(order, key=lambda o: o[:2])[2]
-    told = [_condition(c, chances, names) for c in nearest.conditions]
+    told = [_condition(c, chances, names) for c in min(order, key=lambda o: o[:2])[2].conditions]
     return told if condition.is_negated or any(c["kind"] != "holds" for c in told) else []
 
 
 def failure_data(goal: Small, misses: list[Miss], names: Names | None) -> Data:
     """The tree of what fails: of each of the nearest misses, the conditions that cannot hold."""
-    least = misses[0].failed if misses else 0
-    near = [miss for miss in misses if miss.failed == least]
+    near = [miss for miss in misses if miss.failed == misses[0].failed]
     children = [c for miss in near for c in miss_data(miss, names)["conditions"] if c["kind"] in ("fails", "open")]
     unique = list({c["goal"]: c for c in children}.values())
     return _node(text(goal, names), "fails", [_failing(c) for c in unique])

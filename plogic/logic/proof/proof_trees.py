@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from plogic.base.walk import reached
 from plogic.logic.proof.cone import NONE_TAKEN, Choice, Selection
 from plogic.logic.proof.ground_proofs import Grounding, Key, Tree, bound_values, choice_literal, joined
 from plogic.logic.proof.terms import Bindings, Small, canonical, is_ground, resolved, unify
@@ -62,18 +63,10 @@ class Truth:
             self.possible.update((n, possible[n]) for n in nodes)
 
     def _new(self, root: int) -> list[int]:
-        found: set[int] = set()
-        stack = [root]
-        while stack:
-            node = stack.pop()
-            if node not in found and node not in self.certain:
-                found.add(node)
-                stack.extend(abs(child) for child in self.children(node) if child)
-        return sorted(found)
+        def following(node: int) -> list[int]:
+            return [abs(child) for child in self.ground.children(node) if child and abs(child) not in self.certain]
 
-    def children(self, node: int) -> tuple[Key, ...]:
-        """Of a gate; an atom has none."""
-        return tuple(getattr(self.ground.formula.get_node(node), "children", ()))
+        return sorted(reached([root], following))
 
     def _least(
         self, nodes: list[int], known: dict[int, bool], opposite: dict[int, bool], *, open_is: bool
@@ -113,22 +106,15 @@ class Truth:
         """Choices of the selection that give a node its value: one side of an OR that holds, or of an AND that does not; else all."""
         needed: dict[Choice, int] = {}
         seen: set[int] = set()
-        stack = [abs(key)] if key else []
-        while stack:
-            node = stack.pop()
-            if node in seen:
-                continue
-            seen.add(node)
-            found = self.ground.choice(node) if type(self.ground.formula.get_node(node)).__name__ == "atom" else None
+        for node in reached([abs(key)] if key else [], lambda node: self._deciding(node, seen), seen):
+            found = self.ground.choice(node)
             if found is not None and found[0] in self.selection:
                 needed[found[0]] = self.selection[found[0]]
-            stack.extend(self._deciding(node, seen))
         return sorted(needed.items(), key=lambda item: item[0].order)
 
     def _deciding(self, node: int, seen: set[int]) -> list[int]:
-        content = self.ground.formula.get_node(node)
-        decisive = type(content).__name__ == "disj"
-        children = [child for child in self.children(node) if child]
+        decisive = type(self.ground.formula.get_node(node)).__name__ == "disj"
+        children = [child for child in self.ground.children(node) if child]
         deciding = [child for child in children if self.value(child) is decisive]
         if not deciding:
             return [abs(child) for child in children]
@@ -141,19 +127,14 @@ class Truth:
 
     def open_choice(self, key: Key) -> Choice | None:
         """A choice that an open node still waits for."""
-        seen: set[int] = set()
-        stack = [abs(key)] if key and self.value(key) is None else []
-        while stack:
-            node = stack.pop()
-            if node in seen:
-                continue
-            seen.add(node)
-            if type(self.ground.formula.get_node(node)).__name__ == "atom":
-                found = self.ground.choice(node)
-                if found is not None and found[0] not in self.selection and found[0].sure is None:
-                    return found[0]
-            stack.extend(abs(child) for child in reversed(self.children(node)) if child and self.value(child) is None)
-        return None
+
+        def following(node: int) -> list[int]:
+            children = reversed(self.ground.children(node))
+            return [abs(child) for child in children if child and self.value(child) is None]
+
+        nodes = reached([abs(key)] if key and self.value(key) is None else [], following)
+        choices = (found[0] for node in nodes if (found := self.ground.choice(node)) is not None)
+        return next((c for c in choices if c not in self.selection and c.sure is None), None)
 
 
 MOST_CASES = 12
@@ -176,16 +157,12 @@ class Trees:
         """Why the instance of a goal, whose node is ``key``, holds; by cases where no single proof does."""
         if self.truth.value(key):
             found = self._atom(goal, frozenset())
-            if found is not None:
-                return found
-            return Tree(goal, "computed", self._choices(key))
+            return found if found is not None else Tree(goal, "computed", self._choices(key))
         return self._open(goal, frozenset())
 
     def against(self, goal: Small, key: Key) -> Tree:
         """Why the negation of a goal holds, ``key`` being the goal's node."""
-        if self.truth.value(key) is False:
-            return self._absent(goal, key)
-        return self._by_choices(("\\+", goal), key)
+        return self._absent(goal, key) if self.truth.value(key) is False else self._by_choices(("\\+", goal), key)
 
     def _open(self, goal: Small, above: frozenset[Small]) -> Tree:
         """Why a goal holds though no single proof of it is certain: one of several rules' instances gives it in every world."""
@@ -229,11 +206,9 @@ class Trees:
         if is_open:
             needed.append(resolved(rule.heads[index], bound))
         elif not rule.is_certain:
-            told.append(Tree(self._own_choice(rule, instance, index), "choice"))
+            choice = self.ground.made[rule.number, tuple(map(canonical, instance[1:]))]
+            told.append(Tree(choice_literal(self.ground, choice, index), "choice"))
         return Tree(joined(",", needed) if needed else ("true",), "case", tuple(told))
-
-    def _own_choice(self, rule: Rule, instance: Small, index: int) -> Small:
-        return self.choice_literal(self.ground.made[rule.number, tuple(canonical(v) for v in instance[1:])], index)
 
     def _value(self, literal: Literal, bound: Bindings) -> bool | None:
         if literal.kind == "check":
@@ -267,7 +242,11 @@ class Trees:
             deeper = Trees(self.ground, Truth(self.ground, {**self.truth.selection, choice: taken}), self.depth + 1)
             below = deeper.against(goal[1], key)
             cases.append(
-                Tree(self.choice_literal(choice, taken), "case", below.children if below.kind == "absent" else (below,))
+                Tree(
+                    choice_literal(self.ground, choice, taken),
+                    "case",
+                    below.children if below.kind == "absent" else (below,),
+                )
             )
         return Tree(goal, "cases", tuple(cases))
 
@@ -289,11 +268,12 @@ class Trees:
 
     def _certain(self, goal: Small) -> Iterator[tuple[Rule, int, Small]]:
         """The instances of rules that certainly give the goal, in the order in which they became certain."""
-        found: list[tuple[int, int, Rule, int, Small]] = []
-        for rule, index, instance, key in self._instances(goal):
-            if self.truth.value(key) and (rule.is_certain or self._taken(rule, instance) == index):
-                found.append((self.truth.order(key), len(found), rule, index, instance))
-        yield from ((rule, index, instance) for _, _, rule, index, instance in sorted(found, key=lambda f: f[:2]))
+        found = [
+            (self.truth.order(key), (rule, index, instance))
+            for rule, index, instance, key in self._instances(goal)
+            if self.truth.value(key) and (rule.is_certain or self._taken(rule, instance) == index)
+        ]
+        yield from (way for _, way in sorted(found, key=lambda f: f[0]))
 
     def _taken(self, rule: Rule, instance: Small) -> int | None:
         choice = self.ground.made.get((rule.number, tuple(canonical(v) for v in instance[1:])))
@@ -327,11 +307,9 @@ class Trees:
         if is_ground(goal):
             return self._atom(goal, above)
         certain = [
-            (self.truth.order(key), i, instance)
-            for i, (instance, key) in enumerate(self.ground.ask(goal))
-            if self.truth.value(key)
+            (self.truth.order(key), instance) for instance, key in self.ground.ask(goal) if self.truth.value(key)
         ]
-        found = (self._atom(instance, above) for _, _, instance in sorted(certain, key=lambda c: c[:2]))
+        found = (self._atom(instance, above) for _, instance in sorted(certain, key=lambda c: c[0]))
         return next((tree for tree in found if tree is not None), None)
 
     def _absent(self, goal: Small, key: Key) -> Tree:
@@ -340,8 +318,6 @@ class Trees:
         return reasons[0] if len(reasons) == 1 and reasons[0].goal == denied else Tree(denied, "absent", reasons)
 
     def _choices(self, key: Key) -> tuple[Tree, ...]:
-        return tuple(Tree(self.choice_literal(choice, taken), "choice") for choice, taken in self.truth.reasons(key))
-
-    def choice_literal(self, choice: Choice, taken: int) -> Small:
-        """A choice as a goal: the head that is taken, with the body of its clause if it has one; or that none is."""
-        return choice_literal(self.ground, choice, taken)
+        return tuple(
+            Tree(choice_literal(self.ground, choice, taken), "choice") for choice, taken in self.truth.reasons(key)
+        )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
+from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -92,7 +92,8 @@ class Mass:
         if any(not selection for selection in left):
             conditions.append(self._condition(taken, out))
             return True
-        choice = max(_counts(left).items(), key=lambda item: (item[1], item[0].order))[0]
+        counts = Counter(choice for selection in left for choice in selection)
+        choice = max(counts.items(), key=lambda item: (item[1], item[0].order))[0]
         others = [s for s in left if choice not in s]
         known = self.heads[choice]
         named = sorted({s[choice] for s in left if choice in s})
@@ -104,14 +105,6 @@ class Mass:
                 return False
         remaining = others if set(named) < choice.domain else []
         return self._parts(remaining, taken, [*out, *(known[h] for h in named if h in known)], conditions)
-
-
-def _counts(selections: list[Selection]) -> dict[Choice, int]:
-    counts: dict[Choice, int] = {}
-    for selection in selections:
-        for choice in selection:
-            counts[choice] = counts.get(choice, 0) + 1
-    return counts
 
 
 def prior(selection: Selection) -> float:
@@ -136,16 +129,10 @@ class Numbers:
         """What a literal depends on."""
         return Cone(self.ground, literal, self.atoms, steps)
 
-    def probabilities(self, literals: Sequence[Literal]) -> list[float]:
-        """P(literal | evidence) of each."""
-        return self.compiled.probabilities(literals)
-
     def joint(self, conditions: Sequence[Sequence[Literal]]) -> list[float]:
         """P(all these literals | evidence) of each conjunction."""
-        from math import exp
-
         masses = self.compiled.log_mass(conditions).tolist() if conditions else []
-        return [min(1.0, exp(m - self.mass.log_evidence)) for m in masses]
+        return [min(1.0, math.exp(m - self.mass.log_evidence)) for m in masses]
 
 
 def numbers_of(grounding: Grounding, keys: Sequence[Key], steps: Steps) -> Numbers:
@@ -182,8 +169,7 @@ def _part(grounding: Grounding, keys: Sequence[Key], evidence: Evidence) -> Grou
     formula = grounding.formula
     asked = [(Term("asked", Constant(i)), key) for i, key in enumerate(keys)]
     observed = [(name, key if sign > 0 else formula.negate(key)) for name, key, sign in evidence]
-    made = ground_from(lambda i: _node(formula, i), asked, observed)
-    return made if made is not None else _broken(formula, asked, observed)
+    return ground_from(lambda i: _node(formula, i), asked, observed) or _broken(formula, asked, observed)
 
 
 def _broken(formula: Any, asked: list[tuple[Any, Key]], observed: list[tuple[Any, Key]]) -> Ground:  # noqa: ANN401 - ProbLog's formula
@@ -211,45 +197,28 @@ def _node(formula: Any, i: int) -> Gate | Share:  # noqa: ANN401 - ProbLog's for
 
 
 def _atoms(grounding: Grounding, ground: Ground) -> dict[int, tuple[Choice, int]]:
-    pairs = [
-        (v, n)
+    return {
+        variable: grounding.choice_of(name())
         for alternative in ground.alternatives
-        for v, n in zip(alternative.variables, alternative.names, strict=True)
-    ]
-    found = ((variable, grounding.choice_of(name())) for variable, name in pairs)
-    return {variable: choice for variable, choice in found if choice is not None}
+        for variable, name in zip(alternative.variables, alternative.names, strict=True)
+    }
 
 
 def _split(grounding: Grounding, keys: Sequence[Key], evidence: Evidence) -> tuple[Evidence, Evidence]:
     """The evidence that hangs together with the keys, and the rest."""
-    left = [(observation, _choices(grounding, [observation[1]])) for observation in evidence]
+    far = [(observation, _choices(grounding, [observation[1]])) for observation in evidence]
     reached = _choices(grounding, keys)
-    near: Evidence = []
-    grown = True
-    while grown:
-        grown = False
-        rest = []
-        for observation, choices in left:
-            if choices and choices.isdisjoint(reached):
-                rest.append((observation, choices))
-            else:
-                near.append(observation)
-                grown = grown or not choices <= reached
-                reached |= choices
-        left = rest
-    order = {id(observation): i for i, observation in enumerate(evidence)}
-    near.sort(key=lambda observation: order[id(observation)])
-    return near, [observation for observation, _ in left]
+    while near := [choices for _, choices in far if not choices or not choices.isdisjoint(reached)]:
+        reached = reached.union(*near)
+        far = [(observation, choices) for observation, choices in far if choices and choices.isdisjoint(reached)]
+    left = {id(observation) for observation, _ in far}
+    return [o for o in evidence if id(o) not in left], [observation for observation, _ in far]
 
 
 def _choices(grounding: Grounding, keys: Sequence[Key]) -> set[Any]:
     """What tells the alternatives under the keys apart."""
-    found = set()
-    for node in grounding.under(keys):
-        content = grounding.formula.get_node(node)
-        if type(content).__name__ == "atom":
-            found.add(content.group if content.group is not None else node)
-    return found
+    contents = ((node, grounding.formula.get_node(node)) for node in grounding.under(keys))
+    return {node if c.group is None else c.group for node, c in contents if type(c).__name__ == "atom"}
 
 
 def _possible(grounding: Grounding, evidence: Evidence, steps: Steps) -> None:

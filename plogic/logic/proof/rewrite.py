@@ -12,8 +12,9 @@ meaning is the same. Vocabulary:
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from typing import Literal as OneOf
 
 from problog.logic import AggTerm, AnnotatedDisjunction, Clause, Term
@@ -21,9 +22,6 @@ from problog.logic import AggTerm, AnnotatedDisjunction, Clause, Term
 from plogic.logic.proof.terms import Ref, Small, is_atom, problog_term, refs, signature, small
 from plogic.logic.safety.allowlist import GOALS, LIBRARY_META, LISTS, META
 from plogic.logic.safety.check import heads, is_directive
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
 
 TRUE = ("true",)
 RULE, PART = "plogic rule", "plogic part"
@@ -170,15 +168,10 @@ class Rewriter:
 
         ``outside`` are variables that are used elsewhere too.
         """
-        goals = [goal for goal in _flat(body) if goal != TRUE]
-        result: list[Literal] = []
-        more: list[Any] = []
-        for i, goal in enumerate(goals):
-            elsewhere = outside | {v for j, other in enumerate(goals) if j != i for v in refs(other)}
-            literal, clauses = self._literal(goal, elsewhere)
-            result.append(literal)
-            more += clauses
-        return result, more
+        goals = [goal for goal in _sides(body, ",") if goal != TRUE]
+        used = [list(refs(goal)) for goal in goals]
+        found = [self._literal(goal, outside.union(*used[:i], *used[i + 1 :])) for i, goal in enumerate(goals)]
+        return [literal for literal, _ in found], [clause for _, clauses in found for clause in clauses]
 
     def _literal(self, goal: Small, elsewhere: set[Ref]) -> tuple[Literal, list[Any]]:
         name = signature(goal)
@@ -208,7 +201,7 @@ class Rewriter:
         own = set(_outward(goal))
         shared = tuple(v for v in refs(goal) if v in own or v in elsewhere)
         ask = (f"'{PART} {self.count}'", *shared)
-        sides = list(_sides(goal))
+        sides = list(_sides(goal, ";"))
         if len(sides) == 1 and not (signature(goal) == (",", 2) or signature(goal) in NEGATIONS):
             return ask, [Clause(*_terms(ask, goal))]
         clauses = []
@@ -250,18 +243,11 @@ def _terms(ask: Small, goal: Small) -> tuple[Term, Any]:
     return problog_term(ask, names), problog_term(goal, names)
 
 
-def _flat(goal: Small) -> Iterator[Small]:
-    if signature(goal) == (",", 2):
-        yield from _flat(goal[1])
-        yield from _flat(goal[2])
-    else:
-        yield goal
-
-
-def _sides(goal: Small) -> Iterator[Small]:
-    if signature(goal) == (";", 2):
-        yield from _sides(goal[1])
-        yield from _sides(goal[2])
+def _sides(goal: Small, mark: str) -> Iterator[Small]:
+    """What stands on either side of each of these marks."""
+    if signature(goal) == (mark, 2):
+        yield from _sides(goal[1], mark)
+        yield from _sides(goal[2], mark)
     else:
         yield goal
 

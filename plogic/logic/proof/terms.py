@@ -119,16 +119,12 @@ def fresh(term: Small, new: dict[Ref, Ref] | None = None) -> Small:
     return (term[0], *(fresh(argument, names) for argument in term[1:])) if isinstance(term, tuple) else term
 
 
-def canonical(term: Small) -> Small:
+def canonical(term: Small, seen: dict[Ref, Small] | None = None) -> Small:
     """The term with its variables replaced by numbered atoms: equal for terms that differ in the names of variables only."""
-    seen: dict[Ref, Small] = {}
-    return _canonical(term, seen)
-
-
-def _canonical(term: Small, seen: dict[Ref, Small]) -> Small:
+    atoms = {} if seen is None else seen
     if isinstance(term, Ref):
-        return seen.setdefault(term, (f"_{len(seen)}",))
-    return (term[0], *(_canonical(argument, seen) for argument in term[1:])) if isinstance(term, tuple) else term
+        return atoms.setdefault(term, (f"_{len(atoms)}",))
+    return (term[0], *(canonical(argument, atoms) for argument in term[1:])) if isinstance(term, tuple) else term
 
 
 INFIX = frozenset(

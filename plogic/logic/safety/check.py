@@ -7,8 +7,9 @@ call(X)``) is for the second layer (``engine``).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from problog.engine import DefaultEngine
 from problog.errors import ProbLogError
@@ -26,9 +27,6 @@ from plogic.logic.safety.allowlist import (
     META,
     SPECIAL_HEADS,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 LONGEST_TEXT = 20_000_000
 """Characters that a program may have."""
@@ -152,33 +150,25 @@ def _is_open(statement: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
 
 
 @dataclass(frozen=True)
-class _Mistake:
-    """What is wrong with a term, and what kind of error that is."""
-
-    kind: type[ProgramError]
-    reason: str
-    term: Any
-
-
-@dataclass(frozen=True)
 class _Checker:
     source: Source
     callable: frozenset[str] | None
     protected: frozenset[str]
     builtins: frozenset[str]
-    mistakes: list[_Mistake] = field(default_factory=list)
+    mistakes: list[tuple[type[ProgramError], str, Any]] = field(default_factory=list)
+    """Of each what kind of error it is, what is wrong, and with which term."""
 
     def note(self, kind: type[ProgramError], term: Any, reason: str) -> None:  # noqa: ANN401 - a term of ProbLog's
-        self.mistakes.append(_Mistake(kind, reason, term))
+        self.mistakes.append((kind, reason, term))
 
     def tell(self) -> None:
         """Raise all mistakes as one error: the first refusal leads, the others follow with their places."""
-        if not self.mistakes:
-            return
-        first = next((mistake for mistake in self.mistakes if mistake.kind is UnsafeProgramError), self.mistakes[0])
-        rest = [mistake for mistake in self.mistakes if mistake is not first]
-        more = list(dict.fromkeys(with_place(mistake.reason, self.source.place(mistake.term)) for mistake in rest))
-        raise first.kind(together(first.reason, more), **self.source.place(first.term))
+        if self.mistakes:
+            first = next((mistake for mistake in self.mistakes if mistake[0] is UnsafeProgramError), self.mistakes[0])
+            rest = [mistake for mistake in self.mistakes if mistake is not first]
+            more = dict.fromkeys(with_place(reason, self.source.place(term)) for _, reason, term in rest)
+            kind, reason, term = first
+            raise kind(together(reason, list(more)), **self.source.place(term))
 
     def statement(self, statement: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
         if is_directive(statement):
@@ -242,7 +232,8 @@ class _Checker:
             return True
         if name.functor != "library" or name.arity != 1:
             return False
-        return isinstance(name.args[0], Var) or _is_pure(name.args[0])
+        library = name.args[0]
+        return isinstance(library, Var) or str(library).strip("'") in LIBRARIES | LIBRARY_FILES
 
 
 REASON = "it is not on the list of predicates that cannot reach files or code"
@@ -264,11 +255,6 @@ def together(first: str, more: list[str]) -> str:
 def with_place(reason: str, place: dict[str, Any]) -> str:
     """``file:line:column: reason``."""
     return ":".join(str(place[key]) for key in ("file", "line", "column") if key in place) + f": {reason}"
-
-
-def _is_pure(name: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
-    text = str(name).strip("'")
-    return text in LIBRARIES or text in LIBRARY_FILES
 
 
 def _builtins() -> frozenset[str]:

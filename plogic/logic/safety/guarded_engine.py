@@ -14,8 +14,9 @@ to its head is the cycle.
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 import problog
 from problog.clausedb import ClauseDB
@@ -37,9 +38,6 @@ from plogic.base.errors import (
 )
 from plogic.logic.safety.allowlist import EVALUATORS, GOALS, LIBRARY_FILES, LIBRARY_META, LISTS, LOADERS, LOUD, META
 from plogic.logic.safety.check import Source, heads, is_directive, parse, together, with_place
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
 
 FOLDER = problog.root_path("problog", "library")
 """ProbLog's own library; nothing outside it is ever opened."""
@@ -224,8 +222,7 @@ def _edges(sources: Iterable[Source]) -> Iterator[Edge]:
         for statement in source.statements:
             if isinstance(statement, (Clause, AnnotatedDisjunction)) and not is_directive(statement):
                 for goal, under, written in _goals(statement.body, frozenset(), None):
-                    place = source.place(goal)
-                    line = (source.file, place.get("line"))
+                    line = (source.file, source.place(goal).get("line"))
                     at = source.file if line[1] is None else f"{source.file}:{line[1]}"
                     for head in heads(statement):
                         yield Edge(

@@ -36,9 +36,7 @@ def _compound(term: Any, names: Names) -> Any:  # noqa: ANN401
         arguments[2] = _case(arguments[2])
     result = term.with_args(*arguments)
     spelling = SPELLINGS.get((_plain(term), term.arity))
-    if spelling is None:
-        return result
-    return Term(spelling, *arguments, p=term.probability, location=term.location)
+    return result if spelling is None else Term(spelling, *arguments, p=term.probability, location=term.location)
 
 
 def _case(term: Any) -> Any:  # noqa: ANN401
@@ -61,9 +59,7 @@ def _node(term: Any, names: Names) -> Any | None:  # noqa: ANN401
     if term.signature != "//2":
         return None
     left, right = _flat(term.args[0]), _flat(term.args[1])
-    if left is None or right is None:
-        return None
-    return _path(f"{left}/{right}", names)
+    return None if left is None or right is None else _path(f"{left}/{right}", names)
 
 
 def _path(label: str, names: Names) -> Any | None:  # noqa: ANN401

@@ -6,13 +6,11 @@ Vocabulary: ``Predicate("wet", 0, "wet", "", ("wet :- rain.",))``; ``Outline((Pr
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plogic.logic.safety.atoms import Names, quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Not, Or, Term, Var
 from problog.parser import PrologParser
@@ -11,9 +12,6 @@ from problog.program import ExtendedPrologFactory
 from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.check import Source, check_source, heads, parse
 from plogic.logic.safety.mapping import mapped
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 def outline(request: dict[str, Any]) -> dict[str, Any]:
@@ -30,7 +28,7 @@ def outline(request: dict[str, Any]) -> dict[str, Any]:
         written = (
             _written(source)
             if request["labels"] is None
-            else [_labelled(s, request["labels"]) for s in source.statements]
+            else [f"{mapped(s, Names(request['labels'], {}))}." for s in source.statements]
         )
         for statement, text in zip(source.statements, written, strict=True):
             for name, arity in dict.fromkeys((str(head.functor), head.arity) for head in heads(statement)):
@@ -49,19 +47,11 @@ def _written(source: Source) -> list[str]:
     return [source.text[tokens[0].location : tokens[-1].location + len(tokens[-1].string)] + "." for tokens in found]
 
 
-def _labelled(statement: Any, labels: dict[str, str]) -> str:  # noqa: ANN401 - a statement of ProbLog's
-    """The statement as ProbLog writes it, with labels for atoms."""
-    return f"{mapped(statement, Names(labels, {}))}."
-
-
 def _constants(term: Any, depth: int = 0) -> Iterator[str]:  # noqa: ANN401 - a term of ProbLog's
     """The atoms in argument places, below the predicates of heads and bodies."""
     if isinstance(term, (Var, Constant)) or not isinstance(term, Term):
         return
-    if isinstance(term, AnnotatedDisjunction):
-        inner: list[Any] = [*term.heads, term.body]
-    else:
-        inner = list(term.args)
+    inner = [*term.heads, term.body] if isinstance(term, AnnotatedDisjunction) else term.args
     connective = isinstance(term, (And, Or, Not, Clause, AnnotatedDisjunction))
     if depth and not connective and not term.arity and str(term.functor) not in ("[]", "true"):
         yield str(term.functor)

@@ -5,11 +5,11 @@ Where a goal names a predicate or a constant that the program does not know, the
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from problog.errors import ProbLogError
-from problog.logic import Term
 
 from plogic.base.errors import UnknownPredicateError
 from plogic.logic.answers.answer import answers_to
@@ -22,16 +22,12 @@ from plogic.logic.proof.terms import Ref, Small, is_atom, signature, small, text
 from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.guarded_engine import engine_for, told
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-
 MOST_LISTED = 8
 
 
 def unknown_predicate(goal: Any, defined: set[tuple[str, int]]) -> str:  # noqa: ANN401 - a term of ProbLog's
     """``; present/1 is known``, or the closest names."""
-    wanted = next((s for s in _called(goal) if s not in defined), None)
+    wanted = next((s for s in map(signature, _atoms(small(goal, {}))) if s not in defined), None)
     if wanted is None:
         return ""
     arities = sorted(arity for name, arity in defined if name == wanted[0])
@@ -41,16 +37,6 @@ def unknown_predicate(goal: Any, defined: set[tuple[str, int]]) -> str:  # noqa:
     close = get_close_matches(wanted[0], public, n=3, cutoff=0.6)
     names = [f"{name}/{arity}" for name in close for known, arity in sorted(defined) if known == name]
     return f"; the closest that is known: {', '.join(names)}" if names else ""
-
-
-def _called(goal: Any) -> Iterator[tuple[str, int]]:  # noqa: ANN401 - a term of ProbLog's
-    if not isinstance(goal, Term):
-        return
-    if goal.signature in (",/2", ";/2", "\\+/1", "not/1"):
-        for argument in goal.args:
-            yield from _called(argument)
-    else:
-        yield str(goal.functor).strip("'"), goal.arity
 
 
 def unknown_names(goal: Small, rules: Rules, names: Names | None) -> list[str]:

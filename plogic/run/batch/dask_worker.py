@@ -15,8 +15,7 @@ from typing import Any
 from geometry.errors import PlogicError
 from plogic.base.errors import InputError
 from plogic.run.batch.frames import Frame, Settings
-from plogic.run.batch.pool import Pool
-from plogic.run.batch.worker_process import Job
+from plogic.run.batch.pool import Job, Pool
 
 IDLE = 60.0
 """Seconds for which a process is kept that has nothing to do."""

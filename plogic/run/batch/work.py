@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from geometry.errors import PlogicError
-from geometry.files.plain_files import fault_of
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
-from plogic.base.remembered import cache_folder
 from plogic.cycle.delta import Options
 from plogic.run.batch.frame_lines import Lines
-from plogic.run.batch.frames import camera_of, digest_of, scene_and_image, scene_at
-from plogic.run.perceive import Perceiver
+from plogic.run.batch.frames import camera_of, checked, digest_of, scene_and_image, scene_at
+from plogic.run.perceive import perceiver_of
 from plogic.run.sources import detected, gamma_of, image_of, kb_of
 
 if TYPE_CHECKING:
@@ -36,7 +33,7 @@ class Worker:
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
-        self.perceiver = Perceiver(kb_of(settings.kb), cache_folder("indices"))
+        self.perceiver = perceiver_of(kb_of(settings.kb), processes=1)
         self.lines = Lines(settings, {"name": self.perceiver.kb.name, "digest": self.perceiver.kb.digest})
 
     def __call__(self, frame: Frame) -> tuple[str, bytes]:
@@ -77,9 +74,7 @@ class Worker:
             return detected(shot.image, shot.camera, kb, clock), shot.image
         camera = camera_of(frame, self.settings.camera) if frame.kind == "image" else None
         for path in (frame.input, *([camera] if camera is not None else [])):
-            fault = fault_of(Path(path))  # a pipe would never end
-            if fault is not None:
-                raise InputError(f"{path}: {fault}")
+            checked(path)
         return gamma_of(
             frame.input, image_of(frame.input, camera) if frame.kind == "image" else None, camera, kb, clock
         )

@@ -26,11 +26,12 @@ import numpy as np
 
 from geometry.frames import inverse, rotate, transform_points
 from geometry.visibility.rays import RayMesh
+from kb.surfaces.symmetries import CONTINUOUS, symmetry_entries
 from plogic.base.errors import InputError
 from plogic.run.bop.json_files import MM
-from plogic.run.bop.matching import VISIBLE
+from plogic.run.bop.recalls import VISIBLE
 from sensing.files.whole_files import new_folder
-from sensing.simulated.scene import json_bytes, png
+from sensing.simulated.scene import Scene, json_bytes, png
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -41,7 +42,6 @@ if TYPE_CHECKING:
     from geometry.camera import Camera
     from sensing.simulated.body import TexturedMesh
     from sensing.simulated.camera import Rendering
-    from sensing.simulated.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +106,6 @@ def diameter(points: NDArray[np.float64]) -> float:
 
 def _symmetries(group: NDArray[np.float64]) -> dict[str, Any]:
     """One axis where the group is the KB's stand-in for all turns about it; else every motion but the identity."""
-    from kb.surfaces.symmetries import CONTINUOUS, symmetry_entries
-
     entries = symmetry_entries(group)
     if len(entries) == 1 and entries[0].get("fold") == CONTINUOUS:
         return {"symmetries_continuous": [{"axis": entries[0]["axis"], "offset": [0.0, 0.0, 0.0]}]}

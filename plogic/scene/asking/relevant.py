@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from plogic.facts.gravity import linked
+from plogic.facts.spatial import linked
 from plogic.facts.vocabulary import VOCABULARY
 from plogic.logic.safety.author import load_problog
 

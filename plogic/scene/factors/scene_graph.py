@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plogic.base.bounds import bounded
-from plogic.facts.gravity import GROUND
+from plogic.facts.spatial import GROUND
 from plogic.scene.factors.alternatives import Alternative, Cast, cast_of
 from plogic.scene.factors.posterior_factors import add_posterior
 from plogic.scene.factors.score_factors import add_score
@@ -22,8 +22,8 @@ from plogic.scene.factors.weight_tables import Tables
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from plogic.facts.gravity import Foot, Gravity
     from plogic.facts.situation import Situation
+    from plogic.facts.spatial import Foot, Gravity
     from plogic.inference.graph import FactorGraph
     from plogic.scene.factors.alternatives import Literal
     from plogic.scene.factors.posterior_factors import Cause

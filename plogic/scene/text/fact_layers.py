@@ -14,17 +14,16 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 from plogic.base.bounds import bounded
-from plogic.facts.gravity import GROUND
 from plogic.facts.situation import both_ways
-from plogic.facts.spatial import BodyFact, words_of_shared
+from plogic.facts.spatial import GROUND, BodyFact, words_of_shared
 from plogic.scene.text.layout import coordinate, number, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plogic.facts.gravity import Gravity
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.facts.situation import PairFact
+    from plogic.facts.spatial import Gravity
     from plogic.scene.text.layout import Writer
 
 

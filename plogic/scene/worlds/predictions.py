@@ -27,7 +27,7 @@ from plogic.facts.dependence import Scene
 from plogic.scene.readings.score_reading import cells, p_ev
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from plogic.facts.document import DoubtRow
     from plogic.facts.situation import PairFact, Situation
@@ -61,8 +61,12 @@ class Doubt(NamedTuple):
 def doubts(situation: Situation) -> tuple[Doubt, ...]:
     """Every prediction of §3.8 that fails, in the order of the relations."""
     scene = Scene(situation)
+    alone = {h.id: _ev(scene, h.id) for h in situation.hypotheses}
     return tuple(
-        doubt for fact in situation.relations if not scene.rival(fact.x, fact.y) for doubt in _of_pair(scene, fact)
+        doubt
+        for fact in situation.relations
+        if not scene.rival(fact.x, fact.y)
+        for doubt in _of_pair(scene, fact, alone)
     )
 
 
@@ -71,21 +75,22 @@ def said(doubt: Doubt) -> str:
     return f"a reason to doubt {doubt.relation}({', '.join(doubt.args)}): expected {doubt.expected}, found {doubt.found}: {doubt.why}"
 
 
-def _of_pair(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
+def _of_pair(scene: Scene, fact: PairFact, alone: Mapping[str, float]) -> Iterator[Doubt]:
     """What fails of what the relation of (x, y) says; what is its own converse is said of (y, x) by another fact."""
     if fact.relation == "non_occludes":
-        yield from _unchanged(scene, fact, fact.y, fact.x)
+        yield from _unchanged(scene, fact, (fact.y, fact.x), alone[fact.y])
         return
     if fact.relation in ("partially_occludes", "totally_occludes"):
-        yield from _unchanged(scene, fact, fact.x, fact.y)
+        yield from _unchanged(scene, fact, (fact.x, fact.y), alone[fact.x])
     if fact.relation == "totally_occludes":
         yield from _without_evidence(scene, fact)
     else:
-        yield from _not_lower(scene, fact)
+        yield from _not_lower(scene, fact, alone[fact.y])
 
 
-def _unchanged(scene: Scene, fact: PairFact, subject: str, other: str) -> Iterator[Doubt]:
-    alone, beside = _ev(scene, subject), _ev(scene, subject, other)
+def _unchanged(scene: Scene, fact: PairFact, pair: tuple[str, str], alone: float) -> Iterator[Doubt]:
+    subject, other = pair
+    beside = _ev(scene, subject, other) if _bears_on(scene, subject, other) else alone
     if not _same(alone, beside):
         hidden = _named(_hidden(scene, subject, other))
         why = f"{other} is nowhere in front of {subject}, and yet the line of sight to {hidden} meets it first"
@@ -98,10 +103,10 @@ def _unchanged(scene: Scene, fact: PairFact, subject: str, other: str) -> Iterat
         )
 
 
-def _not_lower(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
+def _not_lower(scene: Scene, fact: PairFact, alone: float) -> Iterator[Doubt]:
     h = scene.by_id[fact.y]
     hidden = set(_hidden(scene, fact.y, fact.x))
-    alone, beside = _ev(scene, fact.y), _ev(scene, fact.y, fact.x)
+    beside = _ev(scene, fact.y, fact.x) if _bears_on(scene, fact.y, fact.x) else alone
     detected = any(f.id in hidden and f.match is not None for f in h.features)
     if not detected and alone - beside > SAME:
         expected, why = (
@@ -125,6 +130,15 @@ def _without_evidence(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
         yield Doubt(
             fact.relation, (fact.x, fact.y), f"no feature of {fact.y} expected or detected given {fact.x}", what, why
         )
+
+
+def _bears_on(scene: Scene, name: str, other: str) -> bool:
+    """Whether the presence of ``other`` may change a cell of ``name``: it hides a feature, or claims its appearance."""
+    h, robbed = scene.by_id[name], scene.situation.reconsider == "reassign"
+    return any(
+        other in scene.hiders(h, f) or (robbed and any(g.id == other for g, _ in scene.robbers(h, f)))
+        for f in h.features
+    )
 
 
 def _ev(scene: Scene, name: str, *others: str) -> float:

@@ -43,7 +43,7 @@ def asked(peer, kb, gamma, seconds):
 @pytest.mark.parametrize("peer", ASKED)
 @pytest.mark.parametrize("seed", [1, 2])
 def test_each_finds_an_easy_object_among_three_types(kb, peer, seed):
-    """Of easy poses: from others, as from that of seed 0, no random start of SoftPOSIT comes out of the local minima."""
+    """Of easy poses: from others, as from that of seed 0, no random start of SoftPOSIT leaves the local minima."""
     posed = trial(kb.types[seed], kb, EXACT, np.random.default_rng(seed), 80)
     answer = asked(peer, kb, posed.gamma, 1.5)
     assert answer is not None

@@ -1,4 +1,4 @@
-"""``plogic bench worlds``: all sides agree, the claims are computed from what was measured, and times are not judged."""
+"""``plogic bench worlds``: all sides agree, claims are computed from measurements, and times are not judged."""
 
 import json
 from dataclasses import replace

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from kb.files.folder import load
 from plogic.base.errors import InputError
-from plogic.face.authoring.kb_learn_lines import with_entry
+from plogic.face.authoring.kb_types import with_entry
 
 FILE = Path("object.yaml")
 KEYS = ("object", "mesh", "cloud", "opaque")

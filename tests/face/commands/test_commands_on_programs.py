@@ -7,9 +7,8 @@ import json
 import pytest
 
 from plogic.base.errors import InconsistentError, UnsafeProgramError
-from plogic.face.commands.asked import Asked
-from plogic.face.commands.query_command import query_command
-from plogic.face.commands.worlds_command import worlds_command
+from plogic.face.commands.asking import query_command, worlds_command
+from plogic.face.shown.options import Asking
 
 PROGRAM = """0.1::burglary. 0.2::earthquake.
 0.7::alarm :- burglary.
@@ -18,7 +17,7 @@ PROGRAM = """0.1::burglary. 0.2::earthquake.
 evidence(calls(mary)).
 query(burglary). query(earthquake).
 """
-ASKED = Asked()
+ASKED = Asking()
 
 
 @pytest.fixture
@@ -29,7 +28,7 @@ def program(tmp_path):
 
 
 def worlds(source, number=10, given=(), **options):
-    text, status = worlds_command(source, number, given, Asked(**options), as_json=True)
+    text, status = worlds_command(source, number, given, Asking(**options), as_json=True)
     return json.loads(text), status
 
 
@@ -72,16 +71,16 @@ def test_the_table_says_what_is_not_listed(program):
 def test_a_deadline_that_is_over_is_said(program):
     found, status = worlds(program, deadline=1e-6)
     assert (found["worlds"], found["unlisted_mass"], status, found["deadline"]) == ([], [1.0, 1.0], 3, "reached")
-    text, status = query_command(program, "burglary", (), Asked(deadline=1e-6), as_json=True)
+    text, status = query_command(program, "burglary", (), Asking(deadline=1e-6), as_json=True)
     assert status == 3
     assert json.loads(text)["answers"] == [{"goal": "burglary", "probability": 0.5, "interval": [0.0, 1.0]}]
-    shown, _ = query_command(program, None, (), Asked(deadline=1e-6), as_json=False)
+    shown, _ = query_command(program, None, (), Asking(deadline=1e-6), as_json=False)
     assert "The deadline was reached" in shown
 
 
 def test_a_deadline_that_suffices_changes_nothing(program):
     exact = query_command(program, None, (), ASKED, as_json=True)
-    assert query_command(program, None, (), Asked(deadline=60.0), as_json=True) == exact
+    assert query_command(program, None, (), Asking(deadline=60.0), as_json=True) == exact
     assert worlds(program, deadline=60.0) == worlds(program)
 
 
@@ -91,5 +90,5 @@ def test_trust_is_handed_down(tmp_path):
     path.write_text(":- consult('more.pl').\nquery(b).\n")
     with pytest.raises(UnsafeProgramError):
         query_command(str(path), None, (), ASKED, as_json=True)
-    text, _ = query_command(str(path), None, (), Asked(trust=True), as_json=True)
+    text, _ = query_command(str(path), None, (), Asking(trust=True), as_json=True)
     assert [(a["goal"], a["probability"]) for a in json.loads(text)["answers"]] == [("b", 0.25)]

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 import plogic.run.perceive
-from plogic.face.commands import perceive_command as perceive
+from plogic.face.commands.perceive import perceive_command
+from plogic.face.shown.options import Perceiving
 from plogic.run import sources
 from plogic.run.batch import work
 from plogic.run.batch.frames import Frame, Settings
@@ -44,8 +45,7 @@ def left(monkeypatch):
         time.sleep(SLOW)
         return Gamma(camera, ())
 
-    for module in (plogic.run.perceive, work):
-        monkeypatch.setattr(module, "Perceiver", Slow)
+    monkeypatch.setattr(plogic.run.perceive, "Perceiver", Slow)
     monkeypatch.setattr(sources, "detected", detected)
     return seconds
 
@@ -58,11 +58,8 @@ def picture(tmp_path):
 
 
 def test_of_perceive(left, picture):
-    options = {"reading": "score", "reconsider": "to_B", "smoothing": 0.0, "generator": "index"}
-    options |= {"deadline": DEADLINE, "camera": str(picture.parent / "camera.json")}
-    assert (
-        perceive.perceive_command(str(picture), "towers", "-", options, say=lambda _: None, write=lambda _: None) == 0
-    )
+    options = Perceiving("towers", deadline=DEADLINE, camera=str(picture.parent / "camera.json"))
+    assert perceive_command([str(picture)], options, say=lambda _: None, write=lambda _: None) == 0
     assert left == [pytest.approx(DEADLINE, abs=SLOW / 2)]
 
 

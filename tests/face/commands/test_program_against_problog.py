@@ -51,7 +51,7 @@ def folder(demo, tmp_path_factory):
 
 @dataclass(frozen=True)
 class Case:
-    """A reading of a file: what ``query`` and ``worlds`` told, and what stock problog made of the program beside them."""
+    """A reading of a file: the answers of ``query`` and ``worlds``, and those of stock problog for the program."""
 
     query: dict[str, float]
     ids: list[str]

@@ -9,7 +9,7 @@ import pytest
 from page_checks import COLOURS, COUNT, DATA, complaints, contrast, shown_as
 from towers_document import document
 
-from plogic.face.pages.report import page
+from plogic.face.pages.one_file import page
 
 HOSTILE = "</script><img src=x onerror=document.title='pwned'>"
 CENTRE = """const c = document.querySelector('#stage canvas'); c.scrollIntoView({block: 'center'});

@@ -9,9 +9,7 @@ import math
 import pytest
 from page_checks import check_harmless, check_policy, data_text, element
 
-from plogic.face.pages.one_file import embedded
-from plogic.face.pages.page_errors import PageError
-from plogic.face.pages.report import page
+from plogic.face.pages.one_file import PageError, embedded, page
 from plogic.face.shown.overlay import PALETTE
 
 HOSTILE = "</script><img src=x onerror=alert(1)><!--"

@@ -11,7 +11,7 @@ from made_types import HOSTILE, bare, hostile
 from page_checks import COLOURS, COUNT, DATA, complaints, contrast, shown_as
 
 from kb.clouds.lobes import feature_in_lobe, in_lobe
-from plogic.face.pages.type_page import type_page
+from plogic.face.pages.type_content import type_page
 
 BOX = """const c = document.querySelector('#stage canvas'); c.scrollIntoView({block: 'center'});
 const r = c.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]"""

@@ -12,8 +12,7 @@ from page_checks import COLOURS, COUNT, complaints, shown_as
 from random_cloud import random_cloud
 
 from kb.files.read import read_kb
-from plogic.face.pages.type_content import type_document
-from plogic.face.pages.type_page import type_page
+from plogic.face.pages.type_content import type_document, type_page
 
 SIDES = 30
 TEXT = "return document.querySelector(arguments[0]).innerText"

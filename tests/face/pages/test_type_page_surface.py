@@ -8,8 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from plogic.face.pages.packed import floats, shorts
-from plogic.face.pages.type_surface import LARGEST_PICTURE, MOST_TRIANGLES, Drawn, _picture, coarser
+from plogic.face.pages.type_content import LARGEST_PICTURE, MOST_TRIANGLES, Drawn, _picture, coarser, floats, shorts
 
 
 def tube(n, *, painted):

@@ -16,9 +16,15 @@ from page_checks import check_harmless, check_policy, data_text, element
 from random_cloud import random_cloud
 
 from kb.files.read import read_kb
-from plogic.face.pages.type_content import MOST_FEATURES, MOST_LOBES, chosen, type_document
-from plogic.face.pages.type_page import type_page
-from plogic.face.pages.type_surface import LARGEST_PICTURE, MOST_TRIANGLES
+from plogic.face.pages.type_content import (
+    LARGEST_PICTURE,
+    MOST_FEATURES,
+    MOST_LOBES,
+    MOST_TRIANGLES,
+    chosen,
+    type_document,
+    type_page,
+)
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 
 SMALL = 3_000_000
@@ -124,7 +130,7 @@ def test_a_feature_with_more_lobes_than_can_be_drawn_ends():
 
 
 def test_the_limits_together_stay_small():
-    """Bytes of a corner (place, texture coordinate), a triangle, a lobe and a feature, as base64, and 300 kB for code and names."""
+    """Bytes of a corner (place, texture coordinate), triangle, lobe and feature, as base64, and 300 kB for the rest."""
     arrays = (
         MOST_TRIANGLES * (20 + 6) + MOST_LOBES * (2 * 2 + 7 * 4) + MOST_FEATURES * (2 * 2 + 4 * 4) + LARGEST_PICTURE
     )

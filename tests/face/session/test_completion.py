@@ -7,7 +7,7 @@ from prompt_toolkit.completion import CompleteEvent
 from prompt_toolkit.document import Document
 from situations import towers
 
-from plogic.face.session.completion import GoalCompleter
+from plogic.face.session.prompt import GoalCompleter
 from plogic.face.session.session import Session
 from plogic.logic.served.engine import Text
 

@@ -9,6 +9,7 @@ import pytest
 from situations import towers
 
 from plogic.base.errors import InconsistentError, InputError, LimitError, ProgramError
+from plogic.face.python.sessions import Session as Opened
 from plogic.face.session.session import Session
 from plogic.logic.served.engine import Limits, Text
 from plogic.scene.asking.query import answers
@@ -155,7 +156,7 @@ def test_the_worlds_of_a_program_sum_to_one_and_follow_what_is_observed(session)
 
 
 def test_without_a_goal_as_query(rain):
-    with Session.open(rain) as session:
+    with Opened.open(rain) as session:
         assert list(probabilities(session.ask())) == [a.goal for a in answers(Text(rain.read_text()))]
         session.observe("rain")
         assert set(now(session.predict()).values()) == {1.0}

@@ -12,7 +12,7 @@ import pytest
 from page_checks import COUNT, complaints, shown_as
 from towers_scene import HEIGHT, WIDTH
 
-from plogic.face.pages.report import page
+from plogic.face.pages.one_file import page
 from plogic.face.shown.overlay import PALETTE, bgr, crowded, overlay
 
 INK = """const c = document.querySelector('.dots'); const p = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
@@ -32,7 +32,7 @@ PRESS = "const c = document.querySelector('.dots'); c.dispatchEvent(new Keyboard
 
 @pytest.fixture(scope="module")
 def photo(towers):
-    """The towers among 3,000 keypoints of noise, each accepted type with a thousand features more, and one rejected hypothesis."""
+    """The towers among 3,000 keypoints of noise, each type with a thousand features more, one hypothesis rejected."""
     rng = np.random.default_rng(4)
     document = copy.deepcopy(towers)
     uv = rng.uniform(0, 1, (3000, 2)) * [WIDTH, HEIGHT]

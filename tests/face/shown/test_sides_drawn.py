@@ -13,7 +13,7 @@ import pytest
 from page_checks import COUNT, complaints, shown_as
 from towers_scene import HEIGHT
 
-from plogic.face.pages.report import page
+from plogic.face.pages.one_file import page
 from plogic.face.shown.overlay import PALETTE, bgr, overlay, sides_of
 from plogic.face.shown.pencil import Pencil
 

@@ -8,6 +8,7 @@ import pytest
 from rich.console import Console
 
 from plogic.face.shown import tables
+from plogic.face.shown.figures import chance
 
 
 def printed(table):
@@ -51,7 +52,7 @@ def test_answers_print_intervals_and_take_no_markup():
     ("p", "text"), [(None, "–"), (0.0, "0.000"), (1.0, "1.000"), (1e-9, "<0.001"), (0.99999, ">0.999"), (0.5, "0.500")]
 )
 def test_what_is_almost_certain_does_not_read_as_certain(p, text):
-    assert tables.chance(p) == text
+    assert chance(p) == text
 
 
 def test_an_empty_interpretation_has_tables():

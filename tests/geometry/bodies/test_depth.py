@@ -1,4 +1,4 @@
-"""Penetration depth (A4): by hand for boxes, by its own definition for all, its laws, and bounds for what cannot be cut into convex parts."""
+"""Penetration depth (A4): by hand for boxes, by its definition for all, its laws, and bounds for the rest."""
 
 import numpy as np
 import pytest

@@ -14,7 +14,7 @@ PIXEL = 1 / 600
 
 
 def scene(seed, points=50, missed=0.2, clutter=0.5, types=1, noise=0.0):
-    """Model, image points in any order (`clutter` of them strangers), the pose, equal types (N, M), the true matches, the generator."""
+    """Model, image points in any order (`clutter` strangers), pose, equal types (N, M), true matches, generator."""
     rng = np.random.default_rng(seed)
     model, z = rng.uniform(-0.5, 0.5, (points, 3)), rng.uniform(4, 9)
     pose = from_rotation_translation(random_rotations(rng, 1)[0], [*(rng.uniform(-0.2, 0.2, 2) * z), z])

@@ -24,7 +24,7 @@ def ideal(camera, poses, objects):
 
 
 def scene(seed, ways, *, camera=CAMERA, noise=0.0, start=0.03):
-    """Guesses, points, pixels, weights, unit vectors across lines of angles ``ways``, and the true poses, of 3 objects."""
+    """Guesses, points, pixels, weights, unit vectors across lines of angles ``ways``, and true poses, of 3 objects."""
     rng = np.random.default_rng(seed)
     objects = rng.uniform(-0.6, 0.6, (3, COUNT, 3))
     poses = from_rotation_translation(

@@ -22,7 +22,7 @@ def dense(values, pairs):
 
 
 def plainly(matrix, slack, rounds):
-    """The paper's loop: the bordered matrix, its rows and then its columns divided by their sums, the slack ones left out."""
+    """The paper's loop: the bordered matrix, its rows and then its columns divided by their sums, slack excepted."""
     m = np.full((matrix.shape[0] + 1, matrix.shape[1] + 1), slack)
     m[:-1, :-1] = matrix
     for _ in range(rounds):

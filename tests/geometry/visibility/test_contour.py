@@ -118,7 +118,7 @@ def test_a_slit_of_rounding_inside_parts_nothing():
 
 
 def test_whether_a_face_is_covered_is_asked_off_all_lines():
-    """As a slit lay across the middle of a clamp's image, which then was taken for uncovered (pair 943 of clamps, `plogic bench occlusion`)."""
+    """As a slit lay across a clamp's image, then taken for uncovered (pair 943 of clamps, `plogic bench occlusion`)."""
     faces, slit = np.array([shapely.box(0, 0, 4, 4), shapely.box(4, 0, 6, 4)]), shapely.LineString([(2, 1), (2, 3)])
     assert shapely.distance(shapely.point_on_surface(faces[0]), slit) == 0.0
     points = _inside(faces, slit)

@@ -124,7 +124,7 @@ def raster_relation(x, y):
 
 
 def test_total_by_outlines_is_total_by_points(random_pairs):
-    """The law of §3.5: what is covered and behind everywhere has no self-visible point that is not Behind the one in front."""
+    """The law of §3.5: a covered object behind everywhere has no self-visible point that is not Behind the other."""
     checked = 0
     for x, y in random_pairs:
         if coarse(occlusion(x, y, CAMERA)) == "totally_occludes" and discrete(x, y):

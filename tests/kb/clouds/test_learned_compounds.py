@@ -1,4 +1,4 @@
-"""Learned compounds: kept in the file, read with checks, Feature nodes with Feature parts (A1), given to parts, told in lists."""
+"""Learned compounds: kept in the file, read with checks, Feature nodes with Feature parts (A1), and listed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Visual words: the nearest against brute force, the same words of the same descriptors, the file, and the words of several clouds together."""
+"""Visual words: the nearest against brute force, determinism, the file, and the words of several clouds together."""
 
 import io
 

@@ -1,4 +1,4 @@
-"""The textures that meshes name or carry reach the simulated camera without Pillow, and what cannot be rendered is said in one line."""
+"""Meshes' textures reach the simulated camera without Pillow, and faults are told in one line."""
 
 import sys
 

@@ -1,4 +1,7 @@
-"""The shipped towers are what `python -m benchmarks.author.towers towers` writes, and have Table 1's composition (§5.6)."""
+"""The shipped towers are the output of `python -m benchmarks.author.towers towers`, with Table 1's composition.
+
+(§5.6)
+"""
 
 from collections import Counter
 from pathlib import Path

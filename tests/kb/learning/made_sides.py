@@ -1,4 +1,4 @@
-"""Observations of straight edges that nobody saw, and of keypoints beside them, for tests of learning sides of edges."""
+"""Observations of straight edges that nobody saw, and of keypoints near them, for tests of learning sides of edges."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A type from one photo: clicked points and their mistakes, the photo on the mesh, features on the faces that it shows and no others."""
+"""A type from one photo: clicked points and their mistakes, the photo on the mesh, features on the shown faces."""
 
 from __future__ import annotations
 

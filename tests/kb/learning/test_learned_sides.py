@@ -89,7 +89,7 @@ def test_a_picture_that_shows_many_points_of_a_stretch_counts_once(seed, times, 
 
 
 def rate(seen):
-    """By hand: of the pictures from within the lobe (at least as many as its size holds on average), how often each shows any."""
+    """By hand: how often each of the pictures from within the lobe shows any; they number at least its mean count."""
     axis = seen.direction.mean(axis=0) / np.linalg.norm(seen.direction.mean(axis=0))
     half = float(np.arccos((seen.direction @ axis).min())) + BEYOND * spacing(COUNT)
     best = {}

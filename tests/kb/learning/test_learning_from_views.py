@@ -92,7 +92,7 @@ def test_the_cloud_is_one_that_can_be_read():
 
 
 def test_a_hit_rate_is_what_was_found_of_the_pictures_that_could_have_shown_it():
-    """Also those of directions within the lobe that saw nothing, and of sizes between the largest and the smallest that did.
+    """Also those of directions within the lobe that saw nothing, and of sizes between the extremes that did.
 
     A lobe that holds fewer directions than a cone of its size holds on average counts as many as that.
     """

@@ -32,7 +32,7 @@ def turn_about_z(angle):
 
 
 def painted(fold, kept=1.0, features=240, seed=0):
-    """A cloud on the box's sides that ``fold`` turns about the vertical take onto itself, but for all the share ``kept`` of its looks."""
+    """A cloud on the box's sides that ``fold`` takes onto itself, except the share ``kept`` of its looks."""
     rng = np.random.default_rng(seed)
     some = features // fold
     at = np.column_stack([np.full(some, 0.5), rng.uniform(-0.5, 0.5, (some, 2))]) * SIDES

@@ -41,7 +41,7 @@ def its(*looks):
 
 
 def of_contrasts(contrast, varied, asked=BYTES, off=0.0, usual=EVEN):
-    """The fit of each of the contrasts asked for, of colours that are off by so much, in an image of usual contrasts."""
+    """The fit of each of these contrasts, of colours that are off by so much, in an image of usual contrasts."""
     some = np.zeros((len(asked), SIDE), np.uint8)
     some[:, SIDE - 1] = asked
     rows = np.repeat(mine([0] * COLOURS + [contrast], varied), len(asked), axis=0)
@@ -137,7 +137,7 @@ def test_contrasts_fit_the_worse_the_farther_they_are_from_what_was_learned(cont
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.integers(40, 215))
 def test_what_varied_less_says_more(contrast):
-    """The right contrast fits the better, and those a hundred bytes off no better, the less it varied when it was learned."""
+    """The right contrast fits better, and those a hundred bytes off no better, the less it varied in learning."""
     away = contrast + (100 if contrast < 128 else -100)
     both = np.array([of_contrasts(contrast, varied, np.array([contrast, away])) for varied in (0.0, 6.0, 12.0, 18.0)])
     right, wrong = both.T

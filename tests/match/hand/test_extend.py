@@ -20,7 +20,7 @@ def view(name, seed):
 
 
 def perturbed(rng, pose, centre, degrees, share):
-    """The pose turned about the object's centre by some degrees about any axis, and moved by a share of its distance."""
+    """The pose turned about the object's centre by some degrees about any axis, and moved by that share of distance."""
     axis = rng.normal(size=3)
     half = np.radians(degrees) / 2
     turned = rotation_from_quat_xyzw([*(np.sin(half) * axis / np.linalg.norm(axis)), np.cos(half)])

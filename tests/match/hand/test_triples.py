@@ -1,4 +1,4 @@
-"""Triples: three points of a plane and their image give the pose in closed form, up to a reflection (Huttenlocher and Ullman)."""
+"""Triples: three points of a plane and their image give the pose in closed form, up to a reflection (Huttenlocher)."""
 
 import numpy as np
 import pytest

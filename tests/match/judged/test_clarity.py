@@ -1,4 +1,4 @@
-"""Evidence of learned types: the share of the measured hit rates that an image keeps, densities against chance, the formula of §8."""
+"""Evidence of learned types: the kept share of the hit rates, densities against chance, the formula of §8."""
 
 from __future__ import annotations
 

@@ -99,7 +99,7 @@ def test_shared_claims_are_symmetric(two):
 
 
 def test_bodies_apart_on_the_screen_have_nothing_to_do_with_each_other():
-    """Over random pairs: where it says apart, no corner of one is drawn within the margin of one of the other, and nothing hides or shares."""
+    """Over random pairs: where it says apart, no corner of one is drawn near the other, and nothing is shared."""
     rng = np.random.default_rng(7300)
     of, told = data(scene(rng, {"t1": camera_pose(rng)})), []
     for _ in range(120):

@@ -74,7 +74,7 @@ def rows_of(found):
 
 
 def all_pairs(cloud, data, words=None, most=NTH):
-    """Of each appearance the ``most`` keypoints most like it, ties included, of those that share a word, if they are near."""
+    """Of each appearance the ``most`` keypoints most like it, ties included, that share a word and are near."""
     apart, rows = distances(data.descriptors, cloud.descriptor), {}
     looked = None if words is None else nearest(data.descriptors, words, WORDS)
     for lobe in range(len(cloud.feature)):

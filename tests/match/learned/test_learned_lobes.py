@@ -1,4 +1,4 @@
-"""Which lobes hold many viewpoints at once, in single precision, against the definition (§2.7) in double, away from the lobes' rims."""
+"""Which lobes hold many viewpoints at once, in single precision, against the definition (§2.7) in double."""
 
 from __future__ import annotations
 

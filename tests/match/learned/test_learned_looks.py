@@ -162,7 +162,7 @@ def test_likeness_is_what_a_loop_counts(seed):
 
 
 def as_right(thing, data, lobe, match, apart):
-    """Of the most alike keypoints of the whole image, how many beside the match look as right as it, as a share of the most that are known."""
+    """Of the keypoints most like it in the image, the share that looks as right as the match, of the most known."""
     off = np.linalg.norm(thing.cloud.descriptor[lobe].astype(float) - data.descriptors, axis=1) / FARTHEST
     known = [d for d in range(len(off)) if off[d] < 1 and off[d] <= np.sort(off)[NTH - 1]]  # of equals all
     return min(

@@ -69,7 +69,7 @@ def alone():
 
 
 def crowd(seed, features=5, lobes=9):
-    """A type all of whose features are a few pixels apart, some with several appearances, of their own looks and directions."""
+    """A type whose features are a few pixels apart, some with several appearances, of their own looks and axes."""
     rng = np.random.default_rng(seed)
     axis = unit(np.array([0.0, 0, 1]) + 0.1 * rng.normal(size=(lobes, 3)))
     seen = {

@@ -155,7 +155,7 @@ def test_climbing_never_makes_a_pose_worse(seed):
 
 
 def test_with_less_and_less_noise_it_leads_home():
-    """From six degrees off: the evidence of the answer, which starts at nothing, over that of where the true pose leads."""
+    """From six degrees off: the evidence of the answer, which starts at nothing, over that from the true pose."""
     reached = []
     for seed in range(10):
         asked, which, pose = posed(seed)

@@ -1,4 +1,4 @@
-"""Votes of single data: against a count of boxes one by one, and what an exact picture says of type, view, place and size."""
+"""Votes of single data: against a count of boxes one by one, and what an exact picture tells of its view."""
 
 from collections import defaultdict
 from dataclasses import fields

@@ -1,4 +1,4 @@
-"""Scales of data: where the knowledge base says how wide an appearance is, the scale that a detector gives must fit the distance."""
+"""Scales of data: where the knowledge base has an appearance's width, a datum's scale must fit the distance."""
 
 from __future__ import annotations
 

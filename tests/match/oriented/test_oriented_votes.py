@@ -27,7 +27,7 @@ def votes_of(ready, appearances, camera=STRAIGHT):
 
 
 def exact(ready, kind, cell, roll, most=None):
-    """The picture of all that a cell shows, or of the nearest ``most`` to the first of it, and how many pixels a metre is."""
+    """The picture of all that a cell shows, or of the nearest ``most`` to its first, and how many pixels a metre is."""
     index = ready.rows[kind]
     shown = np.flatnonzero(index.cells.visible[cell])
     apart = np.linalg.norm(index.cells.xy[cell, shown] - index.cells.xy[cell, shown[0]], axis=1)

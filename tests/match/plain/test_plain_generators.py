@@ -1,4 +1,4 @@
-"""The plain generators: sets of four with POSIT, every one of them where they are few, and SoftPOSIT from random starts."""
+"""The plain generators: sets of four with POSIT, all of them where they are few, and SoftPOSIT from random starts."""
 
 from itertools import combinations, product
 from time import monotonic

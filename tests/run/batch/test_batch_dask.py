@@ -1,4 +1,4 @@
-"""What can go wrong with somebody else's cluster is told in one line and in bounded time, and nothing of ours stays on it."""
+"""Faults of somebody else's cluster are told in one line and in bounded time, and nothing of ours stays on it."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from hostile_pictures import WAITS, hostile
 from small_frames import NAMES, picture
 
 from plogic.base.errors import InputError
-from plogic.run.batch import dask_client
-from plogic.run.batch.dask_client import Connection
+from plogic.run.batch import dask as cluster
+from plogic.run.batch.dask import Connection
 
 PATIENCE = 60
 
@@ -116,7 +116,7 @@ def listening(answer):
 
 @pytest.mark.parametrize("answer", [b"", b"HTTP/1.1 400 Bad Request\r\n\r\n" * 20], ids=["silence", "HTTP"])
 def test_who_is_no_scheduler_is_not_waited_for(monkeypatch, answer, capfd):
-    monkeypatch.setattr(dask_client, "CONNECTING", 1.0)
+    monkeypatch.setattr(cluster, "CONNECTING", 1.0)
     start = time.monotonic()
     with listening(answer) as port, pytest.raises(InputError, match=r"no Dask scheduler answers there: \w") as told:
         Connection(f"tcp://127.0.0.1:{port}", print)
@@ -136,8 +136,8 @@ def test_what_is_no_address_is_told_at_once(frames, address):
 
 
 def test_workers_are_waited_for_and_not_for_ever(machines, monkeypatch):
-    monkeypatch.setattr(dask_client, "WAITING", 1.0)
-    monkeypatch.setattr(dask_client, "LOOK", 0.2)
+    monkeypatch.setattr(cluster, "WAITING", 1.0)
+    monkeypatch.setattr(cluster, "LOOK", 0.2)
     said = []
     connection = Connection(machines.address, said.append)
     with pytest.raises(InputError, match=r"the Dask scheduler has had no workers for 1 s"):
@@ -195,7 +195,7 @@ def test_a_lost_scheduler_ends_the_run_and_what_is_done_stays(late, frames, tmp_
 
 @contextmanager
 def started(machines, folder, out):
-    """``plogic batch`` over the frames, at the moment at which it waits for the late one and all before it are written."""
+    """Faults of somebody else's cluster are told in one line, in bounded time, and nothing of ours stays on it."""
     command = [str(BIN / "plogic"), "batch", "frames", "--kb", "towers", "--dask", machines.address, "-o", str(out)]
     pipe = subprocess.PIPE
     with subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, start_new_session=True) as child:

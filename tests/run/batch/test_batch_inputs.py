@@ -8,8 +8,7 @@ import pytest
 from bop_folders import dataset, put, scene
 
 from plogic.base.errors import InputError
-from plogic.run.batch.frames import Frame, camera_of, digest_of
-from plogic.run.batch.inputs import frames_of
+from plogic.run.batch.frames import Frame, camera_of, digest_of, frames_of
 from plogic.run.bop.json_files import numbered
 
 

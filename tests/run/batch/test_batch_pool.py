@@ -10,8 +10,7 @@ import pytest
 
 from plogic.run.batch import pool
 from plogic.run.batch.frames import Frame, Settings
-from plogic.run.batch.pool import Pool
-from plogic.run.batch.worker_process import Job
+from plogic.run.batch.pool import Job, Pool
 
 KB = b'{"kb": {"name": "towers", "digest": "d"}}'
 

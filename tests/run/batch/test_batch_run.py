@@ -14,12 +14,11 @@ from hypothesis import strategies as st
 
 from plogic.run.batch import frames_run as run
 from plogic.run.batch import progress
-from plogic.run.batch import waiting as waiting_lines
 from plogic.run.batch.frame_lines import Lines as Made
 from plogic.run.batch.frames import Frame, Settings
+from plogic.run.batch.frames_run import Waiting
 from plogic.run.batch.pool import Answer
 from plogic.run.batch.progress import Progress, duration
-from plogic.run.batch.waiting import Waiting
 
 
 class Shuffled:
@@ -74,7 +73,7 @@ class Lines:
 
 
 def killed_and_gone_on_with(folder, order, kills):
-    """The lines of a run over lost frames that is killed so many answers after its start each time, and the frames that were perceived."""
+    """The lines of a run over lost frames, killed so many answers after its start each time, and perceived frames."""
     frames = [Frame(f"{i}.png", None, "lost", "is ünfit") for i in range(len(order))]
     lines, place, perceived, out = (
         Made(Settings("towers"), {"name": "towers", "digest": "d"}),
@@ -106,7 +105,7 @@ def killed_and_gone_on_with(folder, order, kills):
 @given(st.permutations(range(9)), st.lists(st.integers(0, 5), max_size=4), st.integers(1, 4))
 @settings(deadline=None)
 def test_what_waits_for_its_turn_survives_kills_and_is_done_once(order, kills, stale):
-    kept, waiting_lines.STALE = waiting_lines.STALE, stale
+    kept, run.STALE = run.STALE, stale
     try:
         with tempfile.TemporaryDirectory() as folder:
             text, wanted, perceived, place = killed_and_gone_on_with(Path(folder), order, kills)
@@ -114,7 +113,7 @@ def test_what_waits_for_its_turn_survives_kills_and_is_done_once(order, kills, s
             assert len(perceived) == len(set(perceived)) == len(order)
             assert not place.exists()
     finally:
-        waiting_lines.STALE = kept
+        run.STALE = kept
 
 
 def test_what_waited_is_written_first_out_of_order_and_a_torn_end_of_it_is_cut(tmp_path):

@@ -8,11 +8,12 @@ from bop_folders import dataset, put, truth
 from click.testing import CliRunner
 
 from plogic.base.errors import InputError, ProgramError
-from plogic.face.commands.bop import bop, bop_command
-from plogic.run.bop.dataset_run import run, views_of
-from plogic.run.bop.folders import open_dataset
+from plogic.face.commands.bop import bop_command
+from plogic.face.commands.clicked import bop
+from plogic.face.shown.options import Scoring
+from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, read_ids, unknown
-from plogic.run.bop.results_file import HEADER, read_results
+from plogic.run.bop.results_file import HEADER, read_results, run, views_of
 
 IDS = {"t1": 1, "t2": 2}
 OPTIONS = {"ids": None, "timed": False, "as_json": False}
@@ -47,7 +48,11 @@ def command(folder, out, look=perfect, **options):
     lines, say = told()
     written, write = told()
     stated = {**OPTIONS, "ids": str(folder.parent / "ids.json"), **options}
-    return bop_command(str(folder), "towers", str(out), stated, say=say, write=write, look=look), lines, written
+    return (
+        bop_command(str(folder), "towers", str(out), Scoring(**stated), say=say, write=write, look=look),
+        lines,
+        written,
+    )
 
 
 def test_every_frame_is_looked_at(folder):

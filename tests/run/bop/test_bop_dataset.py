@@ -7,8 +7,7 @@ import pytest
 from bop_folders import CUBE_MM, EYE, K, dataset, models, picture, put, scene, truth
 
 from plogic.base.errors import InputError
-from plogic.run.bop.dataset import Scene
-from plogic.run.bop.folders import open_dataset
+from plogic.run.bop.dataset import Scene, open_dataset
 from plogic.run.bop.models import model_ids, read_models
 from sensing.errors import ImageError
 

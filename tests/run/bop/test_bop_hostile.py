@@ -10,7 +10,7 @@ import pytest
 from bop_folders import EYE, K, dataset, put, truth
 
 from plogic.base.errors import InputError
-from plogic.run.bop.folders import open_dataset
+from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import model_ids
 
 HUGE = 10**400

@@ -5,9 +5,8 @@ import pytest
 
 from geometry.camera import Camera
 from plogic.run.bop.dataset import Truth
-from plogic.run.bop.matching import View, matched, taken, targets_of
 from plogic.run.bop.models import Model
-from plogic.run.bop.recalls import Recalls, score
+from plogic.run.bop.recalls import Recalls, View, matched, score, taken, targets_of
 from plogic.run.bop.results_file import Estimate
 
 CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 0.05

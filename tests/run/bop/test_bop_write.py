@@ -15,10 +15,10 @@ from geometry.visibility.rays import RayMesh
 from plogic.base.errors import InputError
 from plogic.face.commands.bop import bop_command
 from plogic.face.commands.simulate import simulate_command
-from plogic.run.bop.folders import open_dataset
-from plogic.run.bop.matching import View
+from plogic.face.shown.options import Scoring
+from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import read_models
-from plogic.run.bop.recalls import score
+from plogic.run.bop.recalls import View, score
 from plogic.run.bop.results_file import Estimate, read_results, results_text
 from plogic.run.bop.write import Kind, box_of, diameter, gt_info, model_info, silhouette, write_dataset
 from sensing.errors import SensingError
@@ -255,7 +255,7 @@ def test_simulate_writes_a_dataset_that_bop_perceives(tmp_path):
     assert sorted(p.name for p in (tmp_path / "s").iterdir()) == ["camera.json", "image.png", "truth.json"]
     same = [cv2.imread(str(path)) for path in (tmp_path / "s/image.png", tmp_path / "d/test/000001/rgb/000000.png")]
     assert (same[0] == same[1]).all()
-    options = {"ids": str(tmp_path / "d/ids.json"), "timed": False, "as_json": True}
+    options = Scoring(str(tmp_path / "d/ids.json"), as_json=True)
     text = bop_command(
         str(tmp_path / "d"), "towers", str(tmp_path / "r.csv"), options, say=lambda _: None, write=lambda _: None
     )

@@ -81,7 +81,7 @@ def test_add_s_goes_to_the_nearest():
 
 
 def test_a_known_shift_in_pixels():
-    """0.1 m to the right at 5 m is 500 · 0.1 / 5 = 10 px, 0.1 m down 400 · 0.1 / 5 = 8 px, at the one depth of a flat model."""
+    """0.1 m to the right at 5 m is 500 · 0.1 / 5 = 10 px, 0.1 m down 400 · 0.1 / 5 = 8 px, of a flat model."""
     flat = np.array([[0.0, 0, 0], [0.3, 0, 0], [0, 0.4, 0]])
     assert mspd(pose(t=(0.1, 0, 5)), pose(), flat, NONE, K) == pytest.approx(10)
     assert mspd(pose(t=(0, 0.1, 5)), pose(), flat, NONE, K) == pytest.approx(8)

@@ -9,7 +9,7 @@ FINE = 8
 
 
 def sectors(arms, levels, place=(80.0, 80.0), size=161, noise=3.0, seed=0, length=None):
-    """A picture whose directions from ``place`` between successive ``arms`` (radians, ascending) have the grey ``levels``."""
+    """A picture whose directions from ``place`` between successive ``arms`` (radians, ascending) have ``levels``."""
     v, u = (np.mgrid[: size * FINE, : size * FINE] + 0.5) / FINE - 0.5
     angle = np.mod(np.arctan2(v - place[1], u - place[0]) - arms[0], 2 * np.pi)
     bounds = np.mod(np.asarray(arms) - arms[0], 2 * np.pi)

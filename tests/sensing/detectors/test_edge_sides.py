@@ -59,7 +59,7 @@ def contrast(one, other):
 
 
 def seen(near, far, blur):
-    """(5,) by hand: of each depth the colour that a Gaussian about it averages, of a straight edge between even colours; and the contrast."""
+    """(5,) by hand: at each depth the mean colour under a Gaussian, of a straight edge of even colours; contrast."""
     beyond = [ndtr(-depth / np.hypot(BROAD, blur)) for depth in DEPTHS]
     levels = [share * np.array(far, float) + (1 - share) * np.array(near, float) for share in beyond]
     other = beyond[0] * np.array(near, float) + (1 - beyond[0]) * np.array(far, float)

@@ -26,7 +26,7 @@ def a_camera(eye=(3.0, -4.0, 2.0), target=(0.0, 0.0, 0.7), K=None, size=(640, 48
 
 
 def a_ball(centre, radius=0.06, colour=(1.0, 1.0, 1.0)) -> Body:
-    """An octahedron-born ball: from anywhere its picture's centroid is its centre's, up to perspective far below 0.05 px."""
+    """An octahedron-born ball: its picture's centroid is its centre's, up to perspective far below 0.05 px."""
     import trimesh
 
     ball = trimesh.creation.icosphere(subdivisions=2, radius=radius)

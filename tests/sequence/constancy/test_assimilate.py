@@ -19,8 +19,8 @@ from geometry.camera import camera_to_dict
 from geometry.errors import PlogicError
 from kb.files.read import read_kb
 from plogic.cycle.delta import Options
-from plogic.face.authoring.kb_assimilate import assimilate_command
 from plogic.face.authoring.kb_show import check_command
+from plogic.face.authoring.kb_types import assimilate_command
 from plogic.run.perceive import Perceiver
 from plogic.sequence.constancy.decide import unknown_objects
 from plogic.sequence.constancy.draft import draft_type

@@ -39,7 +39,7 @@ def _pattern(one, sights):
 
 
 def _by_sampling(views, one, rng):
-    """The logarithm of n ∫ p(X) Π N dX / Π f in pixels, by importance sampling about the place, four times as wide as it is known."""
+    """The logarithm of n ∫ p(X) Π N dX / Π f in pixels, by importance sampling about the place, four times as wide."""
     covariance = 16.0 * one.places.covariance[0]
     draws = rng.multivariate_normal(one.places.at[0], covariance, 200_000)
     off = draws - one.places.at[0]

@@ -1,4 +1,4 @@
-"""What a world leads to expect from elsewhere is what perception would expect there (D7), of bodies alone and one behind another."""
+"""A world's expectations from elsewhere are those of perception there (D7), of bodies alone and one behind another."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Laws of the next view: where nothing differs nothing is gained, what is hidden here is looked for there, and names decide nothing."""
+"""Laws of the next view: equal worlds gain nothing, a hidden feature is looked for there, and names decide nothing."""
 
 from __future__ import annotations
 

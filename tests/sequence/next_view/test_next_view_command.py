@@ -17,7 +17,8 @@ from geometry.frames import inverse
 from kb.files.folder import shipped
 from kb.files.read import read_kb
 from plogic.cycle.delta import Options
-from plogic.face.commands.next_view import Moves, looked
+from plogic.face.commands.next_view import looked
+from plogic.face.shown.options import Moves
 from plogic.facts.interpretation import situation_of, text_of
 from plogic.run.perceive import Perceiver
 from plogic.scene.asking.query import answers

@@ -1,4 +1,4 @@
-"""Hypotheses of two views that are one stand where both views explain them best, and rivals behind an occluder are judged beside it."""
+"""Hypotheses of two views that are one stand where both explain them best; occluded rivals are judged with it."""
 
 from __future__ import annotations
 

@@ -1,0 +1,186 @@
+"""The commands ``batch``, ``bop``, ``measures`` and ``next-view`` as click has them: one function each, which parses, calls and prints."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from plogic.face.shown.options import (
+    AS_JSON,
+    BEST_BY,
+    CAMERA,
+    FIRST_READING,
+    INTERPRETATION,
+    KB,
+    READING,
+    RECONSIDER,
+    SEED,
+    SMOOTHING,
+    Batching,
+    Moves,
+    Number,
+    Scoring,
+    emit,
+    say,
+)
+
+HELP = {"help_option_names": ["-h", "--help"]}
+SETTINGS = "camera", "reading", "reconsider", "smoothing", "deadline", "worlds", "full"
+"""The options of ``batch`` that decide a frame's line."""
+
+
+@click.command(context_settings=HELP)
+@click.argument("inputs", metavar="INPUTS...", nargs=-1, required=True)
+@KB
+@click.option(
+    "--jobs",
+    type=click.IntRange(1, 256),
+    help="Processes at work on this machine, one thread each (default: one a core).",
+)
+@click.option(
+    "--dask",
+    metavar="ADDRESS",
+    help="Scheduler of a Dask cluster to work instead, as tcp://HOST:8786; needs plogic[dask].",
+)
+@click.option("-o", "--out", default="-", help="File to append lines to; `-` is stdout (default).")
+@click.option(
+    "--resume", is_flag=True, help="Go on with the lines that the file has: skip what is done, cut a torn last line."
+)
+@click.option(
+    "--order",
+    type=click.Choice(["input", "done"]),
+    default="input",
+    show_default=True,
+    help="Lines in the order of the inputs, or as they are done.",
+)
+@click.option(
+    "--full",
+    is_flag=True,
+    help="Whole interpretations, as `perceive` writes them, in place of objects, poses and worlds.",
+)
+@click.option(
+    "-n", "worlds", type=click.IntRange(0, 100), default=10, show_default=True, help="Worlds that a line lists."
+)
+@click.option(
+    "--timeout",
+    type=Number(0.0, min_open=True),
+    help="Seconds that a frame may take; what takes longer is a bad frame.",
+)
+@CAMERA
+@FIRST_READING
+@RECONSIDER
+@SMOOTHING
+@BEST_BY
+def batch(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:  # noqa: ANN401 - click's
+    r"""Perceive many frames: one line of JSON each, the same whoever works.
+
+    INPUTS are pictures, Γ files (.json), folders with such at any depth, patterns in quotes, and BOP datasets; `-` is a
+    list of them on stdin, one a line. A picture's camera is --camera, or camera.json beside it.
+
+    A line (frame/1) has input, frame, status (done, unfinished, error), the SHA-256 of what was read, the KB and the
+    options; then the accepted hypotheses with poses and probabilities and the most probable worlds, or the error. A bad
+    frame is such a line and no stop; the exit status is then 1, and else 3 where --deadline left one unfinished. After
+    a kill or Ctrl-C, --resume goes on.
+    """
+    if options["jobs"] and options["dask"] is not None:
+        raise click.UsageError("--jobs and --dask exclude each other")
+    if options["dask"] == "":
+        raise click.UsageError("--dask needs an address, as tcp://HOST:8786")
+    if options["out"] == "-" and options["resume"]:
+        raise click.UsageError("--resume needs a file: -o OUT")
+    for option in ("timeout", "deadline"):
+        if options[option] == math.inf:
+            raise click.UsageError(f"--{option} must be finite: leave it out to wait without end")
+    from plogic.face.commands.batch import batch_command
+    from plogic.run.batch.frames import Settings
+
+    chosen = {name: options.pop(name) for name in SETTINGS}
+    sys.exit(batch_command(inputs, Settings(kb_folder, **chosen), Batching(**options), listed=sys.stdin))
+
+
+@click.command(context_settings=HELP)
+@click.argument("dataset", metavar="DATASET")
+@KB
+@click.option(
+    "-o", "--out", required=True, help="Results file (CSV) to write; `-` is stdout, and scores then go to stderr."
+)
+@click.option(
+    "--ids", type=click.Path(), help='BOP numbers of the types as JSON, {"003_cracker_box": 2}; obj_000002 needs none.'
+)
+@click.option(
+    "--times",
+    "timed",
+    is_flag=True,
+    help="Write each image's seconds; else -1, so that the same input gives the same bytes.",
+)
+@AS_JSON
+def bop(dataset: str, kb_folder: str, out: str, ids: str | None, timed: bool, as_json: bool) -> None:  # noqa: FBT001 - click's flags
+    """Perceive every image of a BOP dataset, write the challenge's results file, and score it where there is ground truth.
+
+    DATASET is a dataset's folder, one of its splits, or one scene. A name by the challenge's convention is
+    METHOD_DATASET-SPLIT.csv.
+    """
+    from plogic.face.commands.bop import bop_command
+
+    text = bop_command(dataset, kb_folder, out, Scoring(ids, timed, as_json), say=say, write=emit)
+    if text:
+        emit(text)
+
+
+@click.command(name="next-view", context_settings=HELP)
+@INTERPRETATION
+@click.option(
+    "--about",
+    metavar="GOAL",
+    help="What should become certain, as `plogic query` takes it (default: which world it is).",
+)
+@click.option(
+    "--ring",
+    type=Number(0.0, min_open=True),
+    metavar="METRES",
+    help="Radius of the ring around the scene (default: the present one).",
+)
+@click.option("--moves", type=click.Path(path_type=Path), help="Candidates of your own: a moves/1 or poses/1 file.")
+@click.option(
+    "--within",
+    type=Number(0.0, min_open=True),
+    metavar="METRES",
+    help="All of a grid within this distance, turned to the scene.",
+)
+@click.option(
+    "-n", "number", type=click.IntRange(1), default=5, show_default=True, help="Candidates to list, the best first."
+)
+@READING
+@click.option("--seed", type=SEED, default=0, show_default=True)
+@AS_JSON
+def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **options: Any) -> None:  # noqa: ANN401 - click's
+    """Say where to look next: the camera moves that would tell most, with their expected gains in bits, and why.
+
+    INTERPRETATION is that of one image, or a sequence's panorama/1: what all its views leave open, from where the last
+    one stood.
+
+    Without --ring, --moves or --within the candidates are a ring of eleven places around the scene at the present
+    height and distance.
+    """
+    if sum(options[name] is not None for name in ("ring", "moves", "within")) > 1:
+        raise click.UsageError("--ring, --moves and --within exclude one another")
+    from plogic.face.commands.next_view import next_view_command
+
+    emit(next_view_command(interpretation, number, seed, Moves(**options), as_json=as_json))
+
+
+@click.command(context_settings=HELP)
+@INTERPRETATION
+@AS_JSON
+def measures(interpretation: str, *, as_json: bool) -> None:
+    """Compare the measures of each hypothesis: ev alone and in each mode beside Δi, Shanahan's value, the posterior, dv, rank.
+
+    Distinctiveness is told over the types of the knowledge base, and over the instances in Δi.
+    """
+    from plogic.face.commands.program import measures_command
+
+    emit(measures_command(interpretation, as_json=as_json))

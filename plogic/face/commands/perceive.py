@@ -1,0 +1,306 @@
+"""``plogic perceive``: an image or Γ, or a calibrated pair, to an interpretation; several views to a panorama.
+
+A pair gives the interpretation of one notional viewpoint, the left camera's (§3.3). Nothing is written where something
+is wrong with the input.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+from geometry.errors import PlogicError
+from geometry.files.pose_files import Placed, read_poses
+from plogic.base.clock import Stopwatch
+from plogic.base.errors import InputError
+from plogic.cycle.delta import Options
+from plogic.face.shown.options import written
+from plogic.facts.interpretation import text_of
+from plogic.facts.situation import stopped_in
+from plogic.run.perceive import perceiver_of
+from plogic.run.sources import detected, gamma_of, image_of, is_gamma, kb_of, sized
+from plogic.scene.readings.unfinished import REASONS
+from plogic.scene.worlds.predictions import Doubt, said
+from sensing.files.gamma_files import read_gamma
+from sensing.files.images import read_image
+from sensing.files.whole_files import check_places, write_files
+from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from geometry.camera import Camera
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.face.shown.options import Perceiving
+    from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
+    from plogic.sequence.views.panorama import Look, Panorama
+    from sensing.appearance import Gamma
+
+    Say = Callable[[str], None]
+
+UNFINISHED = 3
+"""Exit status: the deadline was reached, with the best answer so far printed and marked."""
+
+
+def perceive_command(inputs: Sequence[str], options: Perceiving, *, say: Say, write: Say) -> int:
+    """Read, interpret, write; returns the exit status. ``say``: what people are told; ``write``: stdout.
+
+    Raises:
+        InputError, CameraError and the like: what is wrong with the input.
+    """
+    if options.stereo is not None:
+        return _of_pair(inputs, options, options.stereo, say, write)
+    if len(inputs) == 1 and options.poses is None:
+        return _of_one(inputs[0], options, say, write)
+    return _of_sequence(inputs, options, say, write)
+
+
+def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
+    clock = Stopwatch()
+    check_places(_places(options))
+    with clock.stage("read"):
+        kb = kb_of(options.kb)
+        picture = None if is_gamma(source) else image_of(source, options.camera)
+    _tell_unchecked(kb, say)
+    gamma, image = gamma_of(source, picture, options.camera, kb, clock)
+    with clock.stage("index"):
+        perceiver = perceiver_of(kb, options.generator)
+    document = perceiver(gamma, _chosen(options), image, clock)
+    status = _write_all(document, options, image, clock, write)
+    for line in (_summary(document, clock), *_doubts(document)):
+        say(line)
+    return status
+
+
+def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, write: Say) -> int:
+    from plogic.sequence.views.stereo import sharpened
+    from sensing.files.stereo import fused, read_stereo
+
+    if len(inputs) != 2 or options.poses:
+        raise InputError("--stereo: takes two INPUTs, the left and the right one, and no --poses")
+    check_places(_places(options))
+    clock = Stopwatch()
+    kb = kb_of(options.kb)
+    _tell_unchecked(kb, say)
+    calibration = read_stereo(stereo)
+    cameras = calibration.left, calibration.right
+    (left, image), (right, _) = (
+        _side(source, camera, stereo, kb, clock) for source, camera in zip(inputs, cameras, strict=True)
+    )
+    gamma = fused(left, right, calibration.pair, kb.rates.sigma)
+    perceiver, chosen = perceiver_of(kb, options.generator), _chosen(options)
+    data, cycle = perceiver.cycle(gamma, chosen, clock)
+    with clock.stage("both images"):
+        cycle = sharpened(cycle, gamma, data, right, calibration.pair, perceiver)
+    document = perceiver.document(gamma, data, cycle, chosen, image, clock)
+    status = _write_all(document, options, image, clock, write)
+    deep = sum(a.depth is not None for a in gamma.appearances)
+    say(f"{len(right.appearances)} appearances in the right image; {deep} of the left one's have depth")
+    say(_summary(document, clock))
+    return status
+
+
+def _side(
+    source: str, camera: Camera | None, stereo: str, kb: KnowledgeBase, clock: Stopwatch
+) -> tuple[Gamma, NDArray[Any] | None]:
+    """One side of a pair: Γ from its file, or detected in the picture."""
+    if is_gamma(source):
+        return read_gamma(source, kb.appearance_types), None
+    if camera is None:
+        raise InputError(f"{source}: an image needs its camera: {stereo} must have left and right")
+    picture = read_image(source)
+    return detected(picture, sized(camera, picture, stereo, source), kb, clock), picture
+
+
+def _chosen(options: Perceiving) -> Options:
+    """The options of the cycle; its deadline is counted from now on."""
+    end = monotonic() + options.deadline if options.deadline else None
+    return Options(options.reading, options.reconsider, options.smoothing, end)
+
+
+def _tell_unchecked(kb: KnowledgeBase, say: Say) -> None:
+    """Say which part of Σ cannot be checked on this machine."""
+    if kb.gravity and not has_physics():
+        say(f"who holds whom is not checked, for {NO_PHYSICS}: {INSTALL}")
+
+
+def _places(options: Perceiving) -> list[Path]:
+    """The files that will be written. Raises InputError where one is named for two outputs."""
+    named = [Path(path) for path in (options.report, options.picture, options.timings) if path]
+    named += [Path(options.out)] * (options.out != "-")
+    for path in named:
+        if named.count(path) > 1:
+            raise InputError(f"{path}: is named for two outputs")
+    return named
+
+
+def _write_all(
+    document: Interpretation, options: Perceiving, image: NDArray[Any] | None, clock: Stopwatch, write: Say
+) -> int:
+    """Write what was found, and give the exit status.
+
+    Everything is made first, then written: a failure leaves nothing half done.
+    """
+    text, files = text_of(document), dict[Path, bytes]()
+    if options.report:
+        from plogic.face.pages.one_file import page
+
+        files[Path(options.report)] = page(document).encode()
+    if options.picture:
+        files[Path(options.picture)] = picture_of(document, image)
+    if options.timings:
+        timings = {"format": "timings/1", "seconds": clock.seconds, "total": clock.total}
+        files[Path(options.timings)] = json.dumps(timings, indent=1).encode()
+    if options.out != "-":
+        files[Path(options.out)] = text.encode()
+    write_files(files)
+    if options.out == "-":
+        write(text)
+    return UNFINISHED if document.get("unfinished") else 0
+
+
+def picture_of(document: Interpretation, image: NDArray[Any] | None) -> bytes:
+    """The overlay of figure 5 as PNG; ``image`` (H, W, 3) uint8, blue first."""
+    import cv2
+
+    from plogic.face.shown.overlay import overlay
+
+    return bytes(cv2.imencode(".png", overlay(document, image))[1].tobytes())
+
+
+def _doubts(document: Interpretation) -> list[str]:
+    """What the relations of accepted objects predict in vain (§3.8); of others the document says it."""
+    accepted = {h["id"] for h in document["hypotheses"] if h["status"] == "accepted"}
+    return [
+        said(Doubt(row["relation"], (row["args"][0], row["args"][1]), row["expected"], row["found"], row["why"]))
+        for row in document["doubts"]
+        if set(row["args"]) <= accepted
+    ]
+
+
+def _summary(document: Interpretation, clock: Stopwatch) -> str:
+    """One line: what was found, whether that is all, and how long it took."""
+    stopped = stopped_in(document)
+    accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
+    names = ", ".join(f"{h['id']} {h['type']} ({_chance(h)})" for h in accepted) or "no known object"
+    names = f"{names}; {REASONS[stopped]}" if stopped else names
+    stages = ", ".join(f"{name} {seconds * 1000:.0f} ms" for name, seconds in clock.seconds.items())
+    return f"{len(document['appearances'])} appearances; {names}; {stages}"
+
+
+def _chance(h: HypothesisRow | RejectedRow) -> str:
+    """A probability to three places; of what is unfinished, with its interval."""
+    low, high = h.get("interval") or (None, None)
+    return f"{h['probability']:.3f}" + ("" if low is None else f" in {low:.3f}..{high:.3f}")
+
+
+def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Say) -> int:
+    """Interpret frame after frame, with a line each on ``say``.
+
+    Where a frame cannot be read, what was made of those before it is written first.
+    """
+    from plogic.sequence.views.panorama import Panorama
+    from plogic.sequence.views.panorama_document import ahead, panorama_document
+    from plogic.sequence.views.view import View
+
+    for key in ("report", "picture", "timings"):
+        if getattr(options, key):
+            raise InputError(f"--{key}: is made of one frame; give one INPUT, or leave it out")
+    check_places(_places(options))
+    kb = kb_of(options.kb)
+    _tell_unchecked(kb, say)
+    poses, foreseen = _placed_frames(frames, options.poses)
+    if options.poses is None and not all(is_gamma(frame) for frame in frames):
+        say("all images are taken to be from the one place that --camera tells; where the camera moved, give --poses")
+    panorama = Panorama(perceiver_of(kb, options.generator), _chosen(options))
+    looks, failed = _looks(panorama, frames, poses, options.camera, say)
+    last = looks[-1][1].view.gamma
+    told = [ahead(panorama, View("ahead", last, placed.world_from_camera)) for placed in foreseen]
+    text = text_of(panorama_document(panorama, looks, told))
+    written(text, options.out, say=lambda _: None, write=write)
+    if failed is not None:
+        raise failed
+    return UNFINISHED if any(look.interpretation.get("unfinished") for _, look in looks) else 0
+
+
+def _looks(
+    panorama: Panorama, frames: Sequence[str], poses: Sequence[Placed | None], camera: str | None, say: Say
+) -> tuple[list[tuple[str, Look]], PlogicError | None]:
+    """Frame after frame, up to one that cannot be used, and what is wrong with that; raised where it is the first."""
+    looks: list[tuple[str, Look]] = []
+    for number, (frame, pose) in enumerate(zip(frames, poses, strict=True), 1):
+        try:
+            look = _looked(panorama, frame, pose, number, camera)
+        except PlogicError as error:
+            if not looks:
+                raise
+            say(f"v{number} {frame}: cannot be used; what is written is of the {len(looks)} before it")
+            return looks, error
+        looks.append((frame, look))
+        say(_line(frame, look, panorama))
+    return looks, None
+
+
+def _placed_frames(frames: Sequence[str], poses: str | None) -> tuple[list[Placed | None], list[Placed]]:
+    """The pose of each frame, None where its own file must tell it, and the poses without a frame, where all that is known is told.
+
+    A pose is a frame's if it bears its name, or the end of its path; where none bears any, the first is the first
+    frame's, and so on. Raises InputError or CameraError.
+    """
+    if poses is None:
+        return [None] * len(frames), []
+    listed = read_poses(poses)
+    named = [placed for placed in listed if placed.frame is not None]
+    foreseen = [placed for placed in listed if placed.frame is None]
+    found = [_named(frame, named) for frame in frames]
+    if not any(found) and len(named) == len(frames):
+        return list(named), foreseen
+    lost = [
+        f"{frame}: {poses} has no pose of this name" for frame, one in zip(frames, found, strict=True) if one is None
+    ]
+    if lost:
+        raise InputError("\n".join(lost))
+    return found, foreseen
+
+
+def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
+    """The one pose of this name; of the longest common end of the path where there are several."""
+    parts = Path(frame).parts
+    fit = [
+        (len(own), placed) for placed in poses if (own := Path(str(placed.frame)).parts) and parts[-len(own) :] == own
+    ]
+    return max(fit, key=lambda pair: pair[0])[1] if fit else None
+
+
+def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, camera: str | None) -> Look:
+    from plogic.sequence.views.view import View
+
+    picture = None if is_gamma(frame) else image_of(frame, camera)
+    gamma, image = gamma_of(frame, picture, camera, panorama.perceiver.kb, Stopwatch())
+    pose = gamma.camera.world_from_camera if placed is None else placed.world_from_camera
+    if pose is None:
+        raise InputError(
+            f"{frame}: where its camera stood is not known: give --poses FILE, or T_world_camera in the Γ's camera"
+        )
+    there = replace(gamma, camera=replace(gamma.camera, world_from_camera=pose))  # one camera file serves all frames
+    return panorama.look(View(f"v{number}", there, pose), image)
+
+
+def _line(frame: str, look: Look, panorama: Panorama) -> str:
+    """One line: what was recalled, what was found, what is known now."""
+    events = [step["event"] for step in look.interpretation["trace"]]
+    told = [f"{events.count('recall')} recalled"] * ("recall" in events) + ["no search"] * ("no search" in events)
+    stopped = stopped_in(look.interpretation)
+    told += [REASONS[stopped]] if stopped else []
+    told += [f"gone: {', '.join(look.gone)}"] * bool(look.gone)
+    known = ", ".join(
+        f"{k.id} {k.standing.object_type.name} ({k.probability:.3f}{f', {k.age} views ago' if k.age else ''})"
+        for k in panorama.known
+    )
+    seen = f"{look.view.id} {frame}: {len(look.view.gamma.appearances)} appearances"
+    return f"{seen}; {'; '.join([*told, known or 'no known object'])}"

@@ -1,0 +1,27 @@
+"""A session for Python about an interpretation or a program."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Self
+
+from plogic.face.python.interpretation import opened
+from plogic.face.session import session
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from plogic.face.python.asking import Asked
+    from plogic.facts.situation import Reading
+
+
+class Session(session.Session):
+    """A session about an interpretation or a program: what is observed stays, and is taken back."""
+
+    def __init__(self, about: Asked) -> None:
+        """Begin with nothing observed."""
+        super().__init__(about.subject, limits=about.limits)
+
+    @classmethod
+    def open(cls, path: str | Path, *, reading: Reading | None = None, trust: bool = False) -> Self:
+        """Begin a session about an ``interpretation.json`` or a program's file. Raises Error where it cannot be read."""
+        return cls(opened(path, reading, trust=trust))
