@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from plogic.facts.fact_rows import Fact, PartRelationFact, RelationFact, RocKey
+    from plogic.facts.fact_rows import Fact, RelatedRow
 
 FORMAT: Final = "interpretation/1"
 LARGEST = 256 * 2**20
@@ -38,11 +38,8 @@ def facts_of(situation: Situation) -> list[Fact]:
     facts += [{"fact": "rival", "args": list(pair)} for pair in sorted(situation.rivals)]
     facts += [{"fact": "exclusive", "args": list(pair)} for pair in sorted(situation.exclusive)]
     facts += gravity_facts(situation.gravity)
-    facts += [{"fact": "relation", "relation": r.relation, "args": [r.x, r.y], **_roc(r)} for r in situation.relations]
-    facts += [
-        {"fact": "part_relation", "relation": r.relation, "args": [r.x, r.y], **_roc(r), "parts": list(r.parts)}
-        for r in situation.part_relations
-    ]
+    facts += [{"fact": "relation", **_related(r)} for r in situation.relations]
+    facts += [{"fact": "part_relation", **_related(r), "parts": list(r.parts)} for r in situation.part_relations]
     facts += [
         {"fact": "behind", "args": [f"{h.id}/{f.id}", other]}
         for h in situation.hypotheses
@@ -70,7 +67,9 @@ def situation_of(document: Interpretation) -> Situation:
         space=space_of(document.get("space"), facts),
         gravity=gravity_of(document.get("gravity"), facts),
         relations=tuple(_relation(f) for f in facts if f["fact"] == "relation"),
-        part_relations=tuple(_part_relation(f) for f in facts if f["fact"] == "part_relation"),
+        part_relations=tuple(
+            _relation(f, (f["parts"][0], f["parts"][1])) for f in facts if f["fact"] == "part_relation"
+        ),
         priors=dict(document["priors"]),
         dv=dict(document["measures"]["dv"]),
         rank=dict(document["measures"]["rank"]),
@@ -79,19 +78,15 @@ def situation_of(document: Interpretation) -> Situation:
     )
 
 
-def _roc(r: PairFact) -> RocKey:
-    return {"roc": r.roc} if r.roc else {}
+def _related(r: PairFact) -> RelatedRow:
+    row: RelatedRow = {"relation": r.relation, "args": [r.x, r.y]}
+    return {**row, "roc": r.roc} if r.roc else row
 
 
-def _relation(fact: RelationFact) -> PairFact:
+def _relation(fact: RelatedRow, parts: tuple[str, str] = ("", "")) -> PairFact:
     """Documents of before ROC-20 tell the coarse relation alone."""
     x, y = fact["args"]
-    return PairFact(fact["relation"], x, y, fact.get("roc", ""))
-
-
-def _part_relation(fact: PartRelationFact) -> PairFact:
-    (x, y), (of_x, of_y) = fact["args"], fact["parts"]
-    return PairFact(fact["relation"], x, y, fact.get("roc", ""), (of_x, of_y))
+    return PairFact(fact["relation"], x, y, fact.get("roc", ""), parts)
 
 
 def _pairs(facts: Sequence[Fact], name: str) -> frozenset[tuple[str, str]]:

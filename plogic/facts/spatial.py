@@ -9,7 +9,7 @@
   nothing holds floats, and that is improbable. ``Situation.gravity`` is None where nobody said that gravity holds.
 
 Everything here is plain data, of metres, in the camera frame but for the heights of feet; ``plogic.cycle.placing`` and
-``plogic.cycle.holding`` make it by geometry, and it comes back from ``interpretation.json``.
+``plogic.cycle.placing`` make it by geometry, and it comes back from ``interpretation.json``.
 
 ``exclusions``, ``exclusion_lines`` and ``apart_of`` tell, in numbers and in words, which hypotheses A4 keeps out of each
 other's worlds: the volume that they share, and how deep.
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
         FootRow,
         GravityKey,
         GravityRow,
+        OrderedRow,
         OverlapRow,
-        RestsRow,
         SpaceRow,
     )
 
@@ -118,11 +118,11 @@ def gravity_document(gravity: Gravity | None) -> GravityKey:
     return {"gravity": {**told, "silent": gravity.silent} if gravity.silent else told}
 
 
-def gravity_facts(gravity: Gravity | None) -> list[FootRow | RestsRow]:
+def gravity_facts(gravity: Gravity | None) -> list[FootRow | OrderedRow]:
     """Its facts, for ``facts`` of the document: ``{"fact": "foot", "args": ["h1"], "low": 0.0, "high": 0.02}``, ``{"fact": "rests_on", ...}``."""
     if gravity is None:
         return []
-    rows: list[FootRow | RestsRow] = []
+    rows: list[FootRow | OrderedRow] = []
     rows += [{"fact": "foot", "args": [foot.id], "low": foot.low, "high": foot.high} for foot in gravity.feet]
     rows += [{"fact": "rests_on", "args": list(pair)} for pair in gravity.rests]
     return rows

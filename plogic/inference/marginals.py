@@ -314,17 +314,19 @@ class Remembered:
     def beliefs(self, graph: FactorGraph, *, width: float = WIDTH, seconds: float | None = None) -> Beliefs:
         """See ``plogic.inference.marginals.beliefs``; an interval that a deadline left is not remembered."""
         log_z, parts = split(graph)
-        keys = [_key(part, width) for part in parts]
+        keys: list[Key] = [
+            (
+                part.cards,
+                tuple([scope for scope, _ in part.tables]),
+                tuple([table.tobytes() for _, table in part.tables]),
+                width,
+            )
+            for part in parts
+        ]
         new = {key: part for key, part in zip(keys, parts, strict=True) if key not in self._known}
         fresh = dict(zip(new, solve_all(list(new.values()), width, Clock(seconds)), strict=True))
         self.solved += len(fresh)
-        result = assembled(
-            graph.cards, log_z, parts, [fresh[key] if key in fresh else self._known[key] for key in keys]
-        )
-        self._remember(keys, fresh)
-        return result
-
-    def _remember(self, keys: list[Key], fresh: dict[Key, Beliefs]) -> None:
+        solved = [fresh[key] if key in fresh else self._known[key] for key in keys]
         for key in keys:
             if key in self._known:
                 self._known.move_to_end(key)
@@ -332,12 +334,4 @@ class Remembered:
                 self._known[key] = fresh[key]
         while len(self._known) > self._pieces:
             self._known.popitem(last=False)
-
-
-def _key(part: Part, width: float) -> Key:
-    return (
-        part.cards,
-        tuple([scope for scope, _ in part.tables]),
-        tuple([table.tobytes() for _, table in part.tables]),
-        width,
-    )
+        return assembled(graph.cards, log_z, parts, solved)

@@ -88,10 +88,11 @@ class Node:
             return self.table[number]
         at = _states(number, self.row_cards)
         axes = len(self.row_cards) + len(self.column_cards)
-        rows = []
-        for term in self.terms:
-            own = zip(at[axes - term.ndim :], term.shape, strict=False)
-            rows.append(term[tuple([state if length > 1 else 0 for state, length in own])])
+        places = (zip(at[axes - term.ndim :], term.shape, strict=False) for term in self.terms)
+        rows = [
+            term[tuple([state if length > 1 else 0 for state, length in own])]
+            for term, own in zip(self.terms, places, strict=True)
+        ]
         return total(rows, self.column_cards, self.impossible).reshape(-1)
 
     def link(self, child: Node) -> None:

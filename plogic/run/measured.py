@@ -20,7 +20,7 @@ from plogic.facts.dependence import Scene
 from plogic.facts.interpretation import situation_of
 from plogic.facts.situation import OTHERS
 from plogic.measures.explanatory import Cells, case_of, explanatory_value, shanahan_values
-from plogic.scene.readings.score_reading import p_ev
+from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 if TYPE_CHECKING:

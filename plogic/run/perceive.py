@@ -10,9 +10,8 @@ from plogic.base.clock import Stopwatch
 from plogic.base.errors import InconsistentError, InputError
 from plogic.base.jobs import processors
 from plogic.base.remembered import cache_folder
-from plogic.cycle.attention import attend
 from plogic.cycle.delta import Delta, Options, delta_of
-from plogic.cycle.perception import perceive
+from plogic.cycle.perception import attend, perceive
 from plogic.cycle.state import Task
 from plogic.facts.situation import SEARCH, WORLDS
 from plogic.match.gamma.data import data_of
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.recall import Seed
+    from plogic.cycle.perception import Seed
     from plogic.cycle.state import Cycle
     from plogic.facts.document import Interpretation, StepRow
     from plogic.facts.hypothesis import Hypothesis

@@ -23,9 +23,8 @@ from kb.files.read import read_kb
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.disjoint import DEEP
 from plogic.match.judged.expectation import hidden_by
-from plogic.match.judged.rivals import claims
+from plogic.match.judged.rivals import DEEP, claims
 from plogic.run.perceive import Perceiver
 
 POSTERIOR = Options(reading="posterior")

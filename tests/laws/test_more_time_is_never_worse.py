@@ -1,7 +1,4 @@
-"""Anytime (``plogic.cycle.stability``).
-
-Wherever the cycle is stopped, it answers with a stable Δi, and more time never makes its weight less.
-"""
+"""Anytime (``plogic.cycle.choosing``): wherever the cycle is stopped, it answers with a stable Δi, and more time never makes its weight less."""
 
 from __future__ import annotations
 
@@ -19,7 +16,7 @@ from synthetic import one_before_the_other, perceiver, scene
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.facts.interpretation import situation_of, text_of
-from plogic.match.judged.alike import same_place
+from plogic.match.judged.rivals import same_place
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 STOPS = 9

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from plogic.match.kinds import Models
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
-    from plogic.sequence.views.merging import Found
+    from plogic.sequence.views.joint import Found
     from plogic.sequence.views.standing import Standing
     from sensing.simulated.robot import Robot
 
@@ -127,9 +127,9 @@ def _look(name: str, robot: Robot, perceiver: Perceiver) -> _Look:
     from plogic.match.gamma.data import data_of
     from plogic.run.document import document_of
     from plogic.run.perceive import ranked
-    from plogic.sequence.views.merging import Found
+    from plogic.sequence.constancy.sight_lines import View
+    from plogic.sequence.views.joint import Found
     from plogic.sequence.views.standing import Seen
-    from plogic.sequence.views.view import View
     from sensing.detectors.detector import detect
 
     kb, image = perceiver.kb, robot.look().image
@@ -158,8 +158,7 @@ def _reachable(candidates: Sequence[CandidateRow], robot: Robot) -> CandidateRow
 def _together(looks: Sequence[_Look], perceiver: Perceiver) -> Together:
     """What both views say: worlds and hypotheses, by the first view's names where it had them."""
     from plogic.cycle.delta import Options
-    from plogic.sequence.views.joint import joint
-    from plogic.sequence.views.merging import merged
+    from plogic.sequence.views.joint import joint, merged
 
     found = [look.found for look in looks]
     both, ranking = joint(

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from plogic.facts.document import Interpretation
     from plogic.facts.fact_rows import Interval, Pose
     from plogic.facts.situation import Reading, Situation
+    from plogic.sequence.next_view.expected import Prospect
     from plogic.sequence.next_view.look import Outlook
     from plogic.sequence.next_view.moves import Candidate, MovesRow
-    from plogic.sequence.next_view.prospect import Prospect
     from plogic.sequence.next_view.reading import LastView
 
     Worlds = list[tuple[float, Sequence[str]]]
@@ -50,9 +50,7 @@ def looked(document: Looked, number: int, seed: int, options: Moves) -> NextView
     from plogic.facts.interpretation import situation_of
     from plogic.facts.situation import stopped_in
     from plogic.scene.readings.unfinished import marks
-    from plogic.sequence.next_view.gain import entropy
-    from plogic.sequence.next_view.goal import answers_in
-    from plogic.sequence.next_view.look import looked_ahead
+    from plogic.sequence.next_view.look import answers_in, entropy, looked_ahead
     from plogic.sequence.next_view.reading import prospect_of
 
     camera, about = camera_from_dict(document["camera"]), options.about

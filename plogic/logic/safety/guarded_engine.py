@@ -328,13 +328,17 @@ def unknown(signature: str) -> str:
 def _unknown_calls(db: Any, texts: list[dict[str, str]]) -> list[str]:  # noqa: ANN401 - a ClauseDB
     """Every call in the texts to a predicate without clauses, with its place, in the order of the texts."""
     files = [item["file"] for item in texts]
-    found = []
-    for _, node in db.enum_nodes():
-        if type(node).__name__ != "call" or node.location is None or node.defnode < 0 or db.get_node(node.defnode):
-            continue
-        spot = db.lineno(node.location, force_filename=True)
-        if spot is not None and spot[0] in files:
-            found.append((files.index(spot[0]), spot[1], spot[2], unknown(f"{node.functor}/{len(node.args)}")))
+    calls = [
+        node
+        for _, node in db.enum_nodes()
+        if type(node).__name__ == "call" and node.location and node.defnode >= 0 and not db.get_node(node.defnode)
+    ]
+    spots = ((node, db.lineno(node.location, force_filename=True)) for node in calls)
+    found = (
+        (files.index(spot[0]), spot[1], spot[2], unknown(f"{node.functor}/{len(node.args)}"))
+        for node, spot in spots
+        if spot is not None and spot[0] in files
+    )
     return [
         with_place(reason, {"file": files[i], "line": line, "column": column})
         for i, line, column, reason in sorted(found)
