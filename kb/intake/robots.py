@@ -17,7 +17,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.files.plain_files import fault_of
+from geometry.files.plain_files import content_of, fault_of, must_be_plain
 from geometry.frames import from_rotation_translation
 from kb.errors import IntakeError
 from kb.intake.source import GREY, Piece, Source, read_source
@@ -40,13 +40,8 @@ def read_xml(path: Path) -> ET.Element:
     Raises:
         IntakeError: no file, too large, no XML, nested too deeply, or one that defines entities.
     """
-    fault = fault_of(path, MAX_BYTES)
-    if fault is not None:
-        raise IntakeError(f"{path}: {fault}")
-    try:
-        text = path.read_bytes().decode("utf-8-sig", errors="replace")
-    except OSError as error:
-        raise IntakeError(f"{path}: cannot be read: {error.strerror}") from None
+    must_be_plain(path, IntakeError, MAX_BYTES)
+    text = content_of(path, MAX_BYTES, IntakeError).decode("utf-8-sig", errors="replace")
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise IntakeError(f"{path}: defines entities, which no robot description needs")
     try:

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.files.mesh_files import Placed, meshes_of, reason, textures_in, triangles_of
+from geometry.files.mesh_files import Placed, joined_meshes, meshes_of, reason, textures_in, triangles_of
 from geometry.files.plain_files import IS_MISSING, fault_of
 from kb.errors import IntakeError
 
@@ -101,9 +101,7 @@ class Source:
     @property
     def whole(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """All vertices (V, 3) and triangles (T, 3)."""
-        starts = np.cumsum([0] + [len(piece.vertices) for piece in self.pieces])
-        triangles = [piece.triangles + start for piece, start in zip(self.pieces, starts, strict=False)]
-        return np.concatenate([piece.vertices for piece in self.pieces]), np.concatenate(triangles)
+        return joined_meshes([(piece.vertices, piece.triangles) for piece in self.pieces])
 
     def moved(self, motion: NDArray[np.float64]) -> "Source":
         """The same by an affine ``motion`` (4, 4); a mirroring one turns the triangles over."""

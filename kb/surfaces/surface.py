@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from geometry.bodies.overlap import Solid
 from geometry.errors import GeometryError
-from geometry.files.mesh_files import meshes_of, reason, triangles_of
+from geometry.files.mesh_files import joined_meshes, meshes_of, reason, triangles_of
 from geometry.visibility.outline import is_closed
 from geometry.visibility.rays import RayMesh, checked_mesh
 from kb.errors import SurfaceError
@@ -117,9 +117,7 @@ def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         raise SurfaceError(f"{path.name} is no mesh that can be read: {reason(path, error)}") from error
     if not sum(len(triangles) for _, triangles in parts):
         raise SurfaceError(f"{path.name} holds no facets")
-    starts = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
-    facets = [triangles + start for (_, triangles), start in zip(parts, starts, strict=False)]
-    return np.concatenate([vertices for vertices, _ in parts]), np.concatenate(facets)
+    return joined_meshes(parts)
 
 
 def welded(vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> Surface:

@@ -156,10 +156,7 @@ def _settled(of: dict[str, tuple[str, ...]]) -> set[str]:
 def _components(of: dict[str, list[str]]) -> list[tuple[str, ...]]:
     import networkx as nx
 
-    graph = nx.DiGraph()
-    graph.add_nodes_from(of)
-    graph.add_edges_from((h, g) for h, gs in of.items() for g in gs)
-    return [tuple(sorted(block)) for block in nx.strongly_connected_components(graph)]
+    return [tuple(sorted(block)) for block in nx.strongly_connected_components(nx.DiGraph(of))]
 
 
 def _limit_joint(of: dict[str, tuple[str, ...]], blocks: tuple[tuple[str, ...], ...]) -> dict[str, tuple[str, ...]]:

@@ -325,10 +325,8 @@ def _bounds(part: Part, scaled: Costs, order: Order, clock: Clock) -> tuple[int,
 
 def _bits(part: Part, order: Order) -> float:
     """The largest size of minis that keeps all of them in memory, as far as a rough count tells."""
-    for bits in BITS:
-        if math.log2(len(part.cards)) + min(bits, order.width) + 1.0 <= MINIS_BITS:
-            return bits
-    return BITS[-1]
+    rows = math.log2(len(part.cards))
+    return next((bits for bits in BITS if rows + min(bits, order.width) + 1.0 <= MINIS_BITS), BITS[-1])
 
 
 def _total(group: Sequence[Term], cards: Sequence[int], turn: dict[int, int], impossible: int) -> Term:

@@ -134,10 +134,8 @@ def _fitted(slots: Sequence[Slot], observed: Counts, start: Rates) -> tuple[dict
 
 
 def _program(slots: Sequence[Slot], kinds: list[str], features: list[str], start: Rates) -> Iterator[str]:
-    for k, name in enumerate(kinds):
-        yield f"t({_inside(start.prior[name])})::present({k}, I) :- slot(I, {k})."
-    for j, name in enumerate(features):
-        yield f"t({_inside(start.hit[name])})::hit({j}, I, F) :- seen(I, F, {j})."
+    yield from (f"t({_inside(start.prior[name])})::present({k}, I) :- slot(I, {k})." for k, name in enumerate(kinds))
+    yield from (f"t({_inside(start.hit[name])})::hit({j}, I, F) :- seen(I, F, {j})." for j, name in enumerate(features))
     yield "near(I, F) :- slot(I, K), present(K, I), seen(I, F, J), hit(J, I, F)."
     yield "near(I, F) :- chance(I, F)."
     yield from (f"slot(observed, {k})." for k in range(len(kinds)))

@@ -21,7 +21,7 @@ from sensing.errors import SceneError
 from sensing.simulated.body import Body
 from sensing.simulated.physics import client, has_physics
 from sensing.simulated.raycast import Cast, Caster
-from sensing.simulated.surroundings import Light, brightness, shading_normals
+from sensing.simulated.surroundings import Light, brightness, placed_at, shading_normals
 
 Shot = tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.float32]]
 
@@ -125,7 +125,7 @@ class _Sight:
     """The pixels of a picture ``supersample`` times as large, as rays in the world frame of length 1 along the optical axis."""
 
     def __init__(self, camera: Camera, supersample: int, bodies: Sequence[Body]) -> None:
-        self._world_from_camera = _pose(camera)
+        self._world_from_camera = placed_at(camera)
         self._K = _undistorted(camera, supersample)
         self._bodies = bodies
         self.shape = camera.height * supersample, camera.width * supersample
@@ -190,6 +190,7 @@ class _TinyRenderer:
 def _add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: Path) -> int:  # noqa: ANN401 - pybullet is untyped
     """Put one body into the client: every triangle has its own three vertices, so that facets are flat."""
     import cv2
+    from scipy.spatial.transform import Rotation
 
     mesh = body.mesh
     if len(mesh.triangles) > MAX_TRIANGLES:
@@ -206,7 +207,10 @@ def _add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: 
         rgbaColor=[*mesh.colour, 1.0],
         physicsClientId=number,
     )
-    at, quat = body.world_from_body[:3, 3].tolist(), _quat_xyzw(body.world_from_body[:3, :3])
+    at, quat = (
+        body.world_from_body[:3, 3].tolist(),
+        Rotation.from_matrix(body.world_from_body[:3, :3]).as_quat().tolist(),
+    )
     placed: int = bullet.createMultiBody(
         0, baseVisualShapeIndex=shape, basePosition=at, baseOrientation=quat, physicsClientId=number
     )
@@ -246,15 +250,9 @@ def _shoot(
     return colour, np.asarray(answer[4], np.int32).reshape(height, width), depth.astype(np.float32)
 
 
-def _quat_xyzw(R: NDArray[np.float64]) -> list[float]:
-    from scipy.spatial.transform import Rotation
-
-    return [float(x) for x in Rotation.from_matrix(R).as_quat()]
-
-
 def view_matrix(camera: Camera) -> list[float]:
     """OpenGL view matrix, column-major, of a camera with a pose in the world; raises SceneError where it has none."""
-    return _columns(_GL_FROM_CV @ np.linalg.inv(_pose(camera)))
+    return _columns(_GL_FROM_CV @ np.linalg.inv(placed_at(camera)))
 
 
 def projection_matrix(camera: Camera, supersample: int, near: float, far: float) -> list[float]:
@@ -270,12 +268,6 @@ def projection_matrix(camera: Camera, supersample: int, near: float, far: float)
     P[2, 2], P[2, 3] = -(far + near) / (far - near), -2 * far * near / (far - near)
     P[3, 2] = -1
     return _columns(P)
-
-
-def _pose(camera: Camera) -> NDArray[np.float64]:
-    if camera.world_from_camera is None:
-        raise SceneError("camera: has no pose in the world (T_world_camera)")
-    return np.asarray(camera.world_from_camera, np.float64)
 
 
 def _undistorted(camera: Camera, supersample: int) -> NDArray[np.float64]:

@@ -24,7 +24,7 @@ from pathlib import Path
 PACKAGES = "geometry", "kb", "sensing", "plogic"
 OTHERS = "trimesh", "embreex.mesh_construction", "embreex.rtcore", "embreex.rtcore_scene", "manifold3d", "rich.console"
 """Imported by functions of ours, when they are called."""
-LEARNING = "kb.learning", "plogic.face.authoring", "cli"
+LEARNING = "kb.learning.", "plogic.face.authoring.", "cli."
 """What a start of one's own may change, and who imports it."""
 ASIDE = "plogic.logic."
 """Imported and put aside: ProbLog, which they bring, sets the limit of recursion, and most commands do without."""
@@ -118,7 +118,7 @@ def become(request):
     sys.argv = request["command"]
     start = Path(request["environment"].get("PYTHONPATH", "")) / "sitecustomize.py"
     if start.is_file():  # which Python would have run as it started, before what it changes is imported
-        for name in [name for name in sys.modules if name.startswith(LEARNING)]:
+        for name in [name for name in sys.modules if f"{name}.".startswith(LEARNING)]:
             del sys.modules[name]
         sys.path.insert(0, str(start.parent))
         runpy.run_path(str(start))

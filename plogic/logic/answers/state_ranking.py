@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from problog.logic import AnnotatedDisjunction, Clause
 
+from plogic.base.walk import reached
 from plogic.logic.answers.answer import grouped, prepared
 from plogic.logic.dnnf.compiled import Circuit, Compiled, Floats, circuit_of
 from plogic.logic.dnnf.nnf import AND, LITERAL, Nnf, nodes_under
@@ -117,14 +118,11 @@ def factors_of(program: Compiled, atoms: list[int]) -> list[Factor]:
 
 def _parts(nnf: Nnf) -> list[int]:
     """The nodes that the root is the conjunction of, none of them a conjunction."""
-    found, stack = [], [nnf.root]
-    while stack:
-        node = stack.pop()
-        if nnf.kinds[node] == AND:
-            stack.extend(reversed(nnf.children[node]))
-        else:
-            found.append(node)
-    return found
+
+    def parts(node: int) -> Iterator[int]:
+        return reversed(nnf.children[node] if nnf.kinds[node] == AND else ())
+
+    return [node for node in reached([nnf.root], parts) if nnf.kinds[node] != AND]
 
 
 def _decided_apart(nnf: Nnf, root: int, variables: tuple[int, ...]) -> set[int]:

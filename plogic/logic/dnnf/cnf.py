@@ -62,7 +62,11 @@ class Splitter:
         for head, inputs in gates.items():
             self._gate(head, inputs)
         for clause in others:
-            self._clause(clause)
+            kept = self._split(clause)
+            if kept is None:
+                self.clauses.append(clause)
+            else:
+                self.left.append(kept)
 
     def modules(self) -> Modules:
         """What was found."""
@@ -79,13 +83,6 @@ class Splitter:
             return
         self.left.append((-head, *kept))
         self.left += [(head, -literal) for literal in kept]
-
-    def _clause(self, clause: Clause) -> None:
-        kept = self._split(clause)
-        if kept is None:
-            self.clauses.append(clause)
-        else:
-            self.left.append(kept)
 
     def _split(self, inputs: Inputs) -> Inputs | None:
         """The inputs with those of its own as one; None if all are."""

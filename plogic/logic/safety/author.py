@@ -62,8 +62,6 @@ def bindings(goal: str, answer: str) -> dict[str, Value]:
 
     None where ``answer`` is no instance of it.
     """
-    from plogic.logic.safety.author import load_problog
-
     load_problog()
     from plogic.logic.safety.check import parse
 
@@ -80,9 +78,12 @@ def _matched(asked: Any, found: Any) -> dict[str, Value]:  # noqa: ANN401 - term
 
     if isinstance(asked, Var):
         return {} if asked.name.startswith("_") or isinstance(found, Var) else {asked.name: _value(found)}
-    if not isinstance(asked, Term) or isinstance(asked, Constant) or not isinstance(found, Term):
-        return {}
-    if asked.arity != found.arity:
+    if (
+        not isinstance(asked, Term)
+        or isinstance(asked, Constant)
+        or not isinstance(found, Term)
+        or asked.arity != found.arity
+    ):
         return {}
     result: dict[str, Value] = {}
     for one, other in zip(asked.args, found.args, strict=True):

@@ -12,8 +12,8 @@ from made_meshes import write_box
 
 from benchmarks.tabletop.patterns import pattern
 from cli import cli
+from geometry.camera import centred_camera
 from geometry.frames import inverse, look_at, transform_points
-from geometry.poses.register import centred_camera
 from kb.errors import IntakeError, KBErrors
 from kb.files.read import read_kb
 from kb.learning.again import INSIDE
