@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.files.mesh_files import Placed, joined_meshes, meshes_of, reason, textures_in, triangles_of
+from geometry.files.mesh_files import joined_meshes, meshes_of, reason, textures_in, triangles_of
 from geometry.files.plain_files import IS_MISSING, fault_of
 from kb.errors import IntakeError
 
@@ -124,7 +124,10 @@ def read_source(path: Path) -> Source:
         finite.
     """
     _check_file(path)
-    meshes = _meshes(path)
+    try:
+        meshes = meshes_of(path)
+    except Exception as error:  # - trimesh's readers raise whatever their parsers do
+        raise IntakeError(f"{path}: is no mesh that can be read: {reason(path, error)}") from error
     number = sum(len(mesh.faces) for mesh, _ in meshes)
     if not number:
         raise IntakeError(f"{path}: holds no triangles")
@@ -147,14 +150,6 @@ def _check_file(path: Path) -> None:
         raise IntakeError(f"{path}: there is no such mesh file" if fault == IS_MISSING else f"{path}: {fault}")
     if path.suffix.lower().lstrip(".") not in FORMATS:
         raise IntakeError(f"{path}: is no mesh file that can be read; these can: {', '.join(FORMATS)}")
-
-
-def _meshes(path: Path) -> Placed:
-    """The triangle meshes of the file, each with its place in the file's scene."""
-    try:
-        return meshes_of(path)
-    except Exception as error:  # - trimesh's readers raise whatever their parsers do
-        raise IntakeError(f"{path}: is no mesh that can be read: {reason(path, error)}") from error
 
 
 def _piece(mesh: Any, placed: NDArray[np.float64], pictures: dict[str, Picture]) -> Piece:  # noqa: ANN401 - trimesh is untyped
