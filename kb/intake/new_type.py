@@ -20,8 +20,7 @@ from kb.errors import IntakeError
 from kb.files.schema import json_schema
 from kb.files.values import LENGTHS
 from kb.files.write import flow
-from kb.intake.paint import painted_files
-from kb.intake.source import MAX_FILE_BYTES, Source
+from kb.intake.source import MAX_FILE_BYTES, Source, painted_files
 from kb.surfaces.pieces import pieces_of
 from kb.surfaces.repair import Repaired, repaired
 from kb.surfaces.surface import Surface
