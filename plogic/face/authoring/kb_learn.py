@@ -33,20 +33,19 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from plogic.face.shown.options import Learning
     from sensing.detectors.keypoints import Keypoints
 
 
 BY_HAND = "its features were written by hand; learning would replace them: take them out of object.yaml first"
 
 
-def learn_command(
-    kb_folder: str, names: Sequence[str], options: Mapping[str, Any], *, say: Callable[[str], None]
-) -> str:
-    """Learn the types that are named, or all that have a texture and no features; ``options``: detector, jobs, seed, as_json."""
+def learn_command(kb_folder: str, names: Sequence[str], options: Learning, *, say: Callable[[str], None]) -> str:
+    """Learn the types that are named, or all that have a texture and no features."""
     kb = kb_of(kb_folder)
     folder = check_own(kb_folder)
     chosen = _chosen(kb, names)
-    check_detector(kb_folder, kb, options["detector"], [kind.name for kind in chosen])
+    check_detector(kb_folder, kb, options.detector, [kind.name for kind in chosen])
     rows, clouds = [], {kind.name: kind.learned for kind in kb.types if kind.learned is not None}
     places, found = type_folders(folder), {}
     for kind in chosen:
@@ -56,9 +55,9 @@ def learn_command(
         if not stated(file):
             found[file] = symmetries_of(kind, clouds[kind.name], options, say)
         rows[-1]["symmetries"] = symmetry_rows(found[file]) if file in found else None
-    words, clouds = worded(clouds, options["seed"])
+    words, clouds = worded(clouds, options.seed)
     write_files(written(files_of(folder, words, clouds), found))
-    if options["as_json"]:
+    if options.as_json:
         return json.dumps({"format": "kb_learn/1", "kb": kb.name, "words": len(words.centroids), "types": rows})
     return _text(f"learned into {kb_folder}: {len(words.centroids)} words in all", rows)
 
@@ -163,9 +162,7 @@ def _named(file: Path, key: str, data: bytes) -> dict[Path, bytes]:
 KEPT = "symmetries: as object.yaml states them"
 
 
-def symmetries_of(
-    kind: ObjectType, cloud: LearnedCloud, options: Mapping[str, Any], say: Callable[[str], None]
-) -> list[Trial]:
+def symmetries_of(kind: ObjectType, cloud: LearnedCloud, options: Learning, say: Callable[[str], None]) -> list[Trial]:
     """A trial for each turn of the type's shape; new pictures of it are taken where the cloud alone does not rule all of them out."""
     if kind.surface is None:
         return []
@@ -177,7 +174,7 @@ def symmetries_of(
     return judged(groups, cloud, _new_pictures(kind, options, directions), directions)
 
 
-def _new_pictures(kind: ObjectType, options: Mapping[str, Any], directions: NDArray[np.float64]) -> Observations:
+def _new_pictures(kind: ObjectType, options: Learning, directions: NDArray[np.float64]) -> Observations:
     """What the detector sees from directions that the cloud was not learned from, with other noise."""
     import cv2
 
@@ -186,11 +183,11 @@ def _new_pictures(kind: ObjectType, options: Mapping[str, Any], directions: NDAr
     cv2.setNumThreads(1)
 
     def detect(image: NDArray[np.uint8], calm: NDArray[np.uint8], cell: int) -> Keypoints:
-        return described(image, options["detector"], cell=cell, calm=calm)
+        return described(image, options.detector, cell=cell, calm=calm)
 
     views = turned(read_mesh(kind.mesh_file, kind.mesh_scale), list(directions), PIXELS[0], MARGIN, AWAY)
     try:
-        return joined([observed(view, number, detect, options["seed"] + 1) for number, view in enumerate(views)])
+        return joined([observed(view, number, detect, options.seed + 1) for number, view in enumerate(views)])
     finally:
         cv2.setNumThreads(threads)
 

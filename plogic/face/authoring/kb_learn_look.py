@@ -1,6 +1,6 @@
 """What ``plogic kb learn`` does for one type: render it from all around, look with the detector of run time, and make a cloud of what was seen.
 
-All that decides a cloud is here or imported from here (``kb_learn_cache``).
+All that decides a cloud is here or imported from here.
 """
 
 from __future__ import annotations
@@ -32,12 +32,13 @@ from sensing.simulated.camera import extent, turned
 from sensing.simulated.physics import physics_version
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     import numpy as np
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
+    from plogic.face.shown.options import Learning
     from sensing.detectors.keypoints import Keypoints
     from sensing.simulated.body import TexturedMesh
 
@@ -49,7 +50,7 @@ CHUNK = 20
 def looked(
     kind: ObjectType,
     kb: KnowledgeBase,
-    options: Mapping[str, Any],
+    options: Learning,
     say: Callable[[str], None],
     painted: PaintedMesh | None = None,
 ) -> LearnedCloud:
@@ -60,13 +61,13 @@ def looked(
         drawn.
     """
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
-    task = (str(kind.mesh_file), kind.mesh_scale, options["detector"], options["seed"])
-    whole = joined(_seen(kind.name, task, DIRECTIONS, options["jobs"]))
+    task = (str(kind.mesh_file), kind.mesh_scale, options.detector, options.seed)
+    whole = joined(_seen(kind.name, task, DIRECTIONS, options.jobs))
     diameter = extent(read_mesh(kind.mesh_file, kind.mesh_scale).vertices)[1]
     cloud = cloud_of(whole if painted is None else on_shown(painted, whole), diameter, kb.f_ref, DIRECTIONS)
     if not len(cloud.at):
         raise InputError(
-            f"{kind.name}: no keypoint of it comes again from view to view: its texture is too plain for {options['detector']}"
+            f"{kind.name}: no keypoint of it comes again from view to view: its texture is too plain for {options.detector}"
         )
     compounds, together, largest = compound_sizes(cloud)
     groups = f", {together} of them in {compounds_text(compounds, largest)}" if compounds else ""
@@ -124,7 +125,7 @@ LIBRARIES = ("numpy", "scipy", "embreex", "trimesh")
 def learned_of(
     kind: ObjectType,
     kb: KnowledgeBase,
-    options: Mapping[str, Any],
+    options: Learning,
     say: Callable[[str], None],
     painted: PaintedMesh | None = None,
 ) -> LearnedCloud:
@@ -136,7 +137,7 @@ def learned_of(
             f"{kind.name}: is not remembered for the next time: there is no home folder; XDG_CACHE_HOME may name another"
         )
         return read_cloud(cloud_bytes(looked(kind, kb, options, say, painted)))
-    how = (kb.f_ref, options["detector"], options["seed"], painted is not None)
+    how = (kb.f_ref, options.detector, options.seed, painted is not None)
     place = folder / f"{key_of(read_mesh(kind.mesh_file, kind.mesh_scale), how)}.npz"
     try:
         remembered = _kept(place.read_bytes())

@@ -6,7 +6,20 @@ import json
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict, cast
 
-from plogic.facts.document import Marks
+from geometry.camera import Camera, camera_from_dict
+from geometry.files.pose_files import read_moves
+from plogic.base.errors import InterpretationError
+from plogic.face.shown.tables import text_of_table
+from plogic.facts.document import Interpretation, Marks
+from plogic.facts.interpretation import situation_of
+from plogic.facts.situation import Reading, Situation, stopped_in
+from plogic.scene.readings.unfinished import marks, notice
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
+from plogic.sequence.next_view.gain import entropy
+from plogic.sequence.next_view.goal import answers_in
+from plogic.sequence.next_view.look import Outlook, looked_ahead
+from plogic.sequence.next_view.moves import Candidate, MovesRow, checked, ring, standing, within
+from plogic.sequence.next_view.reading import LastView, prospect_of, read_looked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -14,15 +27,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from geometry.camera import Camera
     from plogic.face.shown.options import Moves
-    from plogic.facts.document import Interpretation
     from plogic.facts.fact_rows import Interval, Pose
-    from plogic.facts.situation import Reading, Situation
-    from plogic.sequence.next_view.look import Outlook
-    from plogic.sequence.next_view.moves import Candidate, MovesRow
     from plogic.sequence.next_view.prospect import Prospect
-    from plogic.sequence.next_view.reading import LastView
 
     Worlds = list[tuple[float, Sequence[str]]]
     Looked = Interpretation | LastView
@@ -33,9 +40,6 @@ LISTED_WORLDS = 100
 
 def next_view_command(source: str, number: int, seed: int, options: Moves, *, as_json: bool) -> str:
     """The table, or the document ``next-view/1``."""
-    from plogic.base.errors import InterpretationError
-    from plogic.sequence.next_view.reading import read_looked
-
     document = read_looked(source)
     try:
         answer = looked(document, number, seed, options)
@@ -46,15 +50,6 @@ def next_view_command(source: str, number: int, seed: int, options: Moves, *, as
 
 def looked(document: Looked, number: int, seed: int, options: Moves) -> NextView:
     """The document of an interpretation's next views, or of those of what stands for one (``plogic.sequence.next_view.reading``)."""
-    from geometry.camera import camera_from_dict
-    from plogic.facts.interpretation import situation_of
-    from plogic.facts.situation import stopped_in
-    from plogic.scene.readings.unfinished import marks
-    from plogic.sequence.next_view.gain import entropy
-    from plogic.sequence.next_view.goal import answers_in
-    from plogic.sequence.next_view.look import looked_ahead
-    from plogic.sequence.next_view.reading import prospect_of
-
     camera, about = camera_from_dict(document["camera"]), options.about
     reading: Reading = options.reading or document["reading"]
     if "format" not in document:  # of a sequence
@@ -89,8 +84,6 @@ def looked(document: Looked, number: int, seed: int, options: Moves) -> NextView
 
 def _of_presence(document: LastView, reading: str, about: str | None) -> None:
     """Refuse what the worlds of a sequence do not say. Raises InterpretationError."""
-    from plogic.base.errors import InterpretationError
-
     if about is not None:
         raise InterpretationError(
             "--about: the worlds of a sequence say who is present and no more; ask the interpretation of one of its views"
@@ -103,8 +96,6 @@ def _of_presence(document: LastView, reading: str, about: str | None) -> None:
 
 def _listed(document: Looked) -> tuple[Worlds, list[float]]:
     """The worlds that the document lists, and what is not listed. Raises InterpretationError."""
-    from plogic.base.errors import InterpretationError
-
     lacking = [key for key in ("worlds", "unlisted_mass") if key not in document]
     if lacking:
         raise InterpretationError(*(f"{key}: is missing" for key in lacking))
@@ -116,15 +107,12 @@ def _worlds(document: Interpretation, situation: Situation, reading: Reading | N
     """The worlds that the interpretation lists, or those of the other reading."""
     if reading is None or reading == situation.reading:
         return _listed(document)
-    from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
     ranking = ranked_worlds(replace(situation, reading=reading), LISTED_WORLDS)
     return [(w.probability, w.present) for w in ranking.worlds], list(ranking.unlisted)
 
 
 def _candidates(prospect: Prospect, camera: Camera, options: Moves) -> tuple[list[Candidate], MovesRow]:
-    from geometry.files.pose_files import read_moves
-    from plogic.sequence.next_view.moves import Candidate, checked, ring, standing, within
 
     stand = standing(camera.world_from_camera)
     if options.moves is not None:
@@ -210,10 +198,6 @@ def table_of(document: NextView) -> str:
     from rich import box
     from rich.table import Table
     from rich.text import Text
-
-    from plogic.face.shown.tables import text_of_table
-    from plogic.facts.situation import stopped_in
-    from plogic.scene.readings.unfinished import notice
 
     table = Table(title="next view", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("rank", justify="right")

@@ -17,6 +17,7 @@ from kb.shown.show import part_of_features, part_rows
 from plogic.face.pages.one_file import PageParts, one_file
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from sensing.errors import SensingError
+from sensing.simulated.body import TexturedMesh, read_mesh
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase, ObjectType
     from kb.clouds.learned import LearnedCloud
-    from sensing.simulated.body import TexturedMesh
 
 
 LARGEST = 3e38
@@ -107,8 +107,6 @@ def surface_document(kind: ObjectType) -> tuple[dict[str, Any] | None, list[str]
 
 def _painted(kind: ObjectType) -> tuple[TexturedMesh | None, list[str]]:
     """The textured mesh, None where there is none or it cannot be read."""
-    from sensing.simulated.body import read_mesh
-
     if kind.mesh_file is None:
         return None, []
     try:
