@@ -1,7 +1,5 @@
 """The command line: one function a command, which parses, calls and prints. Everything else is in the packages."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

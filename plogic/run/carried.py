@@ -6,22 +6,16 @@ Types written by hand are carried whole. Of a learned type, which has thousands 
 of each direction of view in turn; how many were left out is said.
 """
 
-from __future__ import annotations
-
 import base64
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Mapping
+from typing import Literal
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.facts.document import AssetsRow, MeshRow, SensingRow, TypeRow
-
+from kb.clouds.cloud import KnowledgeBase, ObjectType
+from plogic.facts.document import AssetsRow, MeshRow, SensingRow, TypeRow
 
 MOST_LOBES = 1500
 """Of one type: some 60 bytes each."""

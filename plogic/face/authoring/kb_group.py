@@ -1,7 +1,5 @@
 """The click group ``plogic kb``: one function a command, which parses, calls and prints."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,13 +1,15 @@
 """``plogic kb learn``: features of types from their textured meshes, and the turns of a shape that its texture keeps."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.cones import even_directions
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud, cloud_bytes
 from kb.clouds.words import Words, worded, words_bytes
 from kb.files.folder import load
@@ -17,25 +19,16 @@ from kb.learning.symmetry_trials import DIRECTIONS, Trial, entries, judged, tria
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn_look import learned_of
 from plogic.face.authoring.kb_types import check_own, type_folders, with_entry
+from plogic.face.shown.options import Learning
 from plogic.face.shown.tables import plain_table
 from plogic.run.sources import kb_of
 from sensing.detectors.keypoint_detector import described
+from sensing.detectors.keypoints import Keypoints
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_files
 from sensing.simulated.body import read_mesh
 from sensing.simulated.camera import turned
 from sensing.simulated.stage import MAX_TRIANGLES
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.face.shown.options import Learning
-    from sensing.detectors.keypoints import Keypoints
-
 
 BY_HAND = "its features were written by hand; learning would replace them: take them out of object.yaml first"
 

@@ -3,17 +3,20 @@
 All that decides a cloud is here or imported from here.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import sys
+from collections.abc import Callable
 from contextlib import closing, suppress
 from functools import partial
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from geometry.cones import even_directions
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud, cloud_bytes, read_cloud
 from kb.errors import CloudError
 from kb.learning.features import cloud_of
@@ -23,25 +26,15 @@ from kb.shown.cautions import compound_sizes, compounds_text
 from plogic.base.errors import InputError
 from plogic.base.jobs import ChildDiedError, afresh
 from plogic.base.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
+from plogic.face.shown.options import Learning
 from sensing.detectors.edge_sides import edge_sides
 from sensing.detectors.keypoint_detector import described
+from sensing.detectors.keypoints import Keypoints
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_whole
-from sensing.simulated.body import read_mesh
+from sensing.simulated.body import TexturedMesh, read_mesh
 from sensing.simulated.camera import extent, turned
 from sensing.simulated.physics import physics_version
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.face.shown.options import Learning
-    from sensing.detectors.keypoints import Keypoints
-    from sensing.simulated.body import TexturedMesh
-
 
 CHUNK = 20
 """Directions that a process renders at a time."""

@@ -1,17 +1,18 @@
 """``plogic kb learn NAME --photo FILE --points FILE``: an object type from one photo, laid onto its mesh by a few clicked points."""
 
-from __future__ import annotations
-
 import json
 import tempfile
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.camera import camera_to_dict
 from geometry.files.camera_files import read_camera
+from geometry.poses.register import Registration
+from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import worded
 from kb.files.folder import load
 from kb.intake.new_type import NewType, check_name, new_type
@@ -22,20 +23,13 @@ from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn import BY_HAND, check_detector, files_of, row_of
 from plogic.face.authoring.kb_learn_look import learned_of
 from plogic.face.authoring.kb_types import check_own, check_places, new_command, type_folders, with_entry, write_types
+from plogic.face.shown.options import Learning, Photo
 from plogic.face.shown.tables import plain_table
 from plogic.run.sources import kb_of
 from sensing.files.images import read_image
 from sensing.files.whole_files import write_files
 from sensing.simulated.body import read_mesh
 from sensing.simulated.stage import MAX_TRIANGLES
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from geometry.poses.register import Registration
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learned import LearnedCloud
-    from plogic.face.shown.options import Learning, Photo
 
 BY_PHOTO = "# painted with a photo by plogic kb learn --photo\n"
 """The first line of a material that may be replaced by a better photo's."""

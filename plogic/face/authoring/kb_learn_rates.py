@@ -1,9 +1,9 @@
 """``plogic kb learn-rates``: priors, hit rates and clutter from scenes with ground truth, back into ``kb.yaml``."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
 
 from geometry.errors import PlogicError
 from kb.clouds.cloud import Counts, KnowledgeBase, Rates
@@ -16,11 +16,6 @@ from plogic.rates.scene_records import Record, record_of, scene_folders
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import kb_of
 from sensing.files.whole_files import write_whole
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
-
 
 KINDS = ("hit", "clutter", "prior")
 """Rates that are learned: the fields that ``Rates`` and ``Counts`` have in common."""

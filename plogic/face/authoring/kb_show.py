@@ -1,8 +1,7 @@
 """``plogic kb check``, ``show`` and ``measures``: what a knowledge base holds, as text, as JSON and as a page."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -15,8 +14,6 @@ from plogic.measures.distinctiveness import distinctiveness, instance_counts, pr
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from kb.clouds.cloud import KnowledgeBase, ObjectType
 
 
@@ -58,7 +55,7 @@ def measures_command(folder: str, gamma: str | None, *, as_json: bool) -> str:
     return "\n".join(texts)
 
 
-def _words_in_one_row(rows: list[dict[str, Any]], kb: KnowledgeBase) -> list[dict[str, Any]]:
+def _words_in_one_row(rows: list[dict[str, Any]], kb: "KnowledgeBase") -> list[dict[str, Any]]:
     """The rows for people: those of visual words, hundreds of them, summed up with the range of their dv."""
     names = set(kb.words.names) if kb.words is not None else set()
     words, others = [row for row in rows if row["type"] in names], [row for row in rows if row["type"] not in names]
@@ -72,7 +69,7 @@ def _words_in_one_row(rows: list[dict[str, Any]], kb: KnowledgeBase) -> list[dic
     ]
 
 
-def _ranks(kb: KnowledgeBase, gamma: str, dv: dict[str, float]) -> list[dict[str, Any]]:
+def _ranks(kb: "KnowledgeBase", gamma: str, dv: dict[str, float]) -> list[dict[str, Any]]:
     from plogic.cycle.attention import attend
     from plogic.match.kinds import models_of
     from sensing.files.gamma_files import read_gamma
@@ -103,7 +100,7 @@ def page_command(
     say(f"wrote {out}")
 
 
-def type_of(kb: KnowledgeBase, name: str | None) -> ObjectType:
+def type_of(kb: "KnowledgeBase", name: str | None) -> "ObjectType":
     """The type of that name. Raises InputError, naming those that there are."""
     known = {kind.name: kind for kind in kb.types}
     there = f"there are: {', '.join(known) or 'none (plogic kb add)'}"

@@ -1,18 +1,17 @@
 """``plogic kb new``, ``add`` and ``import``: new knowledge bases, and new types in their folders, each whole or not at all."""
 
-from __future__ import annotations
-
 import json
 import os.path
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.files.folder import MAX_BYTES, load
 from kb.files.write import obj_text, object_text
 from kb.intake.bop_models import bop_models, bop_symmetries
@@ -24,11 +23,8 @@ from plogic.base.errors import InputError
 from plogic.run.sources import kb_of
 from plogic.sequence.constancy.draft import draft_type
 from plogic.sequence.constancy.panorama_reading import unknown_of
+from plogic.sequence.constancy.result import SeenFeature
 from sensing.files.whole_files import write_folder, write_whole
-
-if TYPE_CHECKING:
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.sequence.constancy.result import SeenFeature
 
 
 def check_kb(folder: Path) -> None:

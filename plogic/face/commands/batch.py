@@ -1,32 +1,23 @@
 """``plogic batch``: many frames, one line of JSON each, by several processes or a Dask cluster."""
 
-from __future__ import annotations
-
 import json
 import os
+from collections.abc import Iterable, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from geometry.files.camera_files import read_camera
 from plogic.base.children import ending_well
+from plogic.face.shown.options import Batching
 from plogic.run.batch.frame_lines import ERROR, UNFINISHED
-from plogic.run.batch.frames import checked, frames_of
-from plogic.run.batch.frames_run import Waiting, run, waiting_beside
-from plogic.run.batch.log import check_out, check_same, left_over, log_at
+from plogic.run.batch.frames import Frame, Settings, checked, frames_of
+from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
+from plogic.run.batch.log import Log, check_out, check_same, left_over, log_at
 from plogic.run.batch.pool import Pool
 from plogic.run.batch.progress import Progress
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from plogic.face.shown.options import Batching
-    from plogic.run.batch.frames import Frame, Settings
-    from plogic.run.batch.frames_run import Engine
-    from plogic.run.batch.log import Log
 
 BAD, LATE = 1, 3
 """Exit statuses: a frame could not be perceived; the deadline cut one short."""

@@ -1,27 +1,22 @@
 """``plogic bop``: a BOP dataset to the challenge's results file, with its scores where the truth is known."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from kb.clouds.cloud import KnowledgeBase
 from plogic.base.errors import InputError
 from plogic.face.shown.options import Scoring, written
 from plogic.face.shown.tables import plain_table
 from plogic.run.bop.dataset import Dataset, open_dataset
 from plogic.run.bop.models import ids_of, model_ids, read_ids, read_models, unknown
-from plogic.run.bop.recalls import Recalls, Scores, score, targets_of
-from plogic.run.bop.results_file import Look, Run, results_text, run, views_of
+from plogic.run.bop.recalls import Recalls, Scores, score, targets_of, views_of
+from plogic.run.bop.results_file import Look, Run, results_text, run
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import detectable, kb_of
 from sensing.detectors.detector import detect
 from sensing.files.whole_files import check_places
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from kb.clouds.cloud import KnowledgeBase
 
 NOTE = "AR_VSD is not computed: the mean of the two is not the challenge's AR, and is not to be compared with one"
 

@@ -3,14 +3,16 @@
 Γ comes from the pixels alone: the ground truth is written beside the result, and nothing reads it.
 """
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypedDict, cast
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, TypedDict, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.camera import camera_to_dict
+from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
@@ -21,12 +23,16 @@ from plogic.face.pages.one_file import page
 from plogic.face.shown import tables
 from plogic.face.shown.options import Moves
 from plogic.face.shown.tables import text_of_table
+from plogic.facts.document import Interpretation, WorldRow
+from plogic.facts.fact_rows import Interval, Pose
 from plogic.facts.interpretation import situation_of, text_of
+from plogic.facts.situation import Reading
 from plogic.match.gamma.data import data_of
 from plogic.run.document import document_of
 from plogic.run.perceive import Perceiver, ranked
 from plogic.run.sources import kb_of
 from plogic.scene.asking.query import answers_to_all
+from plogic.scene.document import AnswerRow
 from plogic.scene.text.program_text import program_text, query_lines
 from plogic.sequence.views.joint import joint
 from plogic.sequence.views.merging import Found, merged
@@ -37,19 +43,6 @@ from sensing.files.gamma_files import gamma_to_dict
 from sensing.files.whole_files import write_files
 from sensing.simulated.robot import Robot
 from sensing.simulated.scene import json_bytes, png, random_scene, truth_to_dict
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.document import Interpretation, WorldRow
-    from plogic.facts.fact_rows import Interval, Pose
-    from plogic.facts.situation import Reading
-    from plogic.scene.document import AnswerRow
-
 
 READINGS: tuple[Reading, ...] = ("score", "posterior")
 SCENE = 62

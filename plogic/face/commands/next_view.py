@@ -1,16 +1,20 @@
 """``plogic next-view``: the camera moves that would tell most, as a document ``next-view/1`` and as a table."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict, cast
+from typing import Literal, NotRequired, TypedDict, cast
+
+import numpy as np
+from numpy.typing import NDArray
 
 from geometry.camera import Camera, camera_from_dict
 from geometry.files.pose_files import read_moves
 from plogic.base.errors import InterpretationError
+from plogic.face.shown.options import Moves
 from plogic.face.shown.tables import text_of_table
 from plogic.facts.document import Interpretation, Marks
+from plogic.facts.fact_rows import Interval, Pose
 from plogic.facts.interpretation import situation_of
 from plogic.facts.situation import Reading, Situation, stopped_in
 from plogic.scene.readings.unfinished import marks, notice
@@ -19,20 +23,12 @@ from plogic.sequence.next_view.gain import entropy
 from plogic.sequence.next_view.goal import answers_in
 from plogic.sequence.next_view.look import Outlook, looked_ahead
 from plogic.sequence.next_view.moves import Candidate, MovesRow, checked, ring, standing, within
+from plogic.sequence.next_view.prospect import Prospect
 from plogic.sequence.next_view.reading import LastView, prospect_of, read_looked
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+Worlds = list[tuple[float, Sequence[str]]]
+Looked = Interpretation | LastView
 
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from plogic.face.shown.options import Moves
-    from plogic.facts.fact_rows import Interval, Pose
-    from plogic.sequence.next_view.prospect import Prospect
-
-    Worlds = list[tuple[float, Sequence[str]]]
-    Looked = Interpretation | LastView
 
 LISTED_WORLDS = 100
 """Worlds that are taken in the other reading: as many as an interpretation lists."""
@@ -48,7 +44,7 @@ def next_view_command(source: str, number: int, seed: int, options: Moves, *, as
     return json.dumps(answer) if as_json else table_of(answer)
 
 
-def looked(document: Looked, number: int, seed: int, options: Moves) -> NextView:
+def looked(document: Looked, number: int, seed: int, options: Moves) -> "NextView":
     """The document of an interpretation's next views, or of those of what stands for one (``plogic.sequence.next_view.reading``)."""
     camera, about = camera_from_dict(document["camera"]), options.about
     reading: Reading = options.reading or document["reading"]

@@ -1,20 +1,14 @@
 """``plogic program``, ``report`` and ``measures``: an interpretation as program text, as a page and as tables."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 from plogic.face.shown.options import written
 from plogic.facts.interpretation import read_interpretation
+from plogic.facts.situation import Reading
 from plogic.run.sources import situation_from
 from plogic.scene.readings.unfinished import marks, with_notice
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from plogic.facts.situation import Reading
 
 
 def program_command(interpretation: str, reading: Reading | None, *, as_json: bool = False) -> str:

@@ -3,14 +3,13 @@
 The wiring between meshes of Σ and the simulated camera, which knows no types, is here.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.files.pose_files import read_moves
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.base.errors import InputError
 from plogic.run.bop.write import Kind, write_dataset
 from plogic.run.sources import kb_of
@@ -19,12 +18,6 @@ from sensing.simulated.body import TexturedMesh, read_mesh
 from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
 from sensing.simulated.robot import Robot, write_tour
 from sensing.simulated.scene import Scene, random_scene, write_scene
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-
 
 RING = "ring:"
 MOST_VIEWS = 360

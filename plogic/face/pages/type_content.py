@@ -4,29 +4,22 @@ Feature types, appearance types and parts are lists; features and lobes name the
 order of features.
 """
 
-from __future__ import annotations
-
 import base64
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.clouds.learned import LearnedCloud
 from kb.shown.cautions import learned_summary
 from kb.shown.show import part_of_features, part_rows
 from plogic.face.pages.one_file import PageParts, one_file
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from sensing.errors import SensingError
 from sensing.simulated.body import TexturedMesh, read_mesh
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learned import LearnedCloud
-
 
 LARGEST = 3e38
 """Of a number in single precision; beyond it stands this."""

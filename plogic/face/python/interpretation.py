@@ -1,14 +1,14 @@
 """An interpretation for Python: what a picture shows, and everything that can be asked of it."""
 
-from __future__ import annotations
-
 import base64
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Self, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plogic.base.errors import InputError
 from plogic.face.python.asking import Asked, Program
@@ -23,10 +23,6 @@ from plogic.scene.text.program_text import program_text, query_lines
 from sensing.files.whole_files import write_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
     from plogic.face.python.measures import Measures
     from plogic.face.python.pictures import Camera
 
@@ -152,7 +148,7 @@ class Interpretation(Asked):
         return bool(self._document.get("unfinished"))
 
     @property
-    def camera(self) -> Camera:
+    def camera(self) -> "Camera":
         """The camera."""
         from geometry.camera import camera_from_dict
         from plogic.face.python.pictures import Camera
@@ -179,7 +175,7 @@ class Interpretation(Asked):
         """The typed situation that questions are put to."""
         return interpretation.situation_of(self._document)
 
-    def measures(self) -> Measures:
+    def measures(self) -> "Measures":
         """Return ev in each mode, Shanahan's value, the posterior, dv and rank: a row each hypothesis that is not rejected."""
         from plogic.face.python.measures import measures_of
 

@@ -1,21 +1,17 @@
 """A knowledge base for Python: read once, made ready once, and used for any number of images, in several processes too."""
 
-from __future__ import annotations
-
 import os
 from functools import lru_cache
 from multiprocessing import parent_process
 from pathlib import Path
 from threading import Lock, active_count
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
+from kb.clouds.cloud import KnowledgeBase as Sigma
 from plogic.base.errors import InputError
 from plogic.face.session.blocks import Block, Column, Table, html_of, text_of
 from plogic.run.perceive import Perceiver, perceiver_of
 from plogic.run.sources import kb_of
-
-if TYPE_CHECKING:
-    from kb.clouds.cloud import KnowledgeBase as Sigma
 
 MOST_KEPT = 8
 """Knowledge bases that a process keeps of those which other processes sent it."""

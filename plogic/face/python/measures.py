@@ -1,16 +1,11 @@
 """The measures of §5 side by side, as a table: a row each hypothesis, and one each feature type."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from plogic.face.session.blocks import Block, Column, Rows, Table
 from plogic.face.shown.figures import chance, signed
+from plogic.facts.document import Interpretation
 from plogic.run.measured import Distinctive, Measure, measured
-
-if TYPE_CHECKING:
-    from plogic.facts.document import Interpretation
 
 TITLES = {
     "ev": "ev",

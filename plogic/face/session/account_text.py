@@ -1,13 +1,8 @@
 """An account of a goal as text: its probability, why, why not, and what it lacked."""
 
-from __future__ import annotations
+from collections.abc import Iterator
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from plogic.scene.asking.explanations import Account, Covered, Explanation, Miss, Reason
+from plogic.scene.asking.explanations import Account, Covered, Explanation, Miss, Reason
 
 
 def account_text(account: Account, *, brief: bool = False) -> str:

@@ -10,8 +10,6 @@ Names come from strangers: whatever no terminal prints (escape sequences, line b
 its escape, ``\\x1b``.
 """
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, is_dataclass
@@ -179,7 +177,7 @@ class Rows(Result, Sequence[Row_co]):
         """The rows as dictionaries: a column each field, and of bindings a column each variable."""
         return [_record(row) for row in self.rows]
 
-    def to_pandas(self) -> pd.DataFrame:
+    def to_pandas(self) -> "pd.DataFrame":
         """Return the rows as a ``pandas.DataFrame``, with the columns of ``records``.
 
         Raises:

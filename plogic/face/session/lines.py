@@ -1,24 +1,21 @@
 """The shell without a terminal: one line after another, results on stdout, mistakes on stderr with their line."""
 
-from __future__ import annotations
-
 import contextlib
 import os
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from geometry.errors import PlogicError
 from plogic.base.errors import InputError
+from plogic.face.session.blocks import Result
 from plogic.face.session.results import Replayed
 from plogic.face.session.verbs import is_end, perform, verb_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from plogic.face.session.blocks import Result
     from plogic.face.session.session import Session
 
 
-def attempted(session: Session, line: str) -> tuple[Result | None, list[str]]:
+def attempted(session: "Session", line: str) -> tuple[Result | None, list[str]]:
     """What the line came to, and the mistakes in it, a sentence each: a line that fails never ends the session."""
     try:
         return perform(session, line), []
@@ -36,7 +33,7 @@ def shown(text: str) -> str:
     return text.rstrip("\n") + "\n" + "\n" * ("\n" in text)
 
 
-def replayed(session: Session, file: str, text: str) -> Replayed:
+def replayed(session: "Session", file: str, text: str) -> Replayed:
     """What each line comes to; raises InputError with file and line at the first that fails."""
     results = []
     for number, line in enumerate(text.splitlines(), 1):
@@ -52,7 +49,7 @@ def replayed(session: Session, file: str, text: str) -> Replayed:
 
 
 def run_lines(
-    session: Session, lines: Iterable[bytes], write: Callable[[str], None], say: Callable[[str], None]
+    session: "Session", lines: Iterable[bytes], write: Callable[[str], None], say: Callable[[str], None]
 ) -> int:
     """Do every line up to ``quit``; a line that fails is told and does not end the session. The exit code: 1 if any failed, else 0."""
     status = 0

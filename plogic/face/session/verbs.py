@@ -3,22 +3,20 @@
 ``perform(session, "ask present(h1).")`` is ``session.ask("present(h1)")``; a line without a verb is ``ask``.
 """
 
-from __future__ import annotations
-
 import difflib
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from plogic.base.errors import InputError, UnknownPredicateError
+from plogic.face.session.blocks import Result
 from plogic.face.session.results import Help
 from plogic.logic.safety.atoms import OPERATORS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from plogic.face.session.blocks import Result
     from plogic.face.session.session import Session
+
 
 Takes = Literal["goal", "observed", "number", "predicate", "file", "verb", "nothing"]
 """What a verb's argument is: what completion offers for it."""
@@ -32,7 +30,7 @@ class Verb:
     usage: str
     meaning: str
     takes: Takes
-    call: Callable[[Session, str], Result] | None = None
+    call: "Callable[[Session, str], Result] | None" = None
 
 
 def _number(verb: str, text: str, default: int) -> int:
@@ -126,7 +124,7 @@ def is_end(line: str) -> bool:
     return match is not None and SYNONYMS.get(match[1], match[1]) == "quit"
 
 
-def perform(session: Session, line: str) -> Result | None:
+def perform(session: "Session", line: str) -> Result | None:
     """What a line comes to; None for an empty line, a comment and ``quit``. Raises what the verb raises."""
     if not line.strip() or line.lstrip().startswith("%"):
         return None
@@ -144,7 +142,7 @@ def perform(session: Session, line: str) -> Result | None:
         raise _helpful(error, argument) from None
 
 
-def helped(session: Session, topic: str) -> Result:
+def helped(session: "Session", topic: str) -> Result:
     """The table of verbs; or what one verb, or a predicate that can be asked for, means. Raises InputError where it is neither."""
     if not topic:
         return Help("verbs (a line without one is `ask`)", tuple((verb.usage, verb.meaning) for verb in VERBS))

@@ -4,8 +4,6 @@ A run's processes end when it ends, when it was killed (then its tasks are cance
 for a while.
 """
 
-from __future__ import annotations
-
 import threading
 from dataclasses import dataclass
 from importlib import import_module

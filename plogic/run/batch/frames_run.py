@@ -6,24 +6,17 @@ were written to OUT meanwhile stay in it for a while, and whoever reads it passe
 write it.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Collection, Iterator, Sequence
+from io import FileIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from geometry.files.plain_files import IS_MISSING, fault_of
-from plogic.run.batch.log import Stream, read_lines
+from plogic.run.batch.frames import Frame
+from plogic.run.batch.log import Stream, Written, read_lines
 from plogic.run.batch.pool import Answer, Job
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_whole
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Sequence
-    from io import FileIO
-
-    from plogic.run.batch.frames import Frame
-    from plogic.run.batch.log import Written
-
 
 STALE = 512
 """Lines of the file after which it is made anew, of those that still wait."""

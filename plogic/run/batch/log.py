@@ -1,27 +1,20 @@
 """The file that lines are appended to, each whole and at once, so that a run that was killed can go on with it."""
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os
 import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from io import RawIOBase
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import Any, BinaryIO, NamedTuple, Protocol
 
 from plogic.base.errors import InputError
 from plogic.run.batch.frame_lines import DONE, ERROR, FORMAT, UNFINISHED
-from plogic.run.batch.frames import digest_of
+from plogic.run.batch.frames import Frame, Settings, digest_of
 from sensing.errors import SensingError
 from sensing.files.whole_files import check_places
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-    from io import RawIOBase
-    from typing import BinaryIO
-
-    from plogic.run.batch.frames import Frame, Settings
 
 HEAD = f'{{"format":"{FORMAT}",'.encode()
 """How every line begins."""

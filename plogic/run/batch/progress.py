@@ -1,7 +1,5 @@
 """How far a run is and how long it will take: over and over on one line of a terminal, and now and then in a file."""
 
-from __future__ import annotations
-
 import sys
 from time import monotonic
 

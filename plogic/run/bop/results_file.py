@@ -2,35 +2,25 @@
 
 Its name by the challenge's convention is METHOD_DATASET-SPLIT.csv; none is demanded here.
 
-``run`` has a perceiver look at a dataset's frames, and gives the estimates with a line for each frame that went wrong;
-``views_of`` gives the views that are scored.
+``run`` has a perceiver look at a dataset's frames, and gives the estimates with a line for each frame that went wrong.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.camera import Camera
 from geometry.errors import PlogicError, told
 from geometry.frames import is_rigid
 from plogic.base.errors import InputError
+from plogic.run.bop.dataset import Dataset
 from plogic.run.bop.json_files import HIGHEST, MM, motion, number_of
-from plogic.run.bop.recalls import View
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
-    from plogic.run.bop.dataset import Dataset
-
 
 HEADER = "scene_id,im_id,obj_id,score,R,t,time"
 UNTIMED = -1.0
@@ -207,21 +197,3 @@ def _looked(
         if not (is_rigid(pose) and np.isfinite(sure)):
             raise InputError(f"{name}: the perceiver gave no rigid pose with a finite score")
     return frame.camera, found, perf_counter() - start
-
-
-def views_of(dataset: Dataset, done: Run) -> tuple[list[View], list[str]]:
-    """The views that have ground truth, those of bad frames (nothing found) among them, and a line for each truth that cannot be read."""
-    found: dict[tuple[int, int], list[Estimate]] = {}
-    for e in done.estimates:
-        found.setdefault((e.scene_id, e.im_id), []).append(e)
-    views, wrong = [], []
-    for key in dataset.listed()[0]:
-        try:
-            truths = dataset.scene(key[0]).truths(key[1])
-        except InputError as error:
-            wrong.append(str(error))
-            continue
-        if truths is not None:
-            wanted = None if dataset.targets is None else dataset.targets[key]
-            views.append(View(truths, tuple(found.get(key, ())), done.cameras.get(key), wanted))
-    return views, list(dict.fromkeys(wrong))

@@ -13,7 +13,8 @@ from plogic.face.commands.clicked import bop
 from plogic.face.shown.options import Scoring
 from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, read_ids, unknown
-from plogic.run.bop.results_file import HEADER, read_results, run, views_of
+from plogic.run.bop.recalls import views_of
+from plogic.run.bop.results_file import HEADER, read_results, run
 
 IDS = {"t1": 1, "t2": 2}
 OPTIONS = {"ids": None, "timed": False, "as_json": False}
