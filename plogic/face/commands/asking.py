@@ -205,6 +205,6 @@ def shell_command(source: str, options: Asking, *, write: Callable[[str], None],
             from plogic.face.session.prompt import run_prompt
 
             return run_prompt(session, write_now, say)
-        from plogic.face.session.lines import run_lines
+        from plogic.face.session.verbs import run_lines
 
         return run_lines(session, sys.stdin.buffer, write_now, say)

@@ -30,7 +30,7 @@ def report_command(interpretation: str, out: str, *, say: Callable[[str], None],
 
 def measures_command(source: str, *, as_json: bool) -> str:
     """The document ``measures/1``, or both tables. Raises InterpretationError, SituationError."""
-    from plogic.face.python.measures import measures_of
+    from plogic.face.python.interpretation import measures_of
     from plogic.facts.situation import stopped_in
 
     document = read_interpretation(source)

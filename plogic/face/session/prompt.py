@@ -14,9 +14,8 @@ from prompt_toolkit.shortcuts import CompleteStyle
 
 from geometry.errors import PlogicError
 from plogic.face.session.blocks import visible
-from plogic.face.session.lines import attempted, shown
 from plogic.face.session.session import Session
-from plogic.face.session.verbs import SYNONYMS, VERBS, is_end
+from plogic.face.session.verbs import SYNONYMS, VERBS, attempted, is_end, shown
 
 
 def history_file() -> Path:

@@ -17,8 +17,8 @@ from typing import Self, TypeVar
 from plogic.base.errors import InconsistentError, InputError, ProgramError
 from plogic.face.session import results
 from plogic.face.session.blocks import Result
-from plogic.face.session.lines import replayed
 from plogic.face.session.minds import mind_of
+from plogic.face.session.verbs import replayed
 from plogic.facts.situation import Stopped
 from plogic.logic.safety.atoms import is_ground, one_line, tokens
 from plogic.logic.served.engine import Answer, Limits

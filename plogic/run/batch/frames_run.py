@@ -6,15 +6,15 @@ were written to OUT meanwhile stay in it for a while, and whoever reads it passe
 write it.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Sequence
 from io import FileIO
 from pathlib import Path
-from typing import Protocol
 
 from geometry.files.plain_files import IS_MISSING, fault_of
+from plogic.run.batch.dask import Cluster
 from plogic.run.batch.frames import Frame
-from plogic.run.batch.log import Stream, Written, read_lines
-from plogic.run.batch.pool import Answer, Job
+from plogic.run.batch.log import Log, Written, read_lines
+from plogic.run.batch.pool import Answer, Job, Pool
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_whole
 
@@ -56,7 +56,7 @@ class Waiting:
             return
         self._count += 1
         if self._file is not None and self._count < STALE:
-            Stream(str(self._place), self._file).write(line)
+            Log(str(self._place), self._file).write(line)
             return
         self.close()
         write_whole(self._place, b"".join(held))
@@ -93,20 +93,8 @@ AHEAD = 256
 memory."""
 
 
-class Engine(Protocol):
-    """Who works: the processes of this machine, or a cluster."""
-
-    def start(self, number: int) -> None:
-        """Get ready for so many frames."""
-
-    def kb(self) -> dict[str, str]:
-        """Name and digest of the KB that is used."""
-
-    def answers(self, take: Callable[[], Job | None]) -> Iterator[Answer]:
-        """The line of every frame that ``take`` gives."""
-
-    def close(self) -> None:
-        """End whatever works."""
+Engine = Pool | Cluster
+"""Who works: the processes of this machine, or a cluster."""
 
 
 def run(
