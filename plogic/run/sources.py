@@ -1,7 +1,6 @@
 """Where commands take their input from: knowledge bases, interpretations, programs, and Γ, its file or an image and its camera."""
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,13 +9,11 @@ from numpy.typing import NDArray
 from geometry.files.plain_files import is_there
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
-from plogic.facts.situation import Reading, Situation
 from plogic.logic.served.engine import Text
 
 if TYPE_CHECKING:
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.scene.asking.query import Subject
     from sensing.appearance import Gamma
 
 
@@ -115,19 +112,6 @@ def program_text_of(path: str) -> str:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: is not UTF-8 text (byte {error.start})") from None
-
-
-def situation_from(source: str, reading: Reading | None = None) -> Situation:
-    """The situation of an interpretation's file, in the other reading where one is named: Δh and its facts are the same."""
-    from plogic.facts.interpretation import read_interpretation, situation_of
-
-    situation = situation_of(read_interpretation(source))
-    return situation if reading is None else replace(situation, reading=reading)
-
-
-def subject_of(source: str, reading: Reading | None) -> "Subject":
-    """A situation, or program text, as ``answers`` and ``explain`` take them."""
-    return Text(program_text_of(source), source) if is_program(source) else situation_from(source, reading)
 
 
 def rules_from(path: str | None) -> Text | None:

@@ -17,13 +17,11 @@ from kb.learning.compounds import with_parts
 from kb.learning.observations import AWAY, MARGIN, PIXELS, Observations, joined, observed
 from kb.learning.symmetry_trials import DIRECTIONS, Trial, entries, judged, trials
 from plogic.base.errors import InputError
-from plogic.face.authoring.kb_learn_look import learned_of
+from plogic.face.authoring.kb_learn_look import detection_by, learned_of
 from plogic.face.authoring.kb_types import check_own, type_folders, with_entry
 from plogic.face.shown.options import Learning
 from plogic.face.shown.tables import plain_table
 from plogic.run.sources import kb_of
-from sensing.detectors.keypoint_detector import described
-from sensing.detectors.keypoints import Keypoints
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_files
 from sensing.simulated.body import read_mesh
@@ -172,15 +170,11 @@ def _new_pictures(kind: ObjectType, options: Learning, directions: NDArray[np.fl
     import cv2
 
     assert kind.mesh_file is not None  # noqa: S101 - it was learned from it
-    threads = cv2.getNumThreads()
+    look, threads = detection_by(options.detector), cv2.getNumThreads()
     cv2.setNumThreads(1)
-
-    def detect(image: NDArray[np.uint8], calm: NDArray[np.uint8], cell: int) -> Keypoints:
-        return described(image, options.detector, cell=cell, calm=calm)
-
     views = turned(read_mesh(kind.mesh_file, kind.mesh_scale), list(directions), PIXELS[0], MARGIN, AWAY)
     try:
-        return joined([observed(view, number, detect, options.seed + 1) for number, view in enumerate(views)])
+        return joined([observed(view, number, look, options.seed + 1) for number, view in enumerate(views)])
     finally:
         cv2.setNumThreads(threads)
 
@@ -225,12 +219,9 @@ def symmetry_lines(name: str, rows: Sequence[Mapping[str, Any]] | None) -> list[
     if rows is None:
         return [f"{name}: {KEPT}"]
     if all(row["verdict"] == "broken" for row in rows):
-        return [f"{name}: symmetries: none; its texture breaks {_turns(len(rows))} of its shape"] if rows else []
+        turns = "the one turn" if len(rows) == 1 else f"all {len(rows)} turns"
+        return [f"{name}: symmetries: none; its texture breaks {turns} of its shape"] if rows else []
     return [f"{name}: {_line(row)}" for row in rows if row["verdict"] != "broken"]
-
-
-def _turns(number: int) -> str:
-    return "the one turn" if number == 1 else f"all {number} turns"
 
 
 def _line(row: Mapping[str, Any]) -> str:

@@ -93,13 +93,20 @@ def _look(task: tuple[str, float, str, int], part: range) -> list[Observations]:
 
     cv2.setNumThreads(1)
     file, scale, detector, seed = task
+    views = turned(read_mesh(file, scale), [even_directions(DIRECTIONS)[i] for i in part], PIXELS[0], MARGIN, AWAY)
+    look = edge_sides if detector == "sift" else None
+    return [
+        observed(view, number, detection_by(detector), seed, look) for number, view in zip(part, views, strict=True)
+    ]
+
+
+def detection_by(detector: str) -> Callable[[NDArray[np.uint8], NDArray[np.uint8], int], Keypoints]:
+    """How learning looks at an image (H, W, 3) uint8, blue first, of which ``calm`` (H, W) may be told, with a detector."""
 
     def detect(image: NDArray[np.uint8], calm: NDArray[np.uint8], cell: int) -> Keypoints:
         return described(image, detector, cell=cell, calm=calm)
 
-    views = turned(read_mesh(file, scale), [even_directions(DIRECTIONS)[i] for i in part], PIXELS[0], MARGIN, AWAY)
-    look = edge_sides if detector == "sift" else None
-    return [observed(view, number, detect, seed, look) for number, view in zip(part, views, strict=True)]
+    return detect
 
 
 def _progress(text: str) -> None:

@@ -3,12 +3,12 @@
 import json
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from kb.files.schema import json_schema
 from kb.shown.show import check_report, tree_document, tree_text
 from plogic.base.errors import InputError
+from plogic.face.shown.options import written
 from plogic.face.shown.tables import plain_table
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.run.sources import kb_of
@@ -89,15 +89,9 @@ def page_command(
 ) -> None:
     """Write the page of a type, the KB's only one where none is named; `-` is stdout. Raises InputError."""
     from plogic.face.pages.type_content import type_page
-    from sensing.files.whole_files import write_whole
 
     kb = kb_of(folder)
-    text = type_page(kb, type_of(kb, name))
-    if out == "-":
-        write(text)
-        return
-    write_whole(Path(out), text.encode())
-    say(f"wrote {out}")
+    written(type_page(kb, type_of(kb, name)), out, say=say, write=write)
 
 
 def type_of(kb: "KnowledgeBase", name: str | None) -> "ObjectType":

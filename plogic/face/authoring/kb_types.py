@@ -27,18 +27,11 @@ from plogic.sequence.constancy.result import SeenFeature
 from sensing.files.whole_files import write_folder, write_whole
 
 
-def check_kb(folder: Path) -> None:
-    """Raise InputError where there is no knowledge base to add to."""
-    if fault_of(folder / "kb.yaml") is not None:
-        raise InputError(f"{folder}: holds no kb.yaml; make a knowledge base with: plogic kb new {folder}")
-
-
 def is_new(folder: Path) -> bool:
     """Whether there is nothing yet, so that a knowledge base is to be made first; raises InputError where what is there is none."""
-    if is_there(folder):
-        check_kb(folder)
-        return False
-    return True
+    if is_there(folder) and fault_of(folder / "kb.yaml") is not None:
+        raise InputError(f"{folder}: holds no kb.yaml; make a knowledge base with: plogic kb new {folder}")
+    return not is_there(folder)
 
 
 def check_own(kb_folder: str) -> Path:

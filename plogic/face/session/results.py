@@ -71,13 +71,9 @@ class Prediction:
 
 
 @dataclass(frozen=True)
-class PredictionRow:
+class PredictionRow(AnswerRow):
     """One answer: its ``probability`` given what was observed, with bounds, and what it was ``before``."""
 
-    goal: str
-    bindings: dict[str, str | int | float]
-    probability: float
-    interval: tuple[float, float]
     before: float
 
 
