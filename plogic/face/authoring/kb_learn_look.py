@@ -101,7 +101,7 @@ def _look(task: tuple[str, float, str, int], part: range) -> list[Observations]:
 
 
 def detection_by(detector: str) -> Callable[[NDArray[np.uint8], NDArray[np.uint8], int], Keypoints]:
-    """How learning looks at an image (H, W, 3) uint8, blue first, of which ``calm`` (H, W) may be told, with a detector."""
+    """Return ``described`` with a detector, and its arguments as ``observed`` hands them over."""
 
     def detect(image: NDArray[np.uint8], calm: NDArray[np.uint8], cell: int) -> Keypoints:
         return described(image, detector, cell=cell, calm=calm)
